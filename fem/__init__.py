@@ -1,0 +1,1 @@
+"""The half-space in elements: axisymmetric elasticity, Lagrange-multiplier contact, Boussinesq far field."""

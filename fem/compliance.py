@@ -1,0 +1,156 @@
+"""Frictionless contact on the finite-element half-space: Lagrange multipliers, condensed to a compliance.
+
+Unknowns: displacements `u`, the pressure `p` on the contact (the multipliers, on the radial pressure space), and the
+indentation `d`. With the coupling ``N_ij = int v_i phi_j dA`` of contact displacements and pressures,
+
+    K u = N p,      N^T u = d b - int f phi dA,      b . p = F.
+
+`saddle_point` solves that system whole. `compliance` eliminates `u` once, ``A = N^T K^-1 N``, which is all that
+contact, wear and steady states ever need.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import solve_triangular
+from scipy.sparse import bmat, csc_matrix
+from scipy.sparse.linalg import splu
+
+from meshes.compliance import Compliance
+from meshes.errors import SolverError
+from meshes.half_space import HalfSpaceMesh
+from meshes.radial import Array, Indices, PressureSpace, shapes
+
+from .condensation import trailing_factor
+from .elasticity import AxisymmetricElasticity, moduli
+from .far_field import exterior_stiffness, pole
+
+# multipliers on each contact facet, continuous inside rings: the highest degree that is stable for each displacement
+MULTIPLIER_DEGREE = {2: 1, 3: 2, 4: 3}
+
+
+def pressure_space(mesh: HalfSpaceMesh, edges: Array, degree: int) -> PressureSpace:
+    """The pressure space on the contact facets of the mesh, of multiplier `degree`."""
+    breakpoints = mesh.contact_radii.copy()
+    nearest = np.abs(breakpoints[:, None] - edges).argmin(axis=0)
+    breakpoints[nearest] = edges
+    return PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), edges)
+
+
+@dataclass(frozen=True, eq=False)
+class HalfSpace:
+    """A meshed half-space in contact on ``r < 1``, with its far field.
+
+    Parameters
+    ----------
+    solid : the elastic solid
+    space : pressure space on its contact facets
+    poles : orders of the Boussinesq poles tied to the outer boundary; none clamps it (`fixed`)
+    """
+
+    solid: AxisymmetricElasticity
+    space: PressureSpace
+    poles: tuple[int, ...] = (0, 2, 4)
+
+    @property
+    def unknowns(self) -> int:
+        return 2 * self.solid.nodes + len(self.poles)
+
+    @cached_property
+    def _numbering(self) -> tuple[Indices, Indices]:
+        """Unknowns inside the half-space, and axial ones on the contact in the order of the radius."""
+        n = self.solid.nodes
+        held = np.zeros(2 * n, dtype=bool)
+        far = self.solid.boundary("far")
+        held[self.solid.boundary("axis")] = True
+        held[far] = held[far + n] = True
+        contact = self.solid.boundary("contact") + n
+        held[contact] = True
+        return np.flatnonzero(~held), contact
+
+    @cached_property
+    def _far_fields(self) -> Array:
+        """(2n, k) nodal values of the poles on the outer boundary, zero elsewhere."""
+        solid, n = self.solid, self.solid.nodes
+        far = solid.boundary("far")
+        _, shear = moduli(solid.poisson_ratio)
+        out = np.zeros((2 * n, len(self.poles)))
+        for column, order in enumerate(self.poles):
+            displacement, _ = pole(solid.positions[far], order, solid.poisson_ratio, shear)
+            out[far, column], out[far + n, column] = displacement.T
+        return out
+
+    @cached_property
+    def system(self) -> csc_matrix:
+        """Stiffness of (inside, contact, amplitudes of the poles): symmetric positive definite."""
+        inside, contact = self._numbering
+        order = np.concatenate([inside, contact])
+        stiffness = self.solid.stiffness
+        free = stiffness[order][:, order]
+        if not self.poles:
+            return free.tocsc()
+        border = stiffness @ self._far_fields
+        _, shear = moduli(self.solid.poisson_ratio)
+        segments = self.solid.mesh.points[self.solid.mesh.boundaries["far"]]
+        exterior = exterior_stiffness(segments, self.poles, self.solid.poisson_ratio, shear)
+        corner = self._far_fields.T @ border + exterior
+        edge = csc_matrix(border[order])
+        return bmat([[free, edge], [edge.T, csc_matrix((corner + corner.T) / 2)]], format="csc")
+
+    @cached_property
+    def coupling(self) -> Array:
+        """(contact nodes + k, size) ``int v_i phi_j dA``; the poles do not touch the contact."""
+        degree, space = self.solid.degree, self.space
+        local, weight = np.polynomial.legendre.leggauss(degree + space.top)
+        equispaced = np.linspace(-1, 1, degree + 1)
+        to_nodes = np.linalg.inv(np.polynomial.legendre.legvander(equispaced, degree))
+        trace = np.polynomial.legendre.legvander(local, degree) @ to_nodes
+        half = np.diff(space.breakpoints)[:, None] / 2
+        area = 2 * np.pi * (space.breakpoints[:-1, None] + half * (1 + local)) * half * weight
+        blocks = np.einsum("eq,qi,qj->eij", area, trace, shapes(local, space.top), optimize=True)
+        rows = degree * np.arange(len(half))[:, None] + np.arange(degree + 1)
+        out = np.zeros((degree * len(half) + 1 + len(self.poles), space.size + 1))
+        np.add.at(out, (rows[:, :, None], space.dofs[:, None, :]), blocks)
+        return out[:, :-1]
+
+    def expand(self, solution: Array) -> Array:
+        """(m, nodes, 2) displacements by the (unknowns of `system`, m) solutions."""
+        inside, contact = self._numbering
+        free = len(inside) + len(contact)
+        out = self._far_fields @ solution[free:]
+        out[np.concatenate([inside, contact])] = solution[:free]
+        return np.stack([out[: self.solid.nodes].T, out[self.solid.nodes :].T], axis=-1)
+
+    def compliance(self, solver: str = "") -> Compliance:
+        """Condense the half-space to its compliance on the pressure space.
+
+        The rows of the factor belong to contact nodes, then to poles: without its last row it is the compliance of
+        the same half-space with one pole less.
+        """
+        inside, _ = self._numbering
+        lower = trailing_factor(self.system, len(inside), solver)
+        return Compliance(self.space, solve_triangular(lower, self.coupling, lower=True))
+
+    def saddle_point(self, force: float = 1.0) -> tuple[Array, float]:
+        """Pressure coefficients (size,) and indentation of the flat punch, from the whole system at once.
+
+        The pressure is sought among those continuous across ring edges. This is the plain reference that
+        `compliance` is tested against.
+        """
+        inside, _ = self._numbering
+        continuous = self.space.joined(np.ones(len(self.space.edges) - 1))
+        coupling = np.zeros((self.system.shape[0], continuous.shape[1]))
+        coupling[len(inside) :] = self.coupling @ continuous
+        weights = csc_matrix(continuous.T @ self.space.weights)
+        block = csc_matrix(coupling)
+        whole = bmat([[self.system, -block, None], [-block.T, None, weights.T], [None, weights, None]], format="csc")
+        right = np.zeros(whole.shape[0])
+        right[-1] = force
+        solution = splu(whole).solve(right)
+        if not np.isfinite(solution).all():
+            raise SolverError("the contact system is singular")
+        pressure = solution[self.system.shape[0] : -1]
+        return continuous @ pressure, float(solution[-1])

@@ -1,0 +1,88 @@
+"""Eliminate the inside of the half-space: a sparse Cholesky factorisation whose trailing block is what is wanted.
+
+With the kept unknowns ordered last, the trailing block `L` of the factor satisfies ``L L^T = `` Schur complement of
+the inside: one factorisation, no solve per kept unknown. CHOLMOD (from `kvxopt`, an optional extra) is used where it
+is installed, SuperLU (from scipy) everywhere else.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csc_matrix, tril
+from scipy.sparse.linalg import splu
+
+from meshes.errors import SolverError
+from meshes.radial import Array, Indices
+
+
+def solver() -> str:
+    """Name of the sparse factorisation in use."""
+    return "cholmod" if importlib.util.find_spec("kvxopt") else "superlu"
+
+
+def trailing_factor(matrix: csc_matrix, inside: int, name: str = "") -> Array:
+    """(k, k) lower Cholesky factor of the Schur complement of the first `inside` unknowns.
+
+    Parameters
+    ----------
+    matrix : symmetric positive definite, unknowns to eliminate first
+    inside : how many to eliminate
+    name : `cholmod` or `superlu`; default the best one installed
+
+    Raises
+    ------
+    SolverError
+        if the matrix is not positive definite
+    """
+    try:
+        factor = {"cholmod": _cholmod, "superlu": _superlu}[name or solver()](matrix, inside)
+    except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
+        raise SolverError(f"the stiffness of the half-space could not be factorised: {error}") from error
+    if not np.isfinite(factor).all():
+        raise SolverError("the stiffness of the half-space is singular: its factor is not finite")
+    return factor
+
+
+def _cholmod(matrix: csc_matrix, inside: int) -> Array:
+    import kvxopt
+    from kvxopt import amd, cholmod
+
+    def lower(part: csc_matrix) -> Any:
+        entries = tril(part, format="coo")
+        return kvxopt.spmatrix(entries.data, entries.row.astype(np.int64), entries.col.astype(np.int64), part.shape)
+
+    size = matrix.shape[0]
+    order = _kept_last(np.array(amd.order(lower(matrix[:inside, :inside]))).ravel(), size)
+    permuted = lower(matrix[order][:, order])
+    # the order is ours, down to the last unknown: CHOLMOD must not improve on it
+    ours = {"supernodal": 2, "postorder": False, "nmethods": 1}
+    before = dict(cholmod.options)
+    cholmod.options.update(ours)
+    try:
+        factor = cholmod.symbolic(permuted, p=kvxopt.matrix(list(range(size)), (size, 1), "i"))
+        cholmod.numeric(permuted, factor)
+        pointers, rows, values = (np.array(part).ravel() for part in cholmod.getfactor(factor).CCS)
+    finally:
+        cholmod.options.clear()
+        cholmod.options.update(before)
+    first = pointers[inside]
+    trailing = csc_matrix((values[first:], rows[first:] - inside, pointers[inside:] - first), shape=(size - inside,) * 2)
+    return np.asarray(trailing.toarray())
+
+
+def _superlu(matrix: csc_matrix, inside: int) -> Array:
+    symmetric = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+    order = np.argsort(splu(matrix[:inside, :inside], permc_spec="MMD_AT_PLUS_A", **symmetric).perm_c)
+    order = _kept_last(order, matrix.shape[0])
+    factor = splu(matrix[order][:, order], permc_spec="NATURAL", **symmetric)
+    if not (np.array_equal(factor.perm_r, factor.perm_c) and np.array_equal(factor.perm_c, np.arange(len(order)))):
+        raise SolverError("the stiffness of the half-space needed pivoting: it is not positive definite")
+    schur = (factor.L[inside:, inside:] @ factor.U[inside:, inside:]).toarray()
+    return np.linalg.cholesky((schur + schur.T) / 2)
+
+
+def _kept_last(order: Indices, size: int) -> Indices:
+    return np.concatenate([order, np.arange(len(order), size)])

@@ -1,0 +1,59 @@
+"""Displacements and stresses inside the half-space, recovered from contact pressures."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse.linalg import splu
+
+from meshes.errors import SolverError
+from meshes.radial import Array
+
+from .compliance import HalfSpace
+from .elasticity import AxisymmetricElasticity, moduli
+
+
+def displacements(half_space: HalfSpace, pressures: Array) -> Array:
+    """(states, nodes, 2) radial and axial displacement under (states, size) pressure coefficients."""
+    system, size = half_space.system, half_space.coupling.shape[0]
+    right = np.zeros((system.shape[0], len(pressures)))
+    right[-size:] = half_space.coupling @ pressures.T
+    symmetric = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+    solution = splu(system, permc_spec="MMD_AT_PLUS_A", **symmetric).solve(right)
+    if not np.isfinite(solution).all():
+        raise SolverError("the stiffness of the half-space is singular: no displacement can be recovered")
+    return half_space.expand(solution)
+
+
+def vertex_stresses(solid: AxisymmetricElasticity, displacement: Array) -> Array:
+    """(states, vertices, 4) stresses rr, zz, rz, hoop at the mesh vertices, averaged over the triangles around each.
+
+    Singular at the rim and at ring edges: values there show the element size, not the solid.
+    """
+    lame, shear = moduli(solid.poisson_ratio)
+    corners = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    value, gradient = solid.reference(corners)
+    inverse, area = solid.inverse_jacobian
+    local = displacement[:, solid.element_dofs]  # states, nodes, triangles, component
+    slopes = np.einsum("iaq,axm,simc->smqcx", gradient, inverse, local, optimize=True)
+    radius = solid.corners[0].T
+    radial = np.einsum("iq,sim->smq", value, local[..., 0], optimize=True)
+    on_axis = radius == 0
+    hoop = np.where(on_axis, slopes[..., 0, 0], radial / np.where(on_axis, 1.0, radius))
+    rr, zz = slopes[..., 0, 0], slopes[..., 1, 1]
+    volume = lame * (rr + zz + hoop)
+    rz = shear * (slopes[..., 0, 1] + slopes[..., 1, 0])
+    stress = np.stack([volume + 2 * shear * rr, volume + 2 * shear * zz, rz, volume + 2 * shear * hoop], axis=-1)
+    vertices = solid.vertices
+    out = np.zeros((len(displacement), vertices.max() + 1, 4))
+    weight = np.zeros(vertices.max() + 1)
+    for corner in range(3):
+        for state, values in zip(out, stress, strict=True):
+            np.add.at(state, vertices[corner], area[:, None] * values[:, corner])
+        np.add.at(weight, vertices[corner], area)
+    return out / weight[:, None]
+
+
+def von_mises(stress: Array) -> Array:
+    """(...) von Mises stress of (..., 4) stresses."""
+    rr, zz, rz, hoop = np.moveaxis(stress, -1, 0)
+    return np.sqrt(((rr - zz) ** 2 + (zz - hoop) ** 2 + (hoop - rr) ** 2) / 2 + 3 * rz**2)

@@ -1,0 +1,146 @@
+"""Direct integration in closed form: displacement, limiting profile and slope of ring-wise constant pressures.
+
+A ring is a difference of two discs, and a uniformly loaded disc of radius c has (moduli, not parameters)
+
+    u = (4 p c / (pi E*)) E(r/c)                                    inside
+    u = (4 p r / (pi E*)) [E(c/r) - (1 - c^2/r^2) K(c/r)]           outside
+    du/dr = (4 p / (pi E*)) (E - K)(r/c) c/r inside, (E - K)(c/r) outside,
+
+so Eq. 21 needs no quadrature in the steady state (Eq. 24). Slopes have logarithmic poles at ring edges; their squares
+are integrated by a substitution that removes them (Eq. 18). Natural units: punch radius 1, modulus 1.
+
+Eq. 25 of the paper integrates over the angle twice, beside its factor 2 pi; Eq. 26 is right.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+from scipy.special import ellipe, ellipk, ellipkm1, elliprd
+
+from meshes.radial import Array, ring_areas
+
+EDGE_NODES = 28
+EDGE_POWER = 6
+
+
+def ring_kernel(radius: Array, ring: Array) -> Array:
+    """Eq. 19: displacement at `radius` by a unit force on a thin ring, ``2 K(k) / (pi^2 (r + r_ring))``."""
+    modulus = 4 * radius * ring / (radius + ring) ** 2
+    return 2 * ellipk(modulus) / (np.pi**2 * (radius + ring))
+
+
+def steady_pressures(edges: Array, wear_coefficients: Array, force: float = 1.0) -> Array:
+    """Eqs. 24 and 26 for any rings: ``p_j = F / (k_j sum_i A_i / k_i)``."""
+    return force / (wear_coefficients * np.sum(ring_areas(edges) / wear_coefficients))
+
+
+def disc_displacement(disc: Array, radius: Array) -> Array:
+    """Displacement at `radius` by unit pressure on a disc; the arguments broadcast."""
+    inside = radius <= disc
+    ratio = np.where(inside, radius, disc) / np.where(inside, disc, radius)
+    square = ratio**2
+    e = ellipe(square)
+    # (1 - m) K(m) tends to zero at the edge, where K itself is infinite
+    complement = (1 - ratio) * (1 + ratio)
+    outside = e - complement * ellipkm1(np.maximum(complement, np.finfo(float).tiny))
+    return 4 / np.pi * np.where(inside, disc * e, radius * outside)
+
+
+def disc_slope(disc: Array, radius: Array, gap: Array) -> Array:
+    """Slope ``du/dr`` by unit pressure on a disc; `gap` is ``|radius - disc|``, given so that it may be tiny."""
+    inside = radius <= disc
+    larger = np.where(inside, disc, radius)
+    ratio = np.where(inside, radius, disc) / larger
+    complement = gap / larger * (1 + ratio)
+    difference = -(ratio**2) / 3 * elliprd(0.0, complement, 1.0)  # (E - K)(ratio), without cancellation
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return 4 / np.pi * np.where(ratio == 0, 0.0, np.where(inside, difference / ratio, difference))
+
+
+def displacement(edges: Array, pressures: Array, radii: Array) -> Array:
+    """Eq. 21: displacement at `radii` by a constant pressure on each ring."""
+    return disc_displacement(edges[1:], np.asarray(radii, dtype=float)[:, None]) @ pressure_steps(pressures)
+
+
+def slope(edges: Array, pressures: Array, radii: Array) -> Array:
+    """Slope ``du/dr`` at `radii` off the ring edges; the slope of the limiting profile is its negative."""
+    radii = np.asarray(radii, dtype=float)[:, None]
+    return disc_slope(edges[1:], radii, np.abs(radii - edges[1:])) @ pressure_steps(pressures)
+
+
+def pressure_steps(pressures: Array) -> Array:
+    """Pressures of the discs, one for each ring edge but the centre, whose sum is constant on rings.
+
+    (N, ...) in, (N, ...) out.
+    """
+    outside = np.zeros_like(pressures[:1])
+    return -np.diff(np.concatenate([pressures, outside]), axis=0)
+
+
+def greatest_displacement(edges: Array, pressures: Array) -> float:
+    """Greatest displacement under the punch, ``u_max`` of Eq. 27, to roundoff."""
+    radii = np.concatenate([a + (b - a) * np.linspace(0, 1, 33)[:-1] for a, b in itertools.pairwise(edges)])
+    values = displacement(edges, pressures, radii)
+    best = int(values.argmax())
+    if best == 0:
+        return float(values[0])
+    bounds = (radii[best - 1], radii[best + 1] if best + 1 < len(radii) else 1.0)
+    found = minimize_scalar(
+        lambda r: -displacement(edges, pressures, np.array([r]))[0], bounds=bounds, method="bounded", options={"xatol": 1e-9}
+    )
+    return float(max(-found.fun, values[best]))
+
+
+def limiting_profile(edges: Array, pressures: Array, radii: Array) -> Array:
+    """Eq. 27: ``f_stat = u_max - u``, zero where the punch has worn least."""
+    return greatest_displacement(edges, pressures) - displacement(edges, pressures, radii)
+
+
+def slope_gram(edges: Array, patterns: Array, block: int = 2000) -> tuple[Array, Array]:
+    """Mean products of the slopes of several ring-wise constant pressures: for `line` and `area` averages.
+
+    Parameters
+    ----------
+    edges : (N+1,) ring edges, 0 to 1
+    patterns : (N, m) pressures
+
+    Returns
+    -------
+    (m, m) matrices: ``p.T @ gram @ p`` is the squared RMS gradient (Eq. 18) of the pressure ``patterns @ p``, as an
+    average over the radius and over the area.
+    """
+    radii, gaps, weights, edge = _edge_quadrature(edges)
+    steps = pressure_steps(patterns)
+    line, area = (np.zeros((patterns.shape[1],) * 2) for _ in range(2))
+    for start in range(0, len(radii), block):
+        part = slice(start, start + block)
+        r = radii[part, None]
+        gap = np.abs(r - edges[1:])
+        row = np.arange(len(gap))
+        own = edge[part] > 0
+        gap[row[own], edge[part][own] - 1] = gaps[part][own]
+        slopes = disc_slope(edges[1:], r, gap) @ steps
+        line += slopes.T @ (weights[part, None] * slopes)
+        area += slopes.T @ (2 * r * weights[part, None] * slopes)
+    return line, area
+
+
+def _edge_quadrature(edges: Array) -> tuple[Array, Array, Array, Array]:
+    """Radii, distances to the nearest edge, weights and number of that edge, for log poles at every edge."""
+    node, weight = np.polynomial.legendre.leggauss(EDGE_NODES)
+    node, weight = (1 + node) / 2, weight / 2
+    half = np.diff(edges)[:, None] / 2
+    gap = half * node**EDGE_POWER
+    weights = np.tile(half * EDGE_POWER * node ** (EDGE_POWER - 1) * weight, 2).ravel()
+    radii = np.concatenate([edges[:-1, None] + gap, edges[1:, None] - gap], axis=1).ravel()
+    number = np.arange(len(edges) - 1)[:, None] + np.repeat([0, 1], EDGE_NODES)
+    return radii, np.tile(gap, 2).ravel(), weights, number.ravel()
+
+
+def rms_slope(edges: Array, pressures: Array, average: str = "line") -> float:
+    """Eq. 18 for the limiting profile; `average` is `line` (over the radius) or `area`."""
+    line, area = slope_gram(edges, pressures[:, None])
+    return float(np.sqrt({"line": line, "area": area}[average][0, 0]))

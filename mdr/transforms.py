@@ -1,0 +1,92 @@
+"""The MDR transforms: between pressure and line density, profile and one-dimensional profile (Eqs. 3 and 7).
+
+`line_density` is the inverse of Eq. 7, ``q(x) = 2 int_x^a r p / sqrt(r^2 - x^2) dr``, on the pressure space; the
+grid matrices are Eqs. 3 and 7 themselves for piecewise linear functions. The integral of Eq. 7 runs to infinity and
+includes the jump of `q` at ``x = a``, which the print does not show: it yields the edge term
+``q(a) / (pi sqrt(a^2 - r^2))``, the whole pressure of a flat punch.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshes.radial import Array, PressureSpace, shapes
+
+# Gauss points that integrate a polynomial in exp(theta) to roundoff, by (degree x length of the interval)
+GAUSS_POINTS = ((0.25, 8), (1.0, 12), (4.0, 18), (12.0, 28), (40.0, 44), (np.inf, 80))
+
+
+def line_density(space: PressureSpace, positions: Array) -> Array:
+    """(len(positions), size) line density ``q(x)`` of each pressure function at positions in (0, 1)."""
+    point, element = np.nonzero(space.breakpoints[1:] > positions[:, None])
+    x, left, right = positions[point], space.breakpoints[element], space.breakpoints[element + 1]
+    lower = np.maximum(left, x)
+    lower_root, upper_root = np.sqrt((lower - x) * (lower + x)), np.sqrt((right - x) * (right + x))
+    # r = x cosh(theta): the integrand is entire in theta, and no difference of close numbers is formed
+    span = np.arcsinh((right - lower) * (right + lower) / (upper_root * lower + lower_root * right))
+    reach = (space.degrees[element] + 1) * span
+    values = np.zeros((len(point), space.top + 1))
+    start = 0.0
+    for stop, count in GAUSS_POINTS:
+        group = np.flatnonzero((reach >= start) & (reach < stop))
+        start = stop
+        node, weight = np.polynomial.legendre.leggauss(count)
+        sinh = np.sinh(span[group, None] * (1 + node) / 4)
+        above = 2 * sinh * (lower_root[group, None] * np.sqrt(1 + sinh**2) + lower[group, None] * sinh)
+        radius = lower[group, None] + above
+        local = 2 * ((lower - left)[group, None] + above) / (right - left)[group, None] - 1
+        weighted = (radius * weight * span[group, None])[:, None, :]
+        values[group] = (weighted @ shapes(local, space.top))[:, 0]
+    out = np.zeros((len(positions), space.size + 1))
+    # each position meets each element once, and neighbours share hats: add the two hats one after the other
+    for j in range(space.top + 1):
+        np.add.at(out, (point, space.dofs[element, j]), values[:, j])
+    return out[:, :-1]
+
+
+def panel_quadrature(space: PressureSpace) -> tuple[Array, Array]:
+    """Positions and weights on (0, 1) that integrate products of line densities of the space.
+
+    A line density has a square-root singularity on the left of every breakpoint and ``x^2 log x`` at the axis;
+    squares substituted at those ends make the integrand smooth.
+    """
+    node, weight = np.polynomial.legendre.leggauss(space.top + space.top // 2 + 4)
+    node, weight = (1 + node) / 2, weight / 2
+    right, width = space.breakpoints[1:, None], np.diff(space.breakpoints)[:, None]
+    positions, weights = right - width * node**2, width * 2 * node * weight
+    folded = node * (2 - node)
+    positions[0] = width[0] * (1 - folded) * (1 + folded)
+    weights[0] = width[0] * 4 * folded * (1 - node) * weight
+    return positions.ravel(), weights.ravel()
+
+
+def profile_transform(radii: Array, positions: Array) -> Array:
+    """Matrix of Eq. 3, ``g = T f``, for a profile linear between `radii` and flat inside the first of them.
+
+    Beyond the last radius the profile goes on with its last slope. Positions must be positive. Eq. 3 as printed holds
+    for ``f(0) = 0``; a centre that has worn adds ``f(0)`` to `g` everywhere.
+    """
+    cells = np.append(radii[:-1], np.inf)
+    x = positions[:, None]
+    angle = np.arcsin(np.clip(cells / x, 0.0, 1.0))
+    by_slope = x * np.diff(angle, axis=1) / np.diff(radii)
+    out = np.zeros((len(positions), len(radii)))
+    out[:, 1:] += by_slope
+    out[:, :-1] -= by_slope
+    out[:, 0] += 1.0
+    return out
+
+
+def pressure_transform(positions: Array, radii: Array) -> Array:
+    """Matrix of Eq. 7 with its edge term, ``p = S q``, for a line density linear between `positions`.
+
+    The positions start at 0 and end at the rim; radii must lie strictly between.
+    """
+    root = np.arccosh(np.maximum(positions / radii[:, None], 1.0))
+    by_slope = np.diff(root, axis=1) / np.diff(positions) / np.pi
+    out = np.zeros((len(radii), len(positions)))
+    out[:, 1:] -= by_slope
+    out[:, :-1] += by_slope
+    rim = positions[-1]
+    out[:, -1] += 1 / (np.pi * np.sqrt((rim - radii) * (rim + radii)))
+    return out

@@ -1,0 +1,1 @@
+"""What is discretised: ring edges, the radial pressure space, and the truncated half-space as plain arrays."""

@@ -1,0 +1,46 @@
+"""The one object that every method hands up: a compliance on the pressure space.
+
+Natural units: punch radius 1, plane strain modulus 1. The compliance knows nothing of wear: it depends on where the
+ring edges are, not on what the rings are made of, so that one condensation serves every set of wear coefficients.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from .errors import SolverError
+from .radial import Array, PressureSpace
+
+
+@dataclass(frozen=True, eq=False)
+class Compliance:
+    """A symmetric positive definite compliance ``A = H^T H`` with ``A_ij = int u[phi_i] phi_j dA``.
+
+    The factor `H`, not `A`, is kept: singular values of `H` have half the dynamic range of the eigenvalues of `A`.
+
+    Parameters
+    ----------
+    space : pressure space, `size` functions
+    factor : (m, size) the factor `H`, m >= size; `u` in units of (pressure x radius / plane strain modulus)
+    """
+
+    space: PressureSpace
+    factor: Array
+
+    def __post_init__(self) -> None:
+        if not np.isfinite(self.factor).all():
+            raise SolverError("the compliance holds values that are not finite: the half-space system was singular")
+
+    @cached_property
+    def matrix(self) -> Array:
+        """(size, size) the compliance `A` itself."""
+        return self.factor.T @ self.factor
+
+    def coarser(self) -> Compliance:
+        """The same operator on the space without each element's highest bubble: for error estimates."""
+        space = self.space
+        kept = space.order < np.maximum(space.degree_of_function, 2)
+        return Compliance(replace(space, degrees=np.maximum(space.degrees - 1, 1)), self.factor[:, kept])

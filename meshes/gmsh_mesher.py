@@ -1,0 +1,88 @@
+"""The graded quarter disc by gmsh: one background field, one thread, the same mesh every time."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+
+from .errors import MeshError
+from .half_space import HalfSpaceMesh, SizeField, assemble
+
+SYSTEM_PACKAGES = "libgl1 libglu1-mesa libxrender1 libxcursor1 libxft2 libxinerama1"
+
+
+def unavailable() -> str:
+    """Why gmsh cannot be used here, with the remedy; empty if it can."""
+    try:
+        import gmsh  # noqa: F401
+    except (ImportError, OSError) as error:
+        return f"gmsh cannot be loaded ({error}); on Debian or Ubuntu: apt-get install {SYSTEM_PACKAGES}"
+    return ""
+
+
+def mesh(field: SizeField) -> HalfSpaceMesh:
+    """Mesh the quarter disc to the size field.
+
+    Raises
+    ------
+    MeshError
+        if gmsh cannot be loaded or fails
+    """
+    reason = unavailable()
+    if reason:
+        raise MeshError(reason)
+    import gmsh
+
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        _options(gmsh)
+        _geometry(gmsh, field)
+        gmsh.model.mesh.generate(2)
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        _, cells = gmsh.model.mesh.getElementsByType(2)
+    except Exception as error:  # gmsh raises bare exceptions
+        raise MeshError(f"gmsh could not mesh the half-space: {error}") from error
+    finally:
+        gmsh.finalize()
+    number = np.full(int(tags.max()) + 1, -1)
+    number[tags] = np.arange(len(tags))
+    points = coordinates.reshape(-1, 3)[:, :2]
+    return assemble(points, number[cells].reshape(-1, 3), np.array(field.edges), "gmsh")
+
+
+def _options(gmsh: Any) -> None:
+    for name, value in {
+        "General.Terminal": 0,
+        "General.NumThreads": 1,
+        "Mesh.Algorithm": 6,
+        "Mesh.MeshSizeExtendFromBoundary": 0,
+        "Mesh.MeshSizeFromPoints": 0,
+        "Mesh.MeshSizeFromCurvature": 0,
+        "Mesh.MeshSizeMin": 0,
+    }.items():
+        gmsh.option.setNumber(name, value)
+
+
+def _geometry(gmsh: Any, field: SizeField) -> None:
+    geometry, fields, outer = gmsh.model.geo, gmsh.model.mesh.field, field.truncation
+    on_contact = [geometry.addPoint(edge, 0, 0) for edge in field.edges]
+    surface_end, axis_end = geometry.addPoint(outer, 0, 0), geometry.addPoint(0, outer, 0)
+    line = [*on_contact, surface_end]
+    curves = [geometry.addLine(a, b) for a, b in itertools.pairwise(line)]
+    curves += [geometry.addCircleArc(surface_end, on_contact[0], axis_end), geometry.addLine(axis_end, on_contact[0])]
+    geometry.addPlaneSurface([geometry.addCurveLoop(curves)])
+    geometry.synchronize()
+    sizes = []
+    for points, size in ((on_contact[-1:], field.rim_size), (on_contact[1:-1], field.ring_size)):
+        if points:
+            distance, threshold = fields.add("Distance"), fields.add("Threshold")
+            fields.setNumbers(distance, "PointsList", points)
+            reach = {"InField": distance, "DistMin": 0, "DistMax": 3 * outer}
+            for name, value in {**reach, "SizeMin": size, "SizeMax": size + field.growth * 3 * outer}.items():
+                fields.setNumber(threshold, name, value)
+            sizes.append(threshold)
+    smallest = fields.add("Min")
+    fields.setNumbers(smallest, "FieldsList", sizes)
+    fields.setAsBackgroundMesh(smallest)

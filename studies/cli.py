@@ -1,0 +1,166 @@
+"""The command line: `ringwear run | plan | mesh | scenes`.
+
+Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree; 2 bad input;
+1 anything else.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from meshes.errors import RingwearError, SceneError
+
+if TYPE_CHECKING:
+    from .runs import Result
+    from .scene import Scene
+
+DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line; returns the exit status."""
+    options = _parser().parse_args(arguments)
+    try:
+        return int(options.command(options))
+    except SceneError as error:
+        print(f"ringwear: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except RingwearError as error:
+        print(f"ringwear: {error}", file=sys.stderr)
+        return FAILED
+    except KeyboardInterrupt:
+        print("ringwear: stopped; nothing half-written was left", file=sys.stderr)
+        return FAILED
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="ringwear",
+        description="Wear of a ringed punch on an elastic half-space: finite elements, dimensionality reduction and "
+        "direct integration, side by side.",
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    run = commands.add_parser("run", help="compute a scene by every method it names, and compare them")
+    run.add_argument("scene", nargs="?", default="five_rings", help="a TOML file or a bundled scene (default: five_rings)")
+    run.add_argument("--out", type=Path, default=None, help="directory for results (default: results/SCENE)")
+    run.add_argument("--rtol", type=float, help="relative accuracy, in place of the scene's")
+    run.add_argument("--methods", help="methods, comma-separated, in place of the scene's")
+    run.set_defaults(command=_run)
+
+    plan = commands.add_parser("plan", help="say what a scene will take, without computing it")
+    plan.add_argument("scene", help="a TOML file or a bundled scene")
+    plan.set_defaults(command=_plan)
+
+    mesh = commands.add_parser("mesh", help="mesh the half-space of a scene: a VTU file and a figure")
+    mesh.add_argument("scene", help="a TOML file or a bundled scene")
+    mesh.add_argument("--out", type=Path, default=None, help="directory (default: results/SCENE)")
+    mesh.set_defaults(command=_mesh)
+
+    scenes = commands.add_parser("scenes", help="list the bundled scenes")
+    scenes.set_defaults(command=_scenes)
+    return parser
+
+
+def _progress(line: str) -> None:
+    """Stages on one line of a terminal as they go; elsewhere only as they end."""
+    if sys.stderr.isatty():
+        print(f"\r\033[K{line}", end="" if line.endswith("...") else "\n", file=sys.stderr, flush=True)
+    elif not line.endswith("..."):
+        print(line, file=sys.stderr)
+
+
+def _directory(options: argparse.Namespace) -> Path:
+    out = options.out or Path("results") / Path(options.scene).stem
+    if out.exists() and not out.is_dir():
+        raise SceneError(f"--out {out} is a file: give a directory")
+    return Path(out)
+
+
+def _run(options: argparse.Namespace) -> int:
+    from .scene import Scene
+
+    scene = Scene.load(options.scene)
+    if options.rtol is not None:
+        scene = scene.changed(accuracy__rtol=options.rtol)
+    if options.methods is not None:
+        scene = scene.changed(methods=[name.strip() for name in options.methods.split(",") if name.strip()])
+    out = _directory(options)
+    from .output import write
+    from .runs import run
+
+    result = run(scene, _progress)
+    written = write(result, out, _progress)
+    _say_what(scene)
+    _say_verdict(result)
+    print(f"\n{len(written)} files in {out}: {', '.join(written)}")
+    return DONE if result.agrees else DISAGREE
+
+
+def _say_what(scene: Scene) -> None:
+    from .left_out import left_out, modelled
+
+    print(f"\n{scene.title or 'Untitled scene'}\n\nModelled")
+    for line in modelled(scene):
+        print(f"  {line}")
+    print("Left out")
+    for what, why in left_out(scene).items():
+        print(f"  {what}: {why}")
+
+
+def _say_verdict(result: Result) -> None:
+    print("\nMethod    unknowns   seconds   own error estimate (relative, of the indentation)")
+    for method, stages in result.stages.items():
+        unknowns = result.models[method].unknowns if method in result.models else 0
+        parts = ", ".join(f"{name} {value:.1e}" for name, value in result.parts[method].items())
+        print(f"{method:<9}{unknowns:>9}{sum(stages.seconds.values()):>10.3f}   {parts}")
+    if result.agreement:
+        print("\nAgreement, relative           difference  uncertainty")
+        for row in result.agreement:
+            verdict = "" if row.agrees else "   DISAGREE"
+            pair = f"{row.methods[0]}-{row.methods[1]}"
+            print(f"  {row.quantity:<24}{pair:<12}{row.difference:8.1e}{row.uncertainty:10.1e}{verdict}")
+        print("The methods agree within their stated uncertainty." if result.agrees else "THE METHODS DISAGREE.")
+    for note in result.notes:
+        print(f"note: {note}")
+
+
+def _plan(options: argparse.Namespace) -> int:
+    from .left_out import plan
+    from .scene import Scene
+
+    scene = Scene.load(options.scene)
+    _say_what(scene)
+    print("\nBy method")
+    for line in plan(scene):
+        print(f"  {line}")
+    return DONE
+
+
+def _mesh(options: argparse.Namespace) -> int:
+    from .scene import Scene
+
+    scene = Scene.load(options.scene)
+    out = _directory(options)
+    from .methods import half_space_mesh
+    from .output import write_mesh
+
+    mesh, notes = half_space_mesh(scene.natural)
+    written = write_mesh(scene, mesh, out)
+    print(f"{len(mesh.triangles)} triangles by {mesh.mesher}, {len(mesh.contact_radii) - 1} facets on the contact, "
+          f"quality {mesh.quality.min():.2f} to {mesh.quality.max():.2f}, mean {mesh.quality.mean():.2f}")  # fmt: skip
+    for note in notes:
+        print(f"note: {note}")
+    print(f"{len(written)} files in {out}: {', '.join(written)}")
+    return DONE
+
+
+def _scenes(_: argparse.Namespace) -> int:
+    from .scene import Scene, bundled
+
+    for name in bundled():
+        print(f"{name:<14}{Scene.load(name).title}")
+    return DONE

@@ -1,0 +1,68 @@
+"""What a scene requires, and what it does not: told before a run by `plan`, and after it in the summary."""
+
+from __future__ import annotations
+
+from .scene import Scene
+
+METHODS = {
+    "mdr": "the half-space by dimensionality reduction, exact for full contact but for the pressure space",
+    "direct": "the steady state by direct integration, in closed form",
+    "fem": "the half-space by finite elements: a graded quarter disc with Boussinesq's far field, condensed to the contact",
+}
+
+
+def modelled(scene: Scene) -> list[str]:
+    """What is computed, a line each."""
+    lines = [f"{method}: {METHODS[method]}" for method in scene.methods]
+    if scene.wear.times and set(scene.methods) - {"direct"}:
+        how = {"modal": "exactly in time, by its relaxation modes"}.get(scene.wear.march, f"by {scene.wear.march} steps")
+        lines.append(f"history: {len(scene.wear.times)} times from the flat start, {how}")
+    if scene.wear.steady:
+        lines.append("steady state: without any march")
+    return lines
+
+
+def left_out(scene: Scene) -> dict[str, str]:
+    """What is not computed, with the reason."""
+    reasons = {
+        "inequality p >= 0": "a punch that starts flat never loses contact: pressure can only rise where it is near zero",
+        "friction and temperature": "not part of the model: the punch is rigid and frictionless",
+    }
+    natural = scene.natural
+    if not scene.wear.times:
+        reasons["history"] = "the scene gives no times"
+    elif "direct" in scene.methods:
+        reasons["history by direct"] = "direct integration knows the steady state only"
+    if scene.wear.times and scene.wear.march == "modal":
+        reasons["time steps"] = "the modal march is exact in time"
+    if not scene.wear.steady:
+        reasons["steady state"] = "the scene says steady = false"
+    if "fem" not in scene.methods:
+        reasons["mesh"] = "no method of the scene needs one: neither gmsh nor scikit-fem was loaded"
+    elif scene.accuracy.fem.far_field == "fixed":
+        reasons["far field"] = "the scene clamps the outer boundary: expect the indentation to err by 1.1 a/R"
+    merged = len(natural.wear) - len(natural.phases[1])
+    if merged:
+        reasons["ring edges"] = f"{merged} of them separate rings of equal wear, so nothing happens there"
+    return reasons
+
+
+def plan(scene: Scene) -> list[str]:
+    """What each method will be made of, without making it."""
+    from .methods import mdr_settings, size_field
+
+    lines = []
+    natural = scene.natural
+    for method in scene.methods:
+        if method == "mdr":
+            settings = mdr_settings(natural)
+            lines.append("mdr: " + ", ".join(f"{name} {value:.3g}" for name, value in settings.items()))
+        elif method == "fem":
+            field, chosen = size_field(natural), scene.accuracy.fem
+            lines.append(
+                f"fem: degree {chosen.degree}, {chosen.mesher}, {chosen.far_field} far field at R = {field.truncation:g} a, "
+                f"rim_size {field.rim_size:.3g}, ring_size {field.ring_size:.3g}, growth {field.growth:.3g}"
+            )
+        else:
+            lines.append("direct: closed form, nothing to resolve")
+    return lines

@@ -1,0 +1,166 @@
+"""Each method as a compliance at a wanted accuracy, with the coarser twins that its error is estimated from.
+
+The estimate compares a result with what the same method gives with one thing made coarser: the highest pressure
+bubbles left out, the displacement one degree lower, the last far-field pole clamped. Each twin is far less accurate
+than the result; the shares are how much of their difference is counted, and were measured on the bundled scenes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from meshes.compliance import Compliance
+from meshes.half_space import HalfSpaceMesh, SizeField
+from meshes.radial import Array, PressureSpace, graded_breakpoints, layer_degrees
+
+from .scene import NaturalScene
+from .stages import Stages
+
+if TYPE_CHECKING:
+    from fem.compliance import HalfSpace
+
+
+@dataclass(frozen=True, eq=False)
+class Twin:
+    """A pair whose difference estimates one part of the error.
+
+    Parameters
+    ----------
+    part : what differs
+    finer, coarser : the pair
+    share : how much of the difference is counted for indentations and relaxation times, which converge twice as fast
+    field_share : the same for pressures, profiles and slopes
+    """
+
+    part: str
+    finer: Compliance
+    coarser: Compliance
+    share: float
+    field_share: float
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A method made ready for a scene.
+
+    Parameters
+    ----------
+    compliance : on the method's own pressure space
+    twins : for the error estimate
+    unknowns : size of the system behind the compliance
+    settings : the sizes chosen, for the summary
+    half_space : the finite-element half-space, if there is one
+    notes : remarks for the summary, such as a mesher replaced
+    """
+
+    compliance: Compliance
+    twins: tuple[Twin, ...]
+    unknowns: int
+    settings: dict[str, object]
+    half_space: HalfSpace | None = None
+    notes: tuple[str, ...] = ()
+
+
+def mdr_settings(natural: NaturalScene) -> dict[str, float]:
+    """Sizes of the MDR's radial mesh at the scene's accuracy."""
+    rtol, chosen = natural.scene.accuracy.rtol, natural.scene.accuracy.mdr
+    return {
+        "degree": chosen.degree or round(3 - np.log10(rtol)),
+        "rim_size": chosen.rim_size or 0.1 * rtol,
+        "ring_size": chosen.ring_size or 0.1 * float(np.sqrt(rtol)),
+        "grading": chosen.grading or 0.2,
+    }
+
+
+def mdr_space(natural: NaturalScene, degree: float, rim_size: float, ring_size: float, grading: float) -> PressureSpace:
+    """A graded space whose degrees rise away from the singular points."""
+    edges, _ = natural.phases
+    breakpoints = graded_breakpoints(edges, ring_size, rim_size, grading)
+    degrees = layer_degrees(breakpoints, edges, int(degree), rise=1, lowest=int(max(1, degree - 5)))
+    return PressureSpace(breakpoints, degrees, edges)
+
+
+def mdr_model(natural: NaturalScene, stages: Stages) -> Model:
+    """Compliance by the MDR energy; its twin has one layer less at every singular point, and one degree less."""
+    from mdr.compliance import compliance
+
+    settings = mdr_settings(natural)
+    with stages("assembling"):
+        fine = compliance(mdr_space(natural, **settings))
+    with stages("estimating"):
+        layer = settings["grading"]
+        coarser = {"degree": max(1, settings["degree"] - 1), "grading": layer}
+        coarser |= {name: min(settings[name] / layer, 0.5) for name in ("rim_size", "ring_size")}
+        twin = Twin("pressure space", fine, compliance(mdr_space(natural, **coarser)), 0.5, 1.5)
+    return Model(fine, (twin,), fine.space.size, dict(settings))
+
+
+def size_field(natural: NaturalScene) -> SizeField:
+    """Element sizes of the half-space at the scene's accuracy."""
+    rtol, chosen = natural.scene.accuracy.rtol, natural.scene.accuracy.fem
+    edges, _ = natural.phases
+    return SizeField(
+        edges=tuple(float(edge) for edge in edges),
+        rim_size=chosen.rim_size or min(0.1 * rtol, np.diff(edges).min() / 4),
+        ring_size=chosen.ring_size or min(rtol**0.6, np.diff(edges).min() / 4),
+        growth=chosen.growth or min(0.6 * (rtol / 1e-4) ** 0.1, 0.9),
+        truncation=chosen.truncation,
+    )
+
+
+def half_space_mesh(natural: NaturalScene) -> tuple[HalfSpaceMesh, tuple[str, ...]]:
+    """The mesh by the mesher asked for; by bisection where gmsh cannot be loaded, with a note that says so."""
+    from meshes import bisection, gmsh_mesher
+
+    field = size_field(natural)
+    if natural.scene.accuracy.fem.mesher == "bisection":
+        return bisection.mesh(field), ()
+    reason = gmsh_mesher.unavailable()
+    if reason:
+        return bisection.mesh(field), (f"meshed by bisection: {reason}",)
+    return gmsh_mesher.mesh(field), ()
+
+
+def fem_model(natural: NaturalScene, stages: Stages) -> Model:
+    """Compliance by condensing the finite-element half-space."""
+    from fem.compliance import MULTIPLIER_DEGREE, HalfSpace, pressure_space
+    from fem.condensation import solver
+    from fem.elasticity import AxisymmetricElasticity
+
+    chosen = natural.scene.accuracy.fem
+    nu = natural.scene.half_space.poisson_ratio
+    poles = tuple(range(0, 2 * chosen.poles, 2)) if chosen.far_field == "boussinesq" else ()
+    edges, _ = natural.phases
+    with stages("meshing"):
+        mesh, notes = half_space_mesh(natural)
+    with stages("assembling"):
+        space = pressure_space(mesh, edges, MULTIPLIER_DEGREE[chosen.degree])
+        half_space = HalfSpace(AxisymmetricElasticity(mesh, chosen.degree, nu), space, poles)
+        _ = half_space.system
+    with stages("condensing"):
+        fine = half_space.compliance()
+    with stages("estimating"):
+        twins = [Twin("pressure space", fine, fine.coarser(), 0.6, 4.0)] if space.top > 1 else []
+        if poles:
+            twins.append(Twin("truncation", fine, replace(fine, factor=fine.factor[:-1]), 0.1, 0.1))
+        if chosen.degree > 2:
+            lower = HalfSpace(AxisymmetricElasticity(mesh, chosen.degree - 1, nu), fine.coarser().space, poles)
+            twins.append(Twin("discretisation", fine.coarser(), lower.compliance(), 0.3, 1.0))
+    settings = {
+        "mesher": mesh.mesher, "triangles": len(mesh.triangles), "degree": chosen.degree, "multipliers": space.size,
+        "far_field": chosen.far_field, "poles": len(poles), "truncation": chosen.truncation, "solver": solver(),
+    }  # fmt: skip
+    return Model(fine, tuple(twins), half_space.unknowns, settings, half_space, notes)
+
+
+MODELS: dict[str, Callable[[NaturalScene, Stages], Model]] = {"mdr": mdr_model, "fem": fem_model}
+
+
+def edge_weight(space: PressureSpace, average: str) -> Array:
+    """(n, q) weight of a radial average at the quadrature radii of `space`: over the radius, or over the area."""
+    radii, _, _ = space.quadrature
+    return np.ones_like(radii) if average == "line" else 2 * radii

@@ -1,0 +1,69 @@
+"""All files of a run, written whole or not at all: into a hidden directory first, then moved into place."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from meshes.errors import SceneError
+from meshes.half_space import HalfSpaceMesh
+
+from .scene import Scene
+from .stages import Report, silent
+
+if TYPE_CHECKING:
+    from .runs import Result
+
+
+@contextmanager
+def whole(out: Path) -> Iterator[Path]:
+    """A directory to write to; what is in it moves to `out` when all of it is there."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        hidden = Path(tempfile.mkdtemp(prefix=".writing-", dir=out))
+    except OSError as error:
+        raise SceneError(f"--out {out} cannot be written to: {error.strerror}") from error
+    try:
+        yield hidden
+        for file in sorted(hidden.iterdir()):
+            os.replace(file, out / file.name)
+    finally:
+        shutil.rmtree(hidden, ignore_errors=True)
+
+
+def write(result: Result, out: Path, report: Report = silent) -> list[str]:
+    """Write results, summary, half-space and figures to `out`; returns the names of the files."""
+    from .figures import draw_all
+    from .results import write_half_space
+
+    with whole(out) as hidden:
+        report(" output  writing ...")
+        result.dataset.to_netcdf(hidden / "results.nc", engine="netcdf4")
+        (hidden / "summary.json").write_text(json.dumps(result.summary, indent=1) + "\n", "utf-8")
+        if "fem" in result.models:
+            write_half_space(result, hidden / "half_space.vtu")
+        report(" output  drawing ...")
+        draw_all(result, hidden)
+        return sorted(file.name for file in hidden.iterdir())
+
+
+def write_mesh(scene: Scene, mesh: HalfSpaceMesh, out: Path) -> list[str]:
+    """Write the mesh as VTU, in the scene's units, and its figure."""
+    import meshio
+    import numpy as np
+
+    from .figures import draw_mesh
+
+    scale = scene.natural.length
+    upright = np.stack([mesh.points[:, 0], -mesh.points[:, 1], np.zeros(len(mesh.points))], axis=1) * scale
+    with whole(out) as hidden:
+        whole_mesh = meshio.Mesh(upright, [("triangle", mesh.triangles)], cell_data={"quality": [mesh.quality]})
+        whole_mesh.write(hidden / "mesh.vtu", file_format="vtu")
+        draw_mesh(mesh, scene.natural.edges, hidden / "mesh.png")
+        return sorted(file.name for file in hidden.iterdir())

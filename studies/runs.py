@@ -1,0 +1,149 @@
+"""Run a scene: every method, its own error estimate, and the verdict on how far they agree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from itertools import combinations
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from meshes.radial import Array
+
+from .methods import MODELS, Model
+from .outcome import Outcome, estimated, from_direct_integration, relative_difference
+from .scene import NaturalScene, Scene
+from .stages import Report, Stages, silent
+
+if TYPE_CHECKING:
+    import xarray
+
+# results that the verdict compares: numbers, forces and profiles. Pointwise pressures are drawn and kept in the
+# results, but at ring edges and the rim they are singular at t = 0 and belong in a norm, not in a verdict
+COMPARED = (
+    "indentation", "displacement_centre", "displacement_max", "rms_slope", "ring_force", "profile", "relaxation_time",
+    "steady_profile", "steady_displacement_max", "steady_rms_slope", "steady_wear_rate",
+)  # fmt: skip
+COMPARED_MODES = 3
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """One quantity of two methods: their greatest difference relative to their combined uncertainty."""
+
+    quantity: str
+    methods: tuple[str, str]
+    difference: float
+    uncertainty: float
+
+    @property
+    def agrees(self) -> bool:
+        return self.difference <= self.uncertainty
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """Everything that a run found; natural units inside, the scene's units in `dataset`."""
+
+    scene: Scene
+    outcomes: dict[str, Outcome]
+    errors: dict[str, Outcome]
+    models: dict[str, Model]
+    parts: dict[str, dict[str, float]]
+    stages: dict[str, Stages]
+    agreement: tuple[Agreement, ...]
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def agrees(self) -> bool:
+        return all(row.agrees for row in self.agreement)
+
+    @property
+    def dataset(self) -> xarray.Dataset:
+        """The results as an xarray Dataset, in the scene's units."""
+        from .results import dataset
+
+        return dataset(self)
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """What was done, at what cost, how accurately, and what was left out."""
+        from .results import summary
+
+        return summary(self)
+
+
+def run(scene: Scene, report: Report = silent) -> Result:
+    """Compute everything that a scene asks for.
+
+    Parameters
+    ----------
+    scene : what to compute, by which methods and how accurately
+    report : called with a line of progress at each stage
+
+    Raises
+    ------
+    RingwearError
+        if a mesh or a system fails; the message names the remedy
+    """
+    natural = scene.natural
+    outcomes: dict[str, Outcome] = {}
+    errors: dict[str, Outcome] = {}
+    models: dict[str, Model] = {}
+    parts: dict[str, dict[str, float]] = {}
+    stages: dict[str, Stages] = {}
+    # the dense matrices are small: threads of two linear algebra libraries would spend their time waiting on each other
+    with threadpool_limits(1):
+        for method in scene.methods:
+            stages[method] = Stages(method, report)
+            outcomes[method], errors[method], parts[method], model = _evaluate(natural, method, stages[method])
+            if model is not None:
+                models[method] = model
+    agreement = tuple(row for a, b in combinations(outcomes, 2) for row in agreements(a, b, outcomes, errors))
+    notes = tuple(note for model in models.values() for note in model.notes)
+    return Result(scene, outcomes, errors, models, parts, stages, agreement, notes)
+
+
+def _evaluate(natural: NaturalScene, method: str, stages: Stages) -> tuple[Outcome, Outcome, dict[str, float], Model | None]:
+    if method == "direct":
+        with stages("integrating"):
+            result, errors = from_direct_integration(natural)
+        return result, errors, {"roundoff": float(errors.steady_displacement_max.max(initial=0.0))}, None
+    model = MODELS[method](natural, stages)
+    with stages("marching" if natural.scene.wear.times else "steady state"):
+        result, errors, parts = estimated(natural, model)
+    if method == "mdr" and natural.scene.wear.march == "explicit" and natural.scene.wear.times:
+        from .paper_march import paper_errors, paper_history, with_steady
+
+        with stages("explicit march"):
+            history = paper_history(natural)
+            first_order = paper_errors(natural, history)
+        result, errors = with_steady(history, result), with_steady(first_order, errors)
+        parts = {"grid and step": float(first_order.indentation.max())}
+    return result, errors, parts, model
+
+
+def agreements(a: str, b: str, outcomes: dict[str, Outcome], errors: dict[str, Outcome]) -> list[Agreement]:
+    """Compare two methods in every quantity that both give, each at its worst place."""
+    rows = []
+    for name in COMPARED:
+        first, second = getattr(outcomes[a], name), getattr(outcomes[b], name)
+        limit = COMPARED_MODES if name == "relaxation_time" else None
+        if not (first.size and second.size):
+            continue
+        difference = relative_difference(name, first[:limit], second[:limit])
+        uncertainty = _combined(getattr(errors[a], name)[:limit], getattr(errors[b], name)[:limit])
+        worst = np.unravel_index(np.argmax(difference / uncertainty), difference.shape)
+        rows.append(Agreement(name, (a, b), float(difference[worst]), float(uncertainty[worst])))
+    return rows
+
+
+def _combined(a: Array, b: Array) -> Array:
+    common = tuple(slice(0, min(m, n)) for m, n in zip(a.shape, b.shape, strict=True))
+    return a[common] + b[common]
+
+
+def quantities() -> list[str]:
+    """Names of all results, as in the results file."""
+    return [item.name for item in fields(Outcome)]
