@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 
 from meshes.errors import RingwearError, SceneError
 
+from .study import STUDIES, add_studies
+
 if TYPE_CHECKING:
     from .runs import Result
     from .scene import Scene
@@ -59,6 +61,8 @@ def _parser() -> argparse.ArgumentParser:
     mesh.add_argument("scene", help="a TOML file or a bundled scene")
     mesh.add_argument("--out", type=Path, default=None, help="directory (default: results/SCENE)")
     mesh.set_defaults(command=_mesh)
+
+    add_studies(commands.add_parser("study", help="a study: figures, tables and a conclusion"), _study)
 
     scenes = commands.add_parser("scenes", help="list the bundled scenes")
     scenes.set_defaults(command=_scenes)
@@ -154,6 +158,20 @@ def _mesh(options: argparse.Namespace) -> int:
           f"quality {mesh.quality.min():.2f} to {mesh.quality.max():.2f}, mean {mesh.quality.mean():.2f}")  # fmt: skip
     for note in notes:
         print(f"note: {note}")
+    print(f"{len(written)} files in {out}: {', '.join(written)}")
+    return DONE
+
+
+def _study(options: argparse.Namespace) -> int:
+    from .output import whole
+    from .scene import Scene
+
+    scene = Scene.load(options.scene)
+    options.out = out = options.out or Path("results") / options.study
+    with whole(_directory(options)) as hidden:
+        conclusions = STUDIES[options.study].conduct(scene, hidden, options, _progress)
+        written = sorted(file.name for file in hidden.iterdir())
+    print("\n".join(conclusions))
     print(f"{len(written)} files in {out}: {', '.join(written)}")
     return DONE
 

@@ -1,0 +1,49 @@
+"""The studies by name: what each is for and the options it takes, told without importing any of them.
+
+A study is a module with ``conduct(scene, out, options, report)``: it writes its figures and tables to the directory
+`out` and returns its conclusions, a line each.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from .scene import Scene
+from .stages import Report
+
+Conduct = Callable[[Scene, Path, argparse.Namespace, Report], list[str]]
+
+
+@dataclass(frozen=True)
+class Study:
+    """A named study: its module, its purpose, the scene it takes by default, and its own options."""
+
+    module: str
+    purpose: str
+    scene: str = "five_rings"
+    options: tuple[tuple[str, dict[str, Any]], ...] = ()
+
+    @property
+    def conduct(self) -> Conduct:
+        return import_module(f"studies.{self.module}").conduct
+
+
+STUDIES: dict[str, Study] = {}
+
+
+def add_studies(parser: argparse.ArgumentParser, command: Callable[[argparse.Namespace], int]) -> None:
+    """Give the parser of `ringwear study` a subcommand for every study."""
+    names = parser.add_subparsers(required=True, metavar="NAME")
+    for name, study in STUDIES.items():
+        one = names.add_parser(name, help=study.purpose)
+        one.add_argument("scene", nargs="?", default=study.scene, help=f"a scene (default: {study.scene})")
+        one.add_argument("--out", type=Path, default=None, help=f"directory for results (default: results/{name})")
+        one.add_argument("--quick", action="store_true", help="a smaller version of the study")
+        for flag, settings in study.options:
+            one.add_argument(flag, **settings)
+        one.set_defaults(command=command, study=name)
