@@ -24,7 +24,7 @@ from meshes.errors import SolverError
 from meshes.half_space import HalfSpaceMesh
 from meshes.radial import Array, Indices, PressureSpace, shapes
 
-from .condensation import trailing_factor
+from .condensation import fill_reducing_order, trailing_factor
 from .elasticity import AxisymmetricElasticity, moduli
 from .far_field import exterior_stiffness, pole
 
@@ -49,27 +49,32 @@ class HalfSpace:
     solid : the elastic solid
     space : pressure space on its contact facets
     poles : orders of the Boussinesq poles tied to the outer boundary; none clamps it (`fixed`)
+    solver : sparse factorisation, `cholmod` or `superlu`; default the best one installed
     """
 
     solid: AxisymmetricElasticity
     space: PressureSpace
     poles: tuple[int, ...] = (0, 2, 4)
+    solver: str = ""
 
     @property
     def unknowns(self) -> int:
-        return 2 * self.solid.nodes + len(self.poles)
+        return self.solid.unknowns + len(self.poles)
 
     @cached_property
     def _numbering(self) -> tuple[Indices, Indices]:
-        """Unknowns inside the half-space, and axial ones on the contact in the order of the radius."""
-        n = self.solid.nodes
-        held = np.zeros(2 * n, dtype=bool)
-        far = self.solid.boundary("far")
-        held[self.solid.boundary("axis")] = True
-        held[far] = held[far + n] = True
-        contact = self.solid.boundary("contact") + n
-        held[contact] = True
-        return np.flatnonzero(~held), contact
+        """Unknowns inside the half-space in the order of elimination, and axial ones on the contact by radius."""
+        solid, n = self.solid, self.solid.nodes
+        free = np.ones((2, n), dtype=bool)
+        far, contact = solid.boundary("far"), solid.boundary("contact")
+        free[0, solid.boundary("axis")] = False
+        free[:, far] = False
+        free[1, contact] = False
+        # neighbours are eliminated node by node: a graph of nodes is a quarter of the graph of unknowns
+        inside = np.flatnonzero(free.any(axis=0))
+        order = inside[fill_reducing_order(solid.graph[inside][:, inside], self.solver)]
+        unknowns = np.stack([order, order + n], axis=1)
+        return unknowns[free.T[order]], contact + n
 
     @cached_property
     def _far_fields(self) -> Array:
@@ -124,14 +129,14 @@ class HalfSpace:
         out[np.concatenate([inside, contact])] = solution[:free]
         return np.stack([out[: self.solid.nodes].T, out[self.solid.nodes :].T], axis=-1)
 
-    def compliance(self, solver: str = "") -> Compliance:
+    def compliance(self) -> Compliance:
         """Condense the half-space to its compliance on the pressure space.
 
         The rows of the factor belong to contact nodes, then to poles: without its last row it is the compliance of
         the same half-space with one pole less.
         """
         inside, _ = self._numbering
-        lower = trailing_factor(self.system, len(inside), solver)
+        lower = trailing_factor(self.system, len(inside), self.solver)
         return Compliance(self.space, solve_triangular(lower, self.coupling, lower=True))
 
     def saddle_point(self, force: float = 1.0) -> tuple[Array, float]:

@@ -17,10 +17,23 @@ from scipy.sparse.linalg import splu
 from meshes.errors import SolverError
 from meshes.radial import Array, Indices
 
+SYMMETRIC: dict[str, Any] = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+
 
 def solver() -> str:
     """Name of the sparse factorisation in use."""
     return "cholmod" if importlib.util.find_spec("kvxopt") else "superlu"
+
+
+def fill_reducing_order(graph: csc_matrix, name: str = "") -> Indices:
+    """(n,) order in which to eliminate the vertices of a symmetric graph (any positive values, full diagonal)."""
+    if (name or solver()) == "cholmod":
+        from kvxopt import amd
+
+        return np.array(amd.order(_lower(graph))).ravel()
+    laplacian = graph * -1.0
+    laplacian.setdiag(np.asarray(graph.sum(axis=0)).ravel() + 1)
+    return np.argsort(splu(laplacian.tocsc(), permc_spec="MMD_AT_PLUS_A", **SYMMETRIC).perm_c)
 
 
 def trailing_factor(matrix: csc_matrix, inside: int, name: str = "") -> Array:
@@ -28,7 +41,7 @@ def trailing_factor(matrix: csc_matrix, inside: int, name: str = "") -> Array:
 
     Parameters
     ----------
-    matrix : symmetric positive definite, unknowns to eliminate first
+    matrix : symmetric positive definite; unknowns to eliminate first, in the order of elimination
     inside : how many to eliminate
     name : `cholmod` or `superlu`; default the best one installed
 
@@ -46,24 +59,27 @@ def trailing_factor(matrix: csc_matrix, inside: int, name: str = "") -> Array:
     return factor
 
 
+def _lower(matrix: csc_matrix) -> Any:
+    """Lower triangle as CHOLMOD's kind of matrix."""
+    import kvxopt
+
+    entries = tril(matrix, format="coo")
+    return kvxopt.spmatrix(entries.data, entries.row.astype(np.int64), entries.col.astype(np.int64), entries.shape)
+
+
 def _cholmod(matrix: csc_matrix, inside: int) -> Array:
     import kvxopt
-    from kvxopt import amd, cholmod
-
-    def lower(part: csc_matrix) -> Any:
-        entries = tril(part, format="coo")
-        return kvxopt.spmatrix(entries.data, entries.row.astype(np.int64), entries.col.astype(np.int64), part.shape)
+    from kvxopt import cholmod
 
     size = matrix.shape[0]
-    order = _kept_last(np.array(amd.order(lower(matrix[:inside, :inside]))).ravel(), size)
-    permuted = lower(matrix[order][:, order])
+    lower = _lower(matrix)
     # the order is ours, down to the last unknown: CHOLMOD must not improve on it
     ours = {"supernodal": 2, "postorder": False, "nmethods": 1}
     before = dict(cholmod.options)
     cholmod.options.update(ours)
     try:
-        factor = cholmod.symbolic(permuted, p=kvxopt.matrix(list(range(size)), (size, 1), "i"))
-        cholmod.numeric(permuted, factor)
+        factor = cholmod.symbolic(lower, p=kvxopt.matrix(list(range(size)), (size, 1), "i"))
+        cholmod.numeric(lower, factor)
         pointers, rows, values = (np.array(part).ravel() for part in cholmod.getfactor(factor).CCS)
     finally:
         cholmod.options.clear()
@@ -74,15 +90,9 @@ def _cholmod(matrix: csc_matrix, inside: int) -> Array:
 
 
 def _superlu(matrix: csc_matrix, inside: int) -> Array:
-    symmetric = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
-    order = np.argsort(splu(matrix[:inside, :inside], permc_spec="MMD_AT_PLUS_A", **symmetric).perm_c)
-    order = _kept_last(order, matrix.shape[0])
-    factor = splu(matrix[order][:, order], permc_spec="NATURAL", **symmetric)
-    if not (np.array_equal(factor.perm_r, factor.perm_c) and np.array_equal(factor.perm_c, np.arange(len(order)))):
+    factor = splu(matrix, permc_spec="NATURAL", **SYMMETRIC)
+    natural = np.arange(matrix.shape[0])
+    if not (np.array_equal(factor.perm_r, natural) and np.array_equal(factor.perm_c, natural)):
         raise SolverError("the stiffness of the half-space needed pivoting: it is not positive definite")
     schur = (factor.L[inside:, inside:] @ factor.U[inside:, inside:]).toarray()
     return np.linalg.cholesky((schur + schur.T) / 2)
-
-
-def _kept_last(order: Indices, size: int) -> Indices:
-    return np.concatenate([order, np.arange(len(order), size)])

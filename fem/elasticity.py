@@ -24,6 +24,11 @@ from meshes.radial import Array, Indices
 ELEMENTS = {1: ElementTriP1, 2: ElementTriP2, 3: ElementTriP3, 4: ElementTriP4}
 
 
+# an incompressible solid is modelled as this one: with the plane strain modulus given, pressures and displacements on
+# the contact do not depend on Poisson's ratio, and closer to 1/2 roundoff costs more than it gains
+LEAST_COMPRESSIBLE = 0.49999
+
+
 def moduli(poisson_ratio: float) -> tuple[float, float]:
     """Lame's lambda and shear modulus for plane strain modulus 1."""
     shear = (1 - poisson_ratio) / 2
@@ -38,12 +43,17 @@ class AxisymmetricElasticity:
     ----------
     mesh : the half-space mesh
     degree : polynomial degree of the displacement, 1 to 4
-    poisson_ratio : below 1/2
+    given_ratio : Poisson's ratio, up to and including 1/2
     """
 
     mesh: HalfSpaceMesh
     degree: int
-    poisson_ratio: float
+    given_ratio: float
+
+    @property
+    def poisson_ratio(self) -> float:
+        """Poisson's ratio that is modelled."""
+        return min(self.given_ratio, LEAST_COMPRESSIBLE)
 
     @cached_property
     def element(self) -> Element:
@@ -59,13 +69,24 @@ class AxisymmetricElasticity:
 
     @property
     def nodes(self) -> int:
-        """Number of nodes; there are twice as many unknowns."""
-        return int(self._dofs.N)
+        """Number of nodes on vertices and facets, which are numbered first; there are twice as many unknowns."""
+        return int(self._dofs.N) - self.interior * len(self.mesh.triangles)
+
+    @property
+    def interior(self) -> int:
+        """Nodes inside each triangle, the last of its nodes: eliminated before anything is assembled."""
+        return int(self.element.interior_dofs)
+
+    @property
+    def unknowns(self) -> int:
+        """Number of displacement unknowns, those inside triangles among them."""
+        return 2 * int(self._dofs.N)
 
     @property
     def element_dofs(self) -> Indices:
-        """(nodes per triangle, m) node numbers."""
-        return self._dofs.element_dofs
+        """(nodes on the boundary of a triangle, m) node numbers."""
+        dofs = self._dofs.element_dofs
+        return dofs[: len(dofs) - self.interior]
 
     @cached_property
     def corners(self) -> Array:
@@ -80,7 +101,7 @@ class AxisymmetricElasticity:
     @cached_property
     def positions(self) -> Array:
         """(nodes, 2) radius and depth of the nodes."""
-        xi, eta = self.element.doflocs.T
+        xi, eta = self.element.doflocs[: len(self.element_dofs)].T
         local = np.stack([1 - xi - eta, xi, eta])
         out = np.empty((self.nodes, 2))
         out[self.element_dofs] = np.einsum("xvm,vn->nmx", self.corners, local)
@@ -113,30 +134,70 @@ class AxisymmetricElasticity:
         return np.array([value for value, _ in pairs]), np.array([gradient for _, gradient in pairs])
 
     @cached_property
-    def stiffness(self) -> csc_matrix:
-        """(2 nodes, 2 nodes) symmetric stiffness, no boundary condition applied."""
+    def _local(self) -> Array:
+        """(m, 2n, 2n) stiffness of each triangle: radial, then axial displacements of its n nodes."""
         lame, shear = moduli(self.poisson_ratio)
-        with_radius, plain, hoop = self._weighted_gradients(), self._hoop_gradients(), self._hoop_mass()
-        rr, zz, rz = with_radius(0, 0), with_radius(1, 1), with_radius(0, 1)
-        hr, hz = plain(0), plain(1)
-        radial = (lame + 2 * shear) * (rr + hoop) + shear * zz + lame * (hr + hr.transpose(0, 2, 1))
-        axial = (lame + 2 * shear) * zz + shear * rr
-        mixed = lame * (rz + hz) + shear * rz.transpose(0, 2, 1)
-        local = np.concatenate(
-            [np.concatenate([radial, mixed], axis=2), np.concatenate([mixed.transpose(0, 2, 1), axial], axis=2)], axis=1
-        )
+        weighted = self._weighted_gradients()
+        rr, zz, rz = weighted(0, 0), weighted(1, 1), weighted(0, 1)
+        hoop = self._hoop()
+        local = lame * self._dilatation()
+        n = rr.shape[-1]
+        local[:, :n, :n] += shear * (2 * (rr + hoop) + zz)
+        local[:, n:, n:] += shear * (2 * zz + rr)
+        local[:, :n, n:] += shear * rz.transpose(0, 2, 1)
+        local[:, n:, :n] += shear * rz
+        return local
+
+    @cached_property
+    def _split(self) -> tuple[Indices, Indices]:
+        """Local unknowns on the boundary of a triangle and inside it."""
+        n = len(self.element.doflocs)
+        inside = np.arange(n) >= n - self.interior
+        inside = np.concatenate([inside, inside])
+        return np.flatnonzero(~inside), np.flatnonzero(inside)
+
+    @cached_property
+    def _from_boundary(self) -> Array:
+        """(m, inside, boundary) displacements inside a triangle by those on its boundary."""
+        outer, inner = self._split
+        return -np.linalg.solve(self._local[:, inner[:, None], inner], self._local[:, inner[:, None], outer])
+
+    @cached_property
+    def stiffness(self) -> csc_matrix:
+        """(2 nodes, 2 nodes) symmetric stiffness without the insides of triangles; no boundary condition applied."""
+        outer, inner = self._split
+        local = self._local[:, outer[:, None], outer]
+        if len(inner):
+            local = local + self._local[:, outer[:, None], inner] @ self._from_boundary
         numbers = np.concatenate([self.element_dofs, self.element_dofs + self.nodes]).T
         width = numbers.shape[1]
         rows, columns = np.repeat(numbers, width, axis=1), np.tile(numbers, (1, width))
         size = 2 * self.nodes
         return csc_matrix((local.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size))
 
+    @cached_property
+    def graph(self) -> csc_matrix:
+        """(nodes, nodes) which nodes share a triangle, themselves included."""
+        numbers = self.element_dofs.T
+        width = numbers.shape[1]
+        rows, columns = np.repeat(numbers, width, axis=1).ravel(), np.tile(numbers, (1, width)).ravel()
+        return csc_matrix((np.ones(len(rows)), (rows, columns)), shape=(self.nodes, self.nodes))
+
+    def on_triangles(self, displacement: Array) -> Array:
+        """(states, all nodes of a triangle, m, 2) local displacements by (states, nodes, 2) displacements."""
+        boundary = displacement[:, self.element_dofs]
+        if not self.interior:
+            return boundary
+        flat = np.concatenate([boundary[..., 0], boundary[..., 1]], axis=1)
+        inside = np.einsum("mib,sbm->sim", self._from_boundary, flat, optimize=True)
+        inside = np.stack(np.split(inside, 2, axis=1), axis=-1)
+        return np.concatenate([boundary, inside], axis=1)
+
     def _weighted_gradients(self) -> Callable[[int, int], Array]:
         """``(x, y) -> int r d_x phi_i d_y phi_j`` on every triangle."""
         points, weights = get_quadrature(self._triangulation.refdom, 2 * self.degree - 1)
         _, gradient = self.reference(points)
-        corner = np.stack([1 - points[0] - points[1], points[0], points[1]])
-        tensor = np.einsum("vq,q,iaq,jbq->vabij", corner, weights, gradient, gradient, optimize=True)
+        tensor = np.einsum("vq,q,iaq,jbq->vabij", _barycentric(points), weights, gradient, gradient, optimize=True)
         inverse, area = self.inverse_jacobian
         n = tensor.shape[-1]
 
@@ -146,27 +207,46 @@ class AxisymmetricElasticity:
 
         return block
 
-    def _hoop_gradients(self) -> Callable[[int], Array]:
-        """``y -> int phi_i d_y phi_j`` on every triangle: the radius has cancelled."""
-        points, weights = get_quadrature(self._triangulation.refdom, 2 * self.degree - 1)
-        value, gradient = self.reference(points)
-        tensor = np.einsum("q,iq,jaq->aij", weights, value, gradient, optimize=True)
-        inverse, area = self.inverse_jacobian
-        n = tensor.shape[-1]
-
-        def block(y: int) -> Array:
-            return ((inverse[:, y] * area * 2 * np.pi).T @ tensor.reshape(2, -1)).reshape(-1, n, n)
-
-        return block
-
-    def _hoop_mass(self) -> Array:
-        """``int phi_i phi_j / r`` on every triangle: rational, so by a richer rule; its points lie off the axis."""
+    def _hoop(self) -> Array:
+        """``int phi_i phi_j / r`` on every triangle: rational, so by a richer rule, whose points lie off the axis."""
         points, weights = get_quadrature(self._triangulation.refdom, 2 * self.degree + 4)
         value, _ = self.reference(points)
-        corner = np.stack([1 - points[0] - points[1], points[0], points[1]])
         _, area = self.inverse_jacobian
-        inverse_radius = 1 / np.einsum("vm,vq->mq", self.corners[0], corner)
-        products = np.einsum("iq,jq->qij", value, value)
+        measure = 2 * np.pi * area[:, None] * weights / (self.corners[0].T @ _barycentric(points))
         n = len(value)
-        scaled = (2 * np.pi * area)[:, None] * weights * inverse_radius
-        return (scaled @ products.reshape(len(weights), -1)).reshape(-1, n, n)
+        return (measure @ np.einsum("iq,jq->qij", value, value).reshape(-1, n * n)).reshape(-1, n, n)
+
+    def _dilatation(self) -> Array:
+        """``int div u div v r`` of the (radial, axial) unknowns, on every triangle.
+
+        Dilatations are projected on polynomials one degree below the displacement's. Near incompressibility lambda
+        multiplies nothing that could not vanish, and since ``r div u`` is a polynomial, no quadrature error either.
+        """
+        points, weights = get_quadrature(self._triangulation.refdom, 2 * self.degree)
+        value, gradient = self.reference(points)
+        lower = ELEMENTS[self.degree - 1]() if self.degree > 1 else None
+        test = np.ones((1, len(weights))) if lower is None else _values(lower, points)
+        corner = _barycentric(points)
+        inverse, area = self.inverse_jacobian
+        scale = 2 * np.pi * area
+        by_radius = (scale * self.corners[0]).T
+        n, t = len(value), len(test)
+        slopes = np.einsum("vq,q,kq,iaq->vaki", corner, weights, test, gradient, optimize=True).reshape(6, -1)
+        moments = np.empty((len(area), t, 2 * n))
+        for component, block in enumerate((moments[:, :, :n], moments[:, :, n:])):
+            constants = by_radius[:, :, None] * inverse[:, component].T[:, None, :]
+            block[:] = (constants.reshape(-1, 6) @ slopes).reshape(-1, t, n)
+        moments[:, :, :n] += scale[:, None, None] * np.einsum("q,kq,iq->ki", weights, test, value)
+        products = np.einsum("vq,q,kq,lq->vkl", corner, weights, test, test, optimize=True).reshape(3, -1)
+        gram = (by_radius @ products).reshape(-1, t, t)
+        return np.swapaxes(moments, 1, 2) @ np.linalg.solve(gram, moments)
+
+
+def _values(element: Element, points: Array) -> Array:
+    """(nodes, q) values of an element's shape functions."""
+    return np.array([element.lbasis(points, i)[0] for i in range(len(element.doflocs))])
+
+
+def _barycentric(points: Array) -> Array:
+    """(3, q) barycentric coordinates of reference points."""
+    return np.stack([1 - points[0] - points[1], points[0], points[1]])

@@ -33,7 +33,7 @@ def vertex_stresses(solid: AxisymmetricElasticity, displacement: Array) -> Array
     corners = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     value, gradient = solid.reference(corners)
     inverse, area = solid.inverse_jacobian
-    local = displacement[:, solid.element_dofs]  # states, nodes, triangles, component
+    local = solid.on_triangles(displacement)
     slopes = np.einsum("iaq,axm,simc->smqcx", gradient, inverse, local, optimize=True)
     radius = solid.corners[0].T
     radial = np.einsum("iq,sim->smq", value, local[..., 0], optimize=True)

@@ -31,7 +31,7 @@ def mesh(field: SizeField) -> HalfSpaceMesh:
     edges = np.array(field.edges)
     dyadic, spacing = _dyadic_image(edges)
     points, triangles = _polar_quarter_disc(field.truncation)
-    current = MeshTri(points.T, triangles.T)
+    current = MeshTri(np.ascontiguousarray(points.T), np.ascontiguousarray(triangles.T))
     for _ in range(MOST_ROUNDS):
         corners = _moved(current.p.T, dyadic, edges)[current.t.T]
         longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
@@ -40,7 +40,8 @@ def mesh(field: SizeField) -> HalfSpaceMesh:
         if not marked.any():
             break
         current = current.refined(np.flatnonzero(marked))
-        current = replace(current, doflocs=_on_the_arc(current.p.T, current.boundary_nodes(), field.truncation).T)
+        points = _on_the_arc(current.p.T, current.boundary_nodes(), field.truncation)
+        current = replace(current, doflocs=np.ascontiguousarray(points.T))
     else:
         raise MeshError("local refinement did not reach the sizes asked for: ask for larger ones, or for gmsh")
     return assemble(_moved(current.p.T, dyadic, edges), current.t.T, edges, "bisection")

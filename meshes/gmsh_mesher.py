@@ -75,14 +75,16 @@ def _geometry(gmsh: Any, field: SizeField) -> None:
     geometry.addPlaneSurface([geometry.addCurveLoop(curves)])
     geometry.synchronize()
     sizes = []
-    for points, size in ((on_contact[-1:], field.rim_size), (on_contact[1:-1], field.ring_size)):
-        if points:
-            distance, threshold = fields.add("Distance"), fields.add("Threshold")
-            fields.setNumbers(distance, "PointsList", points)
-            reach = {"InField": distance, "DistMin": 0, "DistMax": 3 * outer}
-            for name, value in {**reach, "SizeMin": size, "SizeMax": size + field.growth * 3 * outer}.items():
-                fields.setNumber(threshold, name, value)
-            sizes.append(threshold)
+    at_edges = np.array(field.ring_sizes)
+    groups = [(on_contact[-1:], field.rim_size)]
+    groups += [([on_contact[1 + i] for i in np.flatnonzero(at_edges == size)], size) for size in np.unique(at_edges)]
+    for points, size in groups:
+        distance, threshold = fields.add("Distance"), fields.add("Threshold")
+        fields.setNumbers(distance, "PointsList", points)
+        reach = {"InField": distance, "DistMin": 0, "DistMax": 3 * outer}
+        for name, value in {**reach, "SizeMin": size, "SizeMax": size + field.growth * 3 * outer}.items():
+            fields.setNumber(threshold, name, value)
+        sizes.append(threshold)
     smallest = fields.add("Min")
     fields.setNumbers(smallest, "FieldsList", sizes)
     fields.setAsBackgroundMesh(smallest)

@@ -25,23 +25,30 @@ class SizeField:
     Parameters
     ----------
     edges : ring edges, 0 first and 1 (the rim) last
-    rim_size, ring_size : size at the rim and at the other ring edges
+    rim_size : size at the rim
+    ring_size : size at the other ring edges: one for all of them, or one for each
     growth : growth of the size with the distance from them
     truncation : radius of the quarter disc, in punch radii
     """
 
     edges: tuple[float, ...]
     rim_size: float
-    ring_size: float
+    ring_size: float | tuple[float, ...]
     growth: float
     truncation: float
 
     def __call__(self, points: Array) -> Array:
         """(n,) sizes at (n, 2) points."""
         size = self.rim_size + self.growth * np.hypot(points[:, 0] - 1, points[:, 1])
-        for edge in self.edges[1:-1]:
-            size = np.minimum(size, self.ring_size + self.growth * np.hypot(points[:, 0] - edge, points[:, 1]))
+        for edge, smallest in zip(self.edges[1:-1], self.ring_sizes, strict=True):
+            size = np.minimum(size, smallest + self.growth * np.hypot(points[:, 0] - edge, points[:, 1]))
         return size
+
+    @property
+    def ring_sizes(self) -> tuple[float, ...]:
+        """Size at each ring edge between the centre and the rim."""
+        count = len(self.edges) - 2
+        return self.ring_size if isinstance(self.ring_size, tuple) else (self.ring_size,) * count
 
 
 @dataclass(frozen=True, eq=False)

@@ -128,6 +128,11 @@ def _say_verdict(result: Result) -> None:
             pair = f"{row.methods[0]}-{row.methods[1]}"
             print(f"  {row.quantity:<24}{pair:<12}{row.difference:8.1e}{row.uncertainty:10.1e}{verdict}")
         print("The methods agree within their stated uncertainty." if result.agrees else "THE METHODS DISAGREE.")
+    for both in result.operators:
+        print(
+            f"As operators, {both.methods[0]}-{both.methods[1]} differ by {both.rings:.1e} over all steady states and "
+            f"{both.history:.1e} along this history; stability {both.stability:.2f}, residual {both.residual:.1e}"
+        )
     for note in result.notes:
         print(f"note: {note}")
 

@@ -17,6 +17,7 @@ from meshes.half_space import HalfSpaceMesh
 from meshes.radial import Array
 
 if TYPE_CHECKING:
+    from .interior import Interior
     from .runs import Result
 
 D0, P0 = 0.5, 1 / (2 * np.pi)  # of force 1, in natural units
@@ -43,6 +44,8 @@ def draw_all(result: Result, out: Path) -> None:
         draw_history(result, out / "history.png")
     if result.scene.wear.steady:
         draw_steady(result, out / "steady_state.png")
+    if result.operators:
+        draw_operators(result, out / "operator_difference.png")
     if "fem" in result.models:
         half_space = result.models["fem"].half_space
         assert half_space is not None
@@ -192,6 +195,56 @@ def draw_steady(result: Result, path: Path) -> None:
         shade_rings(axes, natural.edges, natural.wear)
     _legend(figure, left)
     figure.suptitle(_title(result, "steady state; shaded rings wear faster"), fontsize=10)
+    figure.savefig(path)
+
+
+def draw_operators(result: Result, path: Path) -> None:
+    """Relative difference of two methods against the wavelength of the pressure."""
+    natural = result.scene.natural
+    figure = _figure(6.5, 4.2)
+    axes = figure.subplots()
+    for row, marker in zip(result.operators, "ox^s", strict=False):
+        name = f"{row.methods[0].upper()} against {row.methods[1].upper()}"
+        shown = np.maximum(row.differences, 1e-16)
+        axes.loglog(row.wavelengths / natural.length, shown, marker, markersize=3, markerfacecolor="none", label=name)
+        axes.axhline(row.rings, linewidth=0.8, color="0.4", linestyle="--")
+        axes.text(
+            0.99, row.rings, "all steady states ", ha="right", va="bottom", fontsize=8, transform=axes.get_yaxis_transform()
+        )
+    widths = np.diff(natural.edges)
+    axes.axvline(2 * widths.min(), linewidth=0.8, color="0.4", linestyle=":")
+    axes.text(2 * widths.min(), 0.01, " two rings", fontsize=8, transform=axes.get_xaxis_transform())
+    axes.set_xlabel("wavelength of the pressure over $a$")
+    axes.set_ylabel(r"relative difference of energy $|\lambda - 1|$")
+    axes.legend(frameon=False, fontsize=9)
+    figure.suptitle(_title(result, "the methods as operators"), fontsize=10)
+    figure.savefig(path)
+
+
+def draw_stress(result: Result, fields: Interior, path: Path) -> None:
+    """Von Mises stress under the rings, at every state whose inside was recovered."""
+    natural = result.scene.natural
+    shown = range(len(fields.labels))
+    figure = _figure(4.4 * len(shown) + 0.8, 3.9)
+    panels = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]
+    r, z = fields.mesh.points.T
+    under = (r < 1.3) & (z < 1.0)
+    top = float(np.quantile(fields.von_mises[:, under] / P0, 0.9))
+    levels = np.linspace(0, top, 21)
+    for state, axes in zip(shown, panels, strict=True):
+        filled = axes.tricontourf(
+            r, z, fields.mesh.triangles, fields.von_mises[state] / P0, levels, cmap="viridis", extend="max"
+        )
+        axes.tricontour(
+            r, z, fields.mesh.triangles, fields.von_mises[state] / P0, levels[::4], colors="white", linewidths=0.4
+        )
+        axes.plot([0, 1], [-0.02, -0.02], color="#c0392b", linewidth=2.5)
+        axes.plot(natural.edges[1:-1], np.full(len(natural.edges) - 2, -0.045), "v", color="#c0392b", markersize=3)
+        axes.set(xlim=(0, 1.3), ylim=(1.0, -0.08), aspect="equal", xlabel="$r/a$")
+        axes.set_title("steady state" if fields.labels[state] == "steady" else f"${fields.labels[state]}$", fontsize=9)
+    panels[0].set_ylabel("depth $z/a$")
+    figure.colorbar(filled, ax=panels, label="von Mises stress over $p_0$", shrink=0.9)
+    figure.suptitle(_title(result, "von Mises stress under the rings"), fontsize=10)
     figure.savefig(path)
 
 

@@ -61,7 +61,7 @@ def plan(scene: Scene) -> list[str]:
             field, chosen = size_field(natural), scene.accuracy.fem
             lines.append(
                 f"fem: degree {chosen.degree}, {chosen.mesher}, {chosen.far_field} far field at R = {field.truncation:g} a, "
-                f"rim_size {field.rim_size:.3g}, ring_size {field.ring_size:.3g}, growth {field.growth:.3g}"
+                f"rim_size {field.rim_size:.3g}, ring_size {min(field.ring_sizes, default=0):.3g}, growth {field.growth:.3g}"
             )
         else:
             lines.append("direct: closed form, nothing to resolve")

@@ -103,10 +103,14 @@ def size_field(natural: NaturalScene) -> SizeField:
     """Element sizes of the half-space at the scene's accuracy."""
     rtol, chosen = natural.scene.accuracy.rtol, natural.scene.accuracy.fem
     edges, _ = natural.phases
+    widths = np.diff(edges)
+    narrower = np.minimum(widths[:-1], widths[1:])
+    # in proportion to the narrower ring beside each edge; in few distinct values, which is what a mesher digests
+    at_edges = 2.0 ** np.floor(np.log2(min(10 * rtol**0.6, 0.25) * narrower))
     return SizeField(
         edges=tuple(float(edge) for edge in edges),
-        rim_size=chosen.rim_size or min(0.1 * rtol, np.diff(edges).min() / 4),
-        ring_size=chosen.ring_size or min(rtol**0.6, np.diff(edges).min() / 4),
+        rim_size=chosen.rim_size or min(0.1 * rtol, float(widths[-1]) / 4),
+        ring_size=chosen.ring_size or tuple(float(size) for size in at_edges),
         growth=chosen.growth or min(0.6 * (rtol / 1e-4) ** 0.1, 0.9),
         truncation=chosen.truncation,
     )

@@ -39,15 +39,17 @@ def whole(out: Path) -> Iterator[Path]:
 
 def write(result: Result, out: Path, report: Report = silent) -> list[str]:
     """Write results, summary, half-space and figures to `out`; returns the names of the files."""
-    from .figures import draw_all
-    from .results import write_half_space
+    from .figures import draw_all, draw_stress
+    from .interior import interior, write_half_space
 
     with whole(out) as hidden:
         report(" output  writing ...")
         result.dataset.to_netcdf(hidden / "results.nc", engine="netcdf4")
         (hidden / "summary.json").write_text(json.dumps(result.summary, indent=1) + "\n", "utf-8")
         if "fem" in result.models:
-            write_half_space(result, hidden / "half_space.vtu")
+            fields = interior(result)
+            write_half_space(result, fields, hidden / "half_space.vtu")
+            draw_stress(result, fields, hidden / "stress.png")
         report(" output  drawing ...")
         draw_all(result, hidden)
         return sorted(file.name for file in hidden.iterdir())

@@ -1,10 +1,9 @@
-"""Results as files: the xarray Dataset (netCDF-4), the summary (JSON) and the half-space (VTU), in the scene's units."""
+"""Results as an xarray Dataset (netCDF-4) and a summary (JSON), in the scene's units."""
 
 from __future__ import annotations
 
 import json
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -128,9 +127,25 @@ def summary(result: Result) -> dict[str, Any]:
         "methods": methods,
         "agreement": agreement,
         "agrees": result.agrees,
+        "operator_difference": [
+            {
+                "methods": list(row.methods),
+                "rings": row.rings,
+                "history": row.history,
+                "space": row.space,
+                "worst_radius": row.worst_radius,
+                "stability": row.stability,
+                "residual": row.residual,
+            }
+            for row in result.operators
+        ],
         "definitions": {
             "difference": "|a - b| / |b| where it is greatest against the uncertainty; of fields, the greatest over r",
             "uncertainty": "sum of the two methods' own relative error estimates at that place",
+            "operator_difference": "of the energies two methods give the same pressures, relative: greatest over all "
+            "ring-wise constant pressures (rings), along the history (history), over the first method's whole space "
+            "(space, worst at worst_radius); stability: their least ratio, the square of the inf-sup constant; residual: "
+            "first method's pressures put into the second, against the worn profile, in the energy norm",
             "error_estimate": "relative, of the indentation over all times and of the steady displacement",
         },
         "modelled": modelled(result.scene),
@@ -138,34 +153,3 @@ def summary(result: Result) -> dict[str, Any]:
         "notes": list(result.notes),
         "versions": versions(),
     }
-
-
-def write_half_space(result: Result, path: Path) -> None:
-    """The meshed half-space with displacements and stresses: at the start, and in the last state that was asked for."""
-    import meshio
-
-    from fem.fields import displacements, vertex_stresses, von_mises
-
-    from .contact import flat_start, steady_state
-    from .wear import Wear
-
-    model, natural = result.models["fem"], result.scene.natural
-    half_space = model.half_space
-    assert half_space is not None
-    if result.scene.wear.steady:
-        last = steady_state(model.compliance, natural.phases[1]).pressure
-    else:
-        last = Wear(model.compliance, natural.phases[1]).modal(natural.times[-1:]).pressure[0]
-    states = {"start": flat_start(model.compliance).pressure, "worn": last}
-    moved = displacements(half_space, np.array(list(states.values())))
-    stresses = vertex_stresses(half_space.solid, moved)
-    mesh = half_space.solid.mesh
-    count = len(mesh.points)
-    data: dict[str, Array] = {}
-    for name, u, stress in zip(states, moved, stresses, strict=True):
-        upright = np.stack([u[:count, 0], -u[:count, 1], np.zeros(count)], axis=1)
-        data[f"displacement_{name}"] = upright * natural.displacement
-        data[f"stress_rr_zz_rz_hoop_{name}"] = stress * np.array([1, 1, -1, 1]) * natural.pressure
-        data[f"von_mises_{name}"] = von_mises(stress) * natural.pressure
-    points = np.stack([mesh.points[:, 0], -mesh.points[:, 1], np.zeros(count)], axis=1) * natural.length
-    meshio.Mesh(points, [("triangle", mesh.triangles)], point_data=data).write(path, file_format="vtu")

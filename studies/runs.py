@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from threadpoolctl import threadpool_limits
 from meshes.radial import Array
 
 from .methods import MODELS, Model
+from .operators import OperatorDifference, difference, on_space_of
 from .outcome import Outcome, estimated, from_direct_integration, relative_difference
 from .scene import NaturalScene, Scene
 from .stages import Report, Stages, silent
@@ -53,6 +55,7 @@ class Result:
     parts: dict[str, dict[str, float]]
     stages: dict[str, Stages]
     agreement: tuple[Agreement, ...]
+    operators: tuple[OperatorDifference, ...]
     notes: tuple[str, ...] = field(default=())
 
     @property
@@ -100,9 +103,10 @@ def run(scene: Scene, report: Report = silent) -> Result:
             outcomes[method], errors[method], parts[method], model = _evaluate(natural, method, stages[method])
             if model is not None:
                 models[method] = model
+        operators = tuple(compare_operators(natural, models, report))
     agreement = tuple(row for a, b in combinations(outcomes, 2) for row in agreements(a, b, outcomes, errors))
     notes = tuple(note for model in models.values() for note in model.notes)
-    return Result(scene, outcomes, errors, models, parts, stages, agreement, notes)
+    return Result(scene, outcomes, errors, models, parts, stages, agreement, operators, notes)
 
 
 def _evaluate(natural: NaturalScene, method: str, stages: Stages) -> tuple[Outcome, Outcome, dict[str, float], Model | None]:
@@ -122,6 +126,22 @@ def _evaluate(natural: NaturalScene, method: str, stages: Stages) -> tuple[Outco
         result, errors = with_steady(history, result), with_steady(first_order, errors)
         parts = {"grid and step": float(first_order.indentation.max())}
     return result, errors, parts, model
+
+
+def compare_operators(
+    natural: NaturalScene, models: dict[str, Model], report: Report = silent
+) -> Iterator[OperatorDifference]:
+    """Compare methods as operators: each on the space of another, where it can be had there.
+
+    A method with a space of its own (the finite elements, on their contact facets) gives the space; the others follow.
+    """
+    order = sorted(models, key=lambda method: on_space_of(method) is not None)
+    for a, b in combinations(order, 2):
+        elsewhere = on_space_of(b)
+        if elsewhere is not None:
+            with Stages("check", report)(f"{a} against {b}"):
+                first = models[a].compliance
+                yield difference(natural, (a, b), first, elsewhere(first.space))
 
 
 def agreements(a: str, b: str, outcomes: dict[str, Outcome], errors: dict[str, Outcome]) -> list[Agreement]:

@@ -69,8 +69,8 @@ class HalfSpace(Section):
     plane_strain_modulus: Positive | None = Field(default=None, description="E* = E/(1 - nu^2), a positive pressure")
     youngs_modulus: Positive | None = Field(default=None, description="Young's modulus E, a positive pressure")
     poisson_ratio: float = Field(
-        default=0.3, gt=-1, lt=0.5, allow_inf_nan=False,
-        description="a number above -1 and below 0.5; for rubber take 0.4999: with E* given, pressures do not depend on it",
+        default=0.3, gt=-1, le=0.5, allow_inf_nan=False,
+        description="a number above -1 and at most 0.5",
     )  # fmt: skip
 
     @model_validator(mode="after")
@@ -140,6 +140,9 @@ class Accuracy(Section):
 
 class Output(Section):
     radii: list[NotNegative] | None = Field(default=None, description="radii from 0 to punch.radius, increasing")
+    field_times: list[NotNegative] | None = Field(
+        default=None, description="times at which the inside of the half-space is written, increasing"
+    )
     gradient_average: Literal["line", "area"] = Field(default="line", description="line or area")
 
 
