@@ -22,22 +22,24 @@ from scipy.sparse.linalg import splu
 from meshes.compliance import Compliance
 from meshes.errors import SolverError
 from meshes.half_space import HalfSpaceMesh
-from meshes.radial import Array, Indices, PressureSpace, shapes
+from meshes.radial import Array, Indices, PressureSpace, layer_degrees, shapes
 
 from .condensation import fill_reducing_order, trailing_factor
 from .elasticity import AxisymmetricElasticity, moduli
 from .far_field import exterior_stiffness, pole
 
-# multipliers on each contact facet, continuous inside rings: the highest degree that is stable for each displacement
+# multipliers on the contact facets, continuous inside rings: the highest degree that is stable for each displacement,
+# reached within a few facets of a ring edge or the rim, where a low degree is as accurate and more stable
 MULTIPLIER_DEGREE = {2: 1, 3: 2, 4: 3}
+RISE = 0.34
 
 
 def pressure_space(mesh: HalfSpaceMesh, edges: Array, degree: int) -> PressureSpace:
-    """The pressure space on the contact facets of the mesh, of multiplier `degree`."""
+    """The pressure space on the contact facets of the mesh, up to multiplier `degree`."""
     breakpoints = mesh.contact_radii.copy()
     nearest = np.abs(breakpoints[:, None] - edges).argmin(axis=0)
     breakpoints[nearest] = edges
-    return PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), edges)
+    return PressureSpace(breakpoints, layer_degrees(breakpoints, edges, degree, RISE, max(1, degree - 1)), edges)
 
 
 @dataclass(frozen=True, eq=False)

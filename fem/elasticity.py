@@ -160,7 +160,8 @@ class AxisymmetricElasticity:
     def _from_boundary(self) -> Array:
         """(m, inside, boundary) displacements inside a triangle by those on its boundary."""
         outer, inner = self._split
-        return -np.linalg.solve(self._local[:, inner[:, None], inner], self._local[:, inner[:, None], outer])
+        inside = self._local[:, inner[:, None], inner]
+        return np.asarray(-np.linalg.solve(inside, self._local[:, inner[:, None], outer]), dtype=np.float64)
 
     @cached_property
     def stiffness(self) -> csc_matrix:

@@ -24,30 +24,35 @@ def displacements(half_space: HalfSpace, pressures: Array) -> Array:
     return half_space.expand(solution)
 
 
-def vertex_stresses(solid: AxisymmetricElasticity, displacement: Array) -> Array:
-    """(states, vertices, 4) stresses rr, zz, rz, hoop at the mesh vertices, averaged over the triangles around each.
-
-    Singular at the rim and at ring edges: values there show the element size, not the solid.
-    """
+def stresses(solid: AxisymmetricElasticity, displacement: Array, points: Array) -> Array:
+    """(states, m, q, 4) stresses rr, zz, rz, hoop at (2, q) reference points of each of the m triangles."""
     lame, shear = moduli(solid.poisson_ratio)
-    corners = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    value, gradient = solid.reference(corners)
-    inverse, area = solid.inverse_jacobian
+    value, gradient = solid.reference(points)
+    inverse, _ = solid.inverse_jacobian
     local = solid.on_triangles(displacement)
     slopes = np.einsum("iaq,axm,simc->smqcx", gradient, inverse, local, optimize=True)
-    radius = solid.corners[0].T
+    radius = np.einsum("vm,vq->mq", solid.corners[0], np.stack([1 - points[0] - points[1], points[0], points[1]]))
     radial = np.einsum("iq,sim->smq", value, local[..., 0], optimize=True)
     on_axis = radius == 0
     hoop = np.where(on_axis, slopes[..., 0, 0], radial / np.where(on_axis, 1.0, radius))
     rr, zz = slopes[..., 0, 0], slopes[..., 1, 1]
     volume = lame * (rr + zz + hoop)
     rz = shear * (slopes[..., 0, 1] + slopes[..., 1, 0])
-    stress = np.stack([volume + 2 * shear * rr, volume + 2 * shear * zz, rz, volume + 2 * shear * hoop], axis=-1)
+    return np.stack([volume + 2 * shear * rr, volume + 2 * shear * zz, rz, volume + 2 * shear * hoop], axis=-1)
+
+
+def vertex_stresses(solid: AxisymmetricElasticity, displacement: Array) -> Array:
+    """(states, vertices, 4) stresses rr, zz, rz, hoop at the mesh vertices, averaged over the triangles around each.
+
+    Singular at the rim and at ring edges: values there show the element size, not the solid.
+    """
+    at_corners = stresses(solid, displacement, np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]))
+    _, area = solid.inverse_jacobian
     vertices = solid.vertices
     out = np.zeros((len(displacement), vertices.max() + 1, 4))
     weight = np.zeros(vertices.max() + 1)
     for corner in range(3):
-        for state, values in zip(out, stress, strict=True):
+        for state, values in zip(out, at_corners, strict=True):
             np.add.at(state, vertices[corner], area[:, None] * values[:, corner])
         np.add.at(weight, vertices[corner], area)
     return out / weight[:, None]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshes.radial import Array, PressureSpace, shapes
+from meshes.radial import Array, Indices, PressureSpace, shapes
 
 # Gauss points that integrate a polynomial in exp(theta) to roundoff, by (degree x length of the interval)
 GAUSS_POINTS = ((0.25, 8), (1.0, 12), (4.0, 18), (12.0, 28), (40.0, 44), (np.inf, 80))
@@ -19,13 +19,38 @@ GAUSS_POINTS = ((0.25, 8), (1.0, 12), (4.0, 18), (12.0, 28), (40.0, 44), (np.inf
 def line_density(space: PressureSpace, positions: Array) -> Array:
     """(len(positions), size) line density ``q(x)`` of each pressure function at positions in (0, 1)."""
     point, element = np.nonzero(space.breakpoints[1:] > positions[:, None])
-    x, left, right = positions[point], space.breakpoints[element], space.breakpoints[element + 1]
+    width = np.diff(space.breakpoints)
+    far = space.breakpoints[element] - positions[point] >= width[element] / 2
+    values = np.empty((len(point), space.top + 1))
+    values[far] = _from_afar(space, positions[point[far]], element[far])
+    values[~far] = _from_near(space, positions[point[~far]], element[~far])
+    out = np.zeros((len(positions), space.size + 1))
+    # each position meets each element once, and neighbours share hats: add the hats one after the other
+    for j in range(space.top + 1):
+        out[point, space.dofs[element, j]] += values[:, j]
+    return out[:, :-1]
+
+
+def _from_afar(space: PressureSpace, x: Array, element: Indices) -> Array:
+    """Integrals over elements at least half their width away, where the root is smooth: plain Gauss in the radius."""
+    node, weight = np.polynomial.legendre.leggauss(16)
+    half = np.diff(space.breakpoints)[element, None] / 2
+    r = space.breakpoints[element, None] + half * (1 + node)
+    kernel = 2 * half * r / np.sqrt((r - x[:, None]) * (r + x[:, None]))
+    return kernel @ (weight[:, None] * shapes(node, space.top))
+
+
+def _from_near(space: PressureSpace, x: Array, element: Indices) -> Array:
+    """Integrals over elements at or around x: with ``r = x cosh(theta)`` the integrand is entire.
+
+    No difference of close numbers is formed, so elements may be as small as roundoff allows.
+    """
+    left, right = space.breakpoints[element], space.breakpoints[element + 1]
     lower = np.maximum(left, x)
     lower_root, upper_root = np.sqrt((lower - x) * (lower + x)), np.sqrt((right - x) * (right + x))
-    # r = x cosh(theta): the integrand is entire in theta, and no difference of close numbers is formed
     span = np.arcsinh((right - lower) * (right + lower) / (upper_root * lower + lower_root * right))
     reach = (space.degrees[element] + 1) * span
-    values = np.zeros((len(point), space.top + 1))
+    values = np.zeros((len(x), space.top + 1))
     start = 0.0
     for stop, count in GAUSS_POINTS:
         group = np.flatnonzero((reach >= start) & (reach < stop))
@@ -37,11 +62,7 @@ def line_density(space: PressureSpace, positions: Array) -> Array:
         local = 2 * ((lower - left)[group, None] + above) / (right - left)[group, None] - 1
         weighted = (radius * weight * span[group, None])[:, None, :]
         values[group] = (weighted @ shapes(local, space.top))[:, 0]
-    out = np.zeros((len(positions), space.size + 1))
-    # each position meets each element once, and neighbours share hats: add the two hats one after the other
-    for j in range(space.top + 1):
-        np.add.at(out, (point, space.dofs[element, j]), values[:, j])
-    return out[:, :-1]
+    return values
 
 
 def panel_quadrature(space: PressureSpace) -> tuple[Array, Array]:

@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from meshes.half_space import HalfSpaceMesh
 from meshes.radial import Array
@@ -225,19 +226,14 @@ def draw_stress(result: Result, fields: Interior, path: Path) -> None:
     """Von Mises stress under the rings, at every state whose inside was recovered."""
     natural = result.scene.natural
     shown = range(len(fields.labels))
-    figure = _figure(4.4 * len(shown) + 0.8, 3.9)
+    figure = _figure(4.4 * len(shown) + 0.8, 4.6)
     panels = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]
-    r, z = fields.mesh.points.T
-    under = (r < 1.3) & (z < 1.0)
-    top = float(np.quantile(fields.von_mises[:, under] / P0, 0.9))
-    levels = np.linspace(0, top, 21)
+    r, z = fields.fine_points.T
+    beneath = (r < 1.3) & (z > 0.04) & (z < 1.0)
+    levels = MaxNLocator(18).tick_values(0, 1.2 * float(fields.fine_von_mises[:, beneath].max() / P0))
     for state, axes in zip(shown, panels, strict=True):
-        filled = axes.tricontourf(
-            r, z, fields.mesh.triangles, fields.von_mises[state] / P0, levels, cmap="viridis", extend="max"
-        )
-        axes.tricontour(
-            r, z, fields.mesh.triangles, fields.von_mises[state] / P0, levels[::4], colors="white", linewidths=0.4
-        )
+        values = fields.fine_von_mises[state] / P0
+        filled = axes.tricontourf(r, z, fields.fine_triangles, values, levels, cmap="viridis", extend="max")
         axes.plot([0, 1], [-0.02, -0.02], color="#c0392b", linewidth=2.5)
         axes.plot(natural.edges[1:-1], np.full(len(natural.edges) - 2, -0.045), "v", color="#c0392b", markersize=3)
         axes.set(xlim=(0, 1.3), ylim=(1.0, -0.08), aspect="equal", xlabel="$r/a$")

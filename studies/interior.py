@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from meshes.half_space import HalfSpaceMesh
-from meshes.radial import Array
+from meshes.radial import Array, Indices
 
 from .wear import Wear
 
 if TYPE_CHECKING:
     from .runs import Result
+
+FINENESS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +30,8 @@ class Interior:
     displacement : (states, vertices, 2) radial, and into the half-space
     stress : (states, vertices, 4) rr, zz, rz, hoop
     von_mises : (states, vertices)
+    fine_points, fine_triangles, fine_von_mises : the same on every triangle cut in `FINENESS` squared, not averaged
+        between triangles: what the polynomials inside them say
     """
 
     mesh: HalfSpaceMesh
@@ -35,11 +39,23 @@ class Interior:
     displacement: Array
     stress: Array
     von_mises: Array
+    fine_points: Array
+    fine_triangles: Indices
+    fine_von_mises: Array
+
+
+def _cut_triangle() -> tuple[Array, Indices]:
+    """A lattice of reference points (2, q), and the small triangles between them (FINENESS^2, 3)."""
+    n = FINENESS
+    number = {pair: k for k, pair in enumerate((i, j) for j in range(n + 1) for i in range(n + 1 - j))}
+    upward = [(number[i, j], number[i + 1, j], number[i, j + 1]) for i, j in number if i + j < n]
+    downward = [(number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]) for i, j in number if i + j < n - 1]
+    return np.array(list(number), dtype=float).T / n, np.array(upward + downward)
 
 
 def interior(result: Result) -> Interior:
     """Recover the inside of the half-space from the contact pressures: at the scene's field times, and when steady."""
-    from fem.fields import displacements, vertex_stresses, von_mises
+    from fem.fields import displacements, stresses, vertex_stresses, von_mises
 
     scene, natural = result.scene, result.scene.natural
     model = result.models["fem"]
@@ -55,8 +71,14 @@ def interior(result: Result) -> Interior:
         labels.append("steady")
     moved = displacements(model.half_space, np.array(pressures))
     stress = vertex_stresses(model.half_space.solid, moved)
-    mesh = model.half_space.solid.mesh
-    return Interior(mesh, tuple(labels), moved[:, : len(mesh.points)], stress, von_mises(stress))
+    solid = model.half_space.solid
+    lattice, small = _cut_triangle()
+    fine = von_mises(stresses(solid, moved, lattice)).reshape(len(moved), -1)
+    corner = np.stack([1 - lattice[0] - lattice[1], lattice[0], lattice[1]])
+    points = np.einsum("xvm,vq->mqx", solid.corners, corner).reshape(-1, 2)
+    triangles = (lattice.shape[1] * np.arange(solid.corners.shape[2])[:, None, None] + small).reshape(-1, 3)
+    at_vertices = moved[:, : len(solid.mesh.points)]
+    return Interior(solid.mesh, tuple(labels), at_vertices, stress, von_mises(stress), points, triangles, fine)
 
 
 def write_half_space(result: Result, fields: Interior, path: Path) -> None:

@@ -84,19 +84,21 @@ def mdr_space(natural: NaturalScene, degree: float, rim_size: float, ring_size: 
     return PressureSpace(breakpoints, degrees, edges)
 
 
-def mdr_model(natural: NaturalScene, stages: Stages) -> Model:
+def mdr_model(natural: NaturalScene, stages: Stages, twins: bool = True) -> Model:
     """Compliance by the MDR energy; its twin has one layer less at every singular point, and one degree less."""
     from mdr.compliance import compliance
 
     settings = mdr_settings(natural)
     with stages("assembling"):
         fine = compliance(mdr_space(natural, **settings))
-    with stages("estimating"):
-        layer = settings["grading"]
-        coarser = {"degree": max(1, settings["degree"] - 1), "grading": layer}
-        coarser |= {name: min(settings[name] / layer, 0.5) for name in ("rim_size", "ring_size")}
-        twin = Twin("pressure space", fine, compliance(mdr_space(natural, **coarser)), 0.5, 1.5)
-    return Model(fine, (twin,), fine.space.size, dict(settings))
+    made = []
+    if twins:
+        with stages("estimating"):
+            layer = settings["grading"]
+            coarser = {"degree": max(1, settings["degree"] - 1), "grading": layer}
+            coarser |= {name: min(settings[name] / layer, 0.5) for name in ("rim_size", "ring_size")}
+            made.append(Twin("pressure space", fine, compliance(mdr_space(natural, **coarser)), 0.5, 1.5))
+    return Model(fine, tuple(made), fine.space.size, dict(settings))
 
 
 def size_field(natural: NaturalScene) -> SizeField:
@@ -129,7 +131,7 @@ def half_space_mesh(natural: NaturalScene) -> tuple[HalfSpaceMesh, tuple[str, ..
     return gmsh_mesher.mesh(field), ()
 
 
-def fem_model(natural: NaturalScene, stages: Stages) -> Model:
+def fem_model(natural: NaturalScene, stages: Stages, twins: bool = True) -> Model:
     """Compliance by condensing the finite-element half-space."""
     from fem.compliance import MULTIPLIER_DEGREE, HalfSpace, pressure_space
     from fem.condensation import solver
@@ -147,18 +149,30 @@ def fem_model(natural: NaturalScene, stages: Stages) -> Model:
         _ = half_space.system
     with stages("condensing"):
         fine = half_space.compliance()
-    with stages("estimating"):
-        twins = [Twin("pressure space", fine, fine.coarser(), 0.6, 4.0)] if space.top > 1 else []
-        if poles:
-            twins.append(Twin("truncation", fine, replace(fine, factor=fine.factor[:-1]), 0.1, 0.1))
-        if chosen.degree > 2:
-            lower = HalfSpace(AxisymmetricElasticity(mesh, chosen.degree - 1, nu), fine.coarser().space, poles)
-            twins.append(Twin("discretisation", fine.coarser(), lower.compliance(), 0.3, 1.0))
+    made = []
+    if twins:
+        with stages("estimating"):
+            made = _fem_twins(half_space, fine)
     settings = {
         "mesher": mesh.mesher, "triangles": len(mesh.triangles), "degree": chosen.degree, "multipliers": space.size,
         "far_field": chosen.far_field, "poles": len(poles), "truncation": chosen.truncation, "solver": solver(),
     }  # fmt: skip
-    return Model(fine, tuple(twins), half_space.unknowns, settings, half_space, notes)
+    return Model(fine, tuple(made), half_space.unknowns, settings, half_space, notes)
+
+
+def _fem_twins(half_space: HalfSpace, fine: Compliance) -> list[Twin]:
+    from fem.compliance import HalfSpace as Whole
+    from fem.elasticity import AxisymmetricElasticity
+
+    solid, poles = half_space.solid, half_space.poles
+    coarser = fine.coarser()
+    twins = [Twin("pressure space", fine, coarser, 0.6, 4.0)] if fine.space.top > 1 else []
+    if poles:
+        twins.append(Twin("truncation", fine, replace(fine, factor=fine.factor[:-1]), 0.1, 0.1))
+    if solid.degree > 2:
+        lower = Whole(AxisymmetricElasticity(solid.mesh, solid.degree - 1, solid.given_ratio), coarser.space, poles)
+        twins.append(Twin("discretisation", coarser, lower.compliance(), 0.3, 1.0))
+    return twins
 
 
 MODELS: dict[str, Callable[[NaturalScene, Stages], Model]] = {"mdr": mdr_model, "fem": fem_model}

@@ -33,7 +33,9 @@ class Study:
         return import_module(f"studies.{self.module}").conduct
 
 
-STUDIES: dict[str, Study] = {}
+STUDIES: dict[str, Study] = {
+    "benchmark": Study("benchmark", "seconds and errors against the paper's algorithm and plain finite elements"),
+}
 
 
 def add_studies(parser: argparse.ArgumentParser, command: Callable[[argparse.Namespace], int]) -> None:
