@@ -13,7 +13,7 @@ import numpy as np
 from meshes.radial import Array, Indices, PressureSpace, shapes
 
 # Gauss points that integrate a polynomial in exp(theta) to roundoff, by (degree x length of the interval)
-GAUSS_POINTS = ((0.25, 8), (1.0, 12), (4.0, 18), (12.0, 28), (40.0, 44), (np.inf, 80))
+GAUSS_POINTS = ((0.25, 10), (1.0, 14), (4.0, 20), (12.0, 32), (40.0, 56), (100.0, 100), (np.inf, 200))
 
 
 def line_density(space: PressureSpace, positions: Array) -> Array:
@@ -33,7 +33,7 @@ def line_density(space: PressureSpace, positions: Array) -> Array:
 
 def _from_afar(space: PressureSpace, x: Array, element: Indices) -> Array:
     """Integrals over elements at least half their width away, where the root is smooth: plain Gauss in the radius."""
-    node, weight = np.polynomial.legendre.leggauss(16)
+    node, weight = np.polynomial.legendre.leggauss(12 + space.top)
     half = np.diff(space.breakpoints)[element, None] / 2
     r = space.breakpoints[element, None] + half * (1 + node)
     kernel = 2 * half * r / np.sqrt((r - x[:, None]) * (r + x[:, None]))
@@ -71,14 +71,22 @@ def panel_quadrature(space: PressureSpace) -> tuple[Array, Array]:
     A line density has a square-root singularity on the left of every breakpoint and ``x^2 log x`` at the axis;
     squares substituted at those ends make the integrand smooth.
     """
-    node, weight = np.polynomial.legendre.leggauss(space.top + space.top // 2 + 4)
-    node, weight = (1 + node) / 2, weight / 2
-    right, width = space.breakpoints[1:, None], np.diff(space.breakpoints)[:, None]
-    positions, weights = right - width * node**2, width * 2 * node * weight
+    left, right = space.breakpoints[:-1, None], space.breakpoints[1:, None]
+    node, weight = _unit_gauss(space.top + space.top // 2 + 6)
+    positions = (right - (right - left) * node**2)[1:]
+    weights = (right - left)[1:] * 2 * node * weight
+    # the innermost panel is singular at both ends, and takes a substitution of twice the degree
+    node, weight = _unit_gauss(3 * space.top + 8)
     folded = node * (2 - node)
-    positions[0] = width[0] * (1 - folded) * (1 + folded)
-    weights[0] = width[0] * 4 * folded * (1 - node) * weight
-    return positions.ravel(), weights.ravel()
+    innermost = right[0] * (1 - folded) * (1 + folded)
+    inner_weights = right[0] * 4 * folded * (1 - node) * weight
+    return np.concatenate([innermost, positions.ravel()]), np.concatenate([inner_weights, weights.ravel()])
+
+
+def _unit_gauss(count: int) -> tuple[Array, Array]:
+    """Gauss points and weights on (0, 1)."""
+    node, weight = np.polynomial.legendre.leggauss(count)
+    return (1 + node) / 2, weight / 2
 
 
 def profile_transform(radii: Array, positions: Array) -> Array:

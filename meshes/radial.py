@@ -34,19 +34,20 @@ def ring_areas(edges: ArrayLike) -> Array:
     return np.pi * np.diff(edges) * (edges[1:] + edges[:-1])
 
 
-def graded_breakpoints(edges: ArrayLike, edge_size: float, rim_size: float, factor: float) -> Array:
+def graded_breakpoints(edges: ArrayLike, edge_size: ArrayLike, rim_size: float, factor: float) -> Array:
     """Element boundaries that shrink by `factor` per element towards every ring edge and the rim.
 
-    The smallest elements have about `edge_size` at ring edges and `rim_size` at the rim. There is nothing to
-    resolve at the axis, where every field is smooth in ``r^2``.
+    The smallest elements have about `edge_size` at ring edges (one for all, or one for each between the centre and
+    the rim) and `rim_size` at the rim. There is nothing to resolve at the axis, where every field is smooth in ``r^2``.
     """
     edges = np.asarray(edges, dtype=float)
+    sizes = np.append(np.broadcast_to(np.asarray(edge_size, dtype=float), len(edges) - 2), rim_size)
     pieces = []
     for i, (inner, outer) in enumerate(itertools.pairwise(edges)):
         width = outer - inner
         span = width if i == 0 else width / 2
-        towards_outer = outer - _layers(span, rim_size if i == len(edges) - 2 else edge_size, factor)
-        towards_inner = inner + _layers(span, edge_size, factor)[::-1] if i else np.empty(0)
+        towards_outer = outer - _layers(span, sizes[i], factor)
+        towards_inner = inner + _layers(span, sizes[i - 1], factor)[::-1] if i else np.empty(0)
         # the two families meet at mid-ring, and share that point
         pieces.append(np.concatenate([[inner], towards_inner[:-1], towards_outer if i else towards_outer[1:]]))
     return np.concatenate([*pieces, edges[-1:]])

@@ -71,7 +71,7 @@ def mdr_settings(natural: NaturalScene) -> dict[str, float]:
     return {
         "degree": chosen.degree or round(3 - np.log10(rtol)),
         "rim_size": chosen.rim_size or 0.1 * rtol,
-        "ring_size": chosen.ring_size or 0.1 * float(np.sqrt(rtol)),
+        "ring_size": chosen.ring_size or 3e-3 * rtol**0.25,
         "grading": chosen.grading or 0.2,
     }
 
@@ -79,7 +79,10 @@ def mdr_settings(natural: NaturalScene) -> dict[str, float]:
 def mdr_space(natural: NaturalScene, degree: float, rim_size: float, ring_size: float, grading: float) -> PressureSpace:
     """A graded space whose degrees rise away from the singular points."""
     edges, _ = natural.phases
-    breakpoints = graded_breakpoints(edges, ring_size, rim_size, grading)
+    # a ring narrower than the sizes still gets a layer at each of its edges
+    widths = np.diff(edges)
+    at_edges = np.minimum(ring_size, 0.1 * np.minimum(widths[:-1], widths[1:]))
+    breakpoints = graded_breakpoints(edges, at_edges, min(rim_size, 0.1 * float(widths[-1])), grading)
     degrees = layer_degrees(breakpoints, edges, int(degree), rise=1, lowest=int(max(1, degree - 5)))
     return PressureSpace(breakpoints, degrees, edges)
 
