@@ -55,7 +55,7 @@ def _from_near(space: PressureSpace, x: Array, element: Indices) -> Array:
     for stop, count in GAUSS_POINTS:
         group = np.flatnonzero((reach >= start) & (reach < stop))
         start = stop
-        node, weight = np.polynomial.legendre.leggauss(count)
+        node, weight = np.polynomial.legendre.leggauss(max(count, space.top + 4))
         sinh = np.sinh(span[group, None] * (1 + node) / 4)
         above = 2 * sinh * (lower_root[group, None] * np.sqrt(1 + sinh**2) + lower[group, None] * sinh)
         radius = lower[group, None] + above
@@ -72,11 +72,11 @@ def panel_quadrature(space: PressureSpace) -> tuple[Array, Array]:
     squares substituted at those ends make the integrand smooth.
     """
     left, right = space.breakpoints[:-1, None], space.breakpoints[1:, None]
-    node, weight = _unit_gauss(space.top + space.top // 2 + 6)
+    node, weight = _unit_gauss(2 * space.top + 6)
     positions = (right - (right - left) * node**2)[1:]
     weights = (right - left)[1:] * 2 * node * weight
     # the innermost panel is singular at both ends, and takes a substitution of twice the degree
-    node, weight = _unit_gauss(3 * space.top + 8)
+    node, weight = _unit_gauss(4 * space.top + 16)
     folded = node * (2 - node)
     innermost = right[0] * (1 - folded) * (1 + folded)
     inner_weights = right[0] * 4 * folded * (1 - node) * weight

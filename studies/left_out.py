@@ -6,6 +6,7 @@ from .scene import Scene
 
 METHODS = {
     "mdr": "the half-space by dimensionality reduction, exact for full contact but for the pressure space",
+    "bem": "the half-space by boundary elements: the ring kernel of Eq. 19, no identity of the MDR in it",
     "direct": "the steady state by direct integration, in closed form",
     "fem": "the half-space by finite elements: a graded quarter disc with Boussinesq's far field, condensed to the contact",
 }
@@ -54,9 +55,9 @@ def plan(scene: Scene) -> list[str]:
     lines = []
     natural = scene.natural
     for method in scene.methods:
-        if method == "mdr":
+        if method in ("mdr", "bem"):
             settings = mdr_settings(natural)
-            lines.append("mdr: " + ", ".join(f"{name} {value:.3g}" for name, value in settings.items()))
+            lines.append(f"{method}: " + ", ".join(f"{name} {value:.3g}" for name, value in settings.items()))
         elif method == "fem":
             field, chosen = size_field(natural), scene.accuracy.fem
             lines.append(

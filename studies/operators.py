@@ -18,6 +18,7 @@ from meshes.compliance import Compliance
 from meshes.errors import SolverError
 from meshes.radial import Array, PressureSpace
 
+from .methods import radial_compliance
 from .scene import NaturalScene
 from .wear import Wear
 
@@ -55,39 +56,38 @@ class OperatorDifference:
 
 def on_space_of(method: str) -> Callable[[PressureSpace], Compliance] | None:
     """The method as a compliance on any pressure space; None if it has its own only."""
-    if method == "mdr":
-        from mdr.compliance import compliance
-
-        return compliance
+    if method in ("mdr", "bem"):
+        return radial_compliance(method)
     return None
 
 
-def difference(natural: NaturalScene, methods: tuple[str, str], first: Compliance, second: Compliance) -> OperatorDifference:
-    """Compare two compliances on the same space.
+def difference(natural: NaturalScene, methods: tuple[str, str], first: Wear, second: Wear) -> OperatorDifference:
+    """Compare two compliances, each with the wear on it, on the same pressure space.
 
     Raises
     ------
     SolverError
         if the first is unstable: pressures exist that it gives next to no energy
     """
-    ratios, shapes = _pencil(first.matrix, second.matrix)
+    one, other = first.compliance, second.compliance
+    ratios, shapes = _pencil(one.matrix, other.matrix)
     worst = int(np.abs(ratios - 1).argmax())
     fine = np.linspace(0, 1, 2001)
-    pressure = first.space.matrix(fine) @ shapes[:, worst]
+    pressure = one.space.matrix(fine) @ shapes[:, worst]
     if ratios.min() < LEAST_STABLE:
         raise SolverError(
             f"the multipliers of {methods[0]} are unstable on this mesh: some pressures have {ratios.min():.1e} of their "
             "energy; choose another degree"
         )
-    wavelengths, by_mode = _spectrum(first, second)
+    wavelengths, by_mode = _spectrum(one, other)
     return OperatorDifference(
         methods=methods,
-        rings=_greatest(first, second, first.space.ring_indicator()),
-        history=_along_history(natural, first, second),
+        rings=_greatest(one, other, one.space.ring_indicator()),
+        history=_along_history(natural.times, first, second),
         space=float(np.abs(ratios[worst] - 1)),
         worst_radius=float(fine[np.abs(pressure).argmax()]) * natural.length,
         stability=float(ratios.min()),
-        residual=_residual(natural, first, second),
+        residual=_residual(natural.times, first, other),
         wavelengths=wavelengths * natural.length,
         differences=by_mode,
     )
@@ -108,17 +108,16 @@ def _greatest(first: Compliance, second: Compliance, pressures: Array) -> float:
     return float(np.abs(np.linalg.svd(image, compute_uv=False) ** 2 - 1).max()) if basis.size else 0.0
 
 
-def _along_history(natural: NaturalScene, first: Compliance, second: Compliance) -> float:
+def _along_history(times: Array, first: Wear, second: Wear) -> float:
     """Energies of the same pressures by both methods, along the histories of both.
 
     The span of the modes would not do: it holds short waves that the history hardly touches, and no method resolves.
     """
-    total = np.zeros(len(natural.times) + 1)
-    for compliance in (first, second):
-        wear = Wear(compliance, natural.phases[1])
-        pressures = np.concatenate([wear.modal(natural.times).pressure, wear.steady.pressure[None]])
-        own = np.sum((pressures @ first.factor.T) ** 2, axis=1)
-        total += np.abs(own / np.sum((pressures @ second.factor.T) ** 2, axis=1) - 1)
+    total = np.zeros(len(times) + 1)
+    for wear in (first, second):
+        pressures = np.concatenate([wear.modal(times).pressure, wear.steady.pressure[None]])
+        own = np.sum((pressures @ first.compliance.factor.T) ** 2, axis=1)
+        total += np.abs(own / np.sum((pressures @ second.compliance.factor.T) ** 2, axis=1) - 1)
     return float(total.max())
 
 
@@ -133,17 +132,16 @@ def _spectrum(first: Compliance, second: Compliance) -> tuple[Array, Array]:
     return np.pi * np.abs(values[::-1]), np.abs(own / other - 1)[::-1]
 
 
-def _residual(natural: NaturalScene, first: Compliance, second: Compliance) -> float:
-    """Energy norm of ``u_second[p_first] + f - d`` over that of the pressure: the greatest over the scene's times."""
-    wear = Wear(first, natural.phases[1])
-    times = natural.times[natural.times > 0]
-    if not len(times):
+def _residual(times: Array, first: Wear, second: Compliance) -> float:
+    """Energy norm of ``u_second[p_first] + f - d`` over that of the pressure: the greatest over the times."""
+    later = times[times > 0]
+    if not len(later):
         return 0.0
-    history = wear.modal(times)
-    space = first.space
+    history = first.modal(later)
+    space = second.space
     gap = history.indentation[:, None] * space.weights - history.profile @ space.mass(np.ones(len(space.edges) - 1))
     # tested with the pressures that the history lives in
-    test = space.joined(natural.phases[1])
+    test = space.joined(first.wear_coefficients)
     triangle = np.linalg.qr(second.factor @ test, mode="r")
     residual = (history.pressure @ second.matrix - gap) @ test
     size = np.linalg.norm(solve_triangular(triangle, residual.T, trans="T"), axis=0)

@@ -17,6 +17,7 @@ from .operators import OperatorDifference, difference, on_space_of
 from .outcome import Outcome, estimated, from_direct_integration, relative_difference
 from .scene import NaturalScene, Scene
 from .stages import Report, Stages, silent
+from .wear import Wear
 
 if TYPE_CHECKING:
     import xarray
@@ -94,29 +95,32 @@ def run(scene: Scene, report: Report = silent) -> Result:
     outcomes: dict[str, Outcome] = {}
     errors: dict[str, Outcome] = {}
     models: dict[str, Model] = {}
+    wears: dict[str, Wear] = {}
     parts: dict[str, dict[str, float]] = {}
     stages: dict[str, Stages] = {}
     # the dense matrices are small: threads of two linear algebra libraries would spend their time waiting on each other
     with threadpool_limits(1):
         for method in scene.methods:
             stages[method] = Stages(method, report)
-            outcomes[method], errors[method], parts[method], model = _evaluate(natural, method, stages[method])
-            if model is not None:
-                models[method] = model
-        operators = tuple(compare_operators(natural, models, report))
+            outcomes[method], errors[method], parts[method], made = _evaluate(natural, method, stages[method])
+            if made is not None:
+                models[method], wears[method] = made
+        operators = tuple(compare_operators(natural, wears, report))
     agreement = tuple(row for a, b in combinations(outcomes, 2) for row in agreements(a, b, outcomes, errors))
     notes = tuple(note for model in models.values() for note in model.notes)
     return Result(scene, outcomes, errors, models, parts, stages, agreement, operators, notes)
 
 
-def _evaluate(natural: NaturalScene, method: str, stages: Stages) -> tuple[Outcome, Outcome, dict[str, float], Model | None]:
+def _evaluate(
+    natural: NaturalScene, method: str, stages: Stages
+) -> tuple[Outcome, Outcome, dict[str, float], tuple[Model, Wear] | None]:
     if method == "direct":
         with stages("integrating"):
             result, errors = from_direct_integration(natural)
         return result, errors, {"roundoff": float(errors.steady_displacement_max.max(initial=0.0))}, None
     model = MODELS[method](natural, stages)
     with stages("marching" if natural.scene.wear.times else "steady state"):
-        result, errors, parts = estimated(natural, model)
+        result, errors, parts, wear = estimated(natural, model)
     if method == "mdr" and natural.scene.wear.march == "explicit" and natural.scene.wear.times:
         from .paper_march import paper_errors, paper_history, with_steady
 
@@ -125,23 +129,24 @@ def _evaluate(natural: NaturalScene, method: str, stages: Stages) -> tuple[Outco
             first_order = paper_errors(natural, history)
         result, errors = with_steady(history, result), with_steady(first_order, errors)
         parts = {"grid and step": float(first_order.indentation.max())}
-    return result, errors, parts, model
+    return result, errors, parts, (model, wear)
 
 
 def compare_operators(
-    natural: NaturalScene, models: dict[str, Model], report: Report = silent
+    natural: NaturalScene, wears: dict[str, Wear], report: Report = silent
 ) -> Iterator[OperatorDifference]:
     """Compare methods as operators: each on the space of another, where it can be had there.
 
     A method with a space of its own (the finite elements, on their contact facets) gives the space; the others follow.
     """
-    order = sorted(models, key=lambda method: on_space_of(method) is not None)
+    order = sorted(wears, key=lambda method: on_space_of(method) is not None)
     for a, b in combinations(order, 2):
         elsewhere = on_space_of(b)
         if elsewhere is not None:
             with Stages("check", report)(f"{a} against {b}"):
-                first = models[a].compliance
-                yield difference(natural, (a, b), first, elsewhere(first.space))
+                first = wears[a]
+                second = Wear(elsewhere(first.compliance.space), first.wear_coefficients)
+                yield difference(natural, (a, b), first, second)
 
 
 def agreements(a: str, b: str, outcomes: dict[str, Outcome], errors: dict[str, Outcome]) -> list[Agreement]:

@@ -22,7 +22,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from meshes.errors import SceneError
 from meshes.radial import Array, alternating_edges
 
-Method = Literal["mdr", "direct", "fem"]
+Method = Literal["mdr", "bem", "direct", "fem"]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
@@ -158,7 +158,7 @@ class Scene(Section):
     title: str = Field(default="", description="a line of text")
     units: str = Field(default="", description="a line of text: the consistent units of the numbers, for labels only")
     methods: list[Method] = Field(
-        default=["mdr", "direct", "fem"], min_length=1, description="a list of 'mdr', 'direct', 'fem'"
+        default=["mdr", "direct", "fem"], min_length=1, description="a list of 'mdr', 'bem', 'direct', 'fem'"
     )
     punch: Punch
     half_space: HalfSpace
