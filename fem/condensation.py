@@ -59,6 +59,11 @@ def trailing_factor(matrix: csc_matrix, inside: int, name: str = "") -> Array:
     return factor
 
 
+def _check_pivots(pivots: Array) -> None:
+    if not (pivots > 0).all():
+        raise SolverError("the stiffness of the half-space is not positive definite")
+
+
 def _lower(matrix: csc_matrix) -> Any:
     """Lower triangle as CHOLMOD's kind of matrix."""
     import kvxopt
@@ -84,6 +89,8 @@ def _cholmod(matrix: csc_matrix, inside: int) -> Array:
     finally:
         cholmod.options.clear()
         cholmod.options.update(before)
+    # a factorisation that met a pivot that is not positive stops without a word
+    _check_pivots(values[pointers[:-1]])
     first = pointers[inside]
     trailing = csc_matrix((values[first:], rows[first:] - inside, pointers[inside:] - first), shape=(size - inside,) * 2)
     return np.asarray(trailing.toarray())
@@ -94,5 +101,6 @@ def _superlu(matrix: csc_matrix, inside: int) -> Array:
     natural = np.arange(matrix.shape[0])
     if not (np.array_equal(factor.perm_r, natural) and np.array_equal(factor.perm_c, natural)):
         raise SolverError("the stiffness of the half-space needed pivoting: it is not positive definite")
+    _check_pivots(factor.U.diagonal())
     schur = (factor.L[inside:, inside:] @ factor.U[inside:, inside:]).toarray()
     return np.linalg.cholesky((schur + schur.T) / 2)

@@ -118,7 +118,8 @@ class AxisymmetricElasticity:
         facets = self._triangulation.facets
         count = len(self.mesh.points)
         found = np.isin(facets.min(axis=0) * count + facets.max(axis=0), wanted.min(axis=1) * count + wanted.max(axis=1))
-        return np.unique(np.concatenate([wanted.ravel(), self._dofs.facet_dofs[:, found].ravel()]))
+        on_facets = self._dofs.facet_dofs[:, found] if self.degree > 1 else np.empty(0, dtype=np.int64)
+        return np.unique(np.concatenate([wanted.ravel(), on_facets.ravel()]))
 
     @cached_property
     def inverse_jacobian(self) -> tuple[Array, Array]:

@@ -32,8 +32,8 @@ class Twin:
     ----------
     part : what differs
     finer, coarser : the pair
-    share : how much of the difference is counted for indentations and relaxation times, which converge twice as fast
-    field_share : the same for pressures, profiles and slopes
+    share : how much of the difference is counted for indentations, which converge twice as fast
+    field_share : the same for everything else
     """
 
     part: str
@@ -128,8 +128,10 @@ def size_field(natural: NaturalScene) -> SizeField:
     edges, _ = natural.phases
     widths = np.diff(edges)
     narrower = np.minimum(widths[:-1], widths[1:])
-    # in proportion to the narrower ring beside each edge; in few distinct values, which is what a mesher digests
-    at_edges = 2.0 ** np.floor(np.log2(min(10 * rtol**0.6, 0.25) * narrower))
+    # in proportion to the narrower ring beside each edge, and less so where rings are so narrow that their pattern has
+    # little of the energy; in few distinct values, which is what a mesher digests
+    share = np.minimum(10 * rtol**0.6 * np.maximum(1, 1 / (32 * narrower)), 0.25)
+    at_edges = 2.0 ** np.floor(np.log2(share * narrower))
     return SizeField(
         edges=tuple(float(edge) for edge in edges),
         rim_size=chosen.rim_size or min(0.1 * rtol, float(widths[-1]) / 4),
@@ -193,12 +195,18 @@ def _fem_twins(half_space: HalfSpace, fine: Compliance, growth: float) -> list[T
     solid, poles = half_space.solid, half_space.poles
     coarser = fine.coarser()
     remains = min(1.0, (growth / 0.75) ** 4)
-    twins = [Twin("pressure space", fine, coarser, 0.6 * remains, 3.0)] if fine.space.top > 1 else []
+    twins = [Twin("pressure space", fine, coarser, 0.8 * remains, 3.0)] if fine.space.top > 1 else []
     if poles:
         twins.append(Twin("truncation", fine, replace(fine, factor=fine.factor[:-1]), 0.1, 0.1))
-    if solid.degree > 2:
-        lower = Whole(AxisymmetricElasticity(solid.mesh, solid.degree - 1, solid.given_ratio), coarser.space, poles)
-        twins.append(Twin("discretisation", coarser, lower.compliance(), 0.3 * remains, 1.0))
+
+    def with_degree(degree: int, space: PressureSpace) -> Compliance:
+        return Whole(AxisymmetricElasticity(solid.mesh, degree, solid.given_ratio), space, poles).compliance()
+
+    if solid.degree == 2:
+        # no stable multipliers go with a lower degree, so the twin is finer, and the difference the error itself
+        twins.append(Twin("discretisation", with_degree(3, fine.space), fine, 1.2, 1.2))
+    else:
+        twins.append(Twin("discretisation", coarser, with_degree(solid.degree - 1, coarser.space), 0.4 * remains, 1.0))
     return twins
 
 

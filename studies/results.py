@@ -146,7 +146,7 @@ def summary(result: Result) -> dict[str, Any]:
             "ring-wise constant pressures (rings), along the history (history), over the first method's whole space "
             "(space, worst at worst_radius); stability: their least ratio, the square of the inf-sup constant; residual: "
             "first method's pressures put into the second, against the worn profile, in the energy norm",
-            "error_estimate": "relative, of the indentation over all times and of the steady displacement",
+            "error_estimate": "relative, of the indentation, over all times",
         },
         "modelled": modelled(result.scene),
         "left_out": left_out(result.scene),
