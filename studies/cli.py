@@ -1,7 +1,7 @@
 """The command line: `ringwear run | plan | mesh | scenes`.
 
-Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree; 2 bad input;
-1 anything else.
+Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree, or one cannot reach
+the accuracy asked for; 2 bad input; 1 anything else.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def _run(options: argparse.Namespace) -> int:
     _say_what(scene)
     _say_verdict(result)
     print(f"\n{len(written)} files in {out}: {', '.join(written)}")
-    return DONE if result.agrees else DISAGREE
+    return DONE if result.agrees and not result.short_of else DISAGREE
 
 
 def _say_what(scene: Scene) -> None:
@@ -132,6 +132,11 @@ def _say_verdict(result: Result) -> None:
         print(
             f"As operators, {both.methods[0]}-{both.methods[1]} differ by {both.rings:.1e} over all steady states and "
             f"{both.history:.1e} along this history; stability {both.stability:.2f}, residual {both.residual:.1e}"
+        )
+    for method, estimate in result.short_of.items():
+        print(
+            f"{method} says of itself that it errs by {estimate:.1e}, more than the {result.scene.accuracy.rtol:.0e} asked "
+            "for: this is the best it can give with these settings"
         )
     for note in result.notes:
         print(f"note: {note}")

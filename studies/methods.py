@@ -162,7 +162,8 @@ def fem_model(natural: NaturalScene, stages: Stages, twins: bool = True) -> Mode
 
     chosen = natural.scene.accuracy.fem
     nu = natural.scene.half_space.poisson_ratio
-    poles = tuple(range(0, 2 * chosen.poles, 2)) if chosen.far_field == "boussinesq" else ()
+    fixed = chosen.far_field == "fixed"
+    poles = tuple(range(0, 2 * chosen.poles, 2))
     edges, _ = natural.phases
     with stages("meshing"):
         mesh, notes = half_space_mesh(natural)
@@ -171,14 +172,19 @@ def fem_model(natural: NaturalScene, stages: Stages, twins: bool = True) -> Mode
         half_space = HalfSpace(AxisymmetricElasticity(mesh, chosen.degree, nu), space, poles)
         _ = half_space.system
     with stages("condensing"):
-        fine = half_space.compliance()
+        tied = half_space.compliance()
+        # the last rows of the factor belong to the poles: without them the outer boundary is clamped
+        fine = replace(tied, factor=tied.factor[: -len(poles)]) if fixed else tied
     made = []
     if twins:
         with stages("estimating"):
-            made = _fem_twins(half_space, fine, size_field(natural).growth)
+            made = _fem_twins(half_space, tied, size_field(natural).growth)
+            if fixed:
+                made = [twin for twin in made if twin.part != "truncation"] + [Twin("truncation", tied, fine, 1.1, 1.1)]
     settings = {
         "mesher": mesh.mesher, "triangles": len(mesh.triangles), "degree": chosen.degree, "multipliers": space.size,
-        "far_field": chosen.far_field, "poles": len(poles), "truncation": chosen.truncation, "solver": solver(),
+        "far_field": chosen.far_field, "poles": 0 if fixed else len(poles), "truncation": chosen.truncation,
+        "solver": solver(),
     }  # fmt: skip
     return Model(fine, tuple(made), half_space.unknowns, settings, half_space, notes)
 
@@ -196,8 +202,7 @@ def _fem_twins(half_space: HalfSpace, fine: Compliance, growth: float) -> list[T
     coarser = fine.coarser()
     remains = min(1.0, (growth / 0.75) ** 4)
     twins = [Twin("pressure space", fine, coarser, 0.8 * remains, 3.0)] if fine.space.top > 1 else []
-    if poles:
-        twins.append(Twin("truncation", fine, replace(fine, factor=fine.factor[:-1]), 0.1, 0.1))
+    twins.append(Twin("truncation", fine, replace(fine, factor=fine.factor[:-1]), 0.1, 0.1))
 
     def with_degree(degree: int, space: PressureSpace) -> Compliance:
         return Whole(AxisymmetricElasticity(solid.mesh, degree, solid.given_ratio), space, poles).compliance()
@@ -210,7 +215,7 @@ def _fem_twins(half_space: HalfSpace, fine: Compliance, growth: float) -> list[T
     return twins
 
 
-MODELS: dict[str, Callable[[NaturalScene, Stages], Model]] = {"mdr": mdr_model, "bem": bem_model, "fem": fem_model}
+MODELS: dict[str, Callable[..., Model]] = {"mdr": mdr_model, "bem": bem_model, "fem": fem_model}
 
 
 def edge_weight(space: PressureSpace, average: str) -> Array:

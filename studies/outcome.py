@@ -187,6 +187,13 @@ def estimated(natural: NaturalScene, model: Model) -> tuple[Outcome, Outcome, di
             share = twin.share if name == "indentation" else twin.field_share
             errors[name][tuple(slice(0, size) for size in difference.shape)] += share * _over_neighbours(name, difference)
         by_part[twin.part] = twin.share * float(differences["indentation"].max(initial=0.0))
+    if natural.scene.wear.march != "modal" and natural.scene.wear.times:
+        exact = result.sampler.history(result.wear.modal(natural.times))
+        for name, value in exact.items():
+            errors[name] += relative_difference(name, getattr(result.outcome, name), value)
+        by_part["time step"] = float(
+            relative_difference("indentation", result.outcome.indentation, exact["indentation"]).max()
+        )
     if natural.scene.wear.steady:
         errors["steady_rms_slope"] = np.maximum(errors["steady_rms_slope"], result.missing_slope())
     floor = 1e-14 * max(1, len(model.compliance.space.breakpoints))

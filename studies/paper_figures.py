@@ -86,8 +86,9 @@ def draw_states(found: RunningIn, path: Path) -> None:
     for panels, label in zip(rows, labels, strict=True):
         panels[0].set_ylabel(label)
     rows[2][0].set_ylim(0, top)
-    for panels in rows[:2]:
-        panels[0].set_ylim(1.1 * depth, min(-0.05 * depth, 1.1 * float(reference.line_profile.min())))
+    rows[0][0].set_ylim(1.1 * depth, -0.15 * depth)
+    # a worn rim carries no line density, so that g(a) = d
+    rows[1][0].set_ylim(1.2, 1.2 * float(reference.line_profile.min()))
     foot_legend(figure, rows[2][-1])
     figure.suptitle(
         "Fig. 4: five rings, $k_2/k_1$ = 10, $h_2/h_1$ = 1, at shares of the displacement difference; "
@@ -99,8 +100,8 @@ def draw_states(found: RunningIn, path: Path) -> None:
 
 def _surface(axes: Any, radii: Array, profile: Array, depth: float) -> None:
     """The face of the punch turned up, heights drawn larger than they are."""
-    angle = np.linspace(0, 2 * np.pi, 73)
-    chosen = np.unique(np.append(np.arange(0, len(radii), 4), len(radii) - 1))
+    angle = np.linspace(0, 2 * np.pi, 49)
+    chosen = np.unique(np.append(np.arange(0, len(radii), 6), len(radii) - 1))
     r, height = np.append(radii[chosen], 1.0), -np.append(profile[chosen], profile[-1])
     x, y, z = np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle)), np.outer(height, np.ones_like(angle))
     light = LightSource(azdeg=300, altdeg=40)
@@ -133,10 +134,11 @@ def draw_gradient_history(found: RunningIn, path: Path) -> None:
         axes.plot(marked / found.stationary, at_states[average], "D", color="black", markersize=6, markerfacecolor="white",
                   label="states of Fig. 4", zorder=5)  # fmt: skip
         for share, time, value in zip(SHARES, marked / found.stationary, at_states[average], strict=False):
-            axes.annotate(f"{100 * share:.0f} %", (time, value), (7, -11), textcoords="offset points", fontsize=8)
+            offset = (8, 3) if share == 0 else (7, -11)
+            axes.annotate(f"{100 * share:.0f} %", (time, value), offset, textcoords="offset points", fontsize=8)
         axes.axhline(1, **DOTTED)
         axes.set_xlim(-0.02, times[-1])
-        axes.set_ylim(0, 1.09)
+        axes.set_ylim(-0.03, 1.09)
         axes.set_xlabel("time $t/t_{stat}$")
         axes.set_ylabel(r"RMS gradient $\nabla f/\nabla f_{stat}$")
         axes.set_title(f"average over the {'radius (line)' if average == 'line' else 'area'}", fontsize=9)

@@ -111,7 +111,8 @@ def summary(result: Result) -> dict[str, Any]:
             "unknowns": result.models[name].unknowns if name in result.models else 0,
             "settings": result.models[name].settings if name in result.models else {},
             "rtol_asked": result.scene.accuracy.rtol,
-            "error_estimate": sum(result.parts[name].values()),
+            "error_estimate": result.estimates[name],
+            "reaches_rtol": name not in result.short_of,
             "error_estimate_parts": result.parts[name],
         }
         for name, stages in result.stages.items()

@@ -34,6 +34,15 @@ class Study:
 
 
 STUDIES: dict[str, Study] = {
+    "paper": Study(
+        "paper",
+        "the whole paper again: Figs. 4 to 7 redrawn, every claim checked, and what it leaves open",
+        options=(
+            ("--fig", {"type": int, "choices": (4, 5, 6, 7), "help": "only this figure (default: all, and the tables)"}),
+            ("--bem3d", {"action": "store_true", "help": "also check in three dimensions (needs ringwear[bem3d])"}),
+        ),
+    ),
+    "tradeoff": Study("tradeoff", "error against seconds for every method and family of settings"),
     "benchmark": Study("benchmark", "seconds and errors against the paper's algorithm and plain finite elements"),
 }
 
