@@ -141,7 +141,8 @@ class AxisymmetricElasticity:
         weighted = self._weighted_gradients()
         rr, zz, rz = weighted(0, 0), weighted(1, 1), weighted(0, 1)
         hoop = self._hoop()
-        local = lame * self._dilatation()
+        moments, projection = self._dilatation
+        local = lame * (np.swapaxes(moments, 1, 2) @ projection)
         n = rr.shape[-1]
         local[:, :n, :n] += shear * (2 * (rr + hoop) + zz)
         local[:, n:, n:] += shear * (2 * zz + rr)
@@ -218,16 +219,16 @@ class AxisymmetricElasticity:
         n = len(value)
         return (measure @ np.einsum("iq,jq->qij", value, value).reshape(-1, n * n)).reshape(-1, n, n)
 
-    def _dilatation(self) -> Array:
-        """``int div u div v r`` of the (radial, axial) unknowns, on every triangle.
+    @cached_property
+    def _dilatation(self) -> tuple[Array, Array]:
+        """(m, t, 2n) moments of ``r div u``, and ``div u`` projected, on the t polynomials one degree lower.
 
-        Dilatations are projected on polynomials one degree below the displacement's. Near incompressibility lambda
-        multiplies nothing that could not vanish, and since ``r div u`` is a polynomial, no quadrature error either.
+        Near incompressibility lambda multiplies nothing then that could not vanish, and since ``r div u`` is a
+        polynomial, no quadrature error either.
         """
         points, weights = get_quadrature(self._triangulation.refdom, 2 * self.degree)
         value, gradient = self.reference(points)
-        lower = ELEMENTS[self.degree - 1]() if self.degree > 1 else None
-        test = np.ones((1, len(weights))) if lower is None else _values(lower, points)
+        test = self._lower_values(points)
         corner = _barycentric(points)
         inverse, area = self.inverse_jacobian
         scale = 2 * np.pi * area
@@ -241,12 +242,20 @@ class AxisymmetricElasticity:
         moments[:, :, :n] += scale[:, None, None] * np.einsum("q,kq,iq->ki", weights, test, value)
         products = np.einsum("vq,q,kq,lq->vkl", corner, weights, test, test, optimize=True).reshape(3, -1)
         gram = (by_radius @ products).reshape(-1, t, t)
-        return np.swapaxes(moments, 1, 2) @ np.linalg.solve(gram, moments)
+        return moments, np.asarray(np.linalg.solve(gram, moments), dtype=np.float64)
 
+    def _lower_values(self, points: Array) -> Array:
+        """(t, q) values of the polynomials one degree below the displacement's."""
+        if self.degree == 1:
+            return np.ones((1, points.shape[1]))
+        lower = ELEMENTS[self.degree - 1]()
+        return np.array([lower.lbasis(points, i)[0] for i in range(len(lower.doflocs))])
 
-def _values(element: Element, points: Array) -> Array:
-    """(nodes, q) values of an element's shape functions."""
-    return np.array([element.lbasis(points, i)[0] for i in range(len(element.doflocs))])
+    def dilatation(self, local: Array, points: Array) -> Array:
+        """(states, m, q) projected dilatation at reference points, by (states, nodes, m, 2) local displacements."""
+        flat = np.concatenate([local[..., 0], local[..., 1]], axis=1)
+        coefficients = np.einsum("mtb,sbm->smt", self._dilatation[1], flat, optimize=True)
+        return coefficients @ self._lower_values(points)
 
 
 def _barycentric(points: Array) -> Array:

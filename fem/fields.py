@@ -36,9 +36,14 @@ def stresses(solid: AxisymmetricElasticity, displacement: Array, points: Array) 
     on_axis = radius == 0
     hoop = np.where(on_axis, slopes[..., 0, 0], radial / np.where(on_axis, 1.0, radius))
     rr, zz = slopes[..., 0, 0], slopes[..., 1, 1]
-    volume = lame * (rr + zz + hoop)
+    # the dilatation that carries the energy: near incompressibility lambda would make noise of any other
+    dilatation = solid.dilatation(local, points)
+    volume = lame * dilatation
     rz = shear * (slopes[..., 0, 1] + slopes[..., 1, 0])
-    return np.stack([volume + 2 * shear * rr, volume + 2 * shear * zz, rz, volume + 2 * shear * hoop], axis=-1)
+    # strains that do not add up to the projected dilatation share what is missing
+    missing = (dilatation - rr - zz - hoop) / 3
+    normal = [volume + 2 * shear * (strain + missing) for strain in (rr, zz, hoop)]
+    return np.stack([normal[0], normal[1], rz, normal[2]], axis=-1)
 
 
 def vertex_stresses(solid: AxisymmetricElasticity, displacement: Array) -> Array:

@@ -35,8 +35,10 @@ def _from_afar(space: PressureSpace, x: Array, element: Indices) -> Array:
     """Integrals over elements at least half their width away, where the root is smooth: plain Gauss in the radius."""
     node, weight = np.polynomial.legendre.leggauss(12 + space.top)
     half = np.diff(space.breakpoints)[element, None] / 2
-    r = space.breakpoints[element, None] + half * (1 + node)
-    kernel = 2 * half * r / np.sqrt((r - x[:, None]) * (r + x[:, None]))
+    # the gap r - x as a sum, not a difference: elements may be as small as roundoff allows
+    within = half * (1 + node)
+    r, gap = space.breakpoints[element, None] + within, (space.breakpoints[element] - x)[:, None] + within
+    kernel = 2 * half * r / np.sqrt(gap * (r + x[:, None]))
     return kernel @ (weight[:, None] * shapes(node, space.top))
 
 

@@ -1,0 +1,89 @@
+"""Shared fixtures: the reference history of the five rings, and methods made ready once for many tests."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_limits
+
+from meshes.compliance import Compliance
+from meshes.radial import Array, PressureSpace
+from studies import Scene
+from studies.methods import MODELS, Model
+from studies.scene import NaturalScene
+from studies.stages import Stages
+from studies.wear import Wear
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """One method, ready for a scene."""
+
+    natural: NaturalScene
+    model: Model
+    wear: Wear
+
+    @property
+    def compliance(self) -> Compliance:
+        return self.model.compliance
+
+    @property
+    def space(self) -> PressureSpace:
+        return self.model.compliance.space
+
+    @property
+    def everywhere(self) -> Array:
+        """Sixteen radii in each element."""
+        start, width = self.space.breakpoints[:-1, None], np.diff(self.space.breakpoints)[:, None]
+        return (start + width * np.arange(16) / 16).ravel()
+
+
+Prepare = Callable[..., Prepared]
+
+# name, method and changes of the scene: the methods that every invariant is tested on
+METHODS = {
+    "mdr": ("mdr", {}),
+    "gmsh": ("fem", {"accuracy__fem__mesher": "gmsh"}),
+    "bisection": ("fem", {"accuracy__fem__mesher": "bisection"}),
+}
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _one_thread() -> Iterator[None]:
+    """The matrices are small, and pytest-xdist has a process for each core: threads would only wait on each other."""
+    with threadpool_limits(1):
+        yield
+
+
+@pytest.fixture(scope="session")
+def prepare() -> Prepare:
+    """``prepare(scene, name, **changes)``: a method by its name in `METHODS`."""
+
+    @cache
+    def make(scene: str, name: str, changes: tuple[tuple[str, Any], ...]) -> Prepared:
+        method, own = METHODS[name]
+        listed = {name: list(value) if isinstance(value, tuple) else value for name, value in changes}
+        natural = Scene.load(scene).changed(**own, **listed).natural
+        model = MODELS[method](natural, Stages(method))
+        return Prepared(natural, model, Wear(model.compliance, natural.phases[1]))
+
+    return lambda scene, name, **changes: make(scene, name, tuple(changes.items()))
+
+
+@pytest.fixture(params=METHODS)
+def method(request: pytest.FixtureRequest) -> str:
+    """Each of `METHODS`."""
+    return str(request.param)
+
+
+@pytest.fixture(scope="session")
+def reference() -> dict[str, Any]:
+    """An independent whole history of the five rings, with its accuracy (see its last key)."""
+    return json.loads((Path(__file__).parent / "five_rings.json").read_text("utf-8"))

@@ -1,0 +1,77 @@
+"""The verdict: methods agree within their stated uncertainty on sensible scenes, and a wrong one is found out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from studies import Scene, run, runs
+from studies.runs import Result
+from studies.scene import bundled
+
+
+def disagreements(result: Result) -> list[str]:
+    rows = [row for row in result.agreement if not row.agrees]
+    return [f"{row.quantity} {row.methods}: {row.difference:.1e} > {row.uncertainty:.1e}" for row in rows]
+
+
+@pytest.mark.parametrize("mesher", ["gmsh", "bisection"])
+@pytest.mark.parametrize("name", bundled())
+def test_bundled_scenes_agree(name: str, mesher: str) -> None:
+    assert disagreements(run(Scene.load(name).changed(accuracy__fem__mesher=mesher))) == []
+
+
+@pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-5])
+def test_five_rings_agree_at_every_accuracy(rtol: float) -> None:
+    assert disagreements(run(Scene.load("five_rings").changed(accuracy__rtol=rtol))) == []
+
+
+@pytest.mark.parametrize(
+    "punch",
+    [
+        {"ring_edges": [0.5, 0.51, 1.0], "wear_coefficients": [10.0, 1.0]},
+        {"ring_edges": [0.5, 0.501, 1.0], "wear_coefficients": [1.0, 10.0]},
+        {"ring_edges": [0.01, 1.0], "wear_coefficients": [1.0, 10.0]},
+        {"ring_edges": [0.99, 1.0], "wear_coefficients": [10.0, 1.0]},
+        {"rings": 2, "wear_coefficients": [1.0, 1e4]},
+        {"rings": 2, "wear_coefficients": [1e4, 1.0]},
+        {"rings": 9, "width_ratio": 10.0, "wear_coefficients": [1.0, 1.001]},
+    ],
+    ids=str,
+)
+def test_unusual_punches_agree(punch: dict[str, Any]) -> None:
+    scene = Scene.load("five_rings").changed(punch=punch | {"radius": 1.0}, accuracy__rtol=1e-3)
+    assert disagreements(run(scene)) == []
+
+
+def spoil(monkeypatch: pytest.MonkeyPatch, quantity: str, factor: Any) -> None:
+    """Make one result of the finite elements wrong."""
+    evaluate = runs._evaluate
+
+    def spoilt(natural: Any, method: str, *rest: Any) -> Any:
+        outcome, *others = evaluate(natural, method, *rest)
+        if method == "fem":
+            outcome = replace(outcome, **{quantity: factor * getattr(outcome, quantity)})
+        return outcome, *others
+
+    monkeypatch.setattr(runs, "_evaluate", spoilt)
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.1])
+@pytest.mark.parametrize(
+    "quantity", ["indentation", "displacement_max", "rms_slope", "relaxation_time", "ring_force", "steady_rms_slope"]
+)
+def test_a_wrong_result_is_found_out(quantity: str, factor: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    spoil(monkeypatch, quantity, factor)
+    result = run(Scene.load("flat_punch").changed(methods=["mdr", "fem"], accuracy__rtol=1e-3, wear__times=[0.1, 1.0]))
+    assert [row.quantity for row in result.agreement if not row.agrees] == [quantity]
+    assert not result.agrees
+
+
+def test_one_wrong_time_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    spoil(monkeypatch, "indentation", np.array([1, 1.01, 1]))
+    result = run(Scene.load("flat_punch").changed(methods=["mdr", "fem"], accuracy__rtol=1e-3, wear__times=[0.0, 0.1, 1.0]))
+    assert [row.quantity for row in result.agreement if not row.agrees] == ["indentation"]

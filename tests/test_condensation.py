@@ -1,0 +1,112 @@
+"""The condensed compliance against the whole system, and the factorisations against dense algebra and each other."""
+
+from __future__ import annotations
+
+import importlib.util
+
+import numpy as np
+import pytest
+from scipy.sparse import csc_matrix
+
+from fem.compliance import MULTIPLIER_DEGREE, HalfSpace, pressure_space
+from fem.condensation import trailing_factor
+from fem.elasticity import AxisymmetricElasticity
+from fem.fields import displacements
+from meshes.bisection import mesh as bisection
+from meshes.errors import SolverError
+from meshes.half_space import SizeField
+from meshes.radial import Array
+from studies.contact import flat_start
+
+SOLVERS = ["superlu"] + ["cholmod"] * bool(importlib.util.find_spec("kvxopt"))
+EDGES = np.array([0.0, 0.3, 0.7, 1.0])
+
+
+def half_space(degree: int, poisson_ratio: float = 0.3, poles: tuple[int, ...] = (0, 2, 4), solver: str = "") -> HalfSpace:
+    mesh = bisection(SizeField(tuple(EDGES), 1e-4, 1e-2, 0.7, 5.0))
+    space = pressure_space(mesh, EDGES, MULTIPLIER_DEGREE[degree])
+    return HalfSpace(AxisymmetricElasticity(mesh, degree, poisson_ratio), space, poles, solver)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("poles", [(), (0, 2, 4)], ids=str)
+@pytest.mark.parametrize("degree", [2, 3, 4])
+def test_saddle_point_agrees(degree: int, poles: tuple[int, ...], solver: str) -> None:
+    whole = half_space(degree, poles=poles, solver=solver)
+    pressure, indentation = whole.saddle_point(force=2.0)
+    condensed = flat_start(whole.compliance())
+    assert 2 * condensed.indentation == pytest.approx(indentation, rel=1e-10)
+    energy = whole.compliance().factor @ (2 * condensed.pressure - pressure)
+    assert np.linalg.norm(energy) <= 1e-10 * np.sqrt(2 * indentation)
+
+
+@pytest.mark.skipif(len(SOLVERS) < 2, reason="kvxopt is not installed: there is one solver only")
+# an incompressible solid is modelled by lambda / G = 5e4, and roundoff grows by as much
+@pytest.mark.parametrize(("poisson_ratio", "tolerance"), [(0.0, 1e-10), (0.3, 1e-10), (0.5, 1e-8)])
+def test_solvers_agree(poisson_ratio: float, tolerance: float) -> None:
+    one, other = (half_space(4, poisson_ratio, solver=solver).compliance().matrix for solver in SOLVERS)
+    assert np.abs(one - other).max() <= tolerance * np.abs(one).max()
+    # relative in every direction, not only in that of the greatest entries
+    lower = np.linalg.cholesky(one)
+    ratio = np.linalg.solve(lower, np.linalg.solve(lower, other).T)
+    assert np.abs(np.linalg.eigvalsh(ratio) - 1).max() <= 100 * tolerance
+
+
+@pytest.mark.parametrize("degree", [2, 3, 4])
+def test_compliance_is_work_on_the_displacements(degree: int) -> None:
+    """``p . A p`` by the displacements that the pressures make, with the load's own work on the contact nodes."""
+    whole = half_space(degree)
+    pressures = whole.space.ring_indicator().T
+    moved = displacements(whole, pressures)
+    contact = whole.solid.boundary("contact")
+    work = moved[:, contact, 1] @ whole.coupling[: len(contact)] @ pressures.T
+    np.testing.assert_allclose(work, pressures @ whole.compliance().matrix @ pressures.T, rtol=1e-9)
+
+
+@pytest.mark.parametrize("degree", [2, 3, 4])
+def test_coupling_carries_forces_and_moments(degree: int) -> None:
+    """Constant and linear displacements on the contact meet each pressure with its force and its moment."""
+    whole = half_space(degree)
+    solid, space = whole.solid, whole.space
+    radii = solid.positions[solid.boundary("contact"), 0]
+    coupling = whole.coupling[: len(radii)]
+    np.testing.assert_allclose(np.ones(len(radii)) @ coupling, space.weights, rtol=1e-12, atol=1e-16)
+    moments = 2 * np.pi * np.diff(EDGES**3) / 3
+    np.testing.assert_allclose(radii @ coupling @ space.ring_indicator(), moments, rtol=1e-12)
+
+
+@pytest.mark.parametrize("degree", [2, 3, 4])
+def test_multipliers_are_stable(degree: int) -> None:
+    """Checkerboards: pressures that the displacements do not see, beside a compliance that sees them all."""
+    from mdr.compliance import compliance
+
+    whole = half_space(degree)
+    exact = compliance(whole.space).factor
+    ratios = np.linalg.svd(whole.compliance().factor @ np.linalg.inv(np.linalg.qr(exact, mode="r")), compute_uv=False)
+    assert ratios.min() ** 2 >= 0.3
+    assert ratios.max() ** 2 <= 1 + 1e-3
+
+
+def random_definite(size: int, seed: int) -> Array:
+    matrix = np.random.default_rng(seed).normal(size=(size, size)) * (np.random.default_rng(seed).random((size, size)) < 0.2)
+    return matrix @ matrix.T + 0.1 * np.eye(size)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("inside", [1, 25, 39])
+def test_trailing_factor_is_the_schur_complement(solver: str, inside: int) -> None:
+    dense = random_definite(40, inside)
+    block, border, corner = dense[:inside, :inside], dense[:inside, inside:], dense[inside:, inside:]
+    factor = trailing_factor(csc_matrix(dense), inside, solver)
+    np.testing.assert_allclose(factor, np.tril(factor))
+    np.testing.assert_allclose(factor @ factor.T, corner - border.T @ np.linalg.solve(block, border), atol=1e-11)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("spoilt", [0, 39], ids=["inside", "kept"])
+@pytest.mark.parametrize("value", [-1.0, np.nan])
+def test_what_is_not_definite_is_refused(solver: str, spoilt: int, value: float) -> None:
+    dense = random_definite(40, 7)
+    dense[spoilt, spoilt] = value
+    with pytest.raises(SolverError):
+        trailing_factor(csc_matrix(dense), 25, solver)

@@ -1,0 +1,80 @@
+"""The house: data flows one way, and only what a job needs is loaded."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+# what each floor may import of the others
+BELOW = {"meshes": set(), "mdr": {"meshes"}, "fem": {"meshes"}, "studies": {"meshes", "mdr", "fem"}}
+FILES = [file for floor in BELOW for file in sorted((ROOT / floor).rglob("*.py"))]
+
+
+def imported(file: Path) -> Iterator[str]:
+    """Top-level packages that a file imports anywhere, itself excluded."""
+    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level <= 1, f"{file}: an import from above its own floor"
+            if node.level == 0:
+                yield (node.module or "").split(".")[0]
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module"):
+            argument = node.args[0]
+            constant = argument.values[0] if isinstance(argument, ast.JoinedStr) else argument
+            assert isinstance(constant, ast.Constant), f"{file}: an import that cannot be checked"
+            yield str(constant.value).split(".")[0]
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(ROOT)))
+def test_imports_go_down(file: Path) -> None:
+    floor = file.relative_to(ROOT).parts[0]
+    assert set(imported(file)) & set(BELOW) <= BELOW[floor] | {floor}
+
+
+def test_there_is_something_to_check() -> None:
+    assert {file.relative_to(ROOT).parts[0] for file in FILES} == set(BELOW)
+
+
+def loaded(code: str) -> set[str]:
+    """Top-level modules that a fresh interpreter has after running the code."""
+    tail = "\nimport sys\nprint('\\n' + ' '.join({name.split('.')[0] for name in sys.modules}))"
+    done = subprocess.run([sys.executable, "-c", code + tail], capture_output=True, text=True, check=True, cwd=ROOT)
+    return set(done.stdout.splitlines()[-1].split())
+
+
+HEAVY = {"gmsh", "skfem", "matplotlib", "meshio", "kvxopt"}
+
+
+def test_a_scene_needs_no_numerics() -> None:
+    code = "from studies import Scene\nScene.load('five_rings')"
+    assert not loaded(code) & (HEAVY | {"scipy", "xarray", "netCDF4"})
+
+
+@pytest.mark.parametrize("methods", [["direct"], ["mdr"], ["mdr", "direct"]], ids=str)
+def test_runs_without_elements_load_no_mesher(methods: list[str]) -> None:
+    code = f"from studies import Scene, run\nrun(Scene.load('five_rings').changed(methods={methods})).summary"
+    assert not loaded(code) & HEAVY
+
+
+def test_elements_by_bisection_load_no_gmsh() -> None:
+    changes = "methods=['fem'], accuracy__fem__mesher='bisection', accuracy__rtol=1e-2"
+    found = loaded(f"from studies import Scene, run\nrun(Scene.load('flat_punch').changed({changes}))")
+    assert "skfem" in found
+    assert not found & {"gmsh", "matplotlib", "meshio"}
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["study", "--help"], ["scenes"]], ids=str)
+def test_help_is_light(arguments: list[str]) -> None:
+    code = f"from studies.cli import main\ntry:\n    main({arguments})\nexcept SystemExit as end:\n    assert end.code == 0"
+    assert not loaded(code) & (HEAVY | {"scipy", "xarray", "netCDF4", "threadpoolctl"})
+
+
+def test_a_plan_computes_nothing() -> None:
+    assert not loaded("from studies.cli import main\nassert main(['plan', 'five_rings']) == 0") & HEAVY
