@@ -1,0 +1,89 @@
+"""Stated errors are honest: on scenes drawn at random, and where a fault was put in."""
+
+import numpy as np
+import pytest
+
+from meshes.radial import ring_areas
+from studies import Scene
+from studies.methods import mdr_model
+from studies.outcome import Evaluation
+from studies.random_scenes import random_scenes
+from studies.runs import Result, run
+from studies.stages import Stages
+
+
+def true_errors(result: Result) -> dict[str, tuple[float, float]]:
+    """(error, estimate) of the indentation by method, against a far finer MDR."""
+    fine = {"degree": 9, "rim_size": 1e-8, "ring_size": 2e-5, "grading": 0.25}
+    asked = result.scene.wear
+    exact_in_time = {"times": asked.times, "steady": asked.steady}
+    natural = result.scene.changed(accuracy__rtol=1e-8, accuracy__mdr=fine, wear=exact_in_time).natural
+    exact = Evaluation(natural, mdr_model(natural, Stages("test"), twins=False).compliance).outcome
+    return {
+        method: (
+            float(np.abs(outcome.indentation / exact.indentation - 1).max()),
+            float(result.errors[method].indentation.max()),
+        )
+        for method, outcome in result.outcomes.items()
+    }
+
+
+@pytest.mark.slow
+def test_random_scenes() -> None:
+    ratios, reached, alarms = [], [], []
+    # narrower limits than users have, only to keep the time of the tests down: many rings at 1e-7 take minutes
+    scenes = [scene for scene in random_scenes(3, 40, most_rings=16) if scene.accuracy.rtol > 1e-6 or scene.punch.rings < 5]
+    for scene in scenes:
+        result = run(scene)
+        alarms.append(not result.agrees)
+        for error, estimate in true_errors(result).values():
+            ratios.append(error / estimate)
+            reached.append(error <= scene.accuracy.rtol)
+    share = np.mean([(0.02 <= ratio <= 1.0) for ratio in ratios])
+    print(
+        f"{len(scenes)} scenes: estimate honest in {share:.1%}, rtol reached in {np.mean(reached):.1%}, {sum(alarms)} alarms"
+    )
+    assert np.mean([ratio <= 1.0 for ratio in ratios]) >= 0.95
+    assert np.mean(reached) >= 0.98
+    assert not any(alarms)
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        {"accuracy__fem": {"far_field": "fixed", "truncation": 20.0}},
+        {"accuracy__fem": {"rim_size": 0.1, "ring_size": 0.1, "growth": 2.0, "degree": 2}},
+        {"accuracy__fem": {"poles": 1, "truncation": 2.0}},
+    ],
+    ids=["fixed boundary at 20 a", "coarse mesh", "one pole at 2 a"],
+)
+def test_faults_are_caught(fault: dict[str, object]) -> None:
+    result = run(Scene.load("five_rings").changed(methods=["mdr", "fem"], accuracy__rtol=1e-3, **fault))
+    assert not result.agrees or result.short_of
+
+
+def test_a_wrong_operator_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    import fem.compliance as module
+
+    sound = module.exterior_stiffness
+    monkeypatch.setattr(module, "exterior_stiffness", lambda *arguments: 3.0 * sound(*arguments))
+    result = run(Scene.load("five_rings").changed(methods=["mdr", "fem"], accuracy__rtol=1e-3))
+    assert not result.agrees
+
+
+@pytest.mark.parametrize("march", ["implicit", "modal"])
+def test_time_steps_are_estimated(march: str) -> None:
+    wear = {"times": [0.01, 0.1, 0.5], "steady": True, "march": march} | ({"step": 0.01} if march == "implicit" else {})
+    result = run(Scene.load("five_rings").changed(methods=["mdr"], wear=wear))
+    error, estimate = true_errors(result)["mdr"]
+    assert error <= estimate <= 50 * error
+    assert ("mdr" in result.short_of) == (march == "implicit")
+
+
+def test_forces_add_up() -> None:
+    result = run(Scene.load("five_rings").changed(methods=["mdr", "bem", "fem"]))
+    natural = result.scene.natural
+    for outcome in result.outcomes.values():
+        np.testing.assert_allclose(outcome.ring_force.sum(axis=1), 1.0, rtol=1e-12)
+        steady = (outcome.steady_pressure.max() * ring_areas(natural.edges)[::2]).sum()
+        assert steady == pytest.approx(outcome.ring_force[-1, ::2].sum(), rel=1e-2)
