@@ -55,6 +55,7 @@ def _parser() -> argparse.ArgumentParser:
 
     plan = commands.add_parser("plan", help="say what a scene will take, without computing it")
     plan.add_argument("scene", help="a TOML file or a bundled scene")
+    plan.add_argument("--check", action="store_true", help="also condense it, and report the stability of the multipliers")
     plan.set_defaults(command=_plan)
 
     mesh = commands.add_parser("mesh", help="mesh the half-space of a scene: a VTU file and a figure")
@@ -151,7 +152,20 @@ def _plan(options: argparse.Namespace) -> int:
     print("\nBy method")
     for line in plan(scene):
         print(f"  {line}")
+    if options.check:
+        _check(scene)
     return DONE
+
+
+def _check(scene: Scene) -> None:
+    """Stability of the finite elements' multipliers, against a compliance that resolves every pressure they have."""
+    from .runs import run
+
+    for both in run(scene.changed(methods=["mdr", "fem"]), _progress).operators:
+        print(
+            f"\nMultipliers: inf-sup constant {both.stability**0.5:.2f}, least ratio of energies {both.stability:.2f} "
+            f"({both.methods[0]} over {both.methods[1]}); over all steady states they differ by {both.rings:.1e}"
+        )
 
 
 def _mesh(options: argparse.Namespace) -> int:

@@ -49,21 +49,38 @@ def left_out(scene: Scene) -> dict[str, str]:
 
 
 def plan(scene: Scene) -> list[str]:
-    """What each method will be made of, without making it."""
+    """What each method will be made of and cost, without making it; then what is worth knowing before it runs."""
+    from .costs import predicted
     from .methods import mdr_settings, size_field
 
-    lines = []
     natural = scene.natural
+    lines, seconds = [], {}
     for method in scene.methods:
-        if method in ("mdr", "bem"):
-            settings = mdr_settings(natural)
-            lines.append(f"{method}: " + ", ".join(f"{name} {value:.3g}" for name, value in settings.items()))
-        elif method == "fem":
+        if method == "fem":
             field, chosen = size_field(natural), scene.accuracy.fem
-            lines.append(
-                f"fem: degree {chosen.degree}, {chosen.mesher}, {chosen.far_field} far field at R = {field.truncation:g} a, "
-                f"rim_size {field.rim_size:.3g}, ring_size {min(field.ring_sizes, default=0):.3g}, growth {field.growth:.3g}"
+            smallest = min(field.ring_sizes, default=field.rim_size)
+            made_of = (
+                f"degree {chosen.degree}, {chosen.mesher}, {chosen.far_field} far field at R = {field.truncation:g} a, "
+                f"rim_size {field.rim_size:.3g}, ring_size {smallest:.3g}, growth {field.growth:.3g}"
             )
+        elif method == "direct":
+            made_of = "closed form, nothing to resolve"
         else:
-            lines.append("direct: closed form, nothing to resolve")
+            made_of = ", ".join(f"{name} {value:.3g}" for name, value in mdr_settings(natural).items())
+        cost = predicted(natural, method)
+        seconds[method] = cost.seconds
+        lines.append(f"{method}: {made_of}")
+        lines.append(
+            f"    about {cost.unknowns} unknowns, {cost.pressures} pressures, {cost.seconds:.2g} s, {cost.memory:.2g} GiB"
+        )
+    able = {method: value for method, value in seconds.items() if method != "direct" or not scene.wear.times}
+    if able:
+        lines.append(f"cheapest for rtol {scene.accuracy.rtol:.0e}: {min(able, key=lambda method: able[method])}")
+    if "fem" in scene.methods and {"mdr", "bem"}.isdisjoint(scene.methods):
+        lines.append(
+            "note: in full contact the MDR gives the same at a fraction of the cost; add 'mdr' to see how far they agree"
+        )
+    if scene.accuracy.fem.far_field == "fixed" and "fem" in scene.methods:
+        lines.append(f"note: a fixed boundary at {scene.accuracy.fem.truncation:g} a will err by "
+                     f"{1.1 / scene.accuracy.fem.truncation:.1e}; far_field = 'boussinesq' does not")  # fmt: skip
     return lines

@@ -108,7 +108,7 @@ def radial_model(method: str, natural: NaturalScene, stages: Stages, twins: bool
             layer = settings["grading"]
             coarser = {"degree": max(1, settings["degree"] - 1), "grading": layer}
             coarser |= {name: min(settings[name] / layer, 0.5) for name in ("rim_size", "ring_size")}
-            made.append(Twin("pressure space", fine, compliance(mdr_space(natural, **coarser)), 0.3, 1.0))
+            made.append(Twin("pressure space", fine, compliance(mdr_space(natural, **coarser)), 0.3, 1.5))
     return Model(fine, tuple(made), fine.space.size, dict(settings))
 
 
@@ -201,7 +201,7 @@ def _fem_twins(half_space: HalfSpace, fine: Compliance, growth: float) -> list[T
     solid, poles = half_space.solid, half_space.poles
     coarser = fine.coarser()
     remains = min(1.0, (growth / 0.75) ** 4)
-    twins = [Twin("pressure space", fine, coarser, 0.8 * remains, 3.0)] if fine.space.top > 1 else []
+    twins = [Twin("pressure space", fine, coarser, 1.2 * remains, 4.0)] if fine.space.top > 1 else []
     twins.append(Twin("truncation", fine, replace(fine, factor=fine.factor[:-1]), 0.1, 0.1))
 
     def with_degree(degree: int, space: PressureSpace) -> Compliance:
@@ -211,7 +211,7 @@ def _fem_twins(half_space: HalfSpace, fine: Compliance, growth: float) -> list[T
         # no stable multipliers go with a lower degree, so the twin is finer, and the difference the error itself
         twins.append(Twin("discretisation", with_degree(3, fine.space), fine, 1.2, 1.2))
     else:
-        twins.append(Twin("discretisation", coarser, with_degree(solid.degree - 1, coarser.space), 0.4 * remains, 1.0))
+        twins.append(Twin("discretisation", coarser, with_degree(solid.degree - 1, coarser.space), 0.6 * remains, 1.0))
     return twins
 
 

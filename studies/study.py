@@ -42,6 +42,10 @@ STUDIES: dict[str, Study] = {
             ("--bem3d", {"action": "store_true", "help": "also check in three dimensions (needs ringwear[bem3d])"}),
         ),
     ),
+    "convergence": Study("convergence", "orders of convergence in element size and degree, graded against uniform meshes"),
+    "truncation": Study("truncation", "what the outer boundary costs, for every far field and Poisson's ratio"),
+    "march": Study("march", "orders of the time marches, and where the explicit one blows up"),
+    "compare": Study("compare", "every method over one scene on one page"),
     "tradeoff": Study("tradeoff", "error against seconds for every method and family of settings"),
     "benchmark": Study("benchmark", "seconds and errors against the paper's algorithm and plain finite elements"),
 }
