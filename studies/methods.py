@@ -108,7 +108,7 @@ def radial_model(method: str, natural: NaturalScene, stages: Stages, twins: bool
             layer = settings["grading"]
             coarser = {"degree": max(1, settings["degree"] - 1), "grading": layer}
             coarser |= {name: min(settings[name] / layer, 0.5) for name in ("rim_size", "ring_size")}
-            made.append(Twin("pressure space", fine, compliance(mdr_space(natural, **coarser)), 0.3, 1.5))
+            made.append(Twin("pressure space", fine, compliance(mdr_space(natural, **coarser)), 0.3, 2.0))
     return Model(fine, tuple(made), fine.space.size, dict(settings))
 
 

@@ -187,6 +187,7 @@ def estimated(natural: NaturalScene, model: Model) -> tuple[Outcome, Outcome, di
             share = twin.share if name == "indentation" else twin.field_share
             errors[name][tuple(slice(0, size) for size in difference.shape)] += share * _over_neighbours(name, difference)
         by_part[twin.part] = twin.share * float(differences["indentation"].max(initial=0.0))
+    _no_better_than_fields(errors)
     if natural.scene.wear.march != "modal" and natural.scene.wear.times:
         exact = result.sampler.history(result.wear.modal(natural.times))
         for name, value in exact.items():
@@ -198,6 +199,17 @@ def estimated(natural: NaturalScene, model: Model) -> tuple[Outcome, Outcome, di
         errors["steady_rms_slope"] = np.maximum(errors["steady_rms_slope"], result.missing_slope())
     floor = 1e-14 * max(1, len(model.compliance.space.breakpoints))
     return result.outcome, Outcome(**{name: value + floor for name, value in errors.items()}), by_part, result.wear
+
+
+def _no_better_than_fields(errors: dict[str, Array]) -> None:
+    """A displacement at one place may agree by chance: its error is at least a tenth of that of the whole field."""
+    for single, whole in (
+        ("displacement_centre", "displacement"),
+        ("displacement_max", "displacement"),
+        ("steady_displacement_max", "steady_profile"),
+    ):
+        if errors[single].size and errors[whole].size:
+            errors[single] = np.maximum(errors[single], 0.1 * errors[whole].max(axis=-1))
 
 
 def _over_neighbours(name: str, difference: Array) -> Array:
