@@ -37,19 +37,19 @@ def test_saddle_point_agrees(degree: int, poles: tuple[int, ...], solver: str) -
     condensed = flat_start(whole.compliance())
     assert 2 * condensed.indentation == pytest.approx(indentation, rel=1e-10)
     energy = whole.compliance().factor @ (2 * condensed.pressure - pressure)
-    assert np.linalg.norm(energy) <= 1e-10 * np.sqrt(2 * indentation)
+    assert np.linalg.norm(energy) <= 1e-9 * np.sqrt(2 * indentation)
 
 
-@pytest.mark.skipif(len(SOLVERS) < 2, reason="kvxopt is not installed: there is one solver only")
 # an incompressible solid is modelled by lambda / G = 5e4, and roundoff grows by as much
 @pytest.mark.parametrize(("poisson_ratio", "tolerance"), [(0.0, 1e-10), (0.3, 1e-10), (0.5, 1e-8)])
 def test_solvers_agree(poisson_ratio: float, tolerance: float) -> None:
-    one, other = (half_space(4, poisson_ratio, solver=solver).compliance().matrix for solver in SOLVERS)
-    assert np.abs(one - other).max() <= tolerance * np.abs(one).max()
-    # relative in every direction, not only in that of the greatest entries
-    lower = np.linalg.cholesky(one)
-    ratio = np.linalg.solve(lower, np.linalg.solve(lower, other).T)
-    assert np.abs(np.linalg.eigvalsh(ratio) - 1).max() <= 100 * tolerance
+    one, *others = (half_space(4, poisson_ratio, solver=solver).compliance().matrix for solver in SOLVERS)
+    for other in others:
+        assert np.abs(one - other).max() <= tolerance * np.abs(one).max()
+        # relative in every direction, not only in that of the greatest entries
+        lower = np.linalg.cholesky(one)
+        ratio = np.linalg.solve(lower, np.linalg.solve(lower, other).T)
+        assert np.abs(np.linalg.eigvalsh(ratio) - 1).max() <= 100 * tolerance
 
 
 @pytest.mark.parametrize("degree", [2, 3, 4])

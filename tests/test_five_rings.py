@@ -95,7 +95,7 @@ def test_the_dial_of_the_mdr(solve: Solve, reference: Reference, rtol: float) ->
 
 
 @pytest.mark.parametrize("mesher", ["gmsh", "bisection"])
-@pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-5])
+@pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-5, pytest.param(1e-8, marks=pytest.mark.slow)])
 def test_the_dial_of_the_fem(solve: Solve, reference: Reference, rtol: float, mesher: str) -> None:
     found = solve(methods=("fem",), accuracy__rtol=rtol, accuracy__fem__mesher=mesher)
     assert worst(found.indentation, states(reference, "indentation")) <= rtol

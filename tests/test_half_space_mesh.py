@@ -16,7 +16,7 @@ FIELDS = {
     "flat": SizeField((0.0, 1.0), 1e-6, 1e-2, 0.6, 5.0),
     "rings": SizeField((0.0, 0.2, 0.4, 0.6, 0.8, 1.0), 1e-5, 1e-3, 0.6, 5.0),
     "narrow": SizeField((0.0, 0.31, 0.312, 1.0), 1e-4, 5e-4, 0.5, 8.0),
-    "uneven": SizeField((0.0, 1 / 3, 2 / 3, 1.0), 1e-9, (1e-3, 1e-5), 0.7, 50.0),
+    "uneven": SizeField((0.0, 1 / 3, 2 / 3, 1.0), 1e-8, (1e-3, 1e-5), 0.6, 50.0),
     "shallow": SizeField((0.0, 0.5, 1.0), 1e-2, 1e-2, 0.3, 2.0),
 }
 
@@ -162,5 +162,5 @@ def test_rings_too_narrow_for_bisection_are_told() -> None:
 def test_size_field() -> None:
     field = FIELDS["uneven"]
     points = np.array([[1.0, 0.0], [1 / 3, 0.0], [2 / 3, 0.0], [1.0, 2.0]])
-    np.testing.assert_allclose(field(points)[:3], [1e-9, 1e-3, 1e-5], rtol=1e-12)
-    assert field(points)[3] == pytest.approx(1e-9 + 0.7 * 2)
+    np.testing.assert_allclose(field(points)[:3], [1e-8, 1e-3, 1e-5], rtol=1e-12)
+    assert field(points)[3] == pytest.approx(1e-8 + 0.6 * 2)

@@ -35,9 +35,7 @@ def test_pressure_stays_positive(prepare: Prepare, scene: str, method: str) -> N
     """A flat start never loses contact: a negative pressure would be an artefact."""
     punch = prepare(scene, method)
     pressure = punch.wear.history(TIMES).pressure @ punch.space.matrix(punch.everywhere).T
-    assert pressure[1:].min() > 0
-    # at the start it is infinite at the rim, and in the last two elements its polynomials swing about it
-    assert pressure[0, : -2 * 16].min() > 0
+    assert pressure.min() > 0
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -56,7 +54,7 @@ def test_wear_rate_is_continuous_across_ring_edges(prepare: Prepare, scene: str,
     pressure = punch.wear.history(TIMES[1:]).pressure
     inside = punch.space.matrix(np.nextafter(edges[1:-1], 0)) @ pressure.T * wear[:-1, None]
     outside = punch.space.matrix(edges[1:-1]) @ pressure.T * wear[1:, None]
-    np.testing.assert_allclose(inside, outside, rtol=1e-8)
+    np.testing.assert_allclose(inside, outside, rtol=1e-9)
 
 
 @pytest.mark.parametrize("scene", ["five_rings", "many_rings"])
@@ -65,7 +63,7 @@ def test_pressure_is_continuous_at_the_start(prepare: Prepare, scene: str, metho
     edges = punch.space.edges[1:-1]
     pressure = punch.wear.history(TIMES[:1]).pressure[0]
     inside, outside = (punch.space.matrix(radii) @ pressure for radii in (np.nextafter(edges, 0), edges))
-    np.testing.assert_allclose(inside, outside, rtol=1e-8)
+    np.testing.assert_allclose(inside, outside, rtol=1e-9)
 
 
 def test_wear_is_the_integral_of_the_wear_rate(prepare: Prepare, method: str) -> None:
@@ -134,6 +132,7 @@ def dimensionless(a: float, modulus: float, force: float, speed: float) -> dict[
 decades = st.floats(-10, 10).map(lambda power: 10.0**power)
 
 
+@pytest.mark.slow
 @settings(max_examples=6, deadline=None, derandomize=True)
 @given(decades, decades, decades, decades)
 @example(1e-10, 1e10, 1e-10, 1e10)
