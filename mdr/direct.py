@@ -18,12 +18,13 @@ import itertools
 
 import numpy as np
 from scipy.optimize import minimize_scalar
-from scipy.special import ellipe, ellipk, ellipkm1
+from scipy.special import ellipe, ellipkm1
 
 from meshes.radial import Array, ring_areas
 
 # measured: 4e-14 in the RMS gradient for rings of any width ratio from 0.1 to 10
 EDGE_NODES = 24
+PANEL_NODES, PANEL_RATIO = 18, 0.15
 EDGE_POWER = 7
 
 SMALL_MODULUS = 0.04  # square of r/c below which K - E is summed as a series, where the difference would cancel
@@ -32,8 +33,9 @@ SERIES_TERMS = 11
 
 def ring_kernel(radius: Array, ring: Array) -> Array:
     """Eq. 19: displacement at `radius` by a unit force on a thin ring, ``2 K(k) / (pi^2 (r + r_ring))``."""
-    modulus = 4 * radius * ring / (radius + ring) ** 2
-    return 2 * ellipk(modulus) / (np.pi**2 * (radius + ring))
+    # by the complement of the parameter: no digits are lost as the radii meet
+    complement = ((radius - ring) / (radius + ring)) ** 2
+    return 2 * ellipkm1(complement) / (np.pi**2 * (radius + ring))
 
 
 def steady_pressures(edges: Array, wear_coefficients: Array, force: float = 1.0) -> Array:
@@ -152,15 +154,37 @@ def slope_gram(edges: Array, patterns: Array, block: int = 2**16) -> tuple[Array
 
 
 def _edge_quadrature(edges: Array) -> tuple[Array, Array, Array, Array]:
-    """Radii, distances to the nearest edge, weights and number of that edge, for log poles at every edge."""
-    node, weight = np.polynomial.legendre.leggauss(EDGE_NODES)
-    node, weight = (1 + node) / 2, weight / 2
-    half = np.diff(edges)[:, None] / 2
-    gap = half * node**EDGE_POWER
-    weights = np.tile(half * EDGE_POWER * node ** (EDGE_POWER - 1) * weight, 2).ravel()
-    radii = np.concatenate([edges[:-1, None] + gap, edges[1:, None] - gap], axis=1).ravel()
-    number = np.arange(len(edges) - 1)[:, None] + np.repeat([0, 1], EDGE_NODES)
-    return radii, np.tile(gap, 2).ravel(), weights, number.ravel()
+    """Radii, distances to the nearest edge, weights and number of that edge, for log poles at every edge.
+
+    Each ring is cut in the middle, and each half graded down to its neighbours' widths: a narrow, highly loaded ring is
+    felt beside it over many times its width.
+    """
+    power_node, power_weight = _unit_gauss(EDGE_NODES)
+    power_gap, power_weight = power_node**EDGE_POWER, EDGE_POWER * power_node ** (EDGE_POWER - 1) * power_weight
+    node, weight = _unit_gauss(PANEL_NODES)
+    widths = np.diff(edges)
+    beside = np.concatenate([[np.inf], widths, [np.inf]])
+    # halves of rings at their inner edge, then at their outer edge
+    half = np.tile(widths / 2, 2)
+    edge = np.concatenate([np.arange(len(widths)), np.arange(len(widths)) + 1])
+    side = np.repeat([1.0, -1.0], len(widths))
+    smallest = np.minimum(half, np.tile(np.minimum(beside[:-2], beside[2:]), 2))
+    layers = np.maximum(0, np.ceil(np.log(smallest / half) / np.log(PANEL_RATIO) - 1e-9)).astype(np.int64)
+    innermost = half * PANEL_RATIO**layers
+    owner = np.repeat(np.arange(len(half)), layers)
+    layer = np.arange(len(owner)) - np.repeat(np.cumsum(layers) - layers, layers)
+    outer = half[owner] * PANEL_RATIO**layer
+    panel = outer * (1 - PANEL_RATIO)
+    gaps = np.concatenate([np.outer(innermost, power_gap).ravel(), (outer - panel * (1 - node)[:, None]).T.ravel()])
+    weights = np.concatenate([np.outer(innermost, power_weight).ravel(), np.outer(panel, weight).ravel()])
+    owners = np.concatenate([np.repeat(np.arange(len(half)), EDGE_NODES), np.repeat(owner, PANEL_NODES)])
+    return edges[edge[owners]] + side[owners] * gaps, gaps, weights, edge[owners]
+
+
+def _unit_gauss(count: int) -> tuple[Array, Array]:
+    """Gauss points and weights on (0, 1)."""
+    node, weight = np.polynomial.legendre.leggauss(count)
+    return (1 + node) / 2, weight / 2
 
 
 def rms_slope(edges: Array, pressures: Array, average: str = "line") -> float:

@@ -81,8 +81,9 @@ def _geometry(gmsh: Any, field: SizeField) -> None:
     for points, size in groups:
         distance, threshold = fields.add("Distance"), fields.add("Threshold")
         fields.setNumbers(distance, "PointsList", points)
-        reach = {"InField": distance, "DistMin": 0, "DistMax": 3 * outer}
-        for name, value in {**reach, "SizeMin": size, "SizeMax": size + field.growth * 3 * outer}.items():
+        reach = max(field.largest - size, 0.0) / field.growth
+        ramp = {"InField": distance, "DistMin": 0, "DistMax": reach, "SizeMin": size, "SizeMax": field.largest}
+        for name, value in ramp.items():
             fields.setNumber(threshold, name, value)
         sizes.append(threshold)
     smallest = fields.add("Min")

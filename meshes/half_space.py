@@ -1,9 +1,9 @@
 """The truncated half-space as plain arrays: a quarter disc of (radius, depth), graded to the rim and the ring edges.
 
 Natural units: the punch has radius 1. Depth is positive into the half-space; the surface is depth zero. The element
-size is ``min(rim_size + growth * d_rim, ring_size + growth * d_edge)`` with the distances to the rim and to the
-nearest other ring edge: well-shaped elements round every singular point, in numbers that grow only with the
-logarithm of the smallest size.
+size is ``min(rim_size + growth * d_rim, ring_size + growth * d_edge, R/4)`` with the distances to the rim and to the
+nearest other ring edge, and the truncation radius R: well-shaped elements round every singular point, in numbers that
+grow only with the logarithm of the smallest size.
 """
 
 from __future__ import annotations
@@ -39,10 +39,15 @@ class SizeField:
 
     def __call__(self, points: Array) -> Array:
         """(n,) sizes at (n, 2) points."""
-        size = self.rim_size + self.growth * np.hypot(points[:, 0] - 1, points[:, 1])
+        size = np.minimum(self.largest, self.rim_size + self.growth * np.hypot(points[:, 0] - 1, points[:, 1]))
         for edge, smallest in zip(self.edges[1:-1], self.ring_sizes, strict=True):
             size = np.minimum(size, smallest + self.growth * np.hypot(points[:, 0] - edge, points[:, 1]))
         return size
+
+    @property
+    def largest(self) -> float:
+        """Greatest size anywhere: the outer arc needs some sides to be one."""
+        return self.truncation / 4
 
     @property
     def ring_sizes(self) -> tuple[float, ...]:

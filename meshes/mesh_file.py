@@ -46,7 +46,7 @@ def read(path: str | Path, edges: Array, radius: float = 1.0) -> HalfSpaceMesh:
     _refuse_inverted(points, triangles, path)
     scale = _scale(points, named["contact"], radius, path)
     _refuse_gaps(points, triangles, named["contact"], scale, path)
-    snapped = _snapped(points / scale, named, edges)
+    snapped = _snapped(points / scale, named, edges, path)
     # told by its boundaries: `assemble` finds them from the coordinates, and the file's names must say the same
     try:
         made = assemble(snapped, triangles, edges, f"file {Path(path).name}")
@@ -185,7 +185,7 @@ def _refuse_gaps(points: Array, triangles: Indices, contact: Indices, scale: flo
                         f"{z:.6g}: the mesh is torn there; merge them (in gmsh: Coherence Mesh)")  # fmt: skip
 
 
-def _snapped(points: Array, named: dict[str, Indices], edges: Array) -> Array:
+def _snapped(points: Array, named: dict[str, Indices], edges: Array, path: str | Path) -> Array:
     """Vertices of the boundaries put exactly where they belong, if they are off by rounding only."""
     points = points.copy()
     axis, surface = np.unique(named["axis"]), np.unique([*named["contact"].ravel(), *named["free"].ravel()])
@@ -195,7 +195,10 @@ def _snapped(points: Array, named: dict[str, Indices], edges: Array) -> Array:
     contact = np.unique(named["contact"])
     nearest = np.abs(points[contact, 0][:, None] - edges).argmin(axis=0)
     close = np.abs(points[contact[nearest], 0] - edges) < SLACK
-    points[contact[nearest[close]], 0] = np.asarray(edges)[close]
+    if not close.all():
+        raise MeshError(f"{path}: no vertex of the mesh lies on the ring edge at r = {np.asarray(edges)[~close][0]:.9g} a: "
+                        "put a point of the geometry there")  # fmt: skip
+    points[contact[nearest], 0] = edges
     far = np.unique(named["far"])
     outer = points[far, 0].max()
     distance = np.hypot(*points[far].T)

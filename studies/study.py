@@ -46,6 +46,12 @@ STUDIES: dict[str, Study] = {
     "truncation": Study("truncation", "what the outer boundary costs, for every far field and Poisson's ratio"),
     "march": Study("march", "orders of the time marches, and where the explicit one blows up"),
     "compare": Study("compare", "every method over one scene on one page"),
+    "refinement": Study(
+        "refinement",
+        "uniform, graded and self-refining meshes, and a mesh file of your own, against what is known",
+        options=(("--mesh", {"metavar": "FILE", "help": "a mesh file of yours: .msh of gmsh, .vtu, ..."}),),
+    ),
+    "extremes": Study("extremes", "a map of the limits: every method at extreme parameters against independent oracles"),
     "tradeoff": Study("tradeoff", "error against seconds for every method and family of settings"),
     "benchmark": Study("benchmark", "seconds and errors against the paper's algorithm and plain finite elements"),
 }
