@@ -137,9 +137,20 @@ class HalfSpace:
         The rows of the factor belong to contact nodes, then to poles: without its last row it is the compliance of
         the same half-space with one pole less.
         """
+        return Compliance(self.space, solve_triangular(self._lower, self.coupling, lower=True))
+
+    @cached_property
+    def _lower(self) -> Array:
+        """Cholesky factor of the stiffness condensed to contact nodes and poles."""
         inside, _ = self._numbering
-        lower = trailing_factor(self.system, len(inside), self.solver)
-        return Compliance(self.space, solve_triangular(lower, self.coupling, lower=True))
+        return trailing_factor(self.system, len(inside), self.solver)
+
+    def contact_displacement(self, pressure: Array) -> tuple[Array, Array]:
+        """Radii of the contact nodes, and their axial displacement under pressure coefficients (size,)."""
+        load = solve_triangular(self._lower, self.coupling @ pressure, lower=True)
+        nodes = self.solid.boundary("contact")
+        displacement = solve_triangular(self._lower, load, lower=True, trans="T")[: len(nodes)]
+        return self.solid.positions[nodes, 0], displacement
 
     def saddle_point(self, force: float = 1.0) -> tuple[Array, float]:
         """Pressure coefficients (size,) and indentation of the flat punch, from the whole system at once.

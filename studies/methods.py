@@ -65,6 +65,11 @@ class Model:
     half_space: HalfSpace | None = None
     notes: tuple[str, ...] = ()
 
+    @property
+    def rim_size(self) -> float:
+        """Size of the element at the rim."""
+        return float(np.diff(self.compliance.space.breakpoints)[-1])
+
 
 def mdr_settings(natural: NaturalScene) -> dict[str, float]:
     """Sizes of the MDR's radial mesh at the scene's accuracy."""
@@ -109,7 +114,15 @@ def radial_model(method: str, natural: NaturalScene, stages: Stages, twins: bool
             layer = settings["grading"]
             coarser = {"degree": max(1, settings["degree"] - 1), "grading": layer}
             coarser |= {name: min(settings[name] / layer, 0.5) for name in ("rim_size", "ring_size")}
-            made.append(Twin("pressure space", fine, compliance(mdr_space(natural, **coarser)), 0.3, 2.0))
+            twin = mdr_space(natural, **coarser)
+            if settings["degree"] > 2 and len(twin.breakpoints) < len(fine.space.breakpoints):
+                made.append(Twin("pressure space", fine, compliance(twin), 0.3, 2.0))
+            else:
+                # nothing is left to coarsen: the twin is finer, and the difference the error itself
+                narrow = 0.1 * float(np.diff(natural.phases[0]).min())
+                richer = {"degree": settings["degree"] + 1, "grading": layer}
+                richer |= {name: layer * min(settings[name], narrow) for name in ("rim_size", "ring_size")}
+                made.append(Twin("pressure space", compliance(mdr_space(natural, **richer)), fine, 1.5, 2.0))
     return Model(fine, tuple(made), fine.space.size, dict(settings))
 
 
