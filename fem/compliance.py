@@ -152,6 +152,19 @@ class HalfSpace:
         displacement = solve_triangular(self._lower, load, lower=True, trans="T")[: len(nodes)]
         return self.solid.positions[nodes, 0], displacement
 
+    def contact_slope(self, pressure: Array) -> tuple[Array, Array, Array]:
+        """Radii, weights of dr and slopes (facets, q) of the contact displacement under pressure coefficients (size,)."""
+        degree = self.solid.degree
+        _, displacement = self.contact_displacement(pressure)
+        local, weight = np.polynomial.legendre.leggauss(degree + 1)
+        equispaced = np.linspace(-1, 1, degree + 1)
+        modes = np.linalg.inv(np.polynomial.legendre.legvander(equispaced, degree))
+        slopes = np.stack([np.polynomial.legendre.Legendre.basis(n).deriv()(local) for n in range(degree + 1)], axis=1)
+        half = np.diff(self.space.breakpoints)[:, None] / 2
+        nodes = degree * np.arange(len(half))[:, None] + np.arange(degree + 1)
+        found = displacement[nodes] @ (slopes @ modes).T / half
+        return self.space.breakpoints[:-1, None] + half * (1 + local), half * weight, found
+
     def saddle_point(self, force: float = 1.0) -> tuple[Array, float]:
         """Pressure coefficients (size,) and indentation of the flat punch, from the whole system at once.
 

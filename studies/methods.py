@@ -229,7 +229,7 @@ def _fem_twins(half_space: HalfSpace, fine: Compliance, growth: float) -> list[T
 
     if solid.degree == 2:
         # no stable multipliers go with a lower degree, so the twin is finer, and the difference the error itself
-        twins.append(Twin("discretisation", with_degree(3, fine.space), fine, 1.2, 1.2))
+        twins.append(Twin("discretisation", with_degree(3, fine.space), fine, 1.2, 3.0))
     else:
         twins.append(Twin("discretisation", coarser, with_degree(solid.degree - 1, coarser.space), 0.6 * remains, 1.0))
     return twins

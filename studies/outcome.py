@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -14,6 +15,9 @@ from .contact import steady_state
 from .methods import Model, edge_weight
 from .scene import NaturalScene
 from .wear import History, Wear
+
+if TYPE_CHECKING:
+    from fem.compliance import HalfSpace
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,7 +189,8 @@ def estimated(natural: NaturalScene, model: Model) -> tuple[Outcome, Outcome, di
             name: relative_difference(name, getattr(coarser.outcome, name), getattr(finer.outcome, name)) for name in errors
         }
         for name, difference in differences.items():
-            share = twin.share if name == "indentation" else twin.field_share
+            # slopes of the steady state have an estimate of their own below: of twins, half counts
+            share = {"indentation": twin.share, "steady_rms_slope": 0.5 * twin.field_share}.get(name, twin.field_share)
             errors[name][tuple(slice(0, size) for size in difference.shape)] += share * _over_neighbours(name, difference)
         by_part[twin.part] = twin.share * float(differences["indentation"].max(initial=0.0))
     _no_better_than_fields(errors)
@@ -193,11 +198,6 @@ def estimated(natural: NaturalScene, model: Model) -> tuple[Outcome, Outcome, di
         # the first element at the rim cannot hold the singular pressure of the flat start, whatever its degree
         start = natural.times == 0
         errors["indentation"][start] = np.maximum(errors["indentation"][start], RIM_COST * model.rim_size)
-    if natural.scene.wear.steady and model.half_space is not None:
-        # what the pressure space loses of the displacement that the elements found
-        radii, found = model.half_space.contact_displacement(result.wear.steady.pressure)
-        lost = np.abs(found - result.sampler.space.matrix(radii) @ result.wear.steady.displacement).max() / found.max()
-        errors["steady_displacement_max"] = errors["steady_displacement_max"] + lost
     if natural.scene.wear.march != "modal" and natural.scene.wear.times:
         exact = result.sampler.history(result.wear.modal(natural.times))
         for name, value in exact.items():
@@ -207,6 +207,8 @@ def estimated(natural: NaturalScene, model: Model) -> tuple[Outcome, Outcome, di
         )
     if natural.scene.wear.steady:
         errors["steady_rms_slope"] = np.maximum(errors["steady_rms_slope"], result.missing_slope())
+    if natural.scene.wear.steady and model.half_space is not None:
+        _projection_loss(errors, result, model.half_space, natural.scene.output.gradient_average)
     floor = 1e-14 * max(1, len(model.compliance.space.breakpoints))
     return result.outcome, Outcome(**{name: value + floor for name, value in errors.items()}), by_part, result.wear
 
@@ -220,6 +222,17 @@ def _no_better_than_fields(errors: dict[str, Array]) -> None:
     ):
         if errors[single].size and errors[whole].size:
             errors[single] = np.maximum(errors[single], 0.1 * errors[whole].max(axis=-1))
+
+
+def _projection_loss(errors: dict[str, Array], result: Evaluation, half_space: HalfSpace, average: str) -> None:
+    """Add what the pressure space loses of the contact displacement that the elements found, and of its slope."""
+    steady = result.wear.steady
+    radii, found = half_space.contact_displacement(steady.pressure)
+    lost = np.abs(found - result.sampler.space.matrix(radii) @ steady.displacement).max() / found.max()
+    errors["steady_displacement_max"] = errors["steady_displacement_max"] + lost
+    radii, weights, slopes = half_space.contact_slope(steady.pressure)
+    trace = np.sqrt(np.sum(weights * (1.0 if average == "line" else 2 * radii) * slopes**2))
+    errors["steady_rms_slope"] = errors["steady_rms_slope"] + np.abs(trace / result.outcome.steady_rms_slope - 1)
 
 
 def _over_neighbours(name: str, difference: Array) -> Array:
