@@ -31,7 +31,7 @@ from .far_field import exterior_stiffness, pole
 # multipliers on the contact facets, continuous inside rings: the highest degree that is stable for each displacement,
 # reached within a few facets of a ring edge or the rim, where a low degree is as accurate and more stable
 MULTIPLIER_DEGREE = {2: 1, 3: 2, 4: 3}
-RISE = 0.34
+RISE = 0.5
 
 
 def pressure_space(mesh: HalfSpaceMesh, edges: Array, degree: int) -> PressureSpace:

@@ -35,7 +35,7 @@ def mesh(field: SizeField) -> HalfSpaceMesh:
     for _ in range(MOST_ROUNDS):
         corners = _moved(current.p.T, dyadic, edges)[current.t.T]
         longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-        marked = longest > 1.5 * field(corners.mean(axis=1))
+        marked = longest > 1.25 * field(corners.mean(axis=1))
         marked |= _spans_an_edge(current.p.T[current.t.T], dyadic, spacing)
         if not marked.any():
             break

@@ -77,6 +77,8 @@ def _geometry(gmsh: Any, field: SizeField) -> None:
     sizes = []
     at_edges = np.array(field.ring_sizes)
     groups = [(on_contact[-1:], field.rim_size)]
+    if field.centre_size < field.largest:
+        groups.append((on_contact[:1], field.centre_size))
     groups += [([on_contact[1 + i] for i in np.flatnonzero(at_edges == size)], size) for size in np.unique(at_edges)]
     for points, size in groups:
         distance, threshold = fields.add("Distance"), fields.add("Threshold")

@@ -2,8 +2,8 @@
 
 Natural units: the punch has radius 1. Depth is positive into the half-space; the surface is depth zero. The element
 size is ``min(rim_size + growth * d_rim, ring_size + growth * d_edge, R/4)`` with the distances to the rim and to the
-nearest other ring edge, and the truncation radius R: well-shaped elements round every singular point, in numbers that
-grow only with the logarithm of the smallest size.
+nearest other ring edge (or the centre), and the truncation radius R: well-shaped elements round every singular point,
+in numbers that grow only with the logarithm of the smallest size.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ class SizeField:
     ring_size : size at the other ring edges: one for all of them, or one for each
     growth : growth of the size with the distance from them
     truncation : radius of the quarter disc, in punch radii
+    centre_size : size at the centre of the punch, where little area stands behind the value that people look at
     """
 
     edges: tuple[float, ...]
@@ -36,11 +37,12 @@ class SizeField:
     ring_size: float | tuple[float, ...]
     growth: float
     truncation: float
+    centre_size: float = 0.25
 
     def __call__(self, points: Array) -> Array:
         """(n,) sizes at (n, 2) points."""
         size = np.minimum(self.largest, self.rim_size + self.growth * np.hypot(points[:, 0] - 1, points[:, 1]))
-        for edge, smallest in zip(self.edges[1:-1], self.ring_sizes, strict=True):
+        for edge, smallest in zip(self.edges[:-1], (self.centre_size, *self.ring_sizes), strict=True):
             size = np.minimum(size, smallest + self.growth * np.hypot(points[:, 0] - edge, points[:, 1]))
         return size
 

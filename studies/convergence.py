@@ -123,7 +123,7 @@ def base_mesh(edges: Array, sizes: tuple[float, float, float], truncation: float
     """The mesh to subdivide, by gmsh or, where that cannot be loaded or fails at such sizes, by bisection."""
     from meshes import bisection, gmsh_mesher
 
-    field = SizeField(tuple(float(edge) for edge in edges), *sizes, truncation)
+    field = SizeField(tuple(float(edge) for edge in edges), *sizes, truncation, centre_size=truncation)
     try:
         return gmsh_mesher.mesh(field)
     except MeshError:

@@ -147,14 +147,15 @@ def size_field(natural: NaturalScene) -> SizeField:
     share = np.minimum(10 * rtol**0.6 * np.maximum(1, 1 / (32 * narrower)), 0.25)
     # wear blunts a ring edge over a length of k E* v0 t: the first time asked for is the sharpest to resolve
     later = natural.times[natural.times > 0]
-    blunted = max(0.3 * float(later[0]), rtol**0.75) if len(later) else 1.0
+    blunted = max(0.5 * float(later[0]), rtol**0.75) if len(later) else 1.0
     at_edges = 2.0 ** np.floor(np.log2(np.minimum(share, blunted / narrower) * narrower))
     return SizeField(
         edges=tuple(float(edge) for edge in edges),
         rim_size=chosen.rim_size or min(0.1 * rtol, float(widths[-1]) / 4),
         ring_size=chosen.ring_size or tuple(float(size) for size in at_edges),
-        growth=chosen.growth or min(0.6 * (rtol / 1e-4) ** 0.1, 0.9),
+        growth=chosen.growth or min(0.7 * (rtol / 1e-4) ** 0.115, 0.9),
         truncation=chosen.truncation,
+        centre_size=min(0.2 * (rtol / 1e-4) ** 0.115, 0.5),
     )
 
 
@@ -221,7 +222,7 @@ def _fem_twins(half_space: HalfSpace, fine: Compliance, growth: float) -> list[T
     solid, poles = half_space.solid, half_space.poles
     coarser = fine.coarser()
     remains = min(1.0, (growth / 0.75) ** 4)
-    twins = [Twin("pressure space", fine, coarser, 1.2 * remains, 4.0)] if fine.space.top > 1 else []
+    twins = [Twin("pressure space", fine, coarser, 1.2 * remains, 5.0)] if fine.space.top > 1 else []
     twins.append(Twin("truncation", fine, replace(fine, factor=fine.factor[:-1]), 0.1, 0.1))
 
     def with_degree(degree: int, space: PressureSpace) -> Compliance:

@@ -90,7 +90,8 @@ def test_subdivision(count: int) -> None:
     base = bisection.mesh(SizeField((0.0, 0.4, 1.0), 1e-5, 1e-4, 0.8, 20.0))
     fine = convergence.subdivided(base, count, np.array([0.4, 1.0]))
     assert len(fine.triangles) == count**2 * len(base.triangles)
-    assert fine.quality.min() > 0.8 * base.quality.min()
+    # points put on the arc cost the triangles beside it some of their shape
+    assert fine.quality.min() > 0.7 * base.quality.min()
     # every vertex of the base is kept, and the arc is an arc
     assert np.isin(base.contact_radii, fine.contact_radii).all()
     far = fine.points[np.unique(fine.boundaries["far"])]
