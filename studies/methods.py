@@ -214,14 +214,14 @@ def _fem_twins(half_space: HalfSpace, fine: Compliance, growth: float) -> list[T
     """The pressure, the displacement and the far field, each one degree or one pole coarser.
 
     On finer meshes one degree less costs ever more accuracy: of the difference in an indentation, a smaller share
-    remains. The fourth power fits scenes drawn at random (`random_scenes`) from growth 0.3 to 0.9.
+    remains. The power fits scenes drawn at random (`random_scenes`) from growth 0.3 to 0.9.
     """
     from fem.compliance import HalfSpace as Whole
     from fem.elasticity import AxisymmetricElasticity
 
     solid, poles = half_space.solid, half_space.poles
     coarser = fine.coarser()
-    remains = min(1.0, (growth / 0.75) ** 4)
+    remains = min(1.0, (growth / 0.75) ** 3.5)
     twins = [Twin("pressure space", fine, coarser, 1.2 * remains, 5.0)] if fine.space.top > 1 else []
     twins.append(Twin("truncation", fine, replace(fine, factor=fine.factor[:-1]), 0.1, 0.1))
 
