@@ -221,7 +221,7 @@ def _fem_twins(half_space: HalfSpace, fine: Compliance, growth: float) -> list[T
 
     solid, poles = half_space.solid, half_space.poles
     coarser = fine.coarser()
-    remains = min(1.0, (growth / 0.75) ** 3.5)
+    remains = min(1.0, (growth / 0.75) ** 3)
     twins = [Twin("pressure space", fine, coarser, 1.2 * remains, 5.0)] if fine.space.top > 1 else []
     twins.append(Twin("truncation", fine, replace(fine, factor=fine.factor[:-1]), 0.1, 0.1))
 
