@@ -20,7 +20,8 @@ from meshes.compliance import Compliance
 from meshes.radial import Array
 
 from .methods import Model, fem_model, mdr_model, size_field
-from .scene import NaturalScene, Scene
+from .natural import NaturalScene
+from .scene import Scene
 from .stages import Report, Stages
 from .wear import Wear
 

@@ -15,10 +15,11 @@ from meshes.radial import Array
 
 from .figures import D0, P0, STYLES, shade_rings
 from .levels import Table, keeping_rows, new_figure, style, write_markdown
+from .natural import NaturalScene
 from .operators import OperatorDifference
 from .outcome import Outcome
 from .runs import Result, run
-from .scene import NaturalScene, Scene
+from .scene import Scene
 from .stages import Report
 from .wear import Wear
 

@@ -23,7 +23,8 @@ from meshes.radial import Array, Indices, PressureSpace, graded_breakpoints
 from .contact import flat_start
 from .levels import LEVEL_FIELDS, Recorder, Table, draw_orders, keeping_rows, legend_below, new_figure, style, write_markdown
 from .methods import edge_weight
-from .scene import NaturalScene, Scene
+from .natural import NaturalScene
+from .scene import Scene
 from .stages import Report
 from .wear import Wear
 

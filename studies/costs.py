@@ -20,7 +20,8 @@ from meshes.half_space import SizeField
 from meshes.radial import Array
 
 from .methods import mdr_settings, mdr_space, size_field
-from .scene import NaturalScene, Scene
+from .natural import NaturalScene
+from .scene import Scene
 
 SIDE = np.sqrt(3) / 4  # area of an equilateral triangle of side one
 MULTIPLIERS_PER_FACET = 2.6

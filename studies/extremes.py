@@ -32,10 +32,11 @@ from .extreme_cells import Cell, all_cells
 from .extreme_map import draw, groups
 from .levels import Table, keeping_rows, write_markdown
 from .methods import MODELS, Model
+from .natural import NaturalScene
 from .oracles import Rings, units
 from .outcome import Outcome, estimated, from_direct_integration
 from .runs import run
-from .scene import NaturalScene, Scene
+from .scene import Scene
 from .stages import Report, Stages
 from .wear import Wear
 

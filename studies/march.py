@@ -21,7 +21,8 @@ from meshes.radial import Array
 
 from .levels import Sequence, Table, draw_orders, keeping_rows, legend_below, new_figure, style, write_markdown
 from .methods import mdr_space
-from .scene import NaturalScene, Scene
+from .natural import NaturalScene
+from .scene import Scene
 from .stages import Report
 from .wear import History, Wear
 

@@ -18,7 +18,7 @@ from meshes.errors import MeshError
 from meshes.half_space import HalfSpaceMesh, SizeField
 from meshes.radial import Array, PressureSpace, graded_breakpoints, layer_degrees
 
-from .scene import NaturalScene
+from .natural import NaturalScene
 from .stages import Stages
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from meshes.errors import SolverError
 from meshes.radial import Array, PressureSpace
 
 from .methods import radial_compliance
-from .scene import NaturalScene
+from .natural import NaturalScene
 from .wear import Wear
 
 # below this share of the energy of a pressure, the multipliers no longer see the displacement: a checkerboard

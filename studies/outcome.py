@@ -13,7 +13,7 @@ from meshes.radial import Array, PressureSpace
 
 from .contact import steady_state
 from .methods import Model, edge_weight
-from .scene import NaturalScene
+from .natural import NaturalScene
 from .wear import History, Wear
 
 if TYPE_CHECKING:

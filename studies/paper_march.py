@@ -9,8 +9,8 @@ import numpy as np
 from mdr.paper import PaperGrid
 from meshes.radial import Array
 
+from .natural import NaturalScene
 from .outcome import Outcome, outcome
-from .scene import NaturalScene
 
 
 def paper_history(natural: NaturalScene) -> Outcome:

@@ -20,8 +20,9 @@ from meshes.radial import Array, ring_areas
 
 from .figures import D0, P0
 from .methods import MODELS, Model
+from .natural import NaturalScene
 from .outcome import Sampler
-from .scene import NaturalScene, Scene
+from .scene import Scene
 from .stages import Report, Stages
 from .wear import Wear
 

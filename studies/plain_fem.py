@@ -13,7 +13,7 @@ from scipy.sparse.linalg import spsolve
 
 from meshes.radial import Array
 
-from .scene import NaturalScene
+from .natural import NaturalScene
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,9 +13,10 @@ from threadpoolctl import threadpool_limits
 from meshes.radial import Array
 
 from .methods import MODELS, Model
+from .natural import NaturalScene
 from .operators import OperatorDifference, difference, on_space_of
 from .outcome import Outcome, estimated, from_direct_integration, relative_difference
-from .scene import NaturalScene, Scene
+from .scene import Scene
 from .stages import Report, Stages, silent
 from .wear import Wear
 

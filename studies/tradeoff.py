@@ -27,9 +27,10 @@ from meshes.radial import Array
 from .benchmark import best, reference_indentation, silent_stages
 from .figures import _figure
 from .methods import MODELS
+from .natural import NaturalScene
 from .outcome import estimated
 from .results import versions
-from .scene import NaturalScene, Scene
+from .scene import Scene
 from .stages import Report
 from .wear import Wear
 

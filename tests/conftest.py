@@ -17,7 +17,7 @@ from meshes.compliance import Compliance
 from meshes.radial import Array, PressureSpace
 from studies import Scene
 from studies.methods import MODELS, Model
-from studies.scene import NaturalScene
+from studies.natural import NaturalScene
 from studies.stages import Stages
 from studies.wear import Wear
 

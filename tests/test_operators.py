@@ -10,10 +10,10 @@ from meshes.compliance import Compliance
 from meshes.errors import SolverError
 from studies import Scene
 from studies.methods import fem_model, mdr_model
+from studies.natural import NaturalScene
 from studies.operators import OperatorDifference, difference
 from studies.random_scenes import random_scenes
 from studies.runs import run
-from studies.scene import NaturalScene
 from studies.stages import Stages
 from studies.wear import Wear
 
