@@ -52,6 +52,15 @@ STUDIES: dict[str, Study] = {
         options=(("--mesh", {"metavar": "FILE", "help": "a mesh file of yours: .msh of gmsh, .vtu, ..."}),),
     ),
     "extremes": Study("extremes", "a map of the limits: every method at extreme parameters against independent oracles"),
+    "estimates": Study(
+        "estimates",
+        "are stated errors honest? true error over own estimate, on scenes drawn at random",
+        options=(
+            ("--seed", {"type": int, "default": 0, "help": "seed that the scenes are drawn from (default: 0)"}),
+            ("--count", {"type": int, "default": 40, "help": "how many scenes (default: 40)"}),
+            ("--rings", {"type": int, "default": 8, "help": "most rings of a scene (default: 8; 64 takes long)"}),
+        ),
+    ),
     "tradeoff": Study("tradeoff", "error against seconds for every method and family of settings"),
     "benchmark": Study("benchmark", "seconds and errors against the paper's algorithm and plain finite elements"),
 }

@@ -1,5 +1,8 @@
 """Stated errors are honest: on scenes drawn at random, and where a fault was put in."""
 
+from argparse import Namespace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -46,6 +49,16 @@ def test_random_scenes() -> None:
     assert np.mean([ratio <= 1.0 for ratio in ratios]) >= 0.95
     assert np.mean(reached) >= 0.98
     assert not any(alarms)
+
+
+def test_study(tmp_path: Path) -> None:
+    from studies import estimates
+
+    conclusions = estimates.conduct(Scene.load("five_rings"), tmp_path, Namespace(quick=True, seed=2), lambda _: None)
+    assert len(conclusions) == 4
+    assert all("above 1 for 0.0%" in line for line in conclusions if "indentation" in line)
+    assert (tmp_path / "estimates.csv").read_text("utf-8").count("\n") == 1 + 8 * 4
+    assert (tmp_path / "estimates.png").stat().st_size > 10_000
 
 
 @pytest.mark.parametrize(
