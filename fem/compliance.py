@@ -152,10 +152,9 @@ class HalfSpace:
         displacement = solve_triangular(self._lower, load, lower=True, trans="T")[: len(nodes)]
         return self.solid.positions[nodes, 0], displacement
 
-    def contact_slope(self, pressure: Array) -> tuple[Array, Array, Array]:
-        """Radii, weights of dr and slopes (facets, q) of the contact displacement under pressure coefficients (size,)."""
+    def contact_slope(self, displacement: Array) -> tuple[Array, Array, Array]:
+        """Radii, weights of dr and slopes (facets, q) of an axial displacement of the contact nodes."""
         degree = self.solid.degree
-        _, displacement = self.contact_displacement(pressure)
         local, weight = np.polynomial.legendre.leggauss(degree + 1)
         equispaced = np.linspace(-1, 1, degree + 1)
         modes = np.linalg.inv(np.polynomial.legendre.legvander(equispaced, degree))

@@ -12,6 +12,8 @@ import numpy as np
 
 from meshes.radial import Array, Indices, PressureSpace, shapes
 
+from .quadrature import unit_gauss
+
 # Gauss points that integrate a polynomial in exp(theta) to roundoff, by (degree x length of the interval)
 GAUSS_POINTS = ((0.25, 10), (1.0, 14), (4.0, 20), (12.0, 32), (40.0, 56), (100.0, 100), (np.inf, 200))
 
@@ -74,21 +76,15 @@ def panel_quadrature(space: PressureSpace) -> tuple[Array, Array]:
     squares substituted at those ends make the integrand smooth.
     """
     left, right = space.breakpoints[:-1, None], space.breakpoints[1:, None]
-    node, weight = _unit_gauss(2 * space.top + 6)
+    node, weight = unit_gauss(2 * space.top + 6)
     positions = (right - (right - left) * node**2)[1:]
     weights = (right - left)[1:] * 2 * node * weight
     # the innermost panel is singular at both ends, and takes a substitution of twice the degree
-    node, weight = _unit_gauss(4 * space.top + 16)
+    node, weight = unit_gauss(4 * space.top + 16)
     folded = node * (2 - node)
     innermost = right[0] * (1 - folded) * (1 + folded)
     inner_weights = right[0] * 4 * folded * (1 - node) * weight
     return np.concatenate([innermost, positions.ravel()]), np.concatenate([inner_weights, weights.ravel()])
-
-
-def _unit_gauss(count: int) -> tuple[Array, Array]:
-    """Gauss points and weights on (0, 1)."""
-    node, weight = np.polynomial.legendre.leggauss(count)
-    return (1 + node) / 2, weight / 2
 
 
 def profile_transform(radii: Array, positions: Array) -> Array:

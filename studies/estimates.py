@@ -62,7 +62,9 @@ def compared(number: int, drawn: Scene) -> list[dict[str, Any]]:
 
 def true_errors(result: Result) -> list[dict[str, Any]]:
     """Error, estimate and their ratio for every method and quantity of a run."""
-    natural = result.scene.changed(accuracy__rtol=1e-8, accuracy__mdr=FINE).natural
+    asked = result.scene.wear
+    exact_in_time = {"times": asked.times, "steady": asked.steady}
+    natural = result.scene.changed(accuracy__rtol=1e-8, accuracy__mdr=FINE, wear=exact_in_time).natural
     exact = Evaluation(natural, mdr_model(natural, Stages("exact"), twins=False).compliance).outcome
     rows = []
     for method, outcome in result.outcomes.items():

@@ -202,9 +202,12 @@ def fem_model(natural: NaturalScene, stages: Stages, twins: bool = True) -> Mode
             made = _fem_twins(half_space, tied, size_field(natural).growth)
             if fixed:
                 made = [twin for twin in made if twin.part != "truncation"] + [Twin("truncation", tied, fine, 1.1, 1.1)]
+    if fixed:
+        # displacements and stresses inside are those of the clamped half-space, too
+        half_space = replace(half_space, poles=())
     settings = {
         "mesher": mesh.mesher, "triangles": len(mesh.triangles), "degree": chosen.degree, "multipliers": space.size,
-        "far_field": chosen.far_field, "poles": 0 if fixed else len(poles), "truncation": chosen.truncation,
+        "far_field": chosen.far_field, "poles": len(half_space.poles), "truncation": chosen.truncation,
         "solver": solver(),
     }  # fmt: skip
     return Model(fine, tuple(made), half_space.unknowns, settings, half_space, notes)

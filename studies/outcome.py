@@ -230,7 +230,7 @@ def _projection_loss(errors: dict[str, Array], result: Evaluation, half_space: H
     radii, found = half_space.contact_displacement(steady.pressure)
     lost = np.abs(found - result.sampler.space.matrix(radii) @ steady.displacement).max() / found.max()
     errors["steady_displacement_max"] = errors["steady_displacement_max"] + lost
-    radii, weights, slopes = half_space.contact_slope(steady.pressure)
+    radii, weights, slopes = half_space.contact_slope(found)
     trace = np.sqrt(np.sum(weights * (1.0 if average == "line" else 2 * radii) * slopes**2))
     errors["steady_rms_slope"] = errors["steady_rms_slope"] + np.abs(trace / result.outcome.steady_rms_slope - 1)
 

@@ -7,28 +7,15 @@ import numpy as np
 import pytest
 
 from meshes.radial import ring_areas
-from studies import Scene
-from studies.methods import mdr_model
-from studies.outcome import Evaluation
+from studies import Scene, estimates
 from studies.random_scenes import random_scenes
 from studies.runs import Result, run
-from studies.stages import Stages
 
 
 def true_errors(result: Result) -> dict[str, tuple[float, float]]:
     """(error, estimate) of the indentation by method, against a far finer MDR."""
-    fine = {"degree": 9, "rim_size": 1e-8, "ring_size": 2e-5, "grading": 0.25}
-    asked = result.scene.wear
-    exact_in_time = {"times": asked.times, "steady": asked.steady}
-    natural = result.scene.changed(accuracy__rtol=1e-8, accuracy__mdr=fine, wear=exact_in_time).natural
-    exact = Evaluation(natural, mdr_model(natural, Stages("test"), twins=False).compliance).outcome
-    return {
-        method: (
-            float(np.abs(outcome.indentation / exact.indentation - 1).max()),
-            float(result.errors[method].indentation.max()),
-        )
-        for method, outcome in result.outcomes.items()
-    }
+    rows = [row for row in estimates.true_errors(result) if row["quantity"] == "indentation"]
+    return {row["method"]: (row["error"], row["estimate"]) for row in rows}
 
 
 @pytest.mark.slow
@@ -52,8 +39,6 @@ def test_random_scenes() -> None:
 
 
 def test_study(tmp_path: Path) -> None:
-    from studies import estimates
-
     conclusions = estimates.conduct(Scene.load("five_rings"), tmp_path, Namespace(quick=True, seed=2), lambda _: None)
     assert len(conclusions) == 4
     assert all("above 1 for 0.0%" in line for line in conclusions if "indentation" in line)
