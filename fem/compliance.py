@@ -22,7 +22,8 @@ from scipy.sparse.linalg import splu
 from meshes.compliance import Compliance
 from meshes.errors import SolverError
 from meshes.half_space import HalfSpaceMesh
-from meshes.radial import Array, Indices, PressureSpace, layer_degrees, shapes
+from meshes.pressure_space import PressureSpace, shapes
+from meshes.radial import Array, Indices, layer_degrees
 
 from .condensation import fill_reducing_order, trailing_factor
 from .elasticity import AxisymmetricElasticity, moduli

@@ -19,7 +19,8 @@ from scipy.special import ellipkm1
 
 from meshes.compliance import Compliance
 from meshes.errors import SolverError
-from meshes.radial import Array, Indices, PressureSpace, shapes
+from meshes.pressure_space import PressureSpace, shapes
+from meshes.radial import Array, Indices
 
 # x = w^POWER: logarithms of x, times the slope of the power, are smooth enough at w = 0 for Gauss points in w
 POWER = 6

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from meshes.compliance import Compliance
-from meshes.radial import PressureSpace
+from meshes.pressure_space import PressureSpace
 
 from .transforms import line_density, panel_quadrature
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshes.radial import Array, Indices, PressureSpace, shapes
+from meshes.pressure_space import PressureSpace, shapes
+from meshes.radial import Array, Indices
 
 from .quadrature import unit_gauss
 

@@ -12,7 +12,8 @@ from functools import cached_property
 import numpy as np
 
 from .errors import SolverError
-from .radial import Array, PressureSpace
+from .pressure_space import PressureSpace
+from .radial import Array
 
 
 @dataclass(frozen=True, eq=False)

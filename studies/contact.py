@@ -12,6 +12,8 @@ from meshes.compliance import Compliance
 from meshes.errors import SolverError
 from meshes.radial import Array
 
+from .banded import BandedCholesky
+
 
 @dataclass(frozen=True, eq=False)
 class FlatStart:
@@ -58,6 +60,6 @@ def steady_state(compliance: Compliance, wear_coefficients: Array) -> SteadyStat
     pressure = space.ring_indicator() @ ring_pressures
     moments = compliance.factor.T @ (compliance.factor @ pressure)
     worn, continuous = space.joined(wear_coefficients), space.joined(np.ones_like(wear_coefficients))
-    mass = worn.T @ space.mass(wear_coefficients) @ worn
-    displacement = continuous @ cho_solve(cho_factor(mass), worn.T @ moments)
+    mass = BandedCholesky(worn.T @ space.mass(wear_coefficients) @ worn)
+    displacement = continuous @ mass.solve(worn.T @ moments)
     return SteadyState(pressure, displacement, ring_pressures, float(wear_coefficients[0] * ring_pressures[0]))

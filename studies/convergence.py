@@ -18,7 +18,8 @@ from mdr import direct
 from meshes.compliance import Compliance
 from meshes.errors import MeshError
 from meshes.half_space import HalfSpaceMesh, SizeField, assemble
-from meshes.radial import Array, Indices, PressureSpace, graded_breakpoints
+from meshes.pressure_space import PressureSpace
+from meshes.radial import Array, Indices, graded_breakpoints
 
 from .contact import flat_start
 from .levels import LEVEL_FIELDS, Recorder, Table, draw_orders, keeping_rows, legend_below, new_figure, style, write_markdown

@@ -60,11 +60,12 @@ def interior(result: Result) -> Interior:
     scene, natural = result.scene, result.scene.natural
     model = result.models["fem"]
     assert model.half_space is not None
-    wear = Wear(model.compliance, natural.phases[1])
     times = scene.output.field_times
     if times is None:
         times = [0.0] if scene.wear.steady else [0.0, scene.wear.times[-1]]
-    pressures = list(wear.modal(np.array(times) / natural.time).pressure)
+    wanted = np.array(times) / natural.time
+    wear = Wear(model.compliance, natural.phases[1], float(min(wanted[wanted > 0], default=0.0)))
+    pressures = list(wear.modal(wanted).pressure)
     labels = [f"t={time:g}" for time in times]
     if scene.wear.steady:
         pressures.append(wear.steady.pressure)

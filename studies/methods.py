@@ -16,7 +16,8 @@ import numpy as np
 from meshes.compliance import Compliance
 from meshes.errors import MeshError
 from meshes.half_space import HalfSpaceMesh, SizeField
-from meshes.radial import Array, PressureSpace, graded_breakpoints, layer_degrees
+from meshes.pressure_space import PressureSpace
+from meshes.radial import Array, graded_breakpoints, layer_degrees
 
 from .natural import NaturalScene
 from .stages import Stages

@@ -54,6 +54,11 @@ class NaturalScene:
     def times(self) -> Array:
         return np.array(self.scene.wear.times) / self.time
 
+    @property
+    def earliest(self) -> float:
+        """The first time after the start; 0 without any."""
+        return float(min(self.times[self.times > 0], default=0.0))
+
     @cached_property
     def step(self) -> float | None:
         return None if self.scene.wear.step is None else self.scene.wear.step / self.time

@@ -16,7 +16,8 @@ from scipy.linalg import eigh, solve_triangular
 
 from meshes.compliance import Compliance
 from meshes.errors import SolverError
-from meshes.radial import Array, PressureSpace
+from meshes.pressure_space import PressureSpace
+from meshes.radial import Array
 
 from .methods import radial_compliance
 from .natural import NaturalScene
@@ -126,7 +127,7 @@ def _spectrum(first: Compliance, second: Compliance) -> tuple[Array, Array]:
 
     On a long wave of length L a half-space gives ``u = p L / pi``, which defines the length of any mode.
     """
-    values, shapes = eigh(second.matrix, second.space.mass(np.ones(len(second.space.edges) - 1)))
+    values, shapes = eigh(second.matrix, second.space.mass(np.ones(len(second.space.edges) - 1)).toarray())
     own = np.sum((first.factor @ shapes) ** 2, axis=0)
     other = np.sum((second.factor @ shapes) ** 2, axis=0)
     return np.pi * np.abs(values[::-1]), np.abs(own / other - 1)[::-1]

@@ -6,10 +6,10 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csr_matrix
 
 from meshes.compliance import Compliance
-from meshes.radial import Array, PressureSpace
+from meshes.pressure_space import PressureSpace
+from meshes.radial import Array
 
 from .contact import steady_state
 from .methods import Model, edge_weight
@@ -53,11 +53,11 @@ class Sampler:
 
     def __init__(self, natural: NaturalScene, space: PressureSpace) -> None:
         self.natural, self.space = natural, space
-        self._at_radii = csr_matrix(space.matrix(natural.radii))
-        self._at_centre = space.matrix(np.zeros(1))[0]
+        self._at_radii = space.matrix(natural.radii)
+        self._at_centre = space.matrix(np.zeros(1)).toarray()[0]
         self._samples = _extreme_radii(space)
-        self._everywhere = csr_matrix(space.matrix(self._samples))
-        self._slope_everywhere = csr_matrix(space.matrix(self._samples, derivative=True))
+        self._everywhere = space.matrix(self._samples)
+        self._slope_everywhere = space.matrix(self._samples, derivative=True)
         self._ring_forces = space.ring_forces(natural.edges)
         self.slopes = space.slope_gram(edge_weight(space, natural.scene.output.gradient_average))
 
@@ -118,7 +118,7 @@ class Evaluation:
     """One compliance worn and sampled: everything that the scene asks of it."""
 
     def __init__(self, natural: NaturalScene, compliance: Compliance) -> None:
-        self.wear = Wear(compliance, natural.phases[1])
+        self.wear = Wear(compliance, natural.phases[1], natural.earliest)
         self.sampler = Sampler(natural, compliance.space)
         asked = natural.scene.wear
         parts: dict[str, Array] = {}

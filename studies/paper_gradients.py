@@ -20,12 +20,12 @@ from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from mdr import direct
 from meshes.compliance import Compliance
 from meshes.radial import Array, alternating_edges, ring_areas
 
+from .banded import BandedCholesky
 from .methods import edge_weight, fem_model
 from .paper_states import AVERAGES, WEAR_RATIO, paper_punch
 from .scene import Scene
@@ -108,8 +108,8 @@ def compliance_grams(compliance: Compliance) -> Array:
     patterns = space.ring_indicator() @ odd_and_even(rings)
     continuous = space.joined(np.ones(rings))
     moments = compliance.factor.T @ (compliance.factor @ patterns)
-    mass = continuous.T @ space.mass(np.ones(rings)) @ continuous
-    displacement = continuous @ cho_solve(cho_factor(mass), continuous.T @ moments)
+    mass = BandedCholesky(continuous.T @ space.mass(np.ones(rings)) @ continuous)
+    displacement = continuous @ mass.solve(continuous.T @ moments)
     return np.array([displacement.T @ space.slope_gram(edge_weight(space, name)) @ displacement for name in AVERAGES])
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
@@ -161,7 +161,7 @@ def compare_operators(
         if elsewhere is not None:
             with Stages("check", report)(f"{a} against {b}"):
                 first = wears[a]
-                second = Wear(elsewhere(first.compliance.space), first.wear_coefficients)
+                second = replace(first, compliance=elsewhere(first.compliance.space))
                 yield difference(natural, (a, b), first, second)
 
 

@@ -9,25 +9,26 @@ eigenvalues are the relaxation times. A flat start never loses contact, so no in
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, eigh, solve_triangular, svd
+from scipy.linalg import cho_factor, cho_solve
+from scipy.sparse import csr_matrix
 
 from meshes.compliance import Compliance
-from meshes.errors import SceneError, SolverError
+from meshes.errors import SceneError
 from meshes.radial import Array
 
+from .banded import BandedCholesky
 from .contact import SteadyState, flat_start, steady_state
+from .modes import LARGE, Modes, every_mode, excited_modes
 
 MOST_STEPS = 2_000_000
 # smallest element above which eigenvalues are as good as singular values, at a quarter of the time (measured: no
 # digit of indentation, relaxation time or slope differs from rtol 1e-3 to 1e-9). Below it the stiff modes would be lost
 # to roundoff of the slowest
 GENTLEST = 1e-10
-# beyond this size singular values would take minutes; the modes that eigenvalues lose die away at once
-LARGE = 700
 
 # (state, step, how many) -> (state, wear of each unknown in between)
 Advance = Callable[[Array, float, int], tuple[Array, Array]]
@@ -43,15 +44,6 @@ class History:
     indentation: Array
 
 
-def _squared_singular(factor: Array, gentle: bool) -> tuple[Array, Array]:
-    """Squared singular values, greatest first, and right singular vectors of a tall matrix."""
-    if gentle or factor.shape[1] > LARGE:
-        values, vectors = eigh(factor.T @ factor, driver="evd", overwrite_a=True, check_finite=False)
-        return values[::-1], vectors[:, ::-1]
-    _, singular, right = svd(factor, full_matrices=False, check_finite=False)
-    return singular**2, right.T
-
-
 @dataclass(frozen=True, eq=False)
 class Wear:
     """A punch from its flat start to its steady state: condensed once, evaluated at any time.
@@ -60,22 +52,24 @@ class Wear:
     ----------
     compliance : of the half-space
     wear_coefficients : (N,) of the rings of its pressure space
+    earliest : time > 0 before which no history is wanted, so that a large punch needs few of its modes; 0: all of them
     """
 
     compliance: Compliance
     wear_coefficients: Array
+    earliest: float = 0.0
 
     @cached_property
     def steady(self) -> SteadyState:
         return steady_state(self.compliance, self.wear_coefficients)
 
     @cached_property
-    def _to_pressure(self) -> Array:
+    def _to_pressure(self) -> csr_matrix:
         """(size, n) pressures by the wear rate."""
         return self.compliance.space.joined(self.wear_coefficients)
 
     @cached_property
-    def _to_profile(self) -> Array:
+    def _to_profile(self) -> csr_matrix:
         """(size, n) wear rates, and so worn profiles, by the same unknowns."""
         return self.compliance.space.joined(np.ones_like(self.wear_coefficients))
 
@@ -84,7 +78,11 @@ class Wear:
         return self.compliance.factor @ self._to_pressure
 
     @cached_property
-    def _mass(self) -> Array:
+    def _energy(self) -> Array:
+        return self._factor.T @ self._factor
+
+    @cached_property
+    def _mass(self) -> csr_matrix:
         return self._to_pressure.T @ self.compliance.space.mass(self.wear_coefficients) @ self._to_pressure
 
     @cached_property
@@ -92,37 +90,29 @@ class Wear:
         return self._to_pressure.T @ self.compliance.space.weights
 
     @cached_property
-    def _modes(self) -> tuple[Array, Array, Array]:
-        """Relaxation times (m,), slowest first, shapes (n, m) and their amplitudes at the flat start (m,)."""
-        try:
-            lower = np.linalg.cholesky(self._mass)
-        except np.linalg.LinAlgError as error:
-            raise SolverError(f"the radial mesh is too extreme for double precision: {error}") from error
-        scaled = solve_triangular(lower, self._factor.T, lower=True).T
-        # a reflection that maps the steady state to the first axis: the other axes carry no force
-        axis = solve_triangular(lower, self._weights, lower=True)
-        axis /= np.linalg.norm(axis)
-        axis[0] += np.copysign(1.0, axis[0])
-        axis /= np.linalg.norm(axis)
-        reflected = scaled - 2 * np.outer(scaled @ axis, axis)
+    def _steady_moments(self) -> Array:
+        """(size,) displacements of the steady state against each pressure."""
+        factor = self.compliance.factor
+        return factor.T @ (factor @ self.steady.pressure)
+
+    @cached_property
+    def _modes(self) -> Modes:
+        mass, moments = BandedCholesky(self._mass), self._to_pressure.T @ self._steady_moments
+        if self.earliest and len(moments) > LARGE:
+            return excited_modes(self._energy, mass, self._weights, moments, self.earliest)
         gentle = float(np.diff(self.compliance.space.breakpoints).min()) > GENTLEST
-        relaxation, within = _squared_singular(reflected[:, 1:], gentle)
-        if not relaxation[-1] > 0:
-            raise SolverError("the compliance is singular: the multipliers are unstable on this mesh")
-        shapes = np.concatenate([np.zeros((1, len(relaxation))), within])
-        shapes -= 2 * np.outer(axis, axis @ shapes)
-        images = scaled @ shapes
-        amplitudes = -(images.T @ (self.compliance.factor @ self.steady.pressure)) / relaxation
-        return relaxation, solve_triangular(lower, shapes, lower=True, trans="T"), amplitudes
+        return every_mode(self._factor, mass, self._weights, moments, gentle)
 
     @property
     def relaxation_times(self) -> Array:
         """(m,) slowest first."""
-        return self._modes[0]
+        return self._modes.relaxation[: self._modes.exact]
 
     def modal(self, times: Array) -> History:
-        """The exact history at any times, none of which depends on another."""
-        relaxation, shapes, amplitudes = self._modes
+        """The exact history at any times from `earliest` on, none of which depends on another."""
+        if (times[times > 0] < self.earliest * (1 - 1e-12)).any():
+            raise SceneError(f"this history was prepared for times from {self.earliest:.3g} on; prepare it for all of them")
+        relaxation, shapes, amplitudes = self._modes.relaxation, self._modes.shapes, self._modes.amplitudes
         decay = times[:, None] / relaxation
         left = (np.exp(-decay) * amplitudes) @ shapes.T
         worn = (-np.expm1(-decay) * relaxation * amplitudes) @ shapes.T
@@ -130,8 +120,7 @@ class Wear:
         pressure = self.steady.pressure + left @ self._to_pressure.T
         # the constant wear rate has coefficient one on every hat
         profile = worn @ self._to_profile.T + np.outer(rate * times, self._constant)
-        steady_line = self.compliance.factor @ self.steady.pressure
-        indentation = rate * times + (pressure @ self.compliance.factor.T) @ steady_line
+        indentation = rate * times + pressure @ self._steady_moments
         return self._from_flat(History(times, pressure, profile, indentation))
 
     @cached_property
@@ -150,18 +139,19 @@ class Wear:
     @cached_property
     def _start(self) -> Array:
         """Unknowns of the flat start in the space of t > 0: the best approximation in energy."""
-        solution = cho_solve(cho_factor(self._factor.T @ self._factor), self._weights)
+        solution = cho_solve(cho_factor(self._energy), self._weights)
         return solution / (self._weights @ solution)
 
     def stability_limit(self) -> float:
         """Greatest stable step of the explicit march, twice the shortest relaxation time."""
-        return float(2 * self.relaxation_times[-1])
+        whole = replace(self, earliest=0.0) if self.earliest else self
+        return float(2 * whole.relaxation_times[-1])
 
     def implicit(self, times: Array, step: float) -> History:
         """Implicit Euler, equal steps of at most `step` between output times: stable, first order."""
 
         def advance(state: Array, dt: float, count: int) -> tuple[Array, Array]:
-            factor = cho_factor(energy + dt * self._mass)
+            factor = cho_factor(energy + dt * mass)
             by_weights = cho_solve(factor, self._weights)
             worn = np.zeros_like(state)
             for _ in range(count):
@@ -170,7 +160,7 @@ class Wear:
                 worn += dt * state
             return state, worn
 
-        energy = self._factor.T @ self._factor
+        energy, mass = self._energy, self._mass.toarray()
         return self._marched(times, step, advance)
 
     def explicit(self, times: Array, step: float) -> History:
@@ -185,9 +175,9 @@ class Wear:
         if step > limit:
             raise SceneError(f"the explicit march is unstable: its step is {step / limit:.3g} times the stability limit; "
                              "give a smaller wear.step, or march = 'modal' (exact in time, no step)")  # fmt: skip
-        energy = cho_factor(self._factor.T @ self._factor)
+        energy = cho_factor(self._energy)
         by_weights = cho_solve(energy, self._weights)
-        rate = -cho_solve(energy, self._mass)
+        rate = -cho_solve(energy, self._mass.toarray())
         rate -= np.outer(by_weights, self._weights @ rate) / (self._weights @ by_weights)
 
         def advance(state: Array, dt: float, count: int) -> tuple[Array, Array]:
@@ -214,9 +204,7 @@ class Wear:
             profiles.append(worn)
         pressure, profile = np.array(states) @ self._to_pressure.T, np.array(profiles) @ self._to_profile.T
         # force balance against the steady pressures: d F = p_s . A p + int f p_s dA
-        steady = self.steady
-        indentation = (pressure @ self.compliance.factor.T) @ (self.compliance.factor @ steady.pressure)
-        indentation += np.array(profiles) @ (self._weights * steady.wear_rate)
+        indentation = pressure @ self._steady_moments + np.array(profiles) @ (self._weights * self.steady.wear_rate)
         return self._from_flat(History(times, pressure, profile, indentation))
 
     def history(self, times: Array, march: str = "modal", step: float | None = None) -> History:

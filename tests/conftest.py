@@ -14,7 +14,8 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from meshes.compliance import Compliance
-from meshes.radial import Array, PressureSpace
+from meshes.pressure_space import PressureSpace
+from meshes.radial import Array
 from studies import Scene
 from studies.methods import MODELS, Model
 from studies.natural import NaturalScene

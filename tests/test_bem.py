@@ -13,7 +13,8 @@ import scipy.linalg
 from mdr import bem, compliance, direct
 from mdr.transforms import line_density
 from meshes.errors import SolverError
-from meshes.radial import Array, PressureSpace, alternating_edges, graded_breakpoints, layer_degrees
+from meshes.pressure_space import PressureSpace
+from meshes.radial import Array, alternating_edges, graded_breakpoints, layer_degrees
 
 
 def graded(rings: int) -> PressureSpace:

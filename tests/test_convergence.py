@@ -14,7 +14,8 @@ from mdr.compliance import compliance
 from mdr.paper import PaperGrid
 from meshes.gmsh_mesher import mesh as gmsh
 from meshes.half_space import HalfSpaceMesh, SizeField
-from meshes.radial import Array, PressureSpace, alternating_edges
+from meshes.pressure_space import PressureSpace
+from meshes.radial import Array, alternating_edges
 from studies.contact import flat_start
 
 FLAT = np.array([0.0, 1.0])
