@@ -27,9 +27,9 @@ def flat_start(compliance: Compliance) -> FlatStart:
     """Contact of the unworn punch: ``A p = d b``, ``b . p = 1``, with the pressure continuous across ring edges."""
     space = compliance.space
     continuous = space.joined(np.ones(len(space.edges) - 1))
-    factor, weights = compliance.factor @ continuous, continuous.T @ space.weights
+    weights = continuous.T @ space.weights
     try:
-        solution = cho_solve(cho_factor(factor.T @ factor), weights)
+        solution = cho_solve(cho_factor(continuous.T @ compliance.matrix @ continuous), weights)
     except np.linalg.LinAlgError as error:
         raise SolverError(f"the compliance is not positive definite: {error}; ask for less extreme sizes") from error
     softness = weights @ solution

@@ -79,7 +79,7 @@ class Wear:
 
     @cached_property
     def _energy(self) -> Array:
-        return self._factor.T @ self._factor
+        return np.asarray(self._to_pressure.T @ self.compliance.matrix @ self._to_pressure)
 
     @cached_property
     def _mass(self) -> csr_matrix:
