@@ -191,7 +191,9 @@ def estimated(natural: NaturalScene, model: Model) -> tuple[Outcome, Outcome, di
         for name, difference in differences.items():
             # slopes of the steady state have an estimate of their own below: of twins, half counts
             share = {"indentation": twin.share, "steady_rms_slope": 0.5 * twin.field_share}.get(name, twin.field_share)
-            errors[name][tuple(slice(0, size) for size in difference.shape)] += share * _over_neighbours(name, difference)
+            # of modes, each may know another number
+            known = tuple(slice(0, min(sizes)) for sizes in zip(difference.shape, errors[name].shape, strict=True))
+            errors[name][known] += share * _over_neighbours(name, difference[known])
         by_part[twin.part] = twin.share * float(differences["indentation"].max(initial=0.0))
     _no_better_than_fields(errors)
     if natural.scene.wear.times:

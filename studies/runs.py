@@ -31,6 +31,13 @@ COMPARED = (
 )  # fmt: skip
 COMPARED_MODES = 3
 
+# outcome, errors, indentation errors by part, and what they were made with
+Evaluated = tuple[Outcome, Outcome, dict[str, float], tuple[Model, Wear] | None]
+
+REFINABLE = ("pressure space", "discretisation")
+MOST_REFINEMENTS = 2
+FINEST = 1e-9
+
 
 @dataclass(frozen=True)
 class Agreement:
@@ -113,7 +120,7 @@ def run(scene: Scene, report: Report = silent) -> Result:
     with threadpool_limits(1):
         for method in scene.methods:
             stages[method] = Stages(method, report)
-            outcomes[method], errors[method], parts[method], made = _evaluate(natural, method, stages[method])
+            outcomes[method], errors[method], parts[method], made = _to_accuracy(natural, method, stages[method])
             if made is not None:
                 models[method], wears[method] = made
         operators = tuple(compare_operators(natural, wears, report))
@@ -123,9 +130,39 @@ def run(scene: Scene, report: Report = silent) -> Result:
     return Result(scene, outcomes, errors, models, parts, stages, agreement, operators, notes)
 
 
-def _evaluate(
-    natural: NaturalScene, method: str, stages: Stages
-) -> tuple[Outcome, Outcome, dict[str, float], tuple[Model, Wear] | None]:
+def _to_accuracy(natural: NaturalScene, method: str, stages: Stages) -> Evaluated:
+    """Evaluate a method; as long as its own estimate falls short of the accuracy asked for, again with finer sizes.
+
+    Sizes given by the user stay, and what finer sizes do not mend (roundoff, a time step) is left to the verdict.
+    """
+    asked = working = natural.scene.accuracy.rtol
+    found = _evaluate(natural, method, stages)
+    for _ in range(MOST_REFINEMENTS):
+        estimate = _of_sizes(found[2])
+        if estimate <= asked or working <= FINEST or natural.scene.accuracy.gives_sizes(method):
+            break
+        working = max(FINEST, working * 0.5 * asked / estimate)
+        stages.report(f"{method:>7}  its estimate {estimate:.1e} is above {asked:.1e}: refining ...")
+        finer = _evaluate(natural.scene.changed(accuracy__rtol=working).natural, method, stages)
+        if _of_sizes(finer[2]) >= estimate:
+            break
+        found = _with_note(finer, f"{method}: refined from rtol {asked:.1e} to {working:.1e}, for its estimate fell short")
+    return found
+
+
+def _of_sizes(parts: dict[str, float]) -> float:
+    return sum(value for part, value in parts.items() if part in REFINABLE)
+
+
+def _with_note(found: Evaluated, note: str) -> Evaluated:
+    result, errors, parts, made = found
+    if made is None:
+        return found
+    model, wear = made
+    return result, errors, parts, (replace(model, notes=(*model.notes, note)), wear)
+
+
+def _evaluate(natural: NaturalScene, method: str, stages: Stages) -> Evaluated:
     if method == "direct":
         with stages("integrating"):
             result, errors = from_direct_integration(natural)

@@ -135,6 +135,11 @@ class Accuracy(Section):
     fem: FemAccuracy = FemAccuracy()
     mdr: MdrAccuracy = MdrAccuracy()
 
+    def gives_sizes(self, method: str) -> bool:
+        """Whether the user has given sizes or degrees for a method, which then stay as they are."""
+        chosen = self.fem if method == "fem" else self.mdr
+        return bool(chosen.model_fields_set & {"rim_size", "ring_size", "growth", "grading", "degree"})
+
 
 class Output(Section):
     radii: list[NotNegative] | None = Field(default=None, description="radii from 0 to punch.radius, increasing")

@@ -8,6 +8,7 @@ import pytest
 
 from meshes.radial import ring_areas
 from studies import Scene, estimates
+from studies.natural import NaturalScene
 from studies.random_scenes import random_scenes
 from studies.runs import Result, run
 
@@ -85,3 +86,34 @@ def test_forces_add_up() -> None:
         np.testing.assert_allclose(outcome.ring_force.sum(axis=1), 1.0, rtol=1e-12)
         steady = (outcome.steady_pressure.max() * ring_areas(natural.edges)[::2]).sum()
         assert steady == pytest.approx(outcome.ring_force[-1, ::2].sum(), rel=1e-2)
+
+
+def test_refined_until_the_accuracy_is_reached(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A model of the error that is far too hopeful is found out by the estimate, and made up for."""
+    import studies.methods as module
+
+    sound = module.mdr_settings
+
+    def hopeful(natural: NaturalScene) -> dict[str, float]:
+        rtol = min(0.1, 1e4 * natural.scene.accuracy.rtol)
+        return sound(natural.scene.changed(accuracy__rtol=rtol).natural)
+
+    monkeypatch.setattr(module, "mdr_settings", hopeful)
+    scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-6)
+    lines: list[str] = []
+    result = run(scene, lines.append)
+    error, estimate = true_errors(result)["mdr"]
+    assert error <= estimate <= 1e-6
+    assert not result.short_of
+    assert any("refined from rtol 1.0e-06" in note for note in result.notes)
+    assert any("refining" in line for line in lines)
+
+
+def test_sizes_of_the_user_are_not_refined() -> None:
+    result = run(Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-6, accuracy__mdr={"ring_size": 0.1}))
+    assert result.models["mdr"].settings["ring_size"] == 0.1
+    assert not result.notes
+    coarse = {"ring_size": 0.1, "rim_size": 0.1, "degree": 2}
+    result = run(Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-6, accuracy__mdr=coarse))
+    assert "mdr" in result.short_of
+    assert not result.notes

@@ -9,6 +9,7 @@ from scipy.sparse import csr_matrix
 from meshes.errors import SceneError, SolverError
 from studies.banded import BandedCholesky
 from studies.modes import every_mode, excited_modes
+from studies.outcome import estimated
 
 
 def pencil(wear: Any) -> tuple[Any, ...]:
@@ -64,3 +65,18 @@ def test_banded_factor() -> None:
     np.testing.assert_allclose(np.linalg.cholesky(matrix).T @ factor.backward(right), right, atol=1e-14)
     with pytest.raises(SolverError, match="too extreme for double precision"):
         BandedCholesky(csr_matrix(matrix - 20 * np.eye(9)))
+
+
+def test_twins_may_know_another_number_of_modes(prepare: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A result by the modes it excites beside a smaller twin with all of its modes, and the other way round."""
+    natural = prepare("five_rings", "mdr").natural
+    model = prepare("five_rings", "mdr").model
+    sizes = sorted(twin.space.size for twin in (model.twins[0].finer, model.twins[0].coarser))
+    found = {}
+    for limit in (sizes[0] - 10, sum(sizes) // 2, sizes[1]):
+        monkeypatch.setattr("studies.wear.LARGE", limit)
+        result, errors, _, _ = estimated(natural, model)
+        found[limit] = (result.indentation, errors.indentation, errors.relaxation_time[:3])
+    for values in found.values():
+        for one, other in zip(values, found[sizes[1]], strict=True):
+            np.testing.assert_allclose(one, other, rtol=1e-3, atol=1e-13)
