@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from scipy.sparse import bmat, csc_matrix
+from scipy.sparse import bmat, coo_matrix, csc_matrix
 from scipy.sparse.linalg import splu
 
 from meshes.compliance import Compliance
@@ -25,7 +25,7 @@ from meshes.half_space import HalfSpaceMesh
 from meshes.pressure_space import PressureSpace, shapes
 from meshes.radial import Array, Indices, layer_degrees
 
-from .condensation import fill_reducing_order, trailing_factor
+from .condensation import fill_reducing_order, symmetric, trailing_factor
 from .elasticity import AxisymmetricElasticity, moduli
 from .far_field import exterior_stiffness, pole
 
@@ -73,9 +73,10 @@ class HalfSpace:
         free[0, solid.boundary("axis")] = False
         free[:, far] = False
         free[1, contact] = False
-        # neighbours are eliminated node by node: a graph of nodes is a quarter of the graph of unknowns
-        inside = np.flatnonzero(free.any(axis=0))
-        order = inside[fill_reducing_order(solid.graph[inside][:, inside], self.solver)]
+        # nodes of one corner or side have the same neighbours: theirs is a far smaller graph than that of unknowns
+        neighbours, part = solid.parts
+        rank = np.argsort(fill_reducing_order(neighbours, self.solver))
+        order = np.argsort(rank[part], kind="stable")
         unknowns = np.stack([order, order + n], axis=1)
         return unknowns[free.T[order]], contact + n
 
@@ -92,21 +93,26 @@ class HalfSpace:
         return out
 
     @cached_property
-    def system(self) -> csc_matrix:
-        """Stiffness of (inside, contact, amplitudes of the poles): symmetric positive definite."""
-        inside, contact = self._numbering
-        order = np.concatenate([inside, contact])
-        stiffness = self.solid.stiffness
-        free = stiffness[order][:, order]
+    def lower_triangle(self) -> coo_matrix:
+        """Lower triangle of `system`, its entries at one place not summed yet: all that condensing takes."""
+        order = np.concatenate(self._numbering)
+        position = np.full(2 * self.solid.nodes, -1)
+        position[order] = np.arange(len(order))
+        free = self.solid.lower_triangle(position)
         if not self.poles:
-            return free.tocsc()
-        border = stiffness @ self._far_fields
+            return free
+        border = self.solid.forces(self._far_fields)
         _, shear = moduli(self.solid.poisson_ratio)
         segments = self.solid.mesh.points[self.solid.mesh.boundaries["far"]]
         exterior = exterior_stiffness(segments, self.poles, self.solid.poisson_ratio, shear)
         corner = self._far_fields.T @ border + exterior
-        edge = csc_matrix(border[order])
-        return bmat([[free, edge], [edge.T, csc_matrix((corner + corner.T) / 2)]], format="csc")
+        edge, end = coo_matrix(border[order].T), coo_matrix(np.tril((corner + corner.T) / 2))
+        return bmat([[free, None], [edge, end]], format="coo")
+
+    @cached_property
+    def system(self) -> csc_matrix:
+        """Stiffness of (inside, contact, amplitudes of the poles): symmetric positive definite."""
+        return symmetric(self.lower_triangle)
 
     @cached_property
     def coupling(self) -> Array:
@@ -138,19 +144,19 @@ class HalfSpace:
         The rows of the factor belong to contact nodes, then to poles: without its last row it is the compliance of
         the same half-space with one pole less.
         """
-        return Compliance(self.space, solve_triangular(self._lower, self.coupling, lower=True))
+        return Compliance(self.space, solve_triangular(self._factor, self.coupling, lower=True))
 
     @cached_property
-    def _lower(self) -> Array:
+    def _factor(self) -> Array:
         """Cholesky factor of the stiffness condensed to contact nodes and poles."""
         inside, _ = self._numbering
-        return trailing_factor(self.system, len(inside), self.solver)
+        return trailing_factor(self.lower_triangle, len(inside), self.solver)
 
     def contact_displacement(self, pressure: Array) -> tuple[Array, Array]:
         """Radii of the contact nodes, and their axial displacement under pressure coefficients (size,)."""
-        load = solve_triangular(self._lower, self.coupling @ pressure, lower=True)
+        load = solve_triangular(self._factor, self.coupling @ pressure, lower=True)
         nodes = self.solid.boundary("contact")
-        displacement = solve_triangular(self._lower, load, lower=True, trans="T")[: len(nodes)]
+        displacement = solve_triangular(self._factor, load, lower=True, trans="T")[: len(nodes)]
         return self.solid.positions[nodes, 0], displacement
 
     def contact_slope(self, displacement: Array) -> tuple[Array, Array, Array]:

@@ -11,11 +11,16 @@ import importlib.util
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_matrix, tril
+from scipy.sparse import coo_matrix, csc_matrix, tril
 from scipy.sparse.linalg import splu
 
 from meshes.errors import SolverError
 from meshes.radial import Array, Indices
+
+# memory that goes back to the system is cleared, page by page, before it comes again: for matrices and factors of this
+# size that would cost as much as the arithmetic. glibc keeps twice the size of the greatest block it has freed, blocks of
+# more than 32 MiB apart (mallopt(3), M_MMAP_THRESHOLD): free one that is nearly as great, and was never touched
+np.empty(2**25 - 2**14, dtype=np.uint8)
 
 SYMMETRIC: dict[str, Any] = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
 
@@ -25,23 +30,48 @@ def solver() -> str:
     return "cholmod" if importlib.util.find_spec("kvxopt") else "superlu"
 
 
-def fill_reducing_order(graph: csc_matrix, name: str = "") -> Indices:
-    """(n,) order in which to eliminate the vertices of a symmetric graph (any positive values, full diagonal)."""
+def fill_reducing_order(groups: Indices, name: str = "") -> Indices:
+    """(n,) order in which to eliminate the vertices of a graph.
+
+    Parameters
+    ----------
+    groups : (p, m) the p vertices of each of m groups, numbered from 0 to n - 1; those of one group are neighbours
+    name : `cholmod` or `superlu`; default the best one installed
+    """
+    one, other = np.tril_indices(len(groups))
+    rows, columns = np.maximum(groups[one], groups[other]).ravel(), np.minimum(groups[one], groups[other]).ravel()
+    lower = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(groups.max() + 1,) * 2)
     if (name or solver()) == "cholmod":
         from kvxopt import amd
 
-        return np.array(amd.order(_lower(graph))).ravel()
-    laplacian = graph * -1.0
-    laplacian.setdiag(np.asarray(graph.sum(axis=0)).ravel() + 1)
-    return np.argsort(splu(laplacian.tocsc(), permc_spec="MMD_AT_PLUS_A", **SYMMETRIC).perm_c)
+        return np.array(amd.order(cholmod_matrix(lower))).ravel()
+    laplacian = symmetric(lower) * -1.0
+    laplacian.setdiag(1 - np.asarray(laplacian.sum(axis=0)).ravel())
+    return np.argsort(splu(laplacian, permc_spec="MMD_AT_PLUS_A", **SYMMETRIC).perm_c)
 
 
-def trailing_factor(matrix: csc_matrix, inside: int, name: str = "") -> Array:
+def symmetric(lower: coo_matrix) -> csc_matrix:
+    """The symmetric matrix of a lower triangle, entries at one place summed."""
+    summed = lower.tocsc()
+    return (summed + tril(summed, -1).T).tocsc()
+
+
+def cholmod_matrix(lower: coo_matrix) -> Any:
+    """A lower triangle as CHOLMOD's kind of matrix, entries at one place summed."""
+    import kvxopt
+
+    # converted one by one: fewer copies at a time
+    rows, columns = (kvxopt.matrix(indices.astype(np.int64)) for indices in (lower.row, lower.col))
+    return kvxopt.spmatrix(kvxopt.matrix(lower.data), rows, columns, lower.shape)
+
+
+def trailing_factor(lower: coo_matrix, inside: int, name: str = "") -> Array:
     """(k, k) lower Cholesky factor of the Schur complement of the first `inside` unknowns.
 
     Parameters
     ----------
-    matrix : symmetric positive definite; unknowns to eliminate first, in the order of elimination
+    lower : lower triangle of a symmetric positive definite matrix; unknowns to eliminate first, in the order of
+        elimination; entries at one place are summed
     inside : how many to eliminate
     name : `cholmod` or `superlu`; default the best one installed
 
@@ -51,8 +81,8 @@ def trailing_factor(matrix: csc_matrix, inside: int, name: str = "") -> Array:
         if the matrix is not positive definite
     """
     try:
-        factor = {"cholmod": _cholmod, "superlu": _superlu}[name or solver()](matrix, inside)
-    except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
+        factor = {"cholmod": _cholmod, "superlu": _superlu}[name or solver()](lower, inside)
+    except (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
         raise SolverError(f"the stiffness of the half-space could not be factorised: {error}") from error
     if not np.isfinite(factor).all():
         raise SolverError("the stiffness of the half-space is singular: its factor is not finite")
@@ -64,41 +94,32 @@ def _check_pivots(pivots: Array) -> None:
         raise SolverError("the stiffness of the half-space is not positive definite")
 
 
-def _lower(matrix: csc_matrix) -> Any:
-    """Lower triangle as CHOLMOD's kind of matrix."""
-    import kvxopt
-
-    entries = tril(matrix, format="coo")
-    return kvxopt.spmatrix(entries.data, entries.row.astype(np.int64), entries.col.astype(np.int64), entries.shape)
-
-
-def _cholmod(matrix: csc_matrix, inside: int) -> Array:
+def _cholmod(lower: coo_matrix, inside: int) -> Array:
     import kvxopt
     from kvxopt import cholmod
 
-    size = matrix.shape[0]
-    lower = _lower(matrix)
+    matrix = cholmod_matrix(lower)
     # the order is ours, down to the last unknown: CHOLMOD must not improve on it
     ours = {"supernodal": 2, "postorder": False, "nmethods": 1}
     before = dict(cholmod.options)
     cholmod.options.update(ours)
     try:
-        factor = cholmod.symbolic(lower, p=kvxopt.matrix(list(range(size)), (size, 1), "i"))
-        cholmod.numeric(lower, factor)
-        pointers, rows, values = (np.array(part).ravel() for part in cholmod.getfactor(factor).CCS)
+        factor = cholmod.symbolic(matrix, p=kvxopt.matrix(np.arange(lower.shape[0])))
+        cholmod.numeric(matrix, factor)
+        # a factorisation that met a pivot that is not positive stops without a word
+        _check_pivots(np.array(cholmod.diag(factor)))
+        # all of the factor is many times as large as what is wanted of it: one copy, and room for it
+        del matrix
+        trailing = cholmod.getfactor(factor)[inside:, inside:]
     finally:
         cholmod.options.clear()
         cholmod.options.update(before)
-    # a factorisation that met a pivot that is not positive stops without a word
-    _check_pivots(values[pointers[:-1]])
-    first = pointers[inside]
-    trailing = csc_matrix((values[first:], rows[first:] - inside, pointers[inside:] - first), shape=(size - inside,) * 2)
-    return np.asarray(trailing.toarray())
+    return np.array(kvxopt.matrix(trailing))
 
 
-def _superlu(matrix: csc_matrix, inside: int) -> Array:
-    factor = splu(matrix, permc_spec="NATURAL", **SYMMETRIC)
-    natural = np.arange(matrix.shape[0])
+def _superlu(lower: coo_matrix, inside: int) -> Array:
+    factor = splu(symmetric(lower), permc_spec="NATURAL", **SYMMETRIC)
+    natural = np.arange(lower.shape[0])
     if not (np.array_equal(factor.perm_r, natural) and np.array_equal(factor.perm_c, natural)):
         raise SolverError("the stiffness of the half-space needed pivoting: it is not positive definite")
     _check_pivots(factor.U.diagonal())

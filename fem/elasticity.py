@@ -8,18 +8,19 @@ whole matrix costs a few dense products.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csc_matrix
+from scipy.sparse import coo_matrix, csc_matrix
 from skfem import Element, ElementTriP1, ElementTriP2, ElementTriP3, ElementTriP4, MeshTri
 from skfem.assembly import Dofs
 from skfem.quadrature import get_quadrature
 
 from meshes.half_space import HalfSpaceMesh
 from meshes.radial import Array, Indices
+
+from .condensation import symmetric
 
 ELEMENTS = {1: ElementTriP1, 2: ElementTriP2, 3: ElementTriP3, 4: ElementTriP4}
 
@@ -134,57 +135,74 @@ class AxisymmetricElasticity:
         pairs = [self.element.lbasis(points, i) for i in range(len(self.element.doflocs))]
         return np.array([value for value, _ in pairs]), np.array([gradient for _, gradient in pairs])
 
-    @cached_property
-    def _local(self) -> Array:
-        """(m, 2n, 2n) stiffness of each triangle: radial, then axial displacements of its n nodes."""
+    def _block(self, rows: slice, columns: slice) -> Array:
+        """(m, 2 i, 2 j) stiffness of each triangle: radial, then axial displacements of some of its nodes by others."""
         lame, shear = moduli(self.poisson_ratio)
-        weighted = self._weighted_gradients()
-        rr, zz, rz = weighted(0, 0), weighted(1, 1), weighted(0, 1)
-        hoop = self._hoop()
-        moments, projection = self._dilatation
-        local = lame * (np.swapaxes(moments, 1, 2) @ projection)
-        n = rr.shape[-1]
-        local[:, :n, :n] += shear * (2 * (rr + hoop) + zz)
-        local[:, n:, n:] += shear * (2 * zz + rr)
-        local[:, :n, n:] += shear * rz.transpose(0, 2, 1)
-        local[:, n:, :n] += shear * rz
-        return local
+        moments, inverse_gram = self._dilatation
+        slopes, by_slopes = self._slopes
+        hoop, by_hoop = self._hoop
+        (rr, rz), (zr, zz) = shear * by_slopes
+        slopes, hoop = slopes[:, rows, columns], hoop[:, rows, columns]
+        left, right = (moments[..., nodes].reshape(*moments.shape[:2], -1) for nodes in (rows, columns))
+        block = np.swapaxes(left, 1, 2) @ (lame * inverse_gram) @ right
+        _, i, j = slopes.shape
+        block[:, :i, :j] += np.tensordot(2 * rr + zz, slopes, 1) + np.tensordot(2 * shear * by_hoop, hoop, 1)
+        block[:, :i, j:] += np.tensordot(zr, slopes, 1)
+        block[:, i:, :j] += np.tensordot(rz, slopes, 1)
+        block[:, i:, j:] += np.tensordot(2 * zz + rr, slopes, 1)
+        return block
 
     @cached_property
-    def _split(self) -> tuple[Indices, Indices]:
-        """Local unknowns on the boundary of a triangle and inside it."""
-        n = len(self.element.doflocs)
-        inside = np.arange(n) >= n - self.interior
-        inside = np.concatenate([inside, inside])
-        return np.flatnonzero(~inside), np.flatnonzero(inside)
+    def _condensed(self) -> tuple[Array, Array]:
+        """(m, b, b) stiffness of each triangle's boundary, and (m, i, b) displacements inside by those on it."""
+        boundary, inside = slice(len(self.element_dofs)), slice(len(self.element_dofs), None)
+        across = self._block(inside, boundary)
+        from_boundary = np.asarray(-np.linalg.solve(self._block(inside, inside), across), dtype=np.float64)
+        condensed = self._block(boundary, boundary)
+        condensed += np.swapaxes(across, 1, 2) @ from_boundary
+        return condensed, from_boundary
 
     @cached_property
-    def _from_boundary(self) -> Array:
-        """(m, inside, boundary) displacements inside a triangle by those on its boundary."""
-        outer, inner = self._split
-        inside = self._local[:, inner[:, None], inner]
-        return np.asarray(-np.linalg.solve(inside, self._local[:, inner[:, None], outer]), dtype=np.float64)
+    def _numbers(self) -> Indices:
+        """(m, b) unknowns on the boundary of each triangle."""
+        return np.concatenate([self.element_dofs, self.element_dofs + self.nodes]).T
+
+    def lower_triangle(self, position: Indices) -> coo_matrix:
+        """Lower triangle of the stiffness without the insides of triangles; entries at one place are to be summed.
+
+        Parameters
+        ----------
+        position : (2 nodes,) row of each unknown; that of an unknown held at zero is negative
+        """
+        width = self._numbers.shape[1]
+        one, other = np.tril_indices(width)
+        places = position.astype(np.int32)[self._numbers]
+        first, second = places.take(one, axis=1), places.take(other, axis=1)
+        rows, columns = np.maximum(first, second), np.minimum(first, second)
+        free = columns >= 0
+        values = self._condensed[0].reshape(-1, width**2).take(one * width + other, axis=1)
+        return coo_matrix((values[free], (rows[free], columns[free])), shape=(position.max() + 1,) * 2)
 
     @cached_property
     def stiffness(self) -> csc_matrix:
         """(2 nodes, 2 nodes) symmetric stiffness without the insides of triangles; no boundary condition applied."""
-        outer, inner = self._split
-        local = self._local[:, outer[:, None], outer]
-        if len(inner):
-            local = local + self._local[:, outer[:, None], inner] @ self._from_boundary
-        numbers = np.concatenate([self.element_dofs, self.element_dofs + self.nodes]).T
-        width = numbers.shape[1]
-        rows, columns = np.repeat(numbers, width, axis=1), np.tile(numbers, (1, width))
-        size = 2 * self.nodes
-        return csc_matrix((local.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size))
+        return symmetric(self.lower_triangle(np.arange(2 * self.nodes)))
 
-    @cached_property
-    def graph(self) -> csc_matrix:
-        """(nodes, nodes) which nodes share a triangle, themselves included."""
-        numbers = self.element_dofs.T
-        width = numbers.shape[1]
-        rows, columns = np.repeat(numbers, width, axis=1).ravel(), np.tile(numbers, (1, width)).ravel()
-        return csc_matrix((np.ones(len(rows)), (rows, columns)), shape=(self.nodes, self.nodes))
+    def forces(self, displacement: Array) -> Array:
+        """(2 nodes, k) nodal forces that make the (2 nodes, k) displacements."""
+        moved = displacement[self._numbers].any(axis=(1, 2))
+        numbers = self._numbers[moved]
+        out = np.zeros_like(displacement)
+        np.add.at(out, numbers, self._condensed[0][moved] @ displacement[numbers])
+        return out
+
+    @property
+    def parts(self) -> tuple[Indices, Indices]:
+        """(6, m) corners and sides of each triangle, in one numbering, and (nodes,) the corner or side of each node."""
+        mesh = self._triangulation
+        part = np.arange(mesh.nvertices + mesh.nfacets)
+        per_part = np.where(part < mesh.nvertices, 1, self.degree - 1)
+        return np.concatenate([mesh.t, mesh.nvertices + mesh.t2f]), np.repeat(part, per_part)
 
     def on_triangles(self, displacement: Array) -> Array:
         """(states, all nodes of a triangle, m, 2) local displacements by (states, nodes, 2) displacements."""
@@ -192,39 +210,39 @@ class AxisymmetricElasticity:
         if not self.interior:
             return boundary
         flat = np.concatenate([boundary[..., 0], boundary[..., 1]], axis=1)
-        inside = np.einsum("mib,sbm->sim", self._from_boundary, flat, optimize=True)
+        inside = np.einsum("mib,sbm->sim", self._condensed[1], flat, optimize=True)
         inside = np.stack(np.split(inside, 2, axis=1), axis=-1)
         return np.concatenate([boundary, inside], axis=1)
 
-    def _weighted_gradients(self) -> Callable[[int, int], Array]:
-        """``(x, y) -> int r d_x phi_i d_y phi_j`` on every triangle."""
+    @cached_property
+    def _slopes(self) -> tuple[Array, Array]:
+        """Tables (12, n, n) and (x, y, m, 12): their product is ``int r d_x phi_i d_y phi_j``."""
         points, weights = get_quadrature(self._triangulation.refdom, 2 * self.degree - 1)
         _, gradient = self.reference(points)
-        tensor = np.einsum("vq,q,iaq,jbq->vabij", _barycentric(points), weights, gradient, gradient, optimize=True)
+        table = np.einsum("vq,q,iaq,jbq->vabij", _barycentric(points), weights, gradient, gradient, optimize=True)
         inverse, area = self.inverse_jacobian
-        n = tensor.shape[-1]
+        by_radius = self.corners[0] * area * 2 * np.pi
+        by_triangle = np.einsum("vm,axm,bym->xymvab", by_radius, inverse, inverse, optimize=True)
+        return table.reshape(12, *table.shape[-2:]), by_triangle.reshape(2, 2, -1, 12)
 
-        def block(x: int, y: int) -> Array:
-            constants = np.einsum("vm,am,bm->mvab", self.corners[0] * area * 2 * np.pi, inverse[:, x], inverse[:, y])
-            return (constants.reshape(-1, 12) @ tensor.reshape(12, -1)).reshape(-1, n, n)
+    @cached_property
+    def _hoop(self) -> tuple[Array, Array]:
+        """Tables (q, n, n) and (m, q): their product is ``int phi_i phi_j / r``.
 
-        return block
-
-    def _hoop(self) -> Array:
-        """``int phi_i phi_j / r`` on every triangle: rational, so by a richer rule, whose points lie off the axis."""
+        The integrand is rational: a richer rule, whose points lie off the axis.
+        """
         points, weights = get_quadrature(self._triangulation.refdom, 2 * self.degree + 4)
         value, _ = self.reference(points)
         _, area = self.inverse_jacobian
         measure = 2 * np.pi * area[:, None] * weights / (self.corners[0].T @ _barycentric(points))
-        n = len(value)
-        return (measure @ np.einsum("iq,jq->qij", value, value).reshape(-1, n * n)).reshape(-1, n, n)
+        return np.einsum("iq,jq->qij", value, value), measure
 
     @cached_property
     def _dilatation(self) -> tuple[Array, Array]:
-        """(m, t, 2n) moments of ``r div u``, and ``div u`` projected, on the t polynomials one degree lower.
+        """(m, t, 2, n) moments of ``r div u`` on the t polynomials one degree lower, and their inverse Gram matrices.
 
-        Near incompressibility lambda multiplies nothing then that could not vanish, and since ``r div u`` is a
-        polynomial, no quadrature error either.
+        Their product is ``div u`` projected. Near incompressibility lambda multiplies nothing then that could not
+        vanish, and since ``r div u`` is a polynomial, no quadrature error either.
         """
         points, weights = get_quadrature(self._triangulation.refdom, 2 * self.degree)
         value, gradient = self.reference(points)
@@ -235,14 +253,14 @@ class AxisymmetricElasticity:
         by_radius = (scale * self.corners[0]).T
         n, t = len(value), len(test)
         slopes = np.einsum("vq,q,kq,iaq->vaki", corner, weights, test, gradient, optimize=True).reshape(6, -1)
-        moments = np.empty((len(area), t, 2 * n))
-        for component, block in enumerate((moments[:, :, :n], moments[:, :, n:])):
+        moments = np.empty((len(area), t, 2, n))
+        for component in range(2):
             constants = by_radius[:, :, None] * inverse[:, component].T[:, None, :]
-            block[:] = (constants.reshape(-1, 6) @ slopes).reshape(-1, t, n)
-        moments[:, :, :n] += scale[:, None, None] * np.einsum("q,kq,iq->ki", weights, test, value)
+            moments[:, :, component] = (constants.reshape(-1, 6) @ slopes).reshape(-1, t, n)
+        moments[:, :, 0] += scale[:, None, None] * np.einsum("q,kq,iq->ki", weights, test, value)
         products = np.einsum("vq,q,kq,lq->vkl", corner, weights, test, test, optimize=True).reshape(3, -1)
         gram = (by_radius @ products).reshape(-1, t, t)
-        return moments, np.asarray(np.linalg.solve(gram, moments), dtype=np.float64)
+        return moments, np.linalg.inv(gram)
 
     def _lower_values(self, points: Array) -> Array:
         """(t, q) values of the polynomials one degree below the displacement's."""
@@ -253,8 +271,8 @@ class AxisymmetricElasticity:
 
     def dilatation(self, local: Array, points: Array) -> Array:
         """(states, m, q) projected dilatation at reference points, by (states, nodes, m, 2) local displacements."""
-        flat = np.concatenate([local[..., 0], local[..., 1]], axis=1)
-        coefficients = np.einsum("mtb,sbm->smt", self._dilatation[1], flat, optimize=True)
+        moments, inverse_gram = self._dilatation
+        coefficients = np.einsum("mut,mtcn,snmc->smu", inverse_gram, moments, local, optimize=True)
         return coefficients @ self._lower_values(points)
 
 

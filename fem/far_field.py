@@ -16,20 +16,22 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.polynomial import Legendre
+from numpy.polynomial.legendre import leggauss, legvander
 
 from meshes.radial import Array
 
 
 def _moments(r: Array, z: Array, order: int) -> tuple[Array, Array]:
-    """L_order and M_order at the points."""
+    """L_order and M_order / r, finite on the axis, at the points."""
     rho = np.hypot(r, z)
-    cosine, sine = z / rho, r / rho
     scale = rho ** -(order + 1.0)
-    first = math.factorial(order) * Legendre.basis(order)(cosine) * scale
     if order == 0:
-        return first, sine / (1 + cosine) * scale
-    return first, math.factorial(order - 1) * sine * Legendre.basis(order).deriv()(cosine) * scale
+        return scale, scale / (rho + z)
+    values = legvander(z / rho, order)
+    lower = np.arange(order - 1, -1, -2)
+    slope = values[:, lower] @ (2.0 * lower + 1)
+    factorial = math.factorial(order - 1)
+    return order * factorial * values[:, order] * scale, factorial * slope * scale / rho
 
 
 def pole(points: Array, order: int, poisson_ratio: float, shear_modulus: float) -> tuple[Array, Array]:
@@ -46,16 +48,14 @@ def pole(points: Array, order: int, poisson_ratio: float, shear_modulus: float) 
     """
     r, z = points[:, 0], points[:, 1]
     nu, double = poisson_ratio, 2 * shear_modulus
-    (l0, m0), (l1, m1), (l2, m2) = (_moments(r, z, order + i) for i in range(3))
+    (l0, m0_r), (l1, m1_r), (l2, m2_r) = (_moments(r, z, order + i) for i in range(3))
     norm = math.factorial(order)
-    radial, axial = z * m1 - (1 - 2 * nu) * m0, 2 * (1 - nu) * l0 + z * l1
-    rho = np.hypot(r, z)
-    m0_r, m1_r = _moment_over_radius(z, rho, order), _moment_over_radius(z, rho, order + 1)
     hoop = z * m1_r - (1 - 2 * nu) * m0_r
+    radial, axial = r * hoop, 2 * (1 - nu) * l0 + z * l1
     strain_rr = z * (l2 - m1_r) - (1 - 2 * nu) * (l1 - m0_r)
     strain_zz = -(1 - 2 * nu) * l1 - z * l2
     pressure_part = -2 * nu * l1  # lambda div u: finite at nu = 1/2
-    shear = -z * m2  # (d u_r/dz + d u_z/dr) / 2
+    shear = -z * r * m2_r  # (d u_r/dz + d u_z/dr) / 2
     stress = np.stack([pressure_part + strain_rr, pressure_part + strain_zz, shear, pressure_part + hoop], axis=1)
     return np.stack([radial, axial], axis=1) / (double * norm), stress / norm
 
@@ -68,7 +68,7 @@ def exterior_stiffness(segments: Array, orders: tuple[int, ...], poisson_ratio: 
     segments : (m, 2, 2) end points of the sides, (radius, depth)
     orders : orders of the k poles
     """
-    node, weight = np.polynomial.legendre.leggauss(12)
+    node, weight = leggauss(12)
     start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     points = (start[:, None] + (1 + node)[:, None] / 2 * along[:, None]).reshape(-1, 2)
     # normal times length; it points out of the meshed polygon, away from the origin
@@ -89,10 +89,3 @@ def exterior_stiffness(segments: Array, orders: tuple[int, ...], poisson_ratio: 
     )
     stiffness = -np.einsum("ipx,p,jpx->ij", traction, weights, displacement, optimize=True)
     return (stiffness + stiffness.T) / 2
-
-
-def _moment_over_radius(z: Array, rho: Array, order: int) -> Array:
-    """M_order / r, finite on the axis."""
-    if order == 0:
-        return 1 / (rho * (rho + z))
-    return math.factorial(order - 1) * Legendre.basis(order).deriv()(z / rho) * rho ** -(order + 2.0)

@@ -14,6 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.sparse import tril
+from scipy.sparse.linalg import splu
 from threadpoolctl import threadpool_limits
 
 from meshes.compliance import Compliance
@@ -148,7 +150,7 @@ def fem_stages(scene: Scene, repeats: int, quick: bool) -> list[Row]:
 
         def half_space(mesh: Any = mesh, edges: Array = edges, nu: float = nu) -> HalfSpace:
             made = HalfSpace(AxisymmetricElasticity(mesh, 4, nu), pressure_space(mesh, edges, MULTIPLIER_DEGREE[4]))
-            _ = made.system
+            _ = made.lower_triangle
             return made
 
         made = half_space()
@@ -187,16 +189,14 @@ def _condensed(half_space: Callable[[], Any]) -> Compliance:
 
 def bare_factorisation(system: Any) -> None:
     """Factorise a stiffness as it comes, by the solver in use: order, analyse, factorise."""
-    from fem.condensation import _lower, solver
+    from fem.condensation import cholmod_matrix, solver
 
     if solver() == "cholmod":
         from kvxopt import cholmod
 
-        matrix = _lower(system)
+        matrix = cholmod_matrix(tril(system, format="coo"))
         cholmod.numeric(matrix, cholmod.symbolic(matrix))
     else:
-        from scipy.sparse.linalg import splu
-
         splu(system, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 

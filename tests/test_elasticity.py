@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from scipy.sparse import tril
 from scipy.sparse.linalg import spsolve
 
 from fem.elasticity import AxisymmetricElasticity, moduli
@@ -79,6 +80,22 @@ def test_stiffness_is_symmetric_and_definite_but_for_the_shift() -> None:
     eigenvalues = np.linalg.eigvalsh(stiffness[np.ix_(free, free)])
     assert abs(eigenvalues[0]) <= 1e-13 * eigenvalues[-1]
     assert eigenvalues[1] >= 1e-6 * eigenvalues[-1]
+
+
+@pytest.mark.parametrize("degree", DEGREES)
+def test_parts_of_the_stiffness(quarter_disc: HalfSpaceMesh, degree: int) -> None:
+    """Its lower triangle with unknowns held and in another order, and forces of displacements here and there."""
+    solid = AxisymmetricElasticity(quarter_disc, degree, 0.3)
+    size, random = 2 * solid.nodes, np.random.default_rng(degree)
+    order = random.permutation(size)[: size // 2]
+    position = np.full(size, -1)
+    position[order] = np.arange(len(order))
+    tolerance = 1e-14 * abs(solid.stiffness).max()
+    expected = tril(solid.stiffness[order][:, order])
+    assert abs(solid.lower_triangle(position) - expected).max() <= tolerance
+    moved = np.zeros((size, 2))
+    moved[order[:3]] = random.normal(size=(3, 2))
+    assert np.abs(solid.forces(moved) - solid.stiffness @ moved).max() <= 10 * tolerance
 
 
 def greatest_error(solid: AxisymmetricElasticity, held: Array, exact: Array) -> float:
