@@ -12,7 +12,7 @@ contact, wear and steady states ever need.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -22,12 +22,13 @@ from scipy.sparse.linalg import splu
 from meshes.compliance import Compliance
 from meshes.errors import SolverError
 from meshes.half_space import HalfSpaceMesh
-from meshes.pressure_space import PressureSpace, shapes
+from meshes.pressure_space import PressureSpace
 from meshes.radial import Array, Indices, layer_degrees
 
 from .condensation import fill_reducing_order, symmetric, trailing_factor
-from .elasticity import AxisymmetricElasticity, moduli
+from .elasticity import moduli
 from .far_field import exterior_stiffness, pole
+from .solid import Solid
 
 # multipliers on the contact facets, continuous inside rings: the highest degree that is stable for each displacement,
 # reached within a few facets of a ring edge or the rim, where a low degree is as accurate and more stable
@@ -55,7 +56,7 @@ class HalfSpace:
     solver : sparse factorisation, `cholmod` or `superlu`; default the best one installed
     """
 
-    solid: AxisymmetricElasticity
+    solid: Solid
     space: PressureSpace
     poles: tuple[int, ...] = (0, 2, 4)
     solver: str = ""
@@ -88,8 +89,8 @@ class HalfSpace:
         _, shear = moduli(solid.poisson_ratio)
         out = np.zeros((2 * n, len(self.poles)))
         for column, order in enumerate(self.poles):
-            displacement, _ = pole(solid.positions[far], order, solid.poisson_ratio, shear)
-            out[far, column], out[far + n, column] = displacement.T
+            field = partial(_displacement, order=order, poisson_ratio=solid.poisson_ratio, shear=shear)
+            out[far, column], out[far + n, column] = solid.interpolate("far", field).T
         return out
 
     @cached_property
@@ -117,18 +118,8 @@ class HalfSpace:
     @cached_property
     def coupling(self) -> Array:
         """(contact nodes + k, size) ``int v_i phi_j dA``; the poles do not touch the contact."""
-        degree, space = self.solid.degree, self.space
-        local, weight = np.polynomial.legendre.leggauss(degree + space.top)
-        equispaced = np.linspace(-1, 1, degree + 1)
-        to_nodes = np.linalg.inv(np.polynomial.legendre.legvander(equispaced, degree))
-        trace = np.polynomial.legendre.legvander(local, degree) @ to_nodes
-        half = np.diff(space.breakpoints)[:, None] / 2
-        area = 2 * np.pi * (space.breakpoints[:-1, None] + half * (1 + local)) * half * weight
-        blocks = np.einsum("eq,qi,qj->eij", area, trace, shapes(local, space.top), optimize=True)
-        rows = degree * np.arange(len(half))[:, None] + np.arange(degree + 1)
-        out = np.zeros((degree * len(half) + 1 + len(self.poles), space.size + 1))
-        np.add.at(out, (rows[:, :, None], space.dofs[:, None, :]), blocks)
-        return out[:, :-1]
+        on_contact = self.solid.trace(self.space.breakpoints).coupling(self.space)
+        return np.concatenate([on_contact, np.zeros((len(self.poles), self.space.size))])
 
     def expand(self, solution: Array) -> Array:
         """(m, nodes, 2) displacements by the (unknowns of `system`, m) solutions."""
@@ -153,23 +144,15 @@ class HalfSpace:
         return trailing_factor(self.lower_triangle, len(inside), self.solver)
 
     def contact_displacement(self, pressure: Array) -> tuple[Array, Array]:
-        """Radii of the contact nodes, and their axial displacement under pressure coefficients (size,)."""
+        """Radii of samples on the contact facets, and axial displacement there under pressure coefficients (size,)."""
         load = solve_triangular(self._factor, self.coupling @ pressure, lower=True)
-        nodes = self.solid.boundary("contact")
-        displacement = solve_triangular(self._factor, load, lower=True, trans="T")[: len(nodes)]
-        return self.solid.positions[nodes, 0], displacement
+        displacement = solve_triangular(self._factor, load, lower=True, trans="T")
+        trace = self.solid.trace(self.space.breakpoints)
+        return trace.sampled(displacement[: len(displacement) - len(self.poles)])
 
     def contact_slope(self, displacement: Array) -> tuple[Array, Array, Array]:
-        """Radii, weights of dr and slopes (facets, q) of an axial displacement of the contact nodes."""
-        degree = self.solid.degree
-        local, weight = np.polynomial.legendre.leggauss(degree + 1)
-        equispaced = np.linspace(-1, 1, degree + 1)
-        modes = np.linalg.inv(np.polynomial.legendre.legvander(equispaced, degree))
-        slopes = np.stack([np.polynomial.legendre.Legendre.basis(n).deriv()(local) for n in range(degree + 1)], axis=1)
-        half = np.diff(self.space.breakpoints)[:, None] / 2
-        nodes = degree * np.arange(len(half))[:, None] + np.arange(degree + 1)
-        found = displacement[nodes] @ (slopes @ modes).T / half
-        return self.space.breakpoints[:-1, None] + half * (1 + local), half * weight, found
+        """Radii, weights of dr and slopes (facets, q) of an axial displacement at the samples."""
+        return self.solid.trace(self.space.breakpoints).slope(displacement)
 
     def saddle_point(self, force: float = 1.0) -> tuple[Array, float]:
         """Pressure coefficients (size,) and indentation of the flat punch, from the whole system at once.
@@ -191,3 +174,8 @@ class HalfSpace:
             raise SolverError("the contact system is singular")
         pressure = solution[self.system.shape[0] : -1]
         return continuous @ pressure, float(solution[-1])
+
+
+def _displacement(points: Array, order: int, poisson_ratio: float, shear: float) -> Array:
+    """(n, 2) displacement of a pole."""
+    return pole(points, order, poisson_ratio, shear)[0]

@@ -8,6 +8,7 @@ whole matrix costs a few dense products.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,6 +22,7 @@ from meshes.half_space import HalfSpaceMesh
 from meshes.radial import Array, Indices
 
 from .condensation import symmetric
+from .trace import Trace
 
 ELEMENTS = {1: ElementTriP1, 2: ElementTriP2, 3: ElementTriP3, 4: ElementTriP4}
 
@@ -113,6 +115,14 @@ class AxisymmetricElasticity:
         """Node numbers on a named boundary, in the order of the radius."""
         nodes = self._boundary_nodes(name)
         return nodes[np.argsort(self.positions[nodes, 0], kind="stable")]
+
+    def interpolate(self, name: str, displacement: Callable[[Array], Array]) -> Array:
+        """(nodes, 2) nodal values on a named boundary, in its order, of a displacement (n, 2) at (n, 2) points."""
+        return displacement(self.positions[self.boundary(name)])
+
+    def trace(self, breakpoints: Array) -> Trace:
+        """Displacements on the contact facets between the breakpoints."""
+        return Trace.nodal(breakpoints, self.degree)
 
     def _boundary_nodes(self, name: str) -> Indices:
         wanted = self.mesh.boundaries[name]

@@ -15,7 +15,6 @@ from .errors import SolverError
 from .pressure_space import PressureSpace
 from .radial import Array
 
-
 ROWS_AT_ONCE = 512
 
 

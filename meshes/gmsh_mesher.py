@@ -37,7 +37,7 @@ def mesh(field: SizeField) -> HalfSpaceMesh:
 
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
-        _options(gmsh)
+        set_options(gmsh)
         _geometry(gmsh, field)
         gmsh.model.mesh.generate(2)
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
@@ -52,7 +52,7 @@ def mesh(field: SizeField) -> HalfSpaceMesh:
     return assemble(points, number[cells].reshape(-1, 3), np.array(field.edges), "gmsh")
 
 
-def _options(gmsh: Any) -> None:
+def set_options(gmsh: Any) -> None:
     for name, value in {
         "General.Terminal": 0,
         "General.NumThreads": 1,

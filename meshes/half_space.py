@@ -79,6 +79,11 @@ class HalfSpaceMesh:
     def truncation(self) -> float:
         return float(self.points[:, 0].max())
 
+    @property
+    def cells(self) -> dict[str, Indices]:
+        """Vertex numbers of the elements by kind."""
+        return {"triangle": self.triangles}
+
     @cached_property
     def contact_radii(self) -> Array:
         """Radii of the vertices on the contact line, from 0 to 1."""

@@ -21,6 +21,7 @@ from .radial import Array, Indices
 BOUNDARIES = ("contact", "free", "axis", "far")
 # relative: how far a coordinate may be from where it belongs, so that files with nine digits are welcome
 SLACK = 1e-8
+TURNED = ", turned over (its second coordinate points out of the half-space)"
 FIRST_ORDER = "in gmsh set Mesh.ElementOrder = 1; the displacement's degree is accuracy.fem.degree, not the mesh's"
 
 
@@ -29,8 +30,9 @@ def read(path: str | Path, edges: Array, radius: float = 1.0) -> HalfSpaceMesh:
 
     Parameters
     ----------
-    path : file that meshio reads, first coordinate the radius, second the depth (downwards or upwards), whose contact
-        ends at 1 (natural units) or at `radius`
+    path : file that meshio reads, first coordinate the radius, second the depth, whose contact is at depth 0 and ends at
+        1 (natural units) or at `radius`. A half-space drawn below its surface, as in the files that ringwear itself
+        writes, has negative depths throughout: it is turned over, and `mesher` says so
     edges : (N+1,) ring edges in natural units, 0 to 1; each must be a vertex
     radius : radius of the punch in the units of the file
 
@@ -42,6 +44,8 @@ def read(path: str | Path, edges: Array, radius: float = 1.0) -> HalfSpaceMesh:
     content = _content(Path(path))
     triangles = _triangles(content, path)
     points = _plane(np.asarray(content.points, dtype=float), triangles, path)
+    turned = points[triangles.ravel(), 1].sum() < 0
+    points[:, 1] = np.abs(points[:, 1])
     named = _named_facets(content, path)
     _refuse_inverted(points, triangles, path)
     scale = _scale(points, named["contact"], radius, path)
@@ -49,7 +53,7 @@ def read(path: str | Path, edges: Array, radius: float = 1.0) -> HalfSpaceMesh:
     snapped = _snapped(points / scale, named, edges, path)
     # told by its boundaries: `assemble` finds them from the coordinates, and the file's names must say the same
     try:
-        made = assemble(snapped, triangles, edges, f"file {Path(path).name}")
+        made = assemble(snapped, triangles, edges, f"file {Path(path).name}{TURNED if turned else ''}")
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from error
     _refuse_misnamed(made, snapped, named, path)
@@ -91,20 +95,22 @@ def _triangles(content: Any, path: str | Path) -> Indices:
 
 
 def _plane(points: Array, triangles: Indices, path: str | Path) -> Array:
-    """(n, 2) radius and depth; depths that are all negative are turned over."""
-    size = np.abs(points).max()
-    if points.shape[1] > 2 and np.ptp(points[triangles.ravel(), 2]) > SLACK * size:
+    """(n, 2) radius and depth, the depths of the triangles all of one sign."""
+    slack = SLACK * np.abs(points).max()
+    used = points[np.unique(triangles)]
+    if points.shape[1] > 2 and np.ptp(used[:, 2]) > slack:
         raise MeshError(f"{path}: the third coordinate varies: the first must be the radius, the second the depth")
-    points = points[:, :2].copy()
-    used = points[triangles.ravel()]
-    if used[:, 1].max() <= SLACK * size:
-        points[:, 1] *= -1
-    for axis, what in enumerate(("radius", "depth")):
-        if points[triangles.ravel(), axis].min() < -SLACK * size:
-            r, z = used[used[:, axis].argmin()]
-            raise MeshError(f"{path}: the vertex at ({r:.6g}, {z:.6g}) has a negative {what}; "
-                            "mesh the quarter disc on one side of the axis and of the surface")  # fmt: skip
-    return points
+    if used[:, 0].min() < -slack:
+        r, z = used[used[:, 0].argmin(), :2]
+        remedy = "mesh one side of the axis only" if used[:, 0].max() > slack else "multiply the first coordinate by -1"
+        raise MeshError(f"{path}: the vertex at ({r:.6g}, {z:.6g}) has a negative radius; {remedy}")
+    below, above = used[used[:, 1] > slack], used[used[:, 1] < -slack]
+    if len(below) and len(above):
+        stray = min(below, above, key=len)
+        r, z = stray[np.abs(stray[:, 1]).argmax(), :2]
+        raise MeshError(f"{path}: {len(below)} vertices have a positive depth and {len(above)} a negative one, among the "
+                        f"fewer ({r:.6g}, {z:.6g}); the half-space must lie on one side of depth 0")  # fmt: skip
+    return points[:, :2].copy()
 
 
 def _named_facets(content: Any, path: str | Path) -> dict[str, Indices]:
@@ -118,7 +124,9 @@ def _named_facets(content: Any, path: str | Path) -> dict[str, Indices]:
                     found[name].append(lines.data[chosen].astype(np.int64))
     missing = [name for name, parts in found.items() if not parts]
     if missing:
-        present = sorted({*content.field_data, *(k for k in content.cell_sets if ":" not in k)}) or ["none at all"]
+        marks = (name for key in content.cell_data for name in (key, *key.split("-")))
+        known = {*content.field_data, *(key for key in content.cell_sets if ":" not in key), *marks}
+        present = sorted(name for name in known if "-" not in name) or ["none at all"]
         raise MeshError(f"{path}: no line cells are named {' or '.join(missing)} (names in the file: {', '.join(present)}); "
                         "name the boundaries contact, free, axis and far, in gmsh by physical groups of curves")  # fmt: skip
     return {name: np.unique(np.sort(np.concatenate(parts), axis=1), axis=0) for name, parts in found.items()}
@@ -159,6 +167,9 @@ def _scale(points: Array, contact: Indices, radius: float, path: str | Path) -> 
     for allowed in (1.0, radius):
         if abs(end / allowed - 1) <= SLACK:
             return end
+    if end <= SLACK * np.abs(points).max():
+        raise MeshError(f"{path}: the boundary contact lies on the axis: the first coordinate must be the radius, the "
+                        "second the depth; exchange them")  # fmt: skip
     ends = "1" if radius == 1 else f"1 (in natural units) or {radius:.9g} (the radius of the punch)"
     raise MeshError(f"{path}: the boundary contact ends at radius {end:.9g} and should end at {ends}")
 
@@ -168,9 +179,11 @@ def _refuse_gaps(points: Array, triangles: Indices, contact: Indices, scale: flo
     slack = SLACK * scale
     spans = np.sort(points[contact, 0], axis=1)
     spans = spans[np.argsort(spans[:, 0])]
-    depth = points[contact, 1].max()
-    if depth > slack:
-        raise MeshError(f"{path}: the boundary contact leaves the surface, down to depth {depth:.3g}")
+    depth = points[contact, 1]
+    if depth.min() > slack:
+        raise MeshError(f"{path}: the boundary contact lies at depth {depth.min():.6g} and should lie at 0: shift the mesh")
+    if depth.max() > slack:
+        raise MeshError(f"{path}: the boundary contact leaves the surface, down to depth {depth.max():.3g}")
     ends = np.concatenate([[0.0], np.maximum.accumulate(spans[:, 1])])
     gaps = np.flatnonzero(spans[:, 0] > ends[:-1] + slack)
     if len(gaps):

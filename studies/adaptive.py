@@ -21,6 +21,7 @@ from meshes.bisection import MOST_ROUNDS, _dyadic_image, _moved, _on_the_arc, _p
 from meshes.compliance import Compliance
 from meshes.errors import MeshError
 from meshes.half_space import HalfSpaceMesh, assemble
+from meshes.pressure_space import PressureSpace
 from meshes.radial import Array, Indices
 
 from .contact import flat_start, steady_state
@@ -93,12 +94,13 @@ class Round:
 
     Parameters
     ----------
-    half_space, compliance : the finite elements on the mesh
+    solid, half_space, compliance : the finite elements on the mesh
     indicators : (m,) share of the energy that is in doubt, by triangle
     defects : (n,) mean square of what the pressure space does not hold of the steady displacement, by contact facet
         and relative to its mean square
     """
 
+    solid: AxisymmetricElasticity
     half_space: HalfSpace
     compliance: Compliance
     indicators: Array
@@ -106,7 +108,7 @@ class Round:
 
     @property
     def mesh(self) -> HalfSpaceMesh:
-        return self.half_space.solid.mesh
+        return self.solid.mesh
 
     @property
     def estimate(self) -> float:
@@ -136,13 +138,12 @@ def solved(mesh: HalfSpaceMesh, edges: Array, wear: Array, poisson_ratio: float,
     states = np.array([flat_start(compliance).pressure, steady.pressure])
     energies = np.einsum("si,ij,sj->s", states, compliance.matrix, states)
     displacement = displacements(half_space, states)
-    defects = _defects(half_space, displacement[1, :, 1], steady.displacement)
-    return Round(half_space, compliance, indicators(solid, displacement, energies), defects)
+    defects = _defects(solid, half_space.space, displacement[1, :, 1], steady.displacement)
+    return Round(solid, half_space, compliance, indicators(solid, displacement, energies), defects)
 
 
-def _defects(half_space: HalfSpace, displacement: Array, held: Array) -> Array:
+def _defects(solid: AxisymmetricElasticity, space: PressureSpace, displacement: Array, held: Array) -> Array:
     """(n,) see `Round`: of the axial displacement of all nodes, against the coefficients `held` on the pressure space."""
-    solid, space = half_space.solid, half_space.space
     contact = solid.boundary("contact")
     radii = solid.positions[contact, 0]
     order = np.argsort(radii)

@@ -21,10 +21,13 @@ from threadpoolctl import threadpool_limits
 from meshes.compliance import Compliance
 from meshes.radial import Array
 
-from .methods import Model, fem_model, mdr_model, size_field
+from .fem_model import fem_model
+from .methods import mdr_model
+from .model import Model
 from .natural import NaturalScene
 from .scene import Scene
 from .stages import Report, Stages
+from .triangles import size_field
 from .wear import Wear
 
 FIELDS = ("case", "unknowns", "seconds", "error", "remark")

@@ -1,7 +1,7 @@
 """The command line: `ringwear run | plan | mesh | scenes`.
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree, or one cannot reach
-the accuracy asked for; 2 bad input; 1 anything else.
+the accuracy asked for; 2 bad input; 130 a study was stopped by Ctrl-C, its finished rows are kept; 1 anything else.
 """
 
 from __future__ import annotations
@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING
 
 from meshes.errors import RingwearError, SceneError
 
-from .study import STUDIES, add_studies
+from .study import INTERRUPTED, STUDIES, add_studies
 
 if TYPE_CHECKING:
     from .runs import Result
     from .scene import Scene
 
 DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
+STOPPED = 130  # as shells say of a process that Ctrl-C ended
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -35,7 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
         return FAILED
     except KeyboardInterrupt:
         print("ringwear: stopped; nothing half-written was left", file=sys.stderr)
-        return FAILED
+        return STOPPED if options.command is _study else FAILED
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -173,7 +174,7 @@ def _mesh(options: argparse.Namespace) -> int:
 
     scene = Scene.load(options.scene)
     out = _directory(options)
-    from .methods import half_space_mesh
+    from .fem_model import half_space_mesh
     from .output import write_mesh
 
     mesh, notes = half_space_mesh(scene.natural)
@@ -197,7 +198,7 @@ def _study(options: argparse.Namespace) -> int:
         written = sorted(file.name for file in hidden.iterdir())
     print("\n".join(conclusions))
     print(f"{len(written)} files in {out}: {', '.join(written)}")
-    return DONE
+    return STOPPED if INTERRUPTED in conclusions else DONE
 
 
 def _scenes(_: argparse.Namespace) -> int:

@@ -1,161 +1,131 @@
 """Orders of convergence in the element size and the degree: finite elements and MDR, graded and uniform meshes.
 
-An order is only as clean as its sequence of meshes. One base mesh is therefore subdivided, every triangle into n^2: at
-the rim and ring edges, and far away, in log-polar coordinates, in which a graded mesh is uniform (halved in plain
-coordinates, it approaches its order from below by a term in h; in these by h^2), elsewhere in plain ones. The outer
-boundary is at 1e4 a: nodal values on it match Boussinesq's field to order 4 (P2, P3) and 6 (P4) only, times ``a/R``.
+For finite elements one base mesh is subdivided: an order is only as clean as its sequence of meshes.
+
+Theory, for displacements of degree k and pressures of degree q: energies (d0, displacements, relaxation times) are of
+order 2k on graded meshes and of order 1, set by the singular rim, on uniform ones. By MDR the energy norm of a pressure
+is half an order weaker than the mean square: d0 is of order 2q+3, a history with its mean squares of order 2q+2, the RMS
+gradient of order 2q. Even degrees come up to 2q+3, odd ones down: plane waves ``exp(ikx)`` at kh = 0.7 give 5.34, 6.60,
+9.21, 10.77 (Fourier analysis, in the tests). Under a smooth pressure twelve elements see the limit; graded to the rim,
+degree 4 meets roundoff before.
 """
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from mdr import direct
+from mdr.compliance import compliance as mdr_compliance
 from meshes.compliance import Compliance
-from meshes.errors import MeshError
-from meshes.half_space import HalfSpaceMesh, SizeField, assemble
+from meshes.errors import RingwearError
+from meshes.half_space import HalfSpaceMesh
 from meshes.pressure_space import PressureSpace
-from meshes.radial import Array, Indices, graded_breakpoints
+from meshes.radial import Array, graded_breakpoints
 
 from .contact import flat_start
-from .levels import LEVEL_FIELDS, Recorder, Table, draw_orders, keeping_rows, legend_below, new_figure, style, write_markdown
+from .levels import (
+    VERDICT,
+    Sequence,
+    Table,
+    draw_orders,
+    keeping_rows,
+    legend_below,
+    new_figure,
+    style,
+    verdicts,
+    write_markdown,
+)
 from .methods import edge_weight
 from .natural import NaturalScene
 from .scene import Scene
 from .stages import Report
+from .subdivision import base_mesh, coarse_field, condensed, subdivided
 from .wear import Wear
 
-FAR, TRUNCATION = 1.6, 1e4
+FLAT = np.array([0.0, 1.0])
+TRUNCATION, UNIFORM_TRUNCATION = 1e4, 4.0
 # sizes of the base meshes: rim, ring edges, growth
-PUNCH_SIZES, RING_SIZES, UNIFORM_SIZES = (4e-9, 4e-9, 0.7), (1e-7, 1e-6, 0.7), (0.35, 0.35, 0.0)
-MDR_SIZES = 1e-7, 1e-9  # ring edges, rim
-UNIFORM_TRUNCATION = 4.0
+PUNCH_SIZES, RING_SIZES, UNIFORM_SIZES = (4e-9, 4e-9, 0.7), (1e-7, 1e-7, 0.7), (0.35, 0.35, 0.0)
 TIME = 1.0  # of the history, in natural units
 # subdivisions by degree: of the homogeneous punch, of the same on a uniform mesh, of the scene's rings
 PUNCH = {2: (2, 3, 4, 6, 8), 3: (2, 3, 4, 5), 4: (1, 2, 3, 4)}
 UNIFORM = {2: (3, 4, 6, 8, 12), 3: (2, 3, 4, 6), 4: (2, 3, 4)}
-RINGS = {2: (2, 3, 4), 3: (1, 2, 3), 4: (1, 2)}
+RINGS = {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}
 QUICK_LEVELS = {2: (2, 3, 4), 3: (2, 3), 4: (2, 3)}
-# by degree: ratios of neighbouring sizes of the radial mesh
-MDR_GRADINGS = {1: (0.4, 0.5, 0.6, 0.7), 2: (0.25, 0.35, 0.45, 0.55), 3: (0.15, 0.22, 0.3, 0.4), 4: (0.1, 0.15, 0.2, 0.27)}
+# MDR: elements under a smooth pressure; by degree, ratios of neighbouring sizes of the mesh graded to the rim
+SMOOTH, SMOOTH_QUANTITY = (12, 16, 24, 32), "energy of a smooth pressure"
+PUNCH_GRADINGS = {1: (0.5, 0.6, 0.7, 0.8), 2: (0.7, 0.78, 0.84, 0.88), 3: (0.3, 0.4, 0.5, 0.6), 4: (0.4, 0.5, 0.6, 0.65)}
+PUNCH_RIM, PUNCH_ROUNDOFF = 1e-13, 1e-13
+# degree 1 on the scene's rings: with higher ones errors cross zero or meet roundoff before orders settle
+RING_GRADINGS, RING_EDGE = (0.6, 0.7, 0.78, 0.84), 1e-7
 RAISED_DEGREES, RAISED_GRADING = (1, 2, 3, 4, 5, 6), 0.2
-# relative: below, the innermost elements (their share is proportional to their size) and roundoff take over
-SLOPE_FLOOR, SHARE_OF_RIM = 3e-5, 0.06
+# relative errors below which the innermost elements (their share of d0 is proportional to their size) or roundoff count
+SHARE_OF_RIM, RING_FLOORS = 0.06, {"RMS gradient": RING_EDGE, "": 2e-10}
+Level = tuple[dict[str, float], int]  # quantities, unknowns
+Orders = Mapping[str, float]
+LEVEL_FIELDS = ("refined", "quantity", "size", "unknowns", "value", "error", "remark")
 ORDER_FIELDS = (
-    "refined", "quantity", "levels", "expected order", "least squares", "between levels", "finest error",
-    "Richardson value", "GCI", "three finest",
+    "refined", "quantity", "levels", "expected order", "least squares", "last levels", VERDICT, "between levels",
+    "finest error", "Richardson value", "GCI", "three finest",
 )  # fmt: skip
 
 
-def subdivided(mesh: HalfSpaceMesh, count: int, tips: Array) -> HalfSpaceMesh:
-    """Every triangle into ``count^2``: in log-polar coordinates about `tips` (radii) and far away, else in plain ones.
+class Recorder:
+    """Levels into sequences, and into the table as they come; a level that fails is a row, too.
 
-    A new point is told by the vertices it lies between and its weight on each, so that neighbours agree on it; in
-    which coordinates it is interpolated depends on these vertices alone.
+    Parameters
+    ----------
+    table : with `LEVEL_FIELDS`
+    exact : value of each quantity
     """
-    lattice, small = _lattice(count)
-    weights = np.broadcast_to(lattice, (len(mesh.triangles), *lattice.shape))
-    vertices = np.where(weights > 0, mesh.triangles[:, None, :], -1)
-    order = np.argsort(vertices, axis=-1)
-    told = np.concatenate([np.take_along_axis(part, order, axis=-1) for part in (vertices, weights)], axis=-1)
-    unique, number = np.unique(told.reshape(-1, 6), axis=0, return_inverse=True)
-    between, weight = unique[:, :3], unique[:, 3:] / count
-    between = np.where(weight > 0, between, between[:, 2:])
-    points = _interpolated(mesh.points, between, weight, tips)
-    for axis in (0, 1):
-        points[(mesh.points[between, axis] == 0).all(axis=1), axis] = 0.0
-    kept = weight[:, 2] == 1
-    points[kept] = mesh.points[between[kept, 2]]
-    triangles = number.reshape(len(mesh.triangles), -1)[:, small].reshape(-1, 3)
-    edges = mesh.contact_radii[[0, -1]]
-    return assemble(points, triangles, edges, mesh.mesher)
 
+    def __init__(self, table: Table, exact: dict[str, float], report: Report) -> None:
+        self.table, self.exact, self.report = table, exact, report
+        self.sequences: dict[tuple[str, str], Sequence] = {}
 
-def _lattice(count: int) -> tuple[Indices, Indices]:
-    """Integer barycentric coordinates (m, 3) of the points in a subdivided triangle, and its small triangles."""
-    i, j = np.meshgrid(np.arange(count + 1), np.arange(count + 1), indexing="ij")
-    inside = i + j <= count
-    number = np.full(inside.shape, -1)
-    number[inside] = np.arange(inside.sum())
-    upright = np.stack([number[:-1, :-1], number[1:, :-1], number[:-1, 1:]], axis=-1).reshape(-1, 3)
-    turned = np.stack([number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1).reshape(-1, 3)
-    triangles = np.concatenate([upright, turned])
-    return np.stack([count - i - j, i, j], axis=-1)[inside], triangles[triangles.min(axis=1) >= 0]
+    def level(self, refined: str, size: float, orders: Orders, compute: Callable[[], Level], floors: Orders) -> None:
+        """Compute one level; `orders` are expected, below `floors` errors do not count; those of "" are for all others."""
+        self.report(f"  level  {refined}, h = {size:.3g} ...")
+        try:
+            values, unknowns = compute()
+        except RingwearError as error:
+            self.table.add(refined=refined, size=size, remark=f"failed: {error}")
+            return
+        for quantity, value in values.items():
+            exact = self.exact[quantity]
+            order, floor = (known.get(quantity, known[""]) for known in (orders, floors))
+            sequence = self.sequences.setdefault((refined, quantity), Sequence(refined, quantity, order, exact, floor))
+            sequence.add(size, value)
+            row = {"refined": refined, "quantity": quantity, "size": size, "unknowns": unknowns, "value": value}
+            self.table.add(**row, error=(value - exact) / (exact or 1.0))
 
-
-def _interpolated(points: Array, between: Indices, weight: Array, tips: Array) -> Array:
-    centres = np.append(tips, 0.0)
-    distance = np.hypot(points[:, 0, None] - centres, points[:, 1, None])
-    chart = np.full(len(points), -1)
-    if len(tips):
-        nearest = distance[:, :-1].argmin(axis=1)
-        # well inside half the distance to the next singular point, or to the axis
-        reach = 0.6 * np.minimum(np.diff(tips, prepend=0.0), np.diff(tips, append=np.inf))
-        chart = np.where(distance[:, :-1].min(axis=1) < reach[nearest], nearest, chart)
-    chart[distance[:, -1] > FAR] = len(tips)
-    out, plain = np.zeros((len(between), 2)), np.ones(len(between))
-    for number, centre in enumerate(centres):
-        rho = distance[:, number]
-        # a centre has no logarithm: the triangles at it are subdivided plainly
-        share = np.where(rho[between].min(axis=1) > 0, np.sum(weight * (chart[between] == number), axis=1), 0.0)
-        log = np.log(np.where(rho > 0, rho, 1.0))
-        radius = np.exp(np.sum(weight * log[between], axis=1))
-        angle = np.sum(weight * np.arctan2(points[:, 1], points[:, 0] - centre)[between], axis=1)
-        out += (share * radius * np.array([np.cos(angle), np.sin(angle)])).T
-        out[:, 0] += share * centre
-        plain -= share
-    return out + plain[:, None] * np.einsum("pv,pvx->px", weight, points[between])
-
-
-def condensed(mesh: HalfSpaceMesh, edges: Array, degree: int, poisson_ratio: float) -> tuple[Compliance, int]:
-    """Compliance and number of unknowns of the finite-element half-space on a mesh."""
-    from fem.compliance import MULTIPLIER_DEGREE, HalfSpace, pressure_space
-    from fem.elasticity import AxisymmetricElasticity
-
-    space = pressure_space(mesh, edges, MULTIPLIER_DEGREE[degree])
-    half_space = HalfSpace(AxisymmetricElasticity(mesh, degree, poisson_ratio), space)
-    return half_space.compliance(), half_space.unknowns
-
-
-def base_mesh(edges: Array, sizes: tuple[float, float, float], truncation: float) -> HalfSpaceMesh:
-    """The mesh to subdivide, by gmsh or, where that cannot be loaded or fails at such sizes, by bisection."""
-    from meshes import bisection, gmsh_mesher
-
-    field = SizeField(tuple(float(edge) for edge in edges), *sizes, truncation, centre_size=truncation)
-    try:
-        return gmsh_mesher.mesh(field)
-    except MeshError:
-        return bisection.mesh(field)
+    def of(self, quantity: str, *names: str) -> Iterator[Sequence]:
+        """Sequences of a quantity whose name begins with one of the names."""
+        return (s for (refined, what), s in self.sequences.items() if what == quantity and refined.startswith(names))
 
 
 class Quantities:
-    """The quantities that are refined, and their exact values: closed form, or a fine MDR."""
+    """The quantities of a scene that are refined, and their exact values: closed form, or a fine MDR."""
 
     def __init__(self, natural: NaturalScene) -> None:
         self.edges, self.wear = natural.phases
-        breakpoints = graded_breakpoints(self.edges, 1e-7, 1e-10, 0.15)
-        fine = self._mdr(PressureSpace(breakpoints, np.full(len(breakpoints) - 1, 8), self.edges))
-        pressures = direct.steady_pressures(self.edges, self.wear)
-        self.exact = self(fine) | {"d0": 0.5, "RMS gradient": direct.rms_slope(self.edges, pressures)}
-
-    @staticmethod
-    def _mdr(space: PressureSpace) -> Compliance:
-        from mdr.compliance import compliance
-
-        return compliance(space)
+        slope = direct.rms_slope(self.edges, direct.steady_pressures(self.edges, self.wear))
+        known = {"d0": 0.5, SMOOTH_QUANTITY: 0.0, "RMS gradient": slope}
+        self.exact = self(by_mdr(self.edges, RING_EDGE, 10, 0.15)) | known
 
     def __call__(self, compliance: Compliance) -> dict[str, float]:
         """Every quantity of a compliance, in natural units."""
-        wear, space = Wear(compliance, self.wear), compliance.space
+        wear, space = Wear(compliance, self.wear, TIME), compliance.space
         state, history = wear.steady, wear.modal(np.array([TIME]))
         slopes = space.slope_gram(edge_weight(space, "line"))
         steady = compliance.factor @ state.pressure
         return {
-            "d0": flat_start(compliance).indentation,
             f"d({TIME:g})": float(history.indentation[0]),
             "slowest relaxation time": float(wear.relaxation_times[0]),
             f"force on the outer ring at {TIME:g}": float(space.ring_forces(self.edges)[-1] @ history.pressure[0]),
@@ -163,14 +133,49 @@ class Quantities:
             "RMS gradient": float(np.sqrt(state.displacement @ slopes @ state.displacement)),
         }
 
-    def by_mdr(self, degree: int, grading: float) -> tuple[dict[str, float], int]:
+    def by_mdr(self, degree: int, grading: float) -> Level:
         """The quantities by MDR on a radial mesh whose neighbouring sizes have the ratio `grading`."""
-        breakpoints = graded_breakpoints(self.edges, *MDR_SIZES, grading)
-        space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), self.edges)
-        values = self(self._mdr(space))
+        found = by_mdr(self.edges, RING_EDGE, degree, grading)
+        values = self(found)
         # the factor holds q exactly: the energy of a known pressure has no error to refine
         del values["mean steady displacement"]
-        return values, space.size
+        return values, found.space.size
+
+    def by_elements(self, base: HalfSpaceMesh, degree: int, poisson_ratio: float, count: int) -> Level:
+        """The quantities by finite elements on a subdivided mesh."""
+        found, unknowns = condensed(subdivided(base, count, self.edges[1:]), self.edges, degree, poisson_ratio)
+        return self(found), unknowns
+
+
+def by_mdr(edges: Array, size: float, degree: int, grading: float) -> Compliance:
+    """Compliance by MDR on a radial mesh graded to `size` at ring edges and rim."""
+    breakpoints = graded_breakpoints(edges, size, size, grading)
+    return mdr_compliance(PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), edges))
+
+
+def punch_by_mdr(degree: int, grading: float) -> Level:
+    """The flat start, singular at the rim, on a mesh graded to it."""
+    found = by_mdr(FLAT, PUNCH_RIM, degree, grading)
+    return {"d0": flat_start(found).indentation}, found.space.size
+
+
+def smooth_by_mdr(degree: int, count: int) -> Level:
+    """Share of the energy of the pressure ``exp(-2 r^2)`` that equal elements cannot hold.
+
+    Galerkin's error is at right angles to what the space holds, so the share is a sum of squares and meets no roundoff.
+    """
+    fine = mdr_compliance(PressureSpace(np.linspace(0, 1, count + 1), np.full(count, degree + 6), FLAT))
+    radii = (np.arange(16 * count) + 0.5) / (16 * count)
+    pressure, *_ = np.linalg.lstsq(fine.space.matrix(radii).toarray(), np.exp(-2 * radii**2), rcond=None)
+    energy, held = fine.factor @ pressure, fine.factor[:, fine.space.order <= degree]
+    best, *_ = np.linalg.lstsq(held, energy, rcond=None)
+    return {SMOOTH_QUANTITY: float(np.sum((energy - held @ best) ** 2) / np.sum(energy**2))}, held.shape[1]
+
+
+def punch_by_elements(base: HalfSpaceMesh, tips: Array, degree: int, poisson_ratio: float, count: int) -> Level:
+    """The flat start by finite elements on a subdivided mesh."""
+    found, unknowns = condensed(subdivided(base, count, tips), FLAT, degree, poisson_ratio)
+    return {"d0": flat_start(found).indentation}, unknowns
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace, report: Report) -> list[str]:
@@ -180,11 +185,10 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace, report: Report
     by_degree: dict[int, float] = {}
     with threadpool_limits(1):
         quantities = Quantities(scene.natural)
-        table = Table(out / "convergence.csv", LEVEL_FIELDS)
-        recorder = Recorder(table, quantities.exact, {"RMS gradient": SLOPE_FLOOR}, report)
+        recorder = Recorder(Table(out / "convergence.csv", LEVEL_FIELDS), quantities.exact, report)
         with keeping_rows(conclusions):
             refine_mdr(recorder, quantities, quick)
-            by_degree = raise_degree(recorder, quantities)
+            by_degree = raise_degree(recorder)
             refine_punch(recorder, scene.half_space.poisson_ratio, quick)
             if not quick:
                 refine_rings(recorder, quantities, scene.half_space.poisson_ratio)
@@ -198,102 +202,98 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace, report: Report
 
 
 def refine_mdr(recorder: Recorder, quantities: Quantities, quick: bool) -> None:
-    """MDR: squares of the best approximation by degree q, in the energy (d0), in the mean, and of slopes."""
-    for degree in (1, 2) if quick else (1, 2, 3, 4):
-        expected = {"d0": 2 * degree + 3.0, "RMS gradient": 2.0 * degree, "": 2 * degree + 2.0}
-        for grading in MDR_GRADINGS[degree][: 3 if quick else None]:
+    """MDR in the element size: a smooth pressure, the singular flat start, and the history of the scene's rings."""
 
-            def compute(degree: int = degree, grading: float = grading) -> tuple[dict[str, float], int]:
-                return quantities.by_mdr(degree, grading)
+    def size(grading: float) -> float:  # how fast polynomials converge if singular one element away (Bernstein's ellipse)
+        return float((1 - grading**0.5) / (1 + grading**0.5))
 
-            # how fast polynomials converge on elements that are singular one element away (Bernstein's ellipse)
-            size = (1 - grading**0.5) / (1 + grading**0.5)
-            recorder.level(f"MDR degree {degree}, graded", size, expected, compute, SHARE_OF_RIM * MDR_SIZES[1])
+    degrees = (1, 2) if quick else (1, 2, 3, 4)
+    for degree in degrees:
+        name = f"MDR degree {degree}, uniform"
+        for count in SMOOTH:
+            recorder.level(name, 1 / count, {"": 2 * degree + 3}, partial(smooth_by_mdr, degree, count), {"": 0.0})
+    for degree in degrees:
+        name, orders, floors = f"MDR degree {degree}, graded", {"": 2 * degree + 3}, {"": PUNCH_ROUNDOFF}
+        for grading in PUNCH_GRADINGS[degree]:
+            recorder.level(name, size(grading), orders, partial(punch_by_mdr, degree, grading), floors)
+    orders = {"": 4, "RMS gradient": 2}
+    for grading in RING_GRADINGS[: 3 if quick else None]:
+        recorder.level("MDR degree 1, rings", size(grading), orders, partial(quantities.by_mdr, 1, grading), RING_FLOORS)
 
 
-def raise_degree(recorder: Recorder, quantities: Quantities) -> dict[int, float]:
+def raise_degree(recorder: Recorder) -> dict[int, float]:
     """Error of d0 by MDR on one radial mesh, by the degree: each gains a factor."""
     by_degree = {}
     for degree in RAISED_DEGREES:
-        values, unknowns = quantities.by_mdr(degree, RAISED_GRADING)
-        for quantity, value in values.items():
-            error = value / recorder.exact[quantity] - 1
-            recorder.table.add(
-                refined=f"MDR, degree {degree} on one mesh", quantity=quantity, unknowns=unknowns, value=value, error=error
-            )
-        by_degree[degree] = abs(values["d0"] / recorder.exact["d0"] - 1)
+        values, unknowns = punch_by_mdr(degree, RAISED_GRADING)
+        row = {"refined": f"MDR, degree {degree} on one mesh", "quantity": "d0", "value": values["d0"]}
+        by_degree[degree] = abs(values["d0"] / 0.5 - 1)
+        recorder.table.add(**row, unknowns=unknowns, error=values["d0"] / 0.5 - 1)
     return by_degree
 
 
 def refine_punch(recorder: Recorder, poisson_ratio: float, quick: bool) -> None:
     """The flat start by finite elements, on a graded and on a uniform mesh."""
-    edges = np.array([0.0, 1.0])
     meshes = (
-        ("graded", edges[1:], PUNCH, base_mesh(edges, PUNCH_SIZES, TRUNCATION)),
-        ("uniform", edges[:0], UNIFORM, base_mesh(edges, UNIFORM_SIZES, UNIFORM_TRUNCATION)),
+        ("graded", FLAT[1:], PUNCH, base_mesh(coarse_field(FLAT, PUNCH_SIZES, TRUNCATION))),
+        ("uniform", FLAT[:0], UNIFORM, base_mesh(coarse_field(FLAT, UNIFORM_SIZES, UNIFORM_TRUNCATION))),
     )
     for name, tips, levels, base in meshes:
         for degree, counts in (QUICK_LEVELS if quick else levels).items():
-            expected = {"d0": 2.0 * degree if len(tips) else 1.0}
+            orders = {"": 2 * degree if len(tips) else 1}
             for count in counts:
-
-                def compute(
-                    base: HalfSpaceMesh = base, tips: Array = tips, degree: int = degree, count: int = count
-                ) -> tuple[dict[str, float], int]:
-                    compliance, unknowns = condensed(subdivided(base, count, tips), edges, degree, poisson_ratio)
-                    return {"d0": flat_start(compliance).indentation}, unknowns
-
-                floor = SHARE_OF_RIM * PUNCH_SIZES[0]
-                recorder.level(f"FEM P{degree}, {name}", 1 / count, expected, compute, floor)
+                compute = partial(punch_by_elements, base, tips, degree, poisson_ratio, count)
+                recorder.level(f"FEM P{degree}, {name}", 1 / count, orders, compute, {"": SHARE_OF_RIM * PUNCH_SIZES[0]})
 
 
 def refine_rings(recorder: Recorder, quantities: Quantities, poisson_ratio: float) -> None:
     """The scene's rings by finite elements, on a mesh graded to every ring edge."""
-    edges = quantities.edges
-    base = base_mesh(edges, RING_SIZES, TRUNCATION)
+    base = base_mesh(coarse_field(quantities.edges, RING_SIZES, TRUNCATION))
     for degree, counts in RINGS.items():
         # slopes are those of the displacement on the multipliers' space, one degree lower
-        expected = {"": 2.0 * degree, "RMS gradient": 2.0 * (degree - 1)}
+        orders = {"": 2 * degree, "RMS gradient": 2 * (degree - 1)}
         for count in counts:
-
-            def compute(degree: int = degree, count: int = count) -> tuple[dict[str, float], int]:
-                compliance, unknowns = condensed(subdivided(base, count, edges[1:]), edges, degree, poisson_ratio)
-                return quantities(compliance), unknowns
-
-            floor = SHARE_OF_RIM * RING_SIZES[0]
-            recorder.level(f"FEM P{degree}, rings, graded", 1 / count, expected, compute, floor)
+            compute = partial(quantities.by_elements, base, degree, poisson_ratio, count)
+            recorder.level(f"FEM P{degree}, rings, graded", 1 / count, orders, compute, RING_FLOORS)
 
 
 def conclude(recorder: Recorder) -> list[str]:
-    """The orders of d0 in a line."""
-    graded, uniform = (
-        ", ".join(f"{s.name.split(',')[0].removeprefix('FEM ')} {s.order:.2f}" for s in recorder.of("d0", *names))
-        for names in ([f"FEM P{k}, {mesh}" for k in PUNCH] for mesh in ("graded", "uniform"))
-    )
-    return [f"d0 converges with order {graded} on graded meshes (theory 4, 6, 8), but {uniform} on uniform ones (1)."]
+    """The orders of d0 in a line, and how all orders agree with theory in another."""
+
+    def orders(mesh: str) -> str:
+        return ", ".join(f"P{k} {s.order:.2f}" for k in PUNCH for s in recorder.of("d0", f"FEM P{k}, {mesh}"))
+
+    return [
+        f"d0 converges with order {orders('graded')} on graded meshes (theory 4, 6, 8), "
+        f"but {orders('uniform')} on uniform ones (1).",
+        verdicts(recorder.sequences.values()),
+    ]
 
 
 def draw(recorder: Recorder, by_degree: dict[int, float], path: Path) -> None:
-    """Finite elements graded against uniform, MDR, and the error against the degree."""
-    figure = new_figure(13, 5.6)
-    left, middle, right = figure.subplots(1, 3)
+    """Finite elements graded against uniform, MDR under a singular and a smooth pressure, and the error by degree."""
+    figure = new_figure(9, 10.5)
+    (elements, singular), (smooth, degrees) = figure.subplots(2, 2)
     error = r"relative error of the flat start, $|d_0 / (F/2aE^*) - 1|$"
-    size = r"element size over the base mesh's, $h/h_0 = 1/n$"
     punch = [f"FEM P{degree}, {mesh}" for mesh in ("graded", "uniform") for degree in PUNCH]
-    draw_orders(left, recorder.of("d0", *punch), size, error)
-    left.set_title("finite elements", fontsize=9)
-    size = r"$h = (1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of neighbouring sizes"
-    draw_orders(middle, recorder.of("d0", "MDR"), size, error)
-    middle.set_title("MDR, piecewise polynomial pressure", fontsize=9)
+    draw_orders(elements, recorder.of("d0", *punch), r"element size over the base mesh's, $h/h_0 = 1/n$", error)
+    elements.set_title("finite elements", fontsize=9)
+    size = r"$(1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of neighbouring sizes"
+    draw_orders(singular, recorder.of("d0", "MDR"), size, error)
+    singular.set_title("MDR, elements graded to the rim", fontsize=9)
+    draw_orders(
+        smooth, recorder.of(SMOOTH_QUANTITY, "MDR"), "element size over the punch radius, $h/a$", "share of energy lost"
+    )
+    smooth.set_title(r"MDR, smooth pressure $\exp(-2r^2/a^2)$", fontsize=9)
     curves = {f"MDR, pressure of degree $k$, $q$ = {RAISED_GRADING:g}": by_degree}
     for mesh in ("graded", "uniform"):
-        found = {k: s for k in PUNCH for s in recorder.of("d0", f"FEM P{k}, {mesh}") if 1 / 3 in s.sizes}
-        curve = {k: float(s.errors[s.sizes == 1 / 3][0]) for k, s in found.items()}
-        curves[f"FEM, displacement of degree $k$, {mesh}, $n$ = 3"] = curve
+        found = ((k, s) for k in PUNCH for s in recorder.of("d0", f"FEM P{k}, {mesh}") if 1 / 3 in s.sizes)
+        label = f"FEM, displacement of degree $k$, {mesh}, $n$ = 3"
+        curves[label] = {k: float(s.errors[s.sizes == 1 / 3][0]) for k, s in found}
     for number, (label, curve) in enumerate(curves.items()):
-        right.semilogy(list(curve), list(curve.values()), label=label, **style(number))
-    right.set(xlabel="polynomial degree $k$", ylabel=error, xticks=RAISED_DEGREES)
-    right.set_title("raising the degree on one mesh", fontsize=9)
-    right.grid(True, color="0.88", linewidth=0.6)
-    legend_below(right)
+        degrees.semilogy(list(curve), list(curve.values()), label=label, **style(number))
+    degrees.set(xlabel="polynomial degree $k$", ylabel=error, xticks=RAISED_DEGREES)
+    degrees.set_title("raising the degree on one mesh", fontsize=9)
+    degrees.grid(True, color="0.88", linewidth=0.6)
+    legend_below(degrees)
     figure.savefig(path)

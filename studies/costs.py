@@ -5,7 +5,6 @@ The rates are a small table in the package, `costs.json`; `python -m studies.cos
 
 from __future__ import annotations
 
-import itertools
 import json
 import resource
 import time
@@ -16,77 +15,55 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import nnls
 
-from meshes.half_space import SizeField
 from meshes.radial import Array
 
-from .methods import mdr_settings, mdr_space, size_field
+from .counts import counted
+from .methods import mdr_settings, mdr_space
 from .natural import NaturalScene
 from .scene import Scene
 
-SIDE = np.sqrt(3) / 4  # area of an equilateral triangle of side one
-MULTIPLIERS_PER_FACET = 2.6
-# a mesh of whole triangles has more of them than its size field asks for, the more so where it is coarse
-# (measured on random scenes: unknowns and multipliers by the counts below, within 25 %)
-MORE_UNKNOWNS, LEAST_UNKNOWNS = 1.3, 1300
-MORE_PRESSURES, LEAST_PRESSURES = 1.25, 35
-BISECTION = 2.6  # triangles by bisection for one by gmsh, at equal sizes
+MEASURED = (
+    *(("flat_punch", rtol) for rtol in (1e-2, 1e-5)),
+    *(("five_rings", rtol) for rtol in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)),
+    *(("many_rings", rtol) for rtol in (1e-2, 1e-3, 1e-5)),
+)
 
 
 @dataclass(frozen=True)
 class Cost:
-    """Predicted cost of one method: unknowns, pressures among them, seconds on one thread and GiB."""
+    """Predicted cost of one method: unknowns, pressures among them, seconds on one thread and GiB.
+
+    `error` is what its own estimate of the indentation will be about; nan where the user gave the sizes.
+    """
 
     unknowns: int
     pressures: int
     seconds: float
     memory: float
-
-
-def count_triangles(field: SizeField) -> float:
-    """Triangles that a size field asks for: its area in triangles of the local size, summed over a quadtree."""
-    corner, side, total = np.zeros((1, 2)), field.truncation, 0.0
-    while len(corner):
-        centre = corner + side / 2
-        size = field(centre)
-        # a leaf is smaller than the local element: the field hardly changes in it
-        leaf = side <= size
-        inside = np.hypot(*centre.T) < field.truncation
-        total += float(np.sum((side**2 / (SIDE * size**2))[leaf & inside]))
-        split = corner[~leaf]
-        side /= 2
-        corner = (split[:, None] + side * np.array([[0, 0], [0, 1], [1, 0], [1, 1]])).reshape(-1, 2)
-    return total
-
-
-def count_facets(field: SizeField) -> float:
-    """Facets on the contact line that a size field asks for."""
-    edges = np.array(field.edges)
-    total = 0.0
-    for inner, outer in itertools.pairwise(edges):
-        # crowded at both ends, where the sizes are smallest
-        within = np.concatenate([np.geomspace(1e-9, 0.5, 400), 1 - np.geomspace(1e-9, 0.5, 400)[::-1]])
-        radii = inner + (outer - inner) * within
-        total += float(np.trapezoid(1 / field(np.stack([radii, np.zeros_like(radii)], axis=1)), radii))
-    return total
+    error: float
 
 
 def predicted(natural: NaturalScene, method: str) -> Cost:
     """Cost of a method on a scene."""
     if method == "direct":
         rings = len(natural.phases[1])
-        return Cost(0, rings, 1e-3 + 4e-6 * rings**2, 0.1)
+        return Cost(0, rings, 1e-3 + 4e-6 * rings**2, 0.1, 1e-12)
     if method == "fem":
-        chosen, field = natural.scene.accuracy.fem, size_field(natural)
-        triangles = count_triangles(field) * (BISECTION if chosen.mesher == "bisection" else 1.0)
-        unknowns = round(MORE_UNKNOWNS * chosen.degree**2 * triangles + LEAST_UNKNOWNS * chosen.degree**2 / 16)
-        pressures = round(MORE_PRESSURES * MULTIPLIERS_PER_FACET * count_facets(field)) + LEAST_PRESSURES
+        unknowns, pressures = counted(natural)
     else:
         unknowns = pressures = mdr_space(natural, **mdr_settings(natural)).size
-    rates = json.loads((files("studies") / "costs.json").read_text("utf-8"))[method]
-    seconds = float(np.dot(rates, _terms(unknowns, pressures)))
+    measured = json.loads((files("studies") / "costs.json").read_text("utf-8"))[_kind(natural, method)]
+    seconds = float(np.dot(measured["seconds"], _terms(unknowns, pressures)))
+    error = np.nan
+    if not natural.scene.accuracy.gives_sizes(method):
+        error = float(10 ** np.polyval(measured["error"], np.log10(natural.scene.accuracy.rtol)))
     # the factor, and a dozen dense matrices of the pressures
     memory = 0.15 + (400.0 * unknowns * np.log2(max(unknowns, 2)) / 8 + 12 * 8.0 * pressures**2) / 2**30
-    return Cost(unknowns, pressures, seconds, memory)
+    return Cost(unknowns, pressures, seconds, memory, error)
+
+
+def _kind(natural: NaturalScene, method: str) -> str:
+    return f"fem {natural.scene.accuracy.fem.meshed_by}" if method == "fem" else method
 
 
 def _terms(unknowns: int, pressures: int) -> Array:
@@ -94,25 +71,36 @@ def _terms(unknowns: int, pressures: int) -> Array:
     return np.array([1.0, unknowns, unknowns**1.5, pressures**2, pressures**3], dtype=float)
 
 
-def measure() -> dict[str, list[float]]:
-    """Rates of every method, by least squares of relative errors over runs of the bundled scenes."""
+def measure() -> dict[str, dict[str, list[float]]]:
+    """For each kind of method, rates of seconds and the error by rtol (powers of ten): least squares over runs."""
+    kinds = {}
+    for method, mesher in (("mdr", None), ("bem", None), ("fem", "stars"), ("fem", "gmsh"), ("fem", "bisection")):
+        base = Scene.load("flat_punch").changed(methods=[method], accuracy__fem={"mesher": mesher})
+        rows, errors = [], list[tuple[float, float]]()
+        for title, rtol in MEASURED:
+            scene = Scene.load(title).changed(methods=[method], accuracy__rtol=rtol, accuracy__fem={"mesher": mesher})
+            terms, error = _measured(scene)
+            rows.append(terms)
+            errors.append((float(np.log10(rtol)), float(np.log10(error))))
+        rates, powers = nnls(np.array(rows), np.ones(len(rows)))[0], np.array(errors)
+        kinds[_kind(base.natural, method)] = {
+            "seconds": [float(rate) for rate in rates],
+            "error": [float(term) for term in np.polyfit(powers[:, 0], powers[:, 1], 1)],
+        }
+    return kinds
+
+
+def _measured(scene: Scene) -> tuple[Array, float]:
+    """The terms over the seconds that a scene of one method takes, once everything is loaded, and its error estimate."""
     from .runs import run
 
-    rates = {}
-    for method in ("mdr", "bem", "fem"):
-        rows, seconds = [], []
-        for name, rtol in (("flat_punch", 1e-2), ("flat_punch", 1e-5), ("five_rings", 1e-2), ("five_rings", 1e-3),
-                           ("five_rings", 1e-4), ("five_rings", 1e-5), ("five_rings", 1e-6), ("many_rings", 1e-2),
-                           ("many_rings", 1e-3)):  # fmt: skip
-            scene = Scene.load(name).changed(methods=[method], accuracy__rtol=rtol)
-            run(scene)
-            start = time.perf_counter()
-            result = run(scene)
-            seconds.append(time.perf_counter() - start)
-            model = result.models[method]
-            rows.append(_terms(model.unknowns, model.compliance.space.size) / seconds[-1])
-        rates[method] = [float(rate) for rate in nnls(np.array(rows), np.ones(len(rows)))[0]]
-    return rates
+    run(scene)
+    start = time.perf_counter()
+    result = run(scene)
+    seconds = time.perf_counter() - start
+    (method,) = scene.methods
+    model = result.models[method]
+    return _terms(model.unknowns, model.compliance.space.size) / seconds, result.estimates[method]
 
 
 if __name__ == "__main__":

@@ -124,18 +124,24 @@ class Families:
 
     def poisson(self) -> Iterator[Cell]:
         for nu in self.some(-0.9, -0.7, -0.5, -0.2, 0.0, 0.2, 0.3, 0.4, 0.45, 0.49, 0.499, 0.4999, 0.49999, 0.4999999, 0.5):
-            for degree in self.some(2, 3, 4):
-                for mesher in ("gmsh", "bisection"):
-                    fem = {"degree": degree, "mesher": mesher}
-                    table = self.table("fem", {"rings": 3, "wear_coefficients": [1.0, 10.0]}, (0.0, 1.0), rtol=1e-3, fem=fem)
-                    table["half_space"] = table["half_space"] | {"poisson_ratio": nu}
-                    yield Cell("Poisson's ratio × degree, mesher", "fem", nu, f"P{degree} {mesher}", table)
+            for name, fem in self.elements():
+                table = self.table("fem", {"rings": 3, "wear_coefficients": [1.0, 10.0]}, (0.0, 1.0), rtol=1e-3, fem=fem)
+                table["half_space"] = table["half_space"] | {"poisson_ratio": nu}
+                yield Cell("Poisson's ratio × elements", "fem", nu, name, table)
+
+    def elements(self) -> Iterator[tuple[str, dict[str, Any]]]:
+        """Settings of the finite elements by name: those that users get unasked, and triangles of every degree."""
+        yield "default", {}
+        for degree in self.some(2, 3, 4):
+            for mesher in ("gmsh", "bisection"):
+                yield f"P{degree} {mesher}", {"degree": degree, "mesher": mesher}
 
     def truncation(self) -> Iterator[Cell]:
         for radius in self.some(2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 20.0, 50.0, 100.0, 1e3, 1e4, 1e5, 1e6):
             far_fields: dict[str, dict[str, Any]] = {
-                "P2": {"degree": 2}, "P3": {"degree": 3}, "P4": {}, "P4, 1 pole": {"poles": 1}, "P4, 6 poles": {"poles": 6},
-                "P4 bisection": {"mesher": "bisection"}, "P4 fixed": {"far_field": "fixed"},
+                "default": {}, "default, fixed": {"far_field": "fixed"}, "P2": {"degree": 2}, "P3": {"degree": 3},
+                "P4": {"degree": 4}, "P4, 1 pole": {"degree": 4, "poles": 1}, "P4, 6 poles": {"degree": 4, "poles": 6},
+                "P4 bisection": {"mesher": "bisection"}, "P4, fixed": {"degree": 4, "far_field": "fixed"},
             }  # fmt: skip
             for name, fem in far_fields.items():
                 punch = {"rings": 3, "wear_coefficients": [1.0, 10.0]}
@@ -152,11 +158,9 @@ class Families:
                     table = self.table("mdr", punch, (0.0, 1.0), mdr={where: size, "degree": degree})
                     yield Cell(f"{where}/a × degree", "mdr", size, float(degree), table)
             for size in sizes:
-                for degree in self.some(2, 3, 4):
-                    for mesher in ("gmsh", "bisection"):
-                        fem = {where: size, "degree": degree, "mesher": mesher}
-                        table = self.table("fem", punch, (0.0, 1.0), rtol=1e-3, fem=fem)
-                        yield Cell(f"{where}/a × degree, mesher", "fem", size, f"P{degree} {mesher}", table)
+                for name, fem in self.elements():
+                    table = self.table("fem", punch, (0.0, 1.0), rtol=1e-3, fem={where: size, **fem})
+                    yield Cell(f"{where}/a × elements", "fem", size, name, table)
 
     def counts(self) -> Iterator[Cell]:
         """From the fewest elements to many."""

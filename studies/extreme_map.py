@@ -29,7 +29,7 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
     """One page: a panel for each family and method, a symbol for each cell."""
     panels_of = list(groups(rows))
     columns = 5
-    figure = new_figure(14.5, 2.65 * -(-len(panels_of) // columns) + 0.6)
+    figure = new_figure(11.5, 2.3 * -(-len(panels_of) // columns) + 0.6)
     panels = figure.subplots(-(-len(panels_of) // columns), columns, squeeze=False).ravel()
     for axes, (family, method, own) in zip(panels, panels_of, strict=False):
         across, up = (list(dict.fromkeys(sorted({r[a] for r in own}, key=_sortable))) for a in ("x", "y"))
@@ -37,14 +37,14 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
             cells = [(across.index(r["x"]), up.index(r["y"])) for r in own if r["verdict"] == name]
             if cells:
                 scale = min(1.0, 14 / max(len(across), len(up)))
-                axes.scatter(*zip(*cells, strict=True), s=size * scale + 4, c=colour, marker=symbol, linewidths=1.0)
-        for axis, values, most in ((axes.xaxis, across, 4), (axes.yaxis, up, 6)):
+                axes.scatter(*zip(*cells, strict=True), s=size * scale + 2, c=colour, marker=symbol, linewidths=1.0)
+        for axis, values, most in ((axes.xaxis, across, 3 if len(across) < 10 else 4), (axes.yaxis, up, 6)):
             count = len(values) if isinstance(values[0], str) else min(len(values), most)
             places = np.unique(np.linspace(0, len(values) - 1, count).round().astype(int))
             axis.set_ticks(places, [_tick(values[i]) for i in places], fontsize=7)
         across_name, _, up_name = family.partition(" × ")
-        axes.set_xlabel(across_name, fontsize=8, labelpad=1)
-        axes.set_ylabel(up_name, fontsize=8, labelpad=1)
+        axes.set_xlabel(across_name, fontsize=8, labelpad=3)
+        axes.set_ylabel(up_name, fontsize=8, labelpad=3)
         axes.set_xlim(-0.7, len(across) - 0.3)
         axes.set_ylim(-0.7, len(up) - 0.3)
         axes.set_title(method, fontsize=8, pad=3)

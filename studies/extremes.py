@@ -31,7 +31,8 @@ from meshes.radial import Array
 from .extreme_cells import Cell, all_cells
 from .extreme_map import draw, groups
 from .levels import Table, keeping_rows, write_markdown
-from .methods import MODELS, Model
+from .methods import MODELS
+from .model import Model
 from .natural import NaturalScene
 from .oracles import Rings, units
 from .outcome import Outcome, estimated, from_direct_integration

@@ -18,6 +18,8 @@ from meshes.half_space import HalfSpaceMesh
 from meshes.radial import Array
 
 if TYPE_CHECKING:
+    from meshes.stars import StarMesh
+
     from .interior import Interior
     from .runs import Result
 
@@ -244,7 +246,7 @@ def draw_stress(result: Result, fields: Interior, path: Path) -> None:
     figure.savefig(path)
 
 
-def draw_mesh(mesh: HalfSpaceMesh, edges: Array, path: Path) -> None:
+def draw_mesh(mesh: HalfSpaceMesh | StarMesh, edges: Array, path: Path) -> None:
     """The whole mesh, the mesh under the punch, and the mesh at the rim."""
     figure = _figure(11, 3.9)
     panels = figure.subplots(1, 3)
@@ -259,21 +261,23 @@ def draw_mesh(mesh: HalfSpaceMesh, edges: Array, path: Path) -> None:
 
 
 def _mesh_panel(
-    axes: Any, mesh: HalfSpaceMesh, view: tuple[float, float], name: str, label: str, centre: float = 0.0
+    axes: Any, mesh: HalfSpaceMesh | StarMesh, view: tuple[float, float], name: str, label: str, centre: float = 0.0
 ) -> None:
-    """The triangles in a square view of the surface from `view[0]` to `view[1]`, radii counted from `centre`."""
+    """The elements in a square view of the surface from `view[0]` to `view[1]`, radii counted from `centre`."""
     low, high = view
     depth = high - low
-    corners = mesh.points[mesh.triangles] - [centre, 0.0]
-    inside = (corners[:, :, 0].max(axis=1) >= low) & (corners[:, :, 0].min(axis=1) <= high)
-    inside &= corners[:, :, 1].min(axis=1) <= depth
-    width = 0.35 if inside.sum() < 3000 else 0.15
-    axes.add_collection(PolyCollection(corners[inside], facecolors="none", edgecolors="black", linewidths=width))
+    shown: list[Array] = []
+    for cells in mesh.cells.values():
+        corners = mesh.points[cells] - [centre, 0.0]
+        inside = (corners[:, :, 0].max(axis=1) >= low) & (corners[:, :, 0].min(axis=1) <= high)
+        shown += list(corners[inside & (corners[:, :, 1].min(axis=1) <= depth)])
+    width = 0.35 if len(shown) < 3000 else 0.15
+    axes.add_collection(PolyCollection(shown, facecolors="none", edgecolors="black", linewidths=width))
     axes.plot([low, min(high, 1 - centre)], [-0.015 * depth] * 2, color="#c0392b", linewidth=2.5)
     axes.set_xlim(low, high)
     axes.set_ylim(depth, -0.06 * depth)
     axes.set_aspect("equal")
-    axes.set_title(f"{name}: {inside.sum()} triangles", fontsize=9)
+    axes.set_title(f"{name}: {len(shown)} elements", fontsize=9)
     power = int(np.floor(np.log10(depth))) if depth < 0.1 else 0
     unit = rf" in $10^{{{power}}}$" if power else ""
     axes.set_xlabel(label + unit)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from .scene import Scene
 
 METHODS = {
@@ -51,18 +53,14 @@ def left_out(scene: Scene) -> dict[str, str]:
 def plan(scene: Scene) -> list[str]:
     """What each method will be made of and cost, without making it; then what is worth knowing before it runs."""
     from .costs import predicted
-    from .methods import mdr_settings, size_field
+    from .fem_model import described
+    from .methods import mdr_settings
 
     natural = scene.natural
     lines, seconds = [], {}
     for method in scene.methods:
         if method == "fem":
-            field, chosen = size_field(natural), scene.accuracy.fem
-            smallest = min(field.ring_sizes, default=field.rim_size)
-            made_of = (
-                f"degree {chosen.degree}, {chosen.mesher}, {chosen.far_field} far field at R = {field.truncation:g} a, "
-                f"rim_size {field.rim_size:.3g}, ring_size {smallest:.3g}, growth {field.growth:.3g}"
-            )
+            made_of = described(natural)
         elif method == "direct":
             made_of = "closed form, nothing to resolve"
         else:
@@ -71,7 +69,8 @@ def plan(scene: Scene) -> list[str]:
         seconds[method] = cost.seconds
         lines.append(f"{method}: {made_of}")
         lines.append(
-            f"    about {cost.unknowns} unknowns, {cost.pressures} pressures, {cost.seconds:.2g} s, {cost.memory:.2g} GiB"
+            f"    about {cost.unknowns} unknowns, {cost.pressures} pressures, {cost.seconds:.2g} s, {cost.memory:.2g} GiB, "
+            + ("error by the sizes given" if np.isnan(cost.error) else f"error about {cost.error:.0e}")
         )
     able = {method: value for method, value in seconds.items() if method != "direct" or not scene.wear.times}
     if able:

@@ -9,7 +9,7 @@ grid convergence index (GCI) bounds what is left: ``SAFETY |v1 - v2| / (r^p - 1)
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,15 +22,15 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from meshes.errors import RingwearError
 from meshes.radial import Array
 
-from .stages import Report
+from .study import INTERRUPTED
 
 SAFETY = 1.25  # of the GCI with three or more levels (Roache)
 HIGHEST_ORDER = 20.0
 ASYMPTOTIC = 0.25  # relative: how far the order on three levels may be from what it should be
-LEVEL_FIELDS = ("refined", "quantity", "size", "unknowns", "value", "error", "remark")
+WITHIN = 0.15  # how far observed orders may be from theory's, by least squares and between the last levels
+VERDICT = f"within {WITHIN}"  # the column that says so
 MARKERS = "os^Dvx+*"
 LINES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 GREYS = ("0.0", "0.45", "0.2", "0.6", "0.35")
@@ -114,7 +114,8 @@ class Sequence:
     quantity : what was computed
     expected : order that theory gives; None if it gives none
     exact : value without the error that is studied; None to take Richardson's
-    floor : relative errors below it are shown but left out of the least squares; one for all levels or for each
+    floor : relative errors below it are shown but not counted; one for all levels or for each
+    coarsest : levels of a greater size are shown but not counted: what theory neglects is not small there
     """
 
     name: str
@@ -124,6 +125,7 @@ class Sequence:
     floor: float | Array = 0.0
     sizes: Array = field(default_factory=lambda: np.empty(0))
     values: Array = field(default_factory=lambda: np.empty(0))
+    coarsest: float = np.inf
 
     def add(self, size: float, value: float) -> None:
         """Add the next finer level."""
@@ -135,19 +137,47 @@ class Sequence:
 
     @property
     def errors(self) -> Array:
-        """(n,) relative errors."""
+        """(n,) relative errors; absolute ones of what should be zero."""
         exact = self.limit.value if self.exact is None else self.exact
-        return np.abs(self.values - exact) / abs(exact)
+        return np.abs(self.values - exact) / (abs(exact) or 1.0)
 
     @property
-    def above_floor(self) -> NDArray[np.bool_]:
-        return self.errors > self.floor
+    def counted(self) -> NDArray[np.bool_]:
+        return (self.errors > self.floor) & (self.sizes <= self.coarsest)
 
     @property
     def order(self) -> float:
-        """Observed order by least squares over the levels above the floor."""
-        kept = self.above_floor
+        """Observed order by least squares over the levels that count."""
+        kept = self.counted
         return least_squares(self.sizes[kept], self.errors[kept])
+
+    @property
+    def last_order(self) -> float:
+        """Observed order between the last two levels that count."""
+        kept = np.flatnonzero(self.counted)[-2:]
+        return least_squares(self.sizes[kept], self.errors[kept])
+
+    @property
+    def verdict(self) -> str:
+        """Whether the observed orders are those of theory, and if not, what can be seen of the reason."""
+        if self.expected is None:
+            return ""
+        if not np.isfinite(self.order):
+            return "too few levels above the floor"
+        if max(abs(self.order - self.expected), abs(self.last_order - self.expected)) <= WITHIN:
+            return "yes"
+        kept = self.counted
+        signed = np.sign(self.values - (self.limit.value if self.exact is None else self.exact))[kept]
+        if np.ptp(signed):
+            return "no: the error changes sign"
+        distance = np.abs(between(self.sizes[kept], self.errors[kept]) - self.expected)
+        return "no: still approaching" if len(distance) > 1 and (np.diff(distance) < 0).all() else "no"
+
+    def _between(self) -> str:
+        """Orders between neighbouring levels; in brackets where one of the two does not count."""
+        pairs = self.counted[1:] & self.counted[:-1]
+        orders = [f"{order:.2f}" if np.isfinite(order) else "–" for order in between(self.sizes, self.errors)]
+        return " ".join(order if both else f"({order})" for order, both in zip(orders, pairs, strict=True))
 
     def summary(self) -> dict[str, Any]:
         """A row for the table of orders."""
@@ -156,15 +186,27 @@ class Sequence:
         return {
             "refined": self.name,
             "quantity": self.quantity,
-            "levels": f"{int(self.above_floor.sum())} of {len(self.sizes)}",
+            "levels": f"{int(self.counted.sum())} of {len(self.sizes)}",
             "expected order": "" if self.expected is None else self.expected,
             "least squares": self.order,
-            "between levels": " ".join(f"{order:.2f}" for order in between(self.sizes, self.errors)),
+            "last levels": self.last_order,
+            VERDICT: self.verdict,
+            "between levels": self._between(),
             "finest error": f"{self.errors[-1]:.1e}",
-            "Richardson value": f"{limit.value:.12g}",
-            "GCI": f"{limit.gci:.1e}" if np.isfinite(limit.gci) else "",
+            "Richardson value": f"{limit.value:.12g}" if self.exact != 0 else "",
+            "GCI": f"{limit.gci:.1e}" if np.isfinite(limit.gci) and self.exact != 0 else "",
             "three finest": verdict if len(self.sizes) > 2 else "fewer than three",
         }
+
+
+def verdicts(sequences: Iterable[Sequence]) -> str:
+    """How many observed orders are those of theory, and which are not, in a sentence."""
+    judged = [(sequence, sequence.verdict) for sequence in sequences if sequence.expected is not None]
+    off = [f"{one.name}, {one.quantity} ({verdict})" for one, verdict in judged if verdict != "yes"]
+    line = (
+        f"{len(judged) - len(off)} of {len(judged)} orders are within {WITHIN} of theory, fitted and between the last levels"
+    )
+    return "; but ".join([line, "; ".join(off)]) + "." if off else f"{line}."
 
 
 class Table:
@@ -197,49 +239,6 @@ def _cell(value: object) -> str:
     return str(value).replace("|", "\\|")
 
 
-class Recorder:
-    """Levels into sequences, and into the table as they come; a level that fails is a row, too.
-
-    Parameters
-    ----------
-    table : with `LEVEL_FIELDS`
-    exact : value of each quantity
-    floors : relative error of some quantities below which no order can be seen; of the others, each level says it
-    """
-
-    def __init__(self, table: Table, exact: dict[str, float], floors: dict[str, float], report: Report) -> None:
-        self.table, self.exact, self.floors, self.report = table, exact, floors, report
-        self.sequences: dict[tuple[str, str], Sequence] = {}
-
-    def level(
-        self,
-        refined: str,
-        size: float,
-        expected: dict[str, float],
-        compute: Callable[[], tuple[dict[str, float], int]],
-        floor: float,
-    ) -> None:
-        """Compute one level; `expected` holds the order of each quantity, that of "" for all others."""
-        self.report(f"  level  {refined}, h = {size:.3g} ...")
-        try:
-            values, unknowns = compute()
-        except RingwearError as error:
-            self.table.add(refined=refined, size=size, remark=f"failed: {error}")
-            return
-        for quantity, value in values.items():
-            exact = self.exact[quantity]
-            order = expected.get(quantity, expected.get(""))
-            new = Sequence(refined, quantity, order, exact, self.floors.get(quantity, floor))
-            self.sequences.setdefault((refined, quantity), new).add(size, value)
-            self.table.add(
-                refined=refined, quantity=quantity, size=size, unknowns=unknowns, value=value, error=value / exact - 1
-            )
-
-    def of(self, quantity: str, *names: str) -> Iterator[Sequence]:
-        """Sequences of a quantity whose name begins with one of the names."""
-        return (s for (refined, what), s in self.sequences.items() if what == quantity and refined.startswith(names))
-
-
 def write_markdown(path: Path, title: str, conclusions: Iterable[str], tables: dict[str, Table]) -> None:
     """A page: the conclusions first, then each table under its heading."""
     text = [f"# {title}\n", *(f"{line}\n" for line in conclusions)]
@@ -253,7 +252,7 @@ def keeping_rows(conclusions: list[str]) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        conclusions.append("INTERRUPTED: tables and figures hold the rows that were finished.")
+        conclusions.append(INTERRUPTED)
 
 
 def new_figure(width: float, height: float) -> Figure:

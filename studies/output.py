@@ -18,6 +18,8 @@ from .scene import Scene
 from .stages import Report, silent
 
 if TYPE_CHECKING:
+    from meshes.stars import StarMesh
+
     from .runs import Result
 
 
@@ -55,7 +57,7 @@ def write(result: Result, out: Path, report: Report = silent) -> list[str]:
         return sorted(file.name for file in hidden.iterdir())
 
 
-def write_mesh(scene: Scene, mesh: HalfSpaceMesh, out: Path) -> list[str]:
+def write_mesh(scene: Scene, mesh: HalfSpaceMesh | StarMesh, out: Path) -> list[str]:
     """Write the mesh as VTU, in the scene's units, and its figure."""
     import meshio
     import numpy as np
@@ -65,7 +67,9 @@ def write_mesh(scene: Scene, mesh: HalfSpaceMesh, out: Path) -> list[str]:
     scale = scene.natural.length
     upright = np.stack([mesh.points[:, 0], -mesh.points[:, 1], np.zeros(len(mesh.points))], axis=1) * scale
     with whole(out) as hidden:
-        whole_mesh = meshio.Mesh(upright, [("triangle", mesh.triangles)], cell_data={"quality": [mesh.quality]})
+        ends = np.cumsum([len(cells) for cells in mesh.cells.values()])
+        quality = np.split(mesh.quality, ends[:-1])
+        whole_mesh = meshio.Mesh(upright, list(mesh.cells.items()), cell_data={"quality": quality})
         whole_mesh.write(hidden / "mesh.vtu", file_format="vtu")
         draw_mesh(mesh, scene.natural.edges, hidden / "mesh.png")
         return sorted(file.name for file in hidden.iterdir())

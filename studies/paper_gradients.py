@@ -26,7 +26,8 @@ from meshes.compliance import Compliance
 from meshes.radial import Array, alternating_edges, ring_areas
 
 from .banded import BandedCholesky
-from .methods import edge_weight, fem_model
+from .fem_model import fem_model
+from .methods import edge_weight
 from .paper_states import AVERAGES, WEAR_RATIO, paper_punch
 from .scene import Scene
 from .stages import Report, Stages, silent

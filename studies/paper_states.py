@@ -19,7 +19,8 @@ from meshes.compliance import Compliance
 from meshes.radial import Array, ring_areas
 
 from .figures import D0, P0
-from .methods import MODELS, Model
+from .methods import MODELS
+from .model import Model
 from .natural import NaturalScene
 from .outcome import Sampler
 from .scene import Scene

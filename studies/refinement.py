@@ -25,11 +25,12 @@ from meshes.radial import Array
 from . import adaptive
 from .contact import flat_start
 from .levels import Table, keeping_rows, write_markdown
-from .methods import half_space_mesh, mdr_model
+from .methods import mdr_model
 from .outcome import Sampler
 from .refinement_figures import ERRORS, FAMILIES, draw_errors, draw_meshes, draw_quality
 from .scene import Scene
 from .stages import Report, Stages
+from .triangles import triangle_mesh
 from .wear import Wear
 
 GOAL = 1e-5
@@ -59,8 +60,9 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace, report: Report
         _file_rows(cases, options, table, best)
     conclusions += [_file_line(row) for row in table.rows if row["mesh"] == "file"]
     report("refinement figures ...")
-    draw_errors(table.rows, GOAL, out / "error_against_unknowns.png")
-    draw_quality(best, out / "quality.png")
+    if best:
+        draw_errors(table.rows, GOAL, out / "error_against_unknowns.png")
+        draw_quality(best, out / "quality.png")
     for case in cases:
         shown = {family: mesh for (name, family), mesh in best.items() if name == case.name}
         if shown:
@@ -165,7 +167,7 @@ def _uniform(case: Case, sizes: tuple[float, ...]) -> Meshed:
 def _graded(case: Case, tolerances: tuple[float, ...]) -> Meshed:
     for rtol in tolerances:
         start = time.perf_counter()
-        mesh, _ = half_space_mesh(case.scene.changed(accuracy__rtol=rtol).natural)
+        mesh, _ = triangle_mesh(case.scene.changed(accuracy__rtol=rtol).natural)
         yield case.measured(mesh, "graded", rtol, start), mesh
 
 
@@ -213,7 +215,8 @@ def _file_line(row: dict[str, Any]) -> str:
     if "greatest" not in row:
         return f"{row['case']}: {row['remark']}"
     values = ", ".join(f"{name} {row[name]:.1e}" for name in ERRORS)
-    return f"{row['case']}: the mesh file with {row['unknowns']} unknowns errs by {values} (estimate {row['estimate']:.1e})"
+    estimate = f"estimate {row['estimate']:.1e}"
+    return f"{row['case']}: {row['remark']}, with {row['unknowns']} unknowns errs by {values} ({estimate})"
 
 
 def _conclusion(case: Case, rows: list[dict[str, Any]]) -> str:

@@ -79,5 +79,5 @@ def draw_meshes(case: str, edges: Array, meshes: dict[str, HalfSpaceMesh], path:
         for axes, (name, view, centre, label) in zip(row, views, strict=True):
             _mesh_panel(axes, mesh, view(mesh), name, label, centre=centre)
         row[0].set_ylabel(f"{family}: depth $z/a$")
-    figure.suptitle(f"{case}: the finest mesh of each kind; the punch is red", fontsize=10)
+    figure.suptitle(f"{case}: the finest mesh of each kind; the bar above is the punch", fontsize=10)
     figure.savefig(path)

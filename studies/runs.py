@@ -12,7 +12,8 @@ from threadpoolctl import threadpool_limits
 
 from meshes.radial import Array
 
-from .methods import MODELS, Model
+from .methods import MODELS
+from .model import Model
 from .natural import NaturalScene
 from .operators import OperatorDifference, difference, on_space_of
 from .outcome import Outcome, estimated, from_direct_integration, relative_difference

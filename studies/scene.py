@@ -110,16 +110,40 @@ class Wear(Section):
 
 
 class FemAccuracy(Section):
-    mesher: Literal["gmsh", "bisection"] = Field(default="gmsh", description="gmsh or bisection")
+    mesher: Literal["stars", "gmsh", "bisection"] | None = Field(
+        default=None, description="stars (high degrees), gmsh or bisection (triangles of degree 2 to 4)"
+    )
     far_field: Literal["boussinesq", "fixed"] = Field(default="boussinesq", description="boussinesq or fixed")
     poles: int = Field(default=3, ge=1, le=6, description="Boussinesq poles tied to the outer boundary, 1 to 6")
     truncation: float = Field(default=5.0, ge=2, le=1e6, description="radius of the half-space in a, 2 to 1e6")
-    degree: Literal[2, 3, 4] = Field(default=4, description="degree of the displacement: 2, 3 or 4")
+    degree: int | None = Field(
+        default=None,
+        ge=2,
+        le=12,
+        description="degree of the displacement: 2 to 4 on triangles, 4 to 12 on stars",
+    )
     rim_size: float | None = Field(default=None, ge=1e-12, le=0.5, description="element size at the rim in a, 1e-12 to 0.5")
     ring_size: float | None = Field(
         default=None, ge=1e-12, le=0.5, description="element size at ring edges in a, 1e-12 to 0.5"
     )
     growth: float | None = Field(default=None, ge=0.05, le=2, description="growth of the size with distance, 0.05 to 2")
+
+    @model_validator(mode="after")
+    def _degree_goes_with_the_mesher(self) -> Self:
+        if self.degree is not None and self.mesher is not None and (self.degree not in DEGREES[self.mesher]):
+            lowest, highest = DEGREES[self.mesher][0], DEGREES[self.mesher][-1]
+            raise ValueError(f"degree = {self.degree} does not go with mesher = '{self.mesher}': give {lowest} to {highest}")
+        return self
+
+    @property
+    def meshed_by(self) -> str:
+        """The mesher: the one asked for, or the one that goes with the other keys."""
+        triangles = self.degree in DEGREES["gmsh"] or self.growth is not None
+        return self.mesher or ("gmsh" if triangles else "stars")
+
+
+# degrees of the displacement that each mesher's elements can have; on triangles alone the highest is the default
+DEGREES = {"stars": range(4, 13), "gmsh": range(2, 5), "bisection": range(2, 5)}
 
 
 class MdrAccuracy(Section):

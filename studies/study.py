@@ -1,7 +1,7 @@
 """The studies by name: what each is for and the options it takes, told without importing any of them.
 
 A study is a module with ``conduct(scene, out, options, report)``: it writes its figures and tables to the directory
-`out` and returns its conclusions, a line each.
+`out` and returns its conclusions, a line each; `INTERRUPTED` is among them if it was stopped.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from typing import Any
 from .scene import Scene
 from .stages import Report
 
+INTERRUPTED = "INTERRUPTED: tables and figures hold the rows that were finished."
 Conduct = Callable[[Scene, Path, argparse.Namespace, Report], list[str]]
 
 

@@ -106,7 +106,8 @@ def measure(method: str, setting: str, natural: NaturalScene, exact: Array, repe
 
     def history() -> Array:
         model = MODELS[name](natural, silent_stages(), twins=False)
-        return Wear(model.compliance, natural.phases[1], natural.earliest).history(natural.times, asked.march, natural.step).indentation
+        wear = Wear(model.compliance, natural.phases[1], natural.earliest)
+        return wear.history(natural.times, asked.march, natural.step).indentation
 
     try:
         seconds = best(history, repeats)

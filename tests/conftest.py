@@ -17,7 +17,8 @@ from meshes.compliance import Compliance
 from meshes.pressure_space import PressureSpace
 from meshes.radial import Array
 from studies import Scene
-from studies.methods import MODELS, Model
+from studies.methods import MODELS
+from studies.model import Model
 from studies.natural import NaturalScene
 from studies.stages import Stages
 from studies.wear import Wear

@@ -88,7 +88,9 @@ def test_what_a_method_does_not_give_is_not_a_number(done: Path) -> None:
             history = "time" in dims or "mode" in dims
             assert bool(np.isnan(direct[name]).all()) == history
             assert not np.isnan(others[name]).any(), name
-        assert (found.steady_profile.min("radius") == 0).all()
+        # zero at its lowest, which may lie between two of the radii
+        lowest = found.steady_profile.min("radius")
+        assert ((lowest >= 0) & (lowest <= 1e-4 * found.steady_profile.max("radius"))).all()
         assert (others.indentation_error > 0).all()
         assert (np.diff(others.relaxation_time, axis=1) <= 0).all()
 

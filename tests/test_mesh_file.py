@@ -94,13 +94,40 @@ def test_marks_on_line_cells_name_the_boundaries_too(tmp_path: Path, ours: HalfS
     assert len(read(tmp_path / "marked.vtu", EDGES).triangles) == len(ours.triangles)
 
 
-def test_orientation_and_the_sign_of_the_depth_are_conventions(tmp_path: Path, ours: HalfSpaceMesh) -> None:
+def test_a_half_space_drawn_below_its_surface_is_turned_over_and_says_so(tmp_path: Path, ours: HalfSpaceMesh) -> None:
+    """As in the files that ringwear itself writes."""
     content = as_meshio(ours)
+    content.write(tmp_path / "downwards.vtu")
+    assert read(tmp_path / "downwards.vtu", EDGES).mesher == "file downwards.vtu"
     content.points[:, 1] *= -1
     content.write(tmp_path / "upwards.vtu")
     mesh = read(tmp_path / "upwards.vtu", EDGES)
     assert mesh.areas.min() > 0
+    assert "turned over" in mesh.mesher
     np.testing.assert_allclose(mesh.points, ours.points, atol=1e-14)
+
+
+@pytest.mark.parametrize("noise", [1e-12, -1e-12])
+def test_rounding_at_the_surface_turns_nothing_over(tmp_path: Path, ours: HalfSpaceMesh, noise: float) -> None:
+    content = as_meshio(ours)
+    content.points[content.points[:, 1] == 0, 1] = noise
+    content.write(tmp_path / "rounded.vtu")
+    mesh = read(tmp_path / "rounded.vtu", EDGES)
+    assert "turned over" not in mesh.mesher
+    np.testing.assert_allclose(mesh.points, ours.points, atol=1e-14)
+
+
+def test_a_file_of_meshio_with_physical_groups(tmp_path: Path, ours: HalfSpaceMesh) -> None:
+    content = as_meshio(ours)
+    numbers = {name: number for number, name in enumerate(content.cell_sets, start=1)}
+    physical = [np.zeros(len(content.cells[0].data), int), np.full(len(ours.triangles), 9)]
+    for name, (lines, _) in content.cell_sets.items():
+        physical[0][lines] = numbers[name]
+    groups = {name: np.array([number, 1]) for name, number in numbers.items()} | {"solid": np.array([9, 2])}
+    data = {"gmsh:physical": physical, "gmsh:geometrical": physical}
+    path = tmp_path / "disc.msh"
+    meshio.Mesh(content.points, content.cells, cell_data=data, field_data=groups).write(path, file_format="gmsh22")
+    np.testing.assert_array_equal(read(path, EDGES).triangles, ours.triangles)
 
 
 def inverted(content: meshio.Mesh) -> None:
@@ -154,10 +181,32 @@ def behind_the_axis(content: meshio.Mesh) -> None:
     content.points[:, 0] -= 0.5
 
 
+def mirrored_at_the_axis(content: meshio.Mesh) -> None:
+    content.points[:, 0] *= -1
+
+
+def exchanged(content: meshio.Mesh) -> None:
+    content.points[:, [0, 1]] = content.points[:, [1, 0]]
+
+
+def from_the_bottom(content: meshio.Mesh) -> None:
+    content.points[:, 1] = 4 - content.points[:, 1]
+
+
+def beyond_the_surface(content: meshio.Mesh) -> None:
+    r, z, _ = content.points.T
+    content.points[int(np.argmin(np.hypot(r - 2, z - 0.3))), 1] = -0.25
+
+
+def beyond_the_surface_upwards(content: meshio.Mesh) -> None:
+    beyond_the_surface(content)
+    content.points[:, 1] *= -1
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (unnamed, "no line cells are named axis"),
+        (unnamed, r"no line cells are named axis \(names in the file: contact, far, free\)"),
         (inverted, r"1 of \d+ triangles are inverted, the first of them triangle 7 at radius"),
         (gapped, "contact has a gap from radius"),
         (torn, r"1 vertices are there twice, the first at radius 0.5, depth 0"),
@@ -166,7 +215,12 @@ def behind_the_axis(content: meshio.Mesh) -> None:
         (no_ring_edge, "no vertex of the mesh lies on the ring edge at r = 0.5 a"),
         (misnamed, "1 sides of the far boundary do not carry its name"),
         (out_of_plane, "third coordinate varies"),
-        (behind_the_axis, "negative radius"),
+        (behind_the_axis, r"vertex at \(-0.5, 0\) has a negative radius; mesh one side of the axis only"),
+        (mirrored_at_the_axis, "negative radius; multiply the first coordinate by -1"),
+        (exchanged, "contact lies on the axis: .* exchange them"),
+        (from_the_bottom, "contact lies at depth 4 and should lie at 0: shift the mesh"),
+        (beyond_the_surface, r"and 1 a negative one, among the fewer \(\d.*, -0.25\)"),
+        (beyond_the_surface_upwards, r"1 vertices have a positive depth and \d+ a negative one, .*, 0.25\)"),
     ],
 )
 def test_a_broken_mesh_is_refused_with_what_and_where(

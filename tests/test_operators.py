@@ -9,7 +9,8 @@ from mdr.compliance import compliance as mdr_compliance
 from meshes.compliance import Compliance
 from meshes.errors import SolverError
 from studies import Scene
-from studies.methods import fem_model, mdr_model
+from studies.fem_model import fem_model
+from studies.methods import mdr_model
 from studies.natural import NaturalScene
 from studies.operators import OperatorDifference, difference
 from studies.random_scenes import random_scenes

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import argparse
 import csv
+import signal
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +15,14 @@ import pytest
 
 from meshes.errors import SolverError
 from meshes.half_space import SizeField
-from studies import Scene, compare, convergence, march, truncation
-from studies.levels import LEVEL_FIELDS, Recorder, Sequence, Table, between, extrapolated, keeping_rows, least_squares
+from studies import Scene, compare, convergence, extremes, march, refinement, truncation
+from studies.cli import main
+from studies.convergence import LEVEL_FIELDS, Recorder
+from studies.levels import VERDICT, Sequence, Table, between, extrapolated, keeping_rows, least_squares, verdicts
 from studies.levels import order_of_three as of_three
 from studies.stages import silent
+from studies.study import INTERRUPTED
+from studies.subdivision import subdivided
 
 SIZES = np.array([0.5, 0.3, 0.2, 0.1])
 
@@ -62,6 +69,37 @@ def test_the_floor_is_left_out_of_least_squares() -> None:
         sequence.add(size, 1 + max(size**2, 0.045))
     assert sequence.order == pytest.approx(2)
     assert sequence.summary()["levels"] == "2 of 4"
+    assert sequence.summary()["between levels"] == "2.00 (1.71) (-0.00)"
+
+
+def test_levels_before_the_asymptotic_range_are_left_out_of_orders() -> None:
+    sequence = Sequence("h", "value", 2.0, exact=0.0, coarsest=0.3)
+    for size in SIZES:
+        sequence.add(size, size**2 if size <= 0.3 else 1.0)
+    assert sequence.errors[-1] == pytest.approx(0.01)  # of what should be zero, the error is the value
+    assert (sequence.order, sequence.last_order) == pytest.approx((2, 2))
+    assert sequence.summary()["levels"] == "3 of 4"
+
+
+@pytest.mark.parametrize(
+    ("errors", "verdict"),
+    [
+        (SIZES**2, "yes"),
+        (SIZES**2.2, "no"),
+        (SIZES**2 * (1 - SIZES), "no: still approaching"),
+        (SIZES**2 - 0.05, "no: the error changes sign"),
+        (np.array([1.0, 0.0, 0.0, 0.0]), "too few levels above the floor"),
+        # fitted well by chance, while the last levels are off
+        (np.array([0.5**2, 0.3**2, 0.2**2, 0.9 * 0.1**2]), "no"),
+    ],
+)
+def test_verdicts_on_orders(errors: np.ndarray, verdict: str) -> None:
+    sequence = Sequence("h", "value", 2.0, exact=1.0)
+    for size, error in zip(SIZES, errors, strict=True):
+        sequence.add(size, 1 + error)
+    assert sequence.verdict == verdict
+    assert verdicts([sequence]).startswith("1 of 1" if verdict == "yes" else "0 of 1")
+    assert Sequence("h", "no theory", exact=1.0, sizes=SIZES, values=1 + errors).verdict == ""
 
 
 def test_rows_are_on_disk_at_once_and_kept_on_interruption(tmp_path: Path) -> None:
@@ -70,16 +108,73 @@ def test_rows_are_on_disk_at_once_and_kept_on_interruption(tmp_path: Path) -> No
         table.add(a=1, b="x")
         assert rows(tmp_path / "t.csv") == [{"a": "1", "b": "x"}]
         raise KeyboardInterrupt
-    assert "INTERRUPTED" in conclusions[0]
+    assert conclusions == [INTERRUPTED]
+
+
+@pytest.mark.parametrize("calls", [1, 2])
+@pytest.mark.parametrize("study", [convergence, truncation, refinement, extremes, march], ids=lambda study: study.__name__)
+def test_a_study_stopped_early_keeps_its_tables(study: Any, calls: int, tmp_path: Path) -> None:
+    left = iter(range(calls - 1))
+
+    def stop(_: str) -> None:
+        if next(left, None) is None and not stopped:
+            stopped.append(True)
+            raise KeyboardInterrupt
+
+    stopped: list[bool] = []
+    lines = study.conduct(Scene.load("five_rings"), tmp_path, argparse.Namespace(quick=True, mesh=None), stop)
+    assert INTERRUPTED in lines
+    assert len(list(tmp_path.glob("*.csv"))) >= 1
+    assert INTERRUPTED in next(tmp_path.glob("*.md")).read_text("utf-8")
+
+
+WAITING = """
+import sys, time
+from studies import study
+from studies.cli import main
+from studies.levels import Table, keeping_rows
+
+def conduct(scene, out, options, report):
+    table, conclusions = Table(out / "rows.csv", ("a",)), []
+    with keeping_rows(conclusions):
+        table.add(a=1)
+        print("waiting", flush=True)
+        time.sleep(60)
+    return conclusions
+
+study.Study.conduct = property(lambda _: conduct)
+sys.exit(main(["study", "march", "--out", sys.argv[1]]))
+"""
+
+
+def test_ctrl_c_in_a_study_keeps_rows_and_says_so_by_its_exit_status(tmp_path: Path) -> None:
+    arguments = [sys.executable, "-c", WAITING, str(tmp_path)]
+    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[1]) as process:
+        assert process.stdout
+        assert process.stdout.readline() == "waiting\n"
+        process.send_signal(signal.SIGINT)
+        printed, _ = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert INTERRUPTED in printed
+    assert rows(tmp_path / "rows.csv") == [{"a": "1"}]
+
+
+def test_ctrl_c_outside_of_a_studys_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stop(*_: Any, **__: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(march, "mdr_space", stop)
+    assert main(["study", "march", "--quick", "--out", str(tmp_path)]) == 130
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_level_that_fails_is_a_row(tmp_path: Path) -> None:
-    recorder = Recorder(Table(tmp_path / "t.csv", LEVEL_FIELDS), {}, {}, silent)
+    recorder = Recorder(Table(tmp_path / "t.csv", LEVEL_FIELDS), {}, silent)
 
     def fails() -> tuple[dict[str, float], int]:
         raise SolverError("singular")
 
-    recorder.level("h", 0.1, {}, fails, 0.0)
+    recorder.level("h", 0.1, {}, fails, {})
     assert rows(tmp_path / "t.csv")[0]["remark"] == "failed: singular"
 
 
@@ -88,7 +183,7 @@ def test_subdivision(count: int) -> None:
     from meshes import bisection
 
     base = bisection.mesh(SizeField((0.0, 0.4, 1.0), 1e-5, 1e-4, 0.8, 20.0))
-    fine = convergence.subdivided(base, count, np.array([0.4, 1.0]))
+    fine = subdivided(base, count, np.array([0.4, 1.0]))
     assert len(fine.triangles) == count**2 * len(base.triangles)
     # points put on the arc cost the triangles beside it some of their shape
     assert fine.quality.min() > 0.7 * base.quality.min()
@@ -99,21 +194,28 @@ def test_subdivision(count: int) -> None:
 
 
 def test_convergence(tmp_path: Path) -> None:
-    conducted(convergence, tmp_path)
-    order = {(r["refined"], r["quantity"]): float(r["least squares"]) for r in rows(tmp_path / "orders.csv")}
+    lines = conducted(convergence, tmp_path)
+    orders = rows(tmp_path / "orders.csv")
+    assert {row[VERDICT] for row in orders} == {"yes"}
+    expected = {(row["refined"], row["quantity"]): float(row["expected order"]) for row in orders}
     for degree, theory in ((2, 4), (3, 6), (4, 8)):
-        assert order[f"FEM P{degree}, graded", "d0"] == pytest.approx(theory, abs=0.2)
-        assert order[f"FEM P{degree}, uniform", "d0"] == pytest.approx(1, abs=0.2)
-    assert order["MDR degree 1, graded", "d0"] == pytest.approx(5, abs=0.3)
-    assert order["MDR degree 1, graded", "slowest relaxation time"] == pytest.approx(4, abs=0.3)
+        assert expected[f"FEM P{degree}, graded", "d0"] == theory
+        assert expected[f"FEM P{degree}, uniform", "d0"] == 1
+    for degree in (1, 2):
+        assert expected[f"MDR degree {degree}, graded", "d0"] == 2 * degree + 3
+    assert f"{len(orders)} of {len(orders)} orders are within 0.15 of theory" in lines[1]
 
 
 def test_truncation(tmp_path: Path) -> None:
-    conducted(truncation, tmp_path)
-    found = {r["far field"]: r["least squares"] for r in rows(tmp_path / "orders.csv") if r["nu"] == "0.3"}
-    assert float(found["fixed"]) == pytest.approx(1, abs=0.1)
-    assert float(found["1 pole"]) == pytest.approx(5, abs=0.3)
-    assert float(found["2 poles"]) == pytest.approx(9, abs=0.6)
+    lines = conducted(truncation, tmp_path)
+    orders = rows(tmp_path / "orders.csv")
+    assert {row[VERDICT] for row in orders} == {"yes"}
+    assert {(row["shape"], row["far field"]): float(row["expected order"]) for row in orders} == {
+        (shape, far_field): order
+        for shape in ("disc", "box")
+        for far_field, order in {"fixed": 1, "1 pole": 5, "2 poles": 9, "3 poles": 13}.items()
+    }
+    assert "A box of half-width R against a quarter disc of radius R = 4 a" in lines[2]
 
 
 def test_march(tmp_path: Path) -> None:

@@ -1,0 +1,61 @@
+"""What a method hands up for a scene: its compliance, and the coarser twins that its error is estimated from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from meshes.compliance import Compliance
+
+if TYPE_CHECKING:
+    from fem.compliance import HalfSpace
+
+
+@dataclass(frozen=True, eq=False)
+class Twin:
+    """A pair whose difference estimates one part of the error.
+
+    Parameters
+    ----------
+    part : what differs
+    finer, coarser : the pair
+    share : how much of the difference is counted for indentations, which converge twice as fast
+    field_share : the same for everything else
+    """
+
+    part: str
+    finer: Compliance
+    coarser: Compliance
+    share: float
+    field_share: float
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A method made ready for a scene.
+
+    Parameters
+    ----------
+    compliance : on the method's own pressure space
+    twins : for the error estimate
+    unknowns : size of the system behind the compliance
+    settings : the sizes chosen, for the summary
+    half_space : the finite-element half-space, if there is one
+    other_mesh : whether a twin has another mesh, too, and so tells what projections on the pressure space lose
+    notes : remarks for the summary, such as a mesher replaced
+    """
+
+    compliance: Compliance
+    twins: tuple[Twin, ...]
+    unknowns: int
+    settings: dict[str, object]
+    half_space: HalfSpace | None = None
+    other_mesh: bool = False
+    notes: tuple[str, ...] = ()
+
+    @property
+    def rim_size(self) -> float:
+        """Size of the element at the rim."""
+        return float(np.diff(self.compliance.space.breakpoints)[-1])

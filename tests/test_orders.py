@@ -1,0 +1,176 @@
+"""Orders that the studies state, each with an absolute cap, and what stands behind them: plane waves, exact exteriors."""
+
+from __future__ import annotations
+
+import itertools
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.special import spherical_jn
+
+from fem.far_field import exterior_stiffness, pole
+from meshes.half_space import HalfSpaceMesh, SizeField
+from meshes.radial import Array
+from studies.convergence import (
+    FLAT,
+    PUNCH_GRADINGS,
+    PUNCH_SIZES,
+    SMOOTH,
+    TRUNCATION,
+    UNIFORM_SIZES,
+    UNIFORM_TRUNCATION,
+    punch_by_elements,
+    punch_by_mdr,
+    smooth_by_mdr,
+)
+from studies.levels import WITHIN, Sequence
+from studies.subdivision import CORE, base_mesh, boxed, coarse_field, layered
+from studies.truncation import FAR_FIELDS, SHAPES, indentations
+
+
+def sequence(sizes: Array, errors: Array) -> Sequence:
+    return Sequence("", "", exact=0.0, sizes=np.asarray(sizes), values=np.asarray(errors))
+
+
+def assert_order(sizes: Array, errors: Array, expected: float, cap: float) -> None:
+    """By least squares and between the last levels, as the tables of the studies have it."""
+    found = sequence(sizes, errors)
+    assert found.order == pytest.approx(expected, abs=WITHIN)
+    assert found.last_order == pytest.approx(expected, abs=WITHIN)
+    assert found.errors[-1] <= cap
+
+
+def lost_of_a_wave(degree: int, wave: float) -> float:
+    """Share of the energy, of symbol 1/|k|, of ``exp(ikx)`` that continuous polynomials on unit elements lose."""
+    aliases = wave + 2 * np.pi * np.arange(-400, 401)
+    # Legendre polynomials on an element in Fourier space, and from them hats and bubbles
+    bessel = [spherical_jn(n, np.abs(aliases) / 2) * np.sign(aliases) ** n for n in range(degree + 1)]
+    legendre = [np.exp(-0.5j * aliases) * (-1j) ** n * values for n, values in enumerate(bessel)]
+    hat = (legendre[0] + legendre[1] + (legendre[0] - legendre[1]) * np.exp(-1j * aliases)) / 2
+    basis = np.array([hat, *(legendre[n] - legendre[n - 2] for n in range(2, degree + 1))])
+    gram, load = (basis / np.abs(aliases)) @ basis.conj().T, basis[:, 400] / wave
+    return float(1 - wave * np.vdot(load, np.linalg.solve(gram, load)).real)
+
+
+@pytest.mark.parametrize(("degree", "observed"), [(1, 5.34), (2, 6.60), (3, 9.21), (4, 10.77)])
+def test_order_of_a_compliance_by_fourier_analysis(degree: int, observed: float) -> None:
+    """Twice the degree and 3: even degrees come up to it as waves get long, odd ones down."""
+    waves = np.array([0.8, 0.6]) if degree > 2 else np.array([0.8, 0.6, 0.3, 0.2])
+    found = sequence(waves, np.array([lost_of_a_wave(degree, wave) for wave in waves]))
+    orders = np.diff(np.log(found.errors)) / np.diff(np.log(waves))
+    assert orders[0] == pytest.approx(observed, abs=0.01)
+    theory = 2 * degree + 3
+    assert np.sign(observed - theory) == (-1) ** (degree + 1)
+    if degree <= 2:
+        assert orders[-1] == pytest.approx(theory, abs=0.1)
+
+
+@pytest.mark.parametrize(("degree", "cap"), [(1, 1e-10), (2, 4e-14), (3, 3e-19), (4, 3e-23)])
+def test_energy_of_a_smooth_pressure_by_mdr(degree: int, cap: float) -> None:
+    errors = [smooth_by_mdr(degree, count)[0].popitem()[1] for count in SMOOTH]
+    assert_order(1 / np.array(SMOOTH), np.array(errors), 2 * degree + 3, cap)
+
+
+@pytest.mark.parametrize(("degree", "cap"), [(1, 2e-8), (2, 2e-12), (3, 5e-11), (4, 2e-13)])
+def test_indentation_by_mdr_on_meshes_graded_to_the_rim(degree: int, cap: float) -> None:
+    """Degree 4 is on its way to 11 when roundoff ends it."""
+    roots = np.sqrt(PUNCH_GRADINGS[degree])
+    errors = np.array([punch_by_mdr(degree, grading)[0]["d0"] / 0.5 - 1 for grading in PUNCH_GRADINGS[degree]])
+    assert errors.min() > 0
+    sizes = (1 - roots) / (1 + roots)
+    if degree < 4:
+        assert_order(sizes, errors, 2 * degree + 3, cap)
+    else:
+        orders = np.diff(np.log(errors)) / np.diff(np.log(sizes))
+        assert 10.5 < orders[0] < orders[1] < orders[2] < 11
+        assert errors[-1] <= cap
+
+
+@cache
+def punch_base(graded: bool) -> HalfSpaceMesh:
+    sizes, outer = (PUNCH_SIZES, TRUNCATION) if graded else (UNIFORM_SIZES, UNIFORM_TRUNCATION)
+    return base_mesh(coarse_field(FLAT, sizes, outer))
+
+
+@pytest.mark.parametrize(
+    ("degree", "graded", "counts", "cap"),
+    [
+        (2, True, (2, 3, 4, 6), 6e-6),
+        (3, True, (2, 3, 4), 7e-8),
+        (4, True, (1, 2, 3), 2e-9),
+        (2, False, (3, 4, 6, 8), 5e-4),
+        (3, False, (2, 3, 4), 3e-3),
+        (4, False, (2, 3, 4), 8e-4),
+    ],
+)
+def test_indentation_by_subdivided_elements(degree: int, graded: bool, counts: tuple[int, ...], cap: float) -> None:
+    tips = FLAT[1:] if graded else FLAT[:0]
+    values = [punch_by_elements(punch_base(graded), tips, degree, 0.3, count)[0]["d0"] for count in counts]
+    assert_order(1 / np.array(counts), np.abs(np.array(values) / 0.5 - 1), 2 * degree if graded else 1, cap)
+
+
+@cache
+def cores() -> HalfSpaceMesh:
+    return base_mesh(SizeField((0.0, 1.0), 1e-5, 1e-5, 0.35, CORE))
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_truncation_by_every_far_field(shape: str, ratio: float) -> None:
+    """From R = 4 a on, against six poles on the same mesh."""
+    meshes = [layered(cores(), count) for count in (4, 5, 6, 7)]
+    found = np.array([indentations(SHAPES[shape](mesh), ratio)[0] for mesh in meshes])
+    sizes = 1 / np.array([mesh.truncation for mesh in meshes])
+    caps = {"fixed": 0.3, "1 pole": 7e-5, "2 poles": 3e-8, "3 poles": 2e-11}
+    for column, (name, expected) in enumerate(FAR_FIELDS.items()):
+        assert_order(sizes, np.abs(found[:, column] / found[:, -1] - 1), expected, caps[name])
+    # a box holds the disc that it is around
+    assert SHAPES[shape](meshes[0]).truncation == pytest.approx(4)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 5])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_layers_and_boxes_are_valid_meshes(shape: str, count: int) -> None:
+    disc = layered(cores(), count)
+    mesh = SHAPES[shape](disc)
+    assert mesh.areas.min() > 0
+    assert mesh.quality.min() > 0.15
+    area = 1.0 if shape == "box" else np.pi / 4
+    assert mesh.areas.sum() == pytest.approx(area * disc.truncation**2, rel=0.02 if count == 0 else 5e-3)
+    np.testing.assert_array_equal(mesh.contact_radii, disc.contact_radii)
+    far = mesh.points[np.unique(mesh.boundaries["far"])]
+    distance = far.max(axis=1) if shape == "box" else np.hypot(*far.T)
+    np.testing.assert_allclose(distance, disc.truncation, rtol=1e-12)
+
+
+def test_a_box_leaves_what_is_near_the_contact_alone() -> None:
+    disc = layered(cores(), 3)
+    near = np.hypot(*disc.points.T) <= 1.4
+    np.testing.assert_allclose(boxed(disc).points[near], disc.points[near], rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.3, 0.5])
+def test_exterior_energy_of_a_box_is_that_of_a_disc_without_what_lies_between(ratio: float) -> None:
+    """The energy density of the poles themselves, integrated from the arc to the square."""
+    orders, shear = (0, 2, 4), 0.7
+    angles = np.linspace(0, np.pi / 2, 200 + 1)
+    arc = 3.0 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    box = np.array([[3.0, 0.0], [3.0, 1.3], [3.0, 3.0], [0.8, 3.0], [0.0, 3.0]])
+    outside = [exterior_stiffness(np.stack([p[:-1], p[1:]], axis=1), orders, ratio, shear) for p in (arc, box)]
+    node, weight = np.polynomial.legendre.leggauss(24)
+    between = np.zeros((3, 3))
+    for low, high in itertools.pairwise(angles):
+        turn = (low + high) / 2 + (high - low) / 2 * node
+        # the side of the polygon, and the square
+        inner = 3.0 * np.cos((high - low) / 2) / np.cos(turn - (low + high) / 2)
+        outer = 3.0 / np.maximum(np.cos(turn), np.sin(turn))
+        rho = (inner + outer)[:, None] / 2 + (outer - inner)[:, None] / 2 * node
+        points = np.stack([rho * np.cos(turn)[:, None], rho * np.sin(turn)[:, None]], axis=-1).reshape(-1, 2)
+        weights = np.outer(weight * (high - low) / 2 * (outer - inner) / 2, weight).ravel()
+        stress = np.array([pole(points, order, ratio, shear)[1] for order in orders])
+        trace = stress[..., [0, 1, 3]].sum(axis=-1)
+        volume = 2 * np.pi * points[:, 0] * rho.ravel() * weights
+        squares = np.einsum("ipc,jpc,c,p->ij", stress, stress, [1, 1, 2, 1], volume)
+        between += (squares - ratio / (1 + ratio) * np.einsum("ip,jp,p->ij", trace, trace, volume)) / (2 * shear)
+    np.testing.assert_allclose(outside[0] - outside[1], between, rtol=1e-9, atol=1e-12)
