@@ -34,6 +34,7 @@ from .solid import Solid
 # reached within a few facets of a ring edge or the rim, where a low degree is as accurate and more stable
 MULTIPLIER_DEGREE = {2: 1, 3: 2, 4: 3}
 RISE = 0.5
+COLUMNS_AT_ONCE = 256
 
 
 def pressure_space(mesh: HalfSpaceMesh, edges: Array, degree: int) -> PressureSpace:
@@ -135,7 +136,13 @@ class HalfSpace:
         The rows of the factor belong to contact nodes, then to poles: without its last row it is the compliance of
         the same half-space with one pole less.
         """
-        return Compliance(self.space, solve_triangular(self._factor, self.coupling, lower=True))
+        factor = np.zeros_like(self.coupling)
+        # both run along the radius: a pressure has nothing to do with contact nodes closer to the axis
+        for start in range(0, self.space.size, COLUMNS_AT_ONCE):
+            columns = slice(start, start + COLUMNS_AT_ONCE)
+            rows = slice(np.flatnonzero(self.coupling[:, columns].any(axis=1))[0], None)
+            factor[rows, columns] = solve_triangular(self._factor[rows, rows], self.coupling[rows, columns], lower=True)
+        return Compliance(self.space, factor)
 
     @cached_property
     def _factor(self) -> Array:

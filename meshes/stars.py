@@ -219,7 +219,7 @@ def _sizes(gmsh: Any, outlines: Indices, half_widths: Array, growth: float, trun
     fields = gmsh.model.mesh.field
     largest = truncation / 2.5
     # in few distinct values, which is what a mesher digests
-    rounded = 2.0 ** np.round(np.log2(half_widths))
+    rounded = 2.0 ** (np.ceil(4 * np.log2(half_widths)) / 4)
     ramps = []
     for size in np.unique(rounded):
         distance, threshold = fields.add("Distance"), fields.add("Threshold")

@@ -1,7 +1,7 @@
 """The command line: `ringwear run | plan | mesh | scenes`.
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree, or one cannot reach
-the accuracy asked for; 2 bad input; 130 a study was stopped by Ctrl-C, its finished rows are kept; 1 anything else.
+the accuracy asked for; 2 bad input; 1 anything else, and when stopped by Ctrl-C (the finished rows of a study are kept).
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
-STOPPED = 130  # as shells say of a process that Ctrl-C ended
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -36,7 +35,7 @@ def main(arguments: list[str] | None = None) -> int:
         return FAILED
     except KeyboardInterrupt:
         print("ringwear: stopped; nothing half-written was left", file=sys.stderr)
-        return STOPPED if options.command is _study else FAILED
+        return FAILED
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -198,7 +197,7 @@ def _study(options: argparse.Namespace) -> int:
         written = sorted(file.name for file in hidden.iterdir())
     print("\n".join(conclusions))
     print(f"{len(written)} files in {out}: {', '.join(written)}")
-    return STOPPED if INTERRUPTED in conclusions else DONE
+    return FAILED if INTERRUPTED in conclusions else DONE
 
 
 def _scenes(_: argparse.Namespace) -> int:

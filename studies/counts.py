@@ -72,7 +72,7 @@ def _facets(field: Callable[[Array], Array], start: float, stop: float) -> float
 def _between_stars(points: Array, centres: Array, half_widths: Array, truncation: float) -> Array:
     """Sizes of the triangles between the stars."""
     size = np.full(len(points), truncation / 2.5)
-    rounded = 2.0 ** np.round(np.log2(half_widths))
+    rounded = 2.0 ** (np.ceil(4 * np.log2(half_widths)) / 4)
     for smallest in np.unique(rounded):
         singular = np.stack([centres[rounded == smallest], np.zeros((rounded == smallest).sum())], axis=1)
         distance = np.maximum(cKDTree(singular).query(points)[0] - smallest, 0.0)

@@ -19,7 +19,7 @@ from mdr.paper import PaperGrid
 from meshes.errors import RingwearError
 from meshes.radial import Array
 
-from .levels import Sequence, Table, draw_orders, keeping_rows, legend_below, new_figure, style, write_markdown
+from .levels import VERDICT, Sequence, Table, draw_orders, keeping_rows, legend_below, new_figure, style, write_markdown
 from .methods import mdr_space
 from .natural import NaturalScene
 from .scene import Scene
@@ -36,7 +36,9 @@ WITHIN = 0.004
 SHOWN = 100  # springs of the grid whose unstable march is drawn
 SHOWN_STEPS = (0.5, 1.06, 1.15)  # over the limit
 FIELDS = ("march", "step", "steps", "d_error", "profile_error", "remark")
-ORDER_FIELDS = ("refined", "quantity", "expected order", "least squares", "between levels", "finest error")
+ORDER_FIELDS = (
+    "refined", "quantity", "expected order", "least squares", "last levels", VERDICT, "between levels", "finest error",
+)  # fmt: skip
 LIMIT_FIELDS = ("march", "unknowns", "theory", "limit by theory", "limit by bisection", "found over theory")
 
 

@@ -32,13 +32,17 @@ def mdr_settings(natural: NaturalScene) -> dict[str, float]:
     }
 
 
-def mdr_space(natural: NaturalScene, degree: float, rim_size: float, ring_size: float, grading: float) -> PressureSpace:
-    """A graded space whose degrees rise away from the singular points."""
+def mdr_space(
+    natural: NaturalScene, degree: float, rim_size: float, ring_size: float, grading: float, widest: float = 0.1
+) -> PressureSpace:
+    """A graded space whose degrees rise away from the singular points.
+
+    A ring narrower than the sizes still gets a layer at each of its edges: none is wider than `widest` of the ring.
+    """
     edges, _ = natural.phases
-    # a ring narrower than the sizes still gets a layer at each of its edges
     widths = np.diff(edges)
-    at_edges = np.minimum(ring_size, 0.1 * np.minimum(widths[:-1], widths[1:]))
-    breakpoints = graded_breakpoints(edges, at_edges, min(rim_size, 0.1 * float(widths[-1])), grading)
+    at_edges = np.minimum(ring_size, widest * np.minimum(widths[:-1], widths[1:]))
+    breakpoints = graded_breakpoints(edges, at_edges, min(rim_size, widest * float(widths[-1])), grading)
     degrees = layer_degrees(breakpoints, edges, int(degree), rise=1, lowest=int(max(1, degree - 5)))
     return PressureSpace(breakpoints, degrees, edges)
 
@@ -64,7 +68,8 @@ def radial_model(method: str, natural: NaturalScene, stages: Stages, twins: bool
             layer = settings["grading"]
             coarser = {"degree": max(1, settings["degree"] - 1), "grading": layer}
             coarser |= {name: min(settings[name] / layer, 0.5) for name in ("rim_size", "ring_size")}
-            twin = mdr_space(natural, **coarser)
+            # also where the ring's width, not the size asked for, set the layer
+            twin = mdr_space(natural, **coarser, widest=min(0.1 / layer, 0.5))
             if settings["degree"] > 2 and len(twin.breakpoints) < len(fine.space.breakpoints):
                 made.append(Twin("pressure space", fine, compliance(twin), 0.3, 2.0))
             else:

@@ -152,6 +152,8 @@ def _squared_singular(factor: Array, gentle: bool) -> tuple[Array, Array]:
     """Squared singular values, greatest first, and right singular vectors of a tall matrix."""
     if gentle:
         values, vectors = eigh(factor.T @ factor, driver="evd", overwrite_a=True, check_finite=False)
-        return values[::-1], vectors[:, ::-1]
+        # else roundoff of the slowest has taken the fastest
+        if values[0] > 0:
+            return values[::-1], vectors[:, ::-1]
     _, singular, right = svd(factor, full_matrices=False, check_finite=False)
     return singular**2, right.T

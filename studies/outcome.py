@@ -192,8 +192,9 @@ def estimated(natural: NaturalScene, model: Model) -> tuple[Outcome, Outcome, di
             name: relative_difference(name, getattr(coarser.outcome, name), getattr(finer.outcome, name)) for name in errors
         }
         for name, difference in differences.items():
-            # slopes of the steady state have an estimate of their own below: of twins, half counts
-            share = {"indentation": twin.share, "steady_rms_slope": 0.5 * twin.field_share}.get(name, twin.field_share)
+            # of twins on the same mesh half counts for slopes of the steady state, which have an estimate of their own below
+            of_slope = twin.field_share if model.other_mesh else 0.5 * twin.field_share
+            share = {"indentation": twin.share, "steady_rms_slope": of_slope}.get(name, twin.field_share)
             # of modes, each may know another number
             known = tuple(slice(0, min(sizes)) for sizes in zip(difference.shape, errors[name].shape, strict=True))
             errors[name][known] += share * _over_neighbours(name, difference[known])

@@ -86,6 +86,23 @@ def test_a_quick_cell_of_each_family_and_method_is_judged(tmp_path: Path) -> Non
     assert conclude(rows)[0].startswith(f"{len(rows)} cells")
 
 
+@pytest.mark.parametrize(
+    ("family", "x", "y"),
+    [
+        # the layer of these is set by the width of the ring, not by the size asked for
+        *(("rim_size/a × degree", 0.5, degree) for degree in (8, 12, 16)),
+        *(("ring_size/a × degree", 0.5, degree) for degree in (4, 12, 16)),
+        ("h2/h1 × k2/k1", 0.01, 1e-8),
+        # relaxation times span more than the digits of an eigenvalue
+        ("ring width/a × k2/k1", 1e-9, 1e8),
+    ],
+)
+def test_estimates_hold_where_rings_limit_the_mesh(family: str, x: float, y: float) -> None:
+    (cell,) = (c for c in all_cells(FIVE, False) if (c.family, c.method, c.x, c.y) == (family, "mdr", x, y))
+    row = Judge().row(cell)
+    assert row["error"] <= row["estimate"]
+
+
 def test_refusals_and_crashes_are_told_apart(monkeypatch: pytest.MonkeyPatch) -> None:
     cell = next(iter(all_cells(FIVE, True)))
 
