@@ -133,7 +133,7 @@ def _assembled(points: Array, quadrilaterals: Indices, layer: Indices, triangles
     quadrilaterals = numbers[: quadrilaterals.size].reshape(-1, 4)
     triangles = numbers[quadrilaterals.size :].reshape(-1, 3)
     halves = quadrilaterals[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
-    whole = assemble(points[used], np.concatenate([halves, triangles]), edges, "gmsh")
+    whole = assemble(points[used], np.concatenate([halves, triangles]), edges, "stars")
     made = StarMesh(whole.points, quadrilaterals, whole.triangles[len(halves) :], layer, whole.boundaries, whole.mesher)
     if made.quality.min() < LOWEST_QUALITY:
         raise MeshError(f"a quadrilateral is degenerate (quality {made.quality.min():.1e}): ask for a milder grading")

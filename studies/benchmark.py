@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.sparse import tril
@@ -21,14 +21,16 @@ from threadpoolctl import threadpool_limits
 from meshes.compliance import Compliance
 from meshes.radial import Array
 
-from .fem_model import fem_model
+from .fem_model import discretised, fem_model, half_space_mesh
 from .methods import mdr_model
 from .model import Model
 from .natural import NaturalScene
 from .scene import Scene
 from .stages import Report, Stages
-from .triangles import size_field
 from .wear import Wear
+
+if TYPE_CHECKING:
+    from fem.compliance import HalfSpace
 
 FIELDS = ("case", "unknowns", "seconds", "error", "remark")
 Row = dict[str, Any]
@@ -39,7 +41,7 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace, report: Report
     repeats = 1 if options.quick else 5
     rows: list[Row] = []
     with threadpool_limits(1):
-        for part in (histories, output_times, fem_stages, growth, plain_finite_elements):
+        for part in (histories, output_times, fem_stages, many_rings, growth, plain_finite_elements):
             report(f"bench {part.__name__.replace('_', ' ')} ...")
             rows += part(scene, repeats, bool(options.quick))
     with (out / "benchmark.csv").open("w", newline="") as file:
@@ -139,45 +141,63 @@ def output_times(scene: Scene, repeats: int, _quick: bool) -> list[Row]:
 
 def fem_stages(scene: Scene, repeats: int, quick: bool) -> list[Row]:
     """The finite-element history stage by stage, against one bare factorisation of the same matrix and one mesh."""
-    from fem.compliance import MULTIPLIER_DEGREE, HalfSpace, pressure_space
-    from fem.condensation import solver
-    from fem.elasticity import AxisymmetricElasticity
-    from meshes import gmsh_mesher
-
     rows = []
-    for rtol in (1e-4,) if quick else (1e-4, 1e-5, 1e-6):
-        natural = scene.changed(accuracy__rtol=rtol).natural
-        field, (edges, wear) = size_field(natural), natural.phases
-        mesh = gmsh_mesher.mesh(field)
-        nu = scene.half_space.poisson_ratio
+    for mesher in ("stars", "gmsh"):
+        for rtol in (1e-4,) if quick else (1e-4, 1e-5, 1e-6):
+            changed = scene.changed(methods=["fem"], accuracy__rtol=rtol, accuracy__fem__mesher=mesher)
+            rows += _stages_of(f"fem {mesher} rtol {rtol:g}", changed.natural, repeats)
+    return rows
 
-        def half_space(mesh: Any = mesh, edges: Array = edges, nu: float = nu) -> HalfSpace:
-            made = HalfSpace(AxisymmetricElasticity(mesh, 4, nu), pressure_space(mesh, edges, MULTIPLIER_DEGREE[4]))
-            _ = made.lower_triangle
-            return made
 
-        made = half_space()
-        compliance = made.compliance()
-        seconds = {
-            "mesh": best(partial(gmsh_mesher.mesh, field), repeats),
-            "assembly": best(half_space, repeats),
-            "modes": best(partial(_modes, compliance, wear), repeats),
-        }
-        # the factor is kept with the half-space: only a new one is condensed anew
-        seconds["condensation"] = best(partial(_condensed, half_space), repeats) - seconds["assembly"]
-        bare = best(partial(bare_factorisation, made.system), repeats)
-        total = sum(seconds.values())
-        times = np.geomspace(0.01, 20, 12)
-        error = float(
-            np.abs(Wear(compliance, wear).modal(times).indentation / reference_indentation(natural, times) - 1).max()
-        )
-        name = f"fem rtol {rtol:g}, "
-        rows += [_row(name + stage, made.unknowns, value) for stage, value in seconds.items()]
-        rows.append(_row(name + f"bare factorisation ({solver()})", made.unknowns, bare))
-        ratio = total / (4 * bare + seconds["mesh"])
-        rows.append(
-            _row(name + "whole history", made.unknowns, total, error, f"{ratio:.2f} x (4 bare factorisations + 1 mesh)")
-        )
+def _stages_of(name: str, natural: NaturalScene, repeats: int) -> list[Row]:
+    from fem.condensation import solver
+
+    poles = tuple(range(0, 2 * natural.scene.accuracy.fem.poles, 2))
+    mesh, _ = half_space_mesh(natural)
+    wear = natural.phases[1]
+
+    def assembled() -> HalfSpace:
+        made = discretised(natural, mesh, poles)
+        _ = made.lower_triangle
+        return made
+
+    made = assembled()
+    compliance = made.compliance()
+    seconds = {
+        "mesh": best(partial(half_space_mesh, natural), repeats),
+        "assembly": best(assembled, repeats),
+        "modes": best(partial(_modes, compliance, wear), repeats),
+    }
+    # the factor is kept with the half-space: only a new one is condensed anew
+    seconds["condensation"] = best(partial(_condensed, assembled), repeats) - seconds["assembly"]
+    bare = best(partial(bare_factorisation, made.system), repeats)
+    total = sum(seconds.values())
+    times = np.geomspace(0.01, 20, 12)
+    found = Wear(compliance, wear).modal(times).indentation
+    error = float(np.abs(found / reference_indentation(natural, times) - 1).max())
+    ratio = f"{total / (4 * bare + seconds['mesh']):.2f} x (4 bare factorisations + 1 mesh)"
+    return [
+        *(_row(f"{name}, {stage}", made.unknowns, value) for stage, value in seconds.items()),
+        _row(f"{name}, bare factorisation ({solver()})", made.unknowns, bare),
+        _row(f"{name}, whole history", made.unknowns, total, error, ratio),
+    ]
+
+
+def many_rings(scene: Scene, repeats: int, quick: bool) -> list[Row]:
+    """Many rings against the scene's own few, at the same accuracy."""
+    rows: list[Row] = []
+    for rings in (5, 64) if quick else (5, 64, 256):
+        punch = {"radius": 1.0, "rings": rings, "wear_coefficients": [1.0, 10.0]}
+        natural = scene.changed(methods=["fem"], accuracy__rtol=1e-4, punch=punch).natural
+
+        def history(natural: NaturalScene = natural) -> Model:
+            model = fem_model(natural, silent_stages(), twins=False)
+            _ = Wear(model.compliance, natural.phases[1], natural.earliest).modal(natural.times)
+            return model
+
+        seconds = best(history, repeats if rings < 100 else 1)
+        remark = f"{seconds / rows[0]['seconds']:.0f} x the cost of {rows[0]['case']}" if rows else ""
+        rows.append(_row(f"{rings} rings, rtol 1e-4", history().unknowns, seconds, remark=remark))
     return rows
 
 

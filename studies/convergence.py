@@ -8,6 +8,11 @@ is half an order weaker than the mean square: d0 is of order 2q+3, a history wit
 gradient of order 2q. Even degrees come up to 2q+3, odd ones down: plane waves ``exp(ikx)`` at kh = 0.7 give 5.34, 6.60,
 9.21, 10.77 (Fourier analysis, in the tests). Under a smooth pressure twelve elements see the limit; graded to the rim,
 degree 4 meets roundoff before.
+
+On stars, whose shells shrink by ``q``, the degree k itself is raised (hp). A shell ends one shell off the singular point:
+polynomials converge there as ``r^k`` with ``r = (1-sqrt q)/(1+sqrt q)``, by Bernstein's ellipse (Gui & Babuška 1986), and
+energies as ``r^2k``: a factor of 9 per degree for q = 1/4. Shells further in have lower degrees, but ever less energy.
+Powers of k make the factor greater at first, and so do the triangles between the stars.
 """
 
 from __future__ import annotations
@@ -16,19 +21,15 @@ import argparse
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from mdr import direct
-from mdr.compliance import compliance as mdr_compliance
-from meshes.compliance import Compliance
 from meshes.errors import RingwearError
 from meshes.half_space import HalfSpaceMesh
-from meshes.pressure_space import PressureSpace
-from meshes.radial import Array, graded_breakpoints
+from meshes.radial import Array
 
-from .contact import flat_start
 from .levels import (
     VERDICT,
     Sequence,
@@ -41,38 +42,52 @@ from .levels import (
     verdicts,
     write_markdown,
 )
-from .methods import edge_weight
-from .natural import NaturalScene
+from .quantities import (
+    FLAT,
+    RING_EDGE,
+    SMOOTH_QUANTITY,
+    TRUNCATION,
+    Level,
+    Quantities,
+    core_size,
+    punch_by_elements,
+    punch_by_mdr,
+    punch_by_stars,
+    smooth_by_mdr,
+)
 from .scene import Scene
 from .stages import Report
-from .subdivision import base_mesh, coarse_field, condensed, subdivided
-from .wear import Wear
+from .stars import GRADING
+from .subdivision import base_mesh, coarse_field
 
-FLAT = np.array([0.0, 1.0])
-TRUNCATION, UNIFORM_TRUNCATION = 1e4, 4.0
+UNIFORM_TRUNCATION = 4.0
 # sizes of the base meshes: rim, ring edges, growth
 PUNCH_SIZES, RING_SIZES, UNIFORM_SIZES = (4e-9, 4e-9, 0.7), (1e-7, 1e-7, 0.7), (0.35, 0.35, 0.0)
-TIME = 1.0  # of the history, in natural units
 # subdivisions by degree: of the homogeneous punch, of the same on a uniform mesh, of the scene's rings
 PUNCH = {2: (2, 3, 4, 6, 8), 3: (2, 3, 4, 5), 4: (1, 2, 3, 4)}
 UNIFORM = {2: (3, 4, 6, 8, 12), 3: (2, 3, 4, 6), 4: (2, 3, 4)}
 RINGS = {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}
 QUICK_LEVELS = {2: (2, 3, 4), 3: (2, 3), 4: (2, 3)}
 # MDR: elements under a smooth pressure; by degree, ratios of neighbouring sizes of the mesh graded to the rim
-SMOOTH, SMOOTH_QUANTITY = (12, 16, 24, 32), "energy of a smooth pressure"
+SMOOTH = (12, 16, 24, 32)
 PUNCH_GRADINGS = {1: (0.5, 0.6, 0.7, 0.8), 2: (0.7, 0.78, 0.84, 0.88), 3: (0.3, 0.4, 0.5, 0.6), 4: (0.4, 0.5, 0.6, 0.65)}
-PUNCH_RIM, PUNCH_ROUNDOFF = 1e-13, 1e-13
+PUNCH_ROUNDOFF = 1e-13
 # degree 1 on the scene's rings: with higher ones errors cross zero or meet roundoff before orders settle
-RING_GRADINGS, RING_EDGE = (0.6, 0.7, 0.78, 0.84), 1e-7
+RING_GRADINGS = (0.6, 0.7, 0.78, 0.84)
 RAISED_DEGREES, RAISED_GRADING = (1, 2, 3, 4, 5, 6), 0.2
+STARS, STAR_DEGREES = "FEM stars", tuple(range(4, 12))
+STAR_FLOORS = {"RMS gradient": RING_EDGE, "": 1e-13}
+FACTOR = ((1 + GRADING**0.5) / (1 - GRADING**0.5)) ** 2  # per degree
 # relative errors below which the innermost elements (their share of d0 is proportional to their size) or roundoff count
 SHARE_OF_RIM, RING_FLOORS = 0.06, {"RMS gradient": RING_EDGE, "": 2e-10}
-Level = tuple[dict[str, float], int]  # quantities, unknowns
 Orders = Mapping[str, float]
 LEVEL_FIELDS = ("refined", "quantity", "size", "unknowns", "value", "error", "remark")
 ORDER_FIELDS = (
     "refined", "quantity", "levels", "expected order", "least squares", "last levels", VERDICT, "between levels",
     "finest error", "Richardson value", "GCI", "three finest",
+)  # fmt: skip
+FACTOR_FIELDS = (
+    "refined", "quantity", "degrees", "expected factor", "least squares", "between degrees", "finest error",
 )  # fmt: skip
 
 
@@ -110,95 +125,33 @@ class Recorder:
         return (s for (refined, what), s in self.sequences.items() if what == quantity and refined.startswith(names))
 
 
-class Quantities:
-    """The quantities of a scene that are refined, and their exact values: closed form, or a fine MDR."""
-
-    def __init__(self, natural: NaturalScene) -> None:
-        self.edges, self.wear = natural.phases
-        slope = direct.rms_slope(self.edges, direct.steady_pressures(self.edges, self.wear))
-        known = {"d0": 0.5, SMOOTH_QUANTITY: 0.0, "RMS gradient": slope}
-        self.exact = self(by_mdr(self.edges, RING_EDGE, 10, 0.15)) | known
-
-    def __call__(self, compliance: Compliance) -> dict[str, float]:
-        """Every quantity of a compliance, in natural units."""
-        wear, space = Wear(compliance, self.wear, TIME), compliance.space
-        state, history = wear.steady, wear.modal(np.array([TIME]))
-        slopes = space.slope_gram(edge_weight(space, "line"))
-        steady = compliance.factor @ state.pressure
-        return {
-            f"d({TIME:g})": float(history.indentation[0]),
-            "slowest relaxation time": float(wear.relaxation_times[0]),
-            f"force on the outer ring at {TIME:g}": float(space.ring_forces(self.edges)[-1] @ history.pressure[0]),
-            "mean steady displacement": float(steady @ steady),
-            "RMS gradient": float(np.sqrt(state.displacement @ slopes @ state.displacement)),
-        }
-
-    def by_mdr(self, degree: int, grading: float) -> Level:
-        """The quantities by MDR on a radial mesh whose neighbouring sizes have the ratio `grading`."""
-        found = by_mdr(self.edges, RING_EDGE, degree, grading)
-        values = self(found)
-        # the factor holds q exactly: the energy of a known pressure has no error to refine
-        del values["mean steady displacement"]
-        return values, found.space.size
-
-    def by_elements(self, base: HalfSpaceMesh, degree: int, poisson_ratio: float, count: int) -> Level:
-        """The quantities by finite elements on a subdivided mesh."""
-        found, unknowns = condensed(subdivided(base, count, self.edges[1:]), self.edges, degree, poisson_ratio)
-        return self(found), unknowns
-
-
-def by_mdr(edges: Array, size: float, degree: int, grading: float) -> Compliance:
-    """Compliance by MDR on a radial mesh graded to `size` at ring edges and rim."""
-    breakpoints = graded_breakpoints(edges, size, size, grading)
-    return mdr_compliance(PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), edges))
-
-
-def punch_by_mdr(degree: int, grading: float) -> Level:
-    """The flat start, singular at the rim, on a mesh graded to it."""
-    found = by_mdr(FLAT, PUNCH_RIM, degree, grading)
-    return {"d0": flat_start(found).indentation}, found.space.size
-
-
-def smooth_by_mdr(degree: int, count: int) -> Level:
-    """Share of the energy of the pressure ``exp(-2 r^2)`` that equal elements cannot hold.
-
-    Galerkin's error is at right angles to what the space holds, so the share is a sum of squares and meets no roundoff.
-    """
-    fine = mdr_compliance(PressureSpace(np.linspace(0, 1, count + 1), np.full(count, degree + 6), FLAT))
-    radii = (np.arange(16 * count) + 0.5) / (16 * count)
-    pressure, *_ = np.linalg.lstsq(fine.space.matrix(radii).toarray(), np.exp(-2 * radii**2), rcond=None)
-    energy, held = fine.factor @ pressure, fine.factor[:, fine.space.order <= degree]
-    best, *_ = np.linalg.lstsq(held, energy, rcond=None)
-    return {SMOOTH_QUANTITY: float(np.sum((energy - held @ best) ** 2) / np.sum(energy**2))}, held.shape[1]
-
-
-def punch_by_elements(base: HalfSpaceMesh, tips: Array, degree: int, poisson_ratio: float, count: int) -> Level:
-    """The flat start by finite elements on a subdivided mesh."""
-    found, unknowns = condensed(subdivided(base, count, tips), FLAT, degree, poisson_ratio)
-    return {"d0": flat_start(found).indentation}, unknowns
-
-
 def conduct(scene: Scene, out: Path, options: argparse.Namespace, report: Report) -> list[str]:
-    """Refine everything; writes `convergence.csv`, `orders.csv`, `convergence.md` and `convergence.png`."""
+    """Refine everything; writes `convergence.csv`, `orders.csv`, `factors.csv`, `convergence.md` and `convergence.png`."""
     quick = bool(options.quick)
     conclusions: list[str] = []
     by_degree: dict[int, float] = {}
     with threadpool_limits(1):
         quantities = Quantities(scene.natural)
         recorder = Recorder(Table(out / "convergence.csv", LEVEL_FIELDS), quantities.exact, report)
+        degrees = Recorder(recorder.table, quantities.exact, report)
         with keeping_rows(conclusions):
             refine_mdr(recorder, quantities, quick)
             by_degree = raise_degree(recorder)
+            raise_stars(degrees, quantities, scene.half_space.poisson_ratio, quick)
             refine_punch(recorder, scene.half_space.poisson_ratio, quick)
             if not quick:
                 refine_rings(recorder, quantities, scene.half_space.poisson_ratio)
     orders = Table(out / "orders.csv", ORDER_FIELDS)
     for sequence in recorder.sequences.values():
         orders.add(**sequence.summary())
-    conclusions[:0] = conclude(recorder)
-    draw(recorder, by_degree, out / "convergence.png")
-    write_markdown(out / "convergence.md", "Orders of convergence", conclusions, {"Orders": orders})
-    return [*conclusions, orders.markdown()]
+    gained = Table(out / "factors.csv", FACTOR_FIELDS)
+    for sequence in degrees.sequences.values():
+        gained.add(**factors(sequence))
+    conclusions[:0] = conclude(recorder, degrees)
+    draw(recorder, degrees, by_degree, out / "convergence.png")
+    tables = {"Orders": orders, "Factors per degree on stars": gained}
+    write_markdown(out / "convergence.md", "Orders of convergence", conclusions, tables)
+    return [*conclusions, *(table.markdown() for table in tables.values())]
 
 
 def refine_mdr(recorder: Recorder, quantities: Quantities, quick: bool) -> None:
@@ -232,6 +185,35 @@ def raise_degree(recorder: Recorder) -> dict[int, float]:
     return by_degree
 
 
+def raise_stars(recorder: Recorder, quantities: Quantities, poisson_ratio: float, quick: bool) -> None:
+    """The flat start and the scene's rings on stars, by the degree: cores shrink tenfold with each.
+
+    The order over their size is thus the number of digits that a degree gains.
+    """
+    levels = (("punch", punch_by_stars),) if quick else (("punch", punch_by_stars), ("rings", quantities.by_stars))
+    for name, compute in levels:
+        for degree in STAR_DEGREES:
+            level, digits = partial(compute, poisson_ratio, degree), {"": np.log10(FACTOR)}
+            recorder.level(f"{STARS}, {name}", core_size(degree), digits, level, STAR_FLOORS)
+
+
+def factors(sequence: Sequence) -> dict[str, Any]:
+    """A row for the table of factors per degree; in brackets where one of two errors does not count."""
+    between = sequence.errors[:-1] / sequence.errors[1:]
+    both = sequence.counted[:-1] & sequence.counted[1:]
+    return {
+        "refined": sequence.name,
+        "quantity": sequence.quantity,
+        "degrees": f"{STAR_DEGREES[0]} to {STAR_DEGREES[len(sequence.sizes) - 1]}, {int(sequence.counted.sum())} counted",
+        "expected factor": FACTOR,
+        "least squares": 10**sequence.order,
+        "between degrees": " ".join(
+            f"{factor:.1f}" if counts else f"({factor:.1f})" for factor, counts in zip(between, both, strict=True)
+        ),
+        "finest error": f"{sequence.errors[-1]:.1e}",
+    }
+
+
 def refine_punch(recorder: Recorder, poisson_ratio: float, quick: bool) -> None:
     """The flat start by finite elements, on a graded and on a uniform mesh."""
     meshes = (
@@ -257,8 +239,8 @@ def refine_rings(recorder: Recorder, quantities: Quantities, poisson_ratio: floa
             recorder.level(f"FEM P{degree}, rings, graded", 1 / count, orders, compute, RING_FLOORS)
 
 
-def conclude(recorder: Recorder) -> list[str]:
-    """The orders of d0 in a line, and how all orders agree with theory in another."""
+def conclude(recorder: Recorder, degrees: Recorder) -> list[str]:
+    """The orders of d0 in a line, how all orders agree with theory, and what a degree gains on stars."""
 
     def orders(mesh: str) -> str:
         return ", ".join(f"P{k} {s.order:.2f}" for k in PUNCH for s in recorder.of("d0", f"FEM P{k}, {mesh}"))
@@ -267,17 +249,24 @@ def conclude(recorder: Recorder) -> list[str]:
         f"d0 converges with order {orders('graded')} on graded meshes (theory 4, 6, 8), "
         f"but {orders('uniform')} on uniform ones (1).",
         verdicts(recorder.sequences.values()),
+        *(
+            f"On stars each degree takes the error of d0 down by {10**s.order:.1f} (theory: in the end {FACTOR:.0f}), "
+            f"to {s.errors[-1]:.0e} at degree {STAR_DEGREES[len(s.sizes) - 1]}."
+            for s in degrees.of("d0", STARS)
+        ),
     ]
 
 
-def draw(recorder: Recorder, by_degree: dict[int, float], path: Path) -> None:
-    """Finite elements graded against uniform, MDR under a singular and a smooth pressure, and the error by degree."""
-    figure = new_figure(9, 10.5)
-    (elements, singular), (smooth, degrees) = figure.subplots(2, 2)
+def draw(recorder: Recorder, degrees: Recorder, by_degree: dict[int, float], path: Path) -> None:
+    """Finite elements by size and by unknowns, MDR under a singular and a smooth pressure, and errors by degree."""
+    figure = new_figure(9, 14)
+    (elements, unknowns), (singular, smooth), (raised, rings) = figure.subplots(3, 2)
     error = r"relative error of the flat start, $|d_0 / (F/2aE^*) - 1|$"
     punch = [f"FEM P{degree}, {mesh}" for mesh in ("graded", "uniform") for degree in PUNCH]
     draw_orders(elements, recorder.of("d0", *punch), r"element size over the base mesh's, $h/h_0 = 1/n$", error)
-    elements.set_title("finite elements", fontsize=9)
+    elements.set_title("finite elements, by size", fontsize=9)
+    draw_unknowns(unknowns, recorder.table.rows, [*punch, f"{STARS}, punch"])
+    unknowns.set(xlabel="unknowns", ylabel=error)
     size = r"$(1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of neighbouring sizes"
     draw_orders(singular, recorder.of("d0", "MDR"), size, error)
     singular.set_title("MDR, elements graded to the rim", fontsize=9)
@@ -290,10 +279,10 @@ def draw(recorder: Recorder, by_degree: dict[int, float], path: Path) -> None:
         found = ((k, s) for k in PUNCH for s in recorder.of("d0", f"FEM P{k}, {mesh}") if 1 / 3 in s.sizes)
         label = f"FEM, displacement of degree $k$, {mesh}, $n$ = 3"
         curves[label] = {k: float(s.errors[s.sizes == 1 / 3][0]) for k, s in found}
-    for number, (label, curve) in enumerate(curves.items()):
-        degrees.semilogy(list(curve), list(curve.values()), label=label, **style(number))
-    degrees.set(xlabel="polynomial degree $k$", ylabel=error, xticks=RAISED_DEGREES)
-    degrees.set_title("raising the degree on one mesh", fontsize=9)
-    degrees.grid(True, color="0.88", linewidth=0.6)
-    legend_below(degrees)
+    draw_degrees(raised, curves | star_curves(degrees, "punch"))
+    raised.set(ylabel=error, title="raising the degree, flat start")
+    draw_degrees(rings, star_curves(degrees, "rings"))
+    rings.set(ylabel="relative error", title="raising the degree, rings on stars")
+    for axes in (unknowns, raised, rings):
+        axes.title.set_fontsize(9)
     figure.savefig(path)

@@ -14,6 +14,7 @@ from .natural import NaturalScene
 from .stages import Stages
 
 if TYPE_CHECKING:
+    from fem.compliance import HalfSpace
     from meshes.stars import StarMesh
 
 
@@ -26,6 +27,13 @@ def half_space_mesh(natural: NaturalScene) -> tuple[HalfSpaceMesh | StarMesh, tu
     except MeshError as error:
         mesh, notes = triangles.triangle_mesh(natural)
         return mesh, notes or (f"triangles only, of lower degree: {error}",)
+
+
+def discretised(natural: NaturalScene, mesh: HalfSpaceMesh | StarMesh, poles: tuple[int, ...]) -> HalfSpace:
+    """The half-space on a mesh, with the elements that go with it."""
+    if isinstance(mesh, HalfSpaceMesh):
+        return triangles.half_space(natural, mesh, poles)
+    return stars.half_space(natural, mesh, poles)
 
 
 def described(natural: NaturalScene) -> str:
@@ -54,10 +62,7 @@ def fem_model(natural: NaturalScene, stages: Stages, twins: bool = True) -> Mode
     with stages("meshing"):
         mesh, notes = half_space_mesh(natural)
     with stages("assembling"):
-        if isinstance(mesh, HalfSpaceMesh):
-            half_space = triangles.half_space(natural, mesh, poles)
-        else:
-            half_space = stars.half_space(natural, mesh, poles)
+        half_space = discretised(natural, mesh, poles)
         _ = half_space.lower_triangle
     with stages("condensing"):
         tied = half_space.compliance()

@@ -82,6 +82,7 @@ def families(scene: Scene, quick: bool) -> Iterator[tuple[str, str, NaturalScene
     for rtol in dial:
         for method in ("mdr", "bem"):
             yield method, f"rtol {rtol:.0e}", scene.changed(methods=[method], accuracy__rtol=rtol).natural
+        yield "fem stars", f"rtol {rtol:.0e}", scene.changed(methods=["fem"], accuracy__rtol=rtol).natural
         for degree in (2, 3, 4):
             if degree == 2 and rtol < 1e-5:
                 continue

@@ -22,19 +22,16 @@ def true_errors(result: Result) -> dict[str, tuple[float, float]]:
 @pytest.mark.slow
 def test_random_scenes() -> None:
     ratios, reached, alarms = [], [], []
-    # narrower limits than users have, only to keep the time of the tests down: many rings at 1e-7 take minutes
-    scenes = [scene for scene in random_scenes(3, 40, most_rings=16) if scene.accuracy.rtol > 1e-6 or scene.punch.rings < 5]
-    for scene in scenes:
+    for scene in random_scenes(3, 40):
         result = run(scene)
         alarms.append(not result.agrees)
         for error, estimate in true_errors(result).values():
             ratios.append(error / estimate)
             reached.append(error <= scene.accuracy.rtol)
-    share = np.mean([(0.02 <= ratio <= 1.0) for ratio in ratios])
-    print(
-        f"{len(scenes)} scenes: estimate honest in {share:.1%}, rtol reached in {np.mean(reached):.1%}, {sum(alarms)} alarms"
-    )
-    assert np.mean([ratio <= 1.0 for ratio in ratios]) >= 0.95
+    share = np.mean([(0.05 <= ratio <= 1.0) for ratio in ratios])
+    print(f"estimate honest in {share:.1%}, rtol reached in {np.mean(reached):.1%}, {sum(alarms)} alarms")
+    assert share >= 0.95
+    assert np.mean([ratio <= 1.0 for ratio in ratios]) >= 0.98
     assert np.mean(reached) >= 0.98
     assert not any(alarms)
 

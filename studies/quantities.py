@@ -1,0 +1,127 @@
+"""What the study of convergence computes on each level: the flat start, and the quantities of a scene of rings."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mdr import direct
+from mdr.compliance import compliance as mdr_compliance
+from meshes.compliance import Compliance
+from meshes.half_space import HalfSpaceMesh
+from meshes.pressure_space import PressureSpace
+from meshes.radial import Array, graded_breakpoints
+
+from .contact import flat_start
+from .methods import edge_weight
+from .natural import NaturalScene
+from .stars import GRADING, GROWTH
+from .subdivision import condensed, subdivided
+from .wear import Wear
+
+FLAT = np.array([0.0, 1.0])
+TRUNCATION = 1e4
+TIME = 1.0  # of the history, in natural units
+SMOOTH_QUANTITY = "energy of a smooth pressure"
+# sizes of the smallest elements: by MDR at the rim of the flat punch; at edges and rim of rings
+PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
+Level = tuple[dict[str, float], int]  # quantities, unknowns
+
+
+class Quantities:
+    """The quantities of a scene that are refined, and their exact values: closed form, or a fine MDR."""
+
+    def __init__(self, natural: NaturalScene) -> None:
+        self.edges, self.wear = natural.phases
+        slope = direct.rms_slope(self.edges, direct.steady_pressures(self.edges, self.wear))
+        known = {"d0": 0.5, SMOOTH_QUANTITY: 0.0, "RMS gradient": slope}
+        self.exact = self(by_mdr(self.edges, RING_EDGE, 10, 0.15)) | known
+
+    def __call__(self, compliance: Compliance) -> dict[str, float]:
+        """Every quantity of a compliance, in natural units."""
+        wear, space = Wear(compliance, self.wear, TIME), compliance.space
+        state, history = wear.steady, wear.modal(np.array([TIME]))
+        slopes = space.slope_gram(edge_weight(space, "line"))
+        steady = compliance.factor @ state.pressure
+        return {
+            f"d({TIME:g})": float(history.indentation[0]),
+            "slowest relaxation time": float(wear.relaxation_times[0]),
+            f"force on the outer ring at {TIME:g}": float(space.ring_forces(self.edges)[-1] @ history.pressure[0]),
+            "mean steady displacement": float(steady @ steady),
+            "RMS gradient": float(np.sqrt(state.displacement @ slopes @ state.displacement)),
+        }
+
+    def by_mdr(self, degree: int, grading: float) -> Level:
+        """The quantities by MDR on a radial mesh whose neighbouring sizes have the ratio `grading`."""
+        found = by_mdr(self.edges, RING_EDGE, degree, grading)
+        values = self(found)
+        # the factor holds q exactly: the energy of a known pressure has no error to refine
+        del values["mean steady displacement"]
+        return values, found.space.size
+
+    def by_elements(self, base: HalfSpaceMesh, degree: int, poisson_ratio: float, count: int) -> Level:
+        """The quantities by finite elements on a subdivided mesh."""
+        found, unknowns = condensed(subdivided(base, count, self.edges[1:]), self.edges, degree, poisson_ratio)
+        return self(found), unknowns
+
+    def by_stars(self, poisson_ratio: float, degree: int) -> Level:
+        """The quantities by finite elements on stars."""
+        found, unknowns = stars(self.edges, degree, poisson_ratio)
+        return self(found), unknowns
+
+
+def core_size(degree: int) -> float:
+    """Of the stars at the rim: its share of d0, 0.06 of its size, is some per cent of the error of the degree."""
+    return 0.1 ** (degree + 1)
+
+
+def stars(edges: Array, degree: int, poisson_ratio: float) -> tuple[Compliance, int]:
+    """Compliance and number of unknowns of the finite-element half-space on stars.
+
+    What cores cost falls with their size at the rim, and with its square, but for gradients, at ring edges: there they
+    stop at `RING_EDGE`, because in smaller ones gradients are roundoff.
+    """
+    from fem.compliance import HalfSpace
+    from fem.hp import HpElasticity
+    from meshes.stars import mesh
+
+    rim = core_size(degree)
+    solid = HpElasticity(mesh(edges, max(rim, RING_EDGE), rim, GRADING, GROWTH, TRUNCATION), degree, poisson_ratio)
+    half_space = HalfSpace(solid, solid.pressure_space(edges))
+    return half_space.compliance(), half_space.unknowns
+
+
+def by_mdr(edges: Array, size: float, degree: int, grading: float) -> Compliance:
+    """Compliance by MDR on a radial mesh graded to `size` at ring edges and rim."""
+    breakpoints = graded_breakpoints(edges, size, size, grading)
+    return mdr_compliance(PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), edges))
+
+
+def punch_by_mdr(degree: int, grading: float) -> Level:
+    """The flat start, singular at the rim, on a mesh graded to it."""
+    found = by_mdr(FLAT, PUNCH_RIM, degree, grading)
+    return {"d0": flat_start(found).indentation}, found.space.size
+
+
+def smooth_by_mdr(degree: int, count: int) -> Level:
+    """Share of the energy of the pressure ``exp(-2 r^2)`` that equal elements cannot hold.
+
+    Galerkin's error is at right angles to what the space holds, so the share is a sum of squares and meets no roundoff.
+    """
+    fine = mdr_compliance(PressureSpace(np.linspace(0, 1, count + 1), np.full(count, degree + 6), FLAT))
+    radii = (np.arange(16 * count) + 0.5) / (16 * count)
+    pressure, *_ = np.linalg.lstsq(fine.space.matrix(radii).toarray(), np.exp(-2 * radii**2), rcond=None)
+    energy, held = fine.factor @ pressure, fine.factor[:, fine.space.order <= degree]
+    best, *_ = np.linalg.lstsq(held, energy, rcond=None)
+    return {SMOOTH_QUANTITY: float(np.sum((energy - held @ best) ** 2) / np.sum(energy**2))}, held.shape[1]
+
+
+def punch_by_elements(base: HalfSpaceMesh, tips: Array, degree: int, poisson_ratio: float, count: int) -> Level:
+    """The flat start by finite elements on a subdivided mesh."""
+    found, unknowns = condensed(subdivided(base, count, tips), FLAT, degree, poisson_ratio)
+    return {"d0": flat_start(found).indentation}, unknowns
+
+
+def punch_by_stars(poisson_ratio: float, degree: int) -> Level:
+    """The flat start by finite elements on a star round the rim."""
+    found, unknowns = stars(FLAT, degree, poisson_ratio)
+    return {"d0": flat_start(found).indentation}, unknowns
