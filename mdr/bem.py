@@ -22,6 +22,8 @@ from meshes.errors import SolverError
 from meshes.pressure_space import PressureSpace, shapes
 from meshes.radial import Array, Indices
 
+from .quadrature import unit_gauss
+
 # x = w^POWER: logarithms of x, times the slope of the power, are smooth enough at w = 0 for Gauss points in w
 POWER = 6
 # Gauss points in an element that is apart from the other; where these are too few, the powers cluster at the gap
@@ -101,7 +103,7 @@ def _separate(space: PressureSpace) -> _Blocks:
     """Elements with others between them, grouped by the rules that the two want."""
     first, second = np.triu_indices(len(space.degrees), 2)
     gap = space.breakpoints[second] - space.breakpoints[first + 1]
-    rules = [*map(_gauss, GAUSS_LADDER), _flattened(space.top)]
+    rules = [*map(unit_gauss, GAUSS_LADDER), _flattened(space.top)]
     group = _rung(space, first, gap) * len(rules) + _rung(space, second, gap)
     for number in np.unique(group):
         chosen = np.flatnonzero(group == number)
@@ -121,15 +123,9 @@ def _rung(space: PressureSpace, element: Indices, gap: Array) -> Indices:
     return np.searchsorted(GAUSS_LADDER, count)
 
 
-def _gauss(count: int) -> tuple[Array, Array]:
-    """Gauss points and weights on (0, 1)."""
-    node, weight = np.polynomial.legendre.leggauss(count)
-    return (1 + node) / 2, weight / 2
-
-
 def _flattened(degree: int) -> tuple[Array, Array]:
     """Points and weights on (0, 1) for products of two shape functions, and of these with logarithms at 0."""
-    node, weight = _gauss(28 + 2 * degree)
+    node, weight = unit_gauss(28 + 2 * degree)
     return node**POWER, weight * POWER * node ** (POWER - 1)
 
 

@@ -13,14 +13,25 @@ import numpy as np
 from meshes.pressure_space import PressureSpace, shapes
 from meshes.radial import Array, Indices
 
-from .quadrature import unit_gauss
+from .quadrature import gauss, unit_gauss
 
+ROUNDOFF = 1e-17
+POSITIONS_AT_ONCE = 512
 # Gauss points that integrate a polynomial in exp(theta) to roundoff, by (degree x length of the interval)
 GAUSS_POINTS = ((0.25, 10), (1.0, 14), (4.0, 20), (12.0, 32), (40.0, 56), (100.0, 100), (np.inf, 200))
 
 
 def line_density(space: PressureSpace, positions: Array) -> Array:
     """(len(positions), size) line density ``q(x)`` of each pressure function at positions in (0, 1)."""
+    out = np.empty((len(positions), space.size))
+    # the pairs of positions and elements outgrow fast memory long before the result does
+    for start in range(0, len(positions), POSITIONS_AT_ONCE):
+        rows = slice(start, start + POSITIONS_AT_ONCE)
+        out[rows] = _rows(space, positions[rows])
+    return out
+
+
+def _rows(space: PressureSpace, positions: Array) -> Array:
     point, element = np.nonzero(space.breakpoints[1:] > positions[:, None])
     width = np.diff(space.breakpoints)
     far = space.breakpoints[element] - positions[point] >= width[element] / 2
@@ -35,14 +46,25 @@ def line_density(space: PressureSpace, positions: Array) -> Array:
 
 
 def _from_afar(space: PressureSpace, x: Array, element: Indices) -> Array:
-    """Integrals over elements at least half their width away, where the root is smooth: plain Gauss in the radius."""
-    node, weight = np.polynomial.legendre.leggauss(12 + space.top)
-    half = np.diff(space.breakpoints)[element, None] / 2
-    # the gap r - x as a sum, not a difference: elements may be as small as roundoff allows
-    within = half * (1 + node)
-    r, gap = space.breakpoints[element, None] + within, (space.breakpoints[element] - x)[:, None] + within
-    kernel = 2 * half * r / np.sqrt(gap * (r + x[:, None]))
-    return kernel @ (weight[:, None] * shapes(node, space.top))
+    """Integrals over elements at least half their width away, where the root is smooth: plain Gauss in the radius.
+
+    The further away the element, the wider the ellipse round it in which the root is analytic, and the fewer points
+    reach roundoff.
+    """
+    left, half = space.breakpoints[element], np.diff(space.breakpoints)[element] / 2
+    outside = 1 + (left - x) / half
+    count = (space.degrees[element] + 1 - np.log(ROUNDOFF) / np.log(outside + np.sqrt(outside**2 - 1))) / 2
+    rounded = 4 * np.ceil(count / 4).astype(np.int64)
+    values = np.empty((len(x), space.top + 1))
+    for points in np.unique(rounded):
+        group = np.flatnonzero(rounded == points)
+        node, weight = gauss(int(points))
+        # the gap r - x as a sum, not a difference: elements may be as small as roundoff allows
+        within = half[group, None] * (1 + node)
+        r, gap = left[group, None] + within, (left - x)[group, None] + within
+        kernel = 2 * half[group, None] * r / np.sqrt(gap * (r + x[group, None]))
+        values[group] = kernel @ (weight[:, None] * shapes(node, space.top))
+    return values
 
 
 def _from_near(space: PressureSpace, x: Array, element: Indices) -> Array:
@@ -60,7 +82,7 @@ def _from_near(space: PressureSpace, x: Array, element: Indices) -> Array:
     for stop, count in GAUSS_POINTS:
         group = np.flatnonzero((reach >= start) & (reach < stop))
         start = stop
-        node, weight = np.polynomial.legendre.leggauss(max(count, space.top + 4))
+        node, weight = gauss(max(count, space.top + 4))
         sinh = np.sinh(span[group, None] * (1 + node) / 4)
         above = 2 * sinh * (lower_root[group, None] * np.sqrt(1 + sinh**2) + lower[group, None] * sinh)
         radius = lower[group, None] + above

@@ -18,7 +18,7 @@ Powers of k make the factor greater at first, and so do the triangles between th
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -26,10 +26,19 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from meshes.errors import RingwearError
-from meshes.half_space import HalfSpaceMesh
-from meshes.radial import Array
-
+from .convergence_levels import (
+    FLAT,
+    LEVEL_FIELDS,
+    RING_EDGE,
+    SMOOTH_QUANTITY,
+    TRUNCATION,
+    Quantities,
+    Recorder,
+    punch_by_elements,
+    punch_by_mdr,
+    punch_by_stars,
+    smooth_by_mdr,
+)
 from .levels import (
     VERDICT,
     Sequence,
@@ -41,19 +50,6 @@ from .levels import (
     style,
     verdicts,
     write_markdown,
-)
-from .quantities import (
-    FLAT,
-    RING_EDGE,
-    SMOOTH_QUANTITY,
-    TRUNCATION,
-    Level,
-    Quantities,
-    core_size,
-    punch_by_elements,
-    punch_by_mdr,
-    punch_by_stars,
-    smooth_by_mdr,
 )
 from .scene import Scene
 from .stages import Report
@@ -80,8 +76,6 @@ STAR_FLOORS = {"RMS gradient": RING_EDGE, "": 1e-13}
 FACTOR = ((1 + GRADING**0.5) / (1 - GRADING**0.5)) ** 2  # per degree
 # relative errors below which the innermost elements (their share of d0 is proportional to their size) or roundoff count
 SHARE_OF_RIM, RING_FLOORS = 0.06, {"RMS gradient": RING_EDGE, "": 2e-10}
-Orders = Mapping[str, float]
-LEVEL_FIELDS = ("refined", "quantity", "size", "unknowns", "value", "error", "remark")
 ORDER_FIELDS = (
     "refined", "quantity", "levels", "expected order", "least squares", "last levels", VERDICT, "between levels",
     "finest error", "Richardson value", "GCI", "three finest",
@@ -89,40 +83,6 @@ ORDER_FIELDS = (
 FACTOR_FIELDS = (
     "refined", "quantity", "degrees", "expected factor", "least squares", "between degrees", "finest error",
 )  # fmt: skip
-
-
-class Recorder:
-    """Levels into sequences, and into the table as they come; a level that fails is a row, too.
-
-    Parameters
-    ----------
-    table : with `LEVEL_FIELDS`
-    exact : value of each quantity
-    """
-
-    def __init__(self, table: Table, exact: dict[str, float], report: Report) -> None:
-        self.table, self.exact, self.report = table, exact, report
-        self.sequences: dict[tuple[str, str], Sequence] = {}
-
-    def level(self, refined: str, size: float, orders: Orders, compute: Callable[[], Level], floors: Orders) -> None:
-        """Compute one level; `orders` are expected, below `floors` errors do not count; those of "" are for all others."""
-        self.report(f"  level  {refined}, h = {size:.3g} ...")
-        try:
-            values, unknowns = compute()
-        except RingwearError as error:
-            self.table.add(refined=refined, size=size, remark=f"failed: {error}")
-            return
-        for quantity, value in values.items():
-            exact = self.exact[quantity]
-            order, floor = (known.get(quantity, known[""]) for known in (orders, floors))
-            sequence = self.sequences.setdefault((refined, quantity), Sequence(refined, quantity, order, exact, floor))
-            sequence.add(size, value)
-            row = {"refined": refined, "quantity": quantity, "size": size, "unknowns": unknowns, "value": value}
-            self.table.add(**row, error=(value - exact) / (exact or 1.0))
-
-    def of(self, quantity: str, *names: str) -> Iterator[Sequence]:
-        """Sequences of a quantity whose name begins with one of the names."""
-        return (s for (refined, what), s in self.sequences.items() if what == quantity and refined.startswith(names))
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace, report: Report) -> list[str]:
@@ -186,15 +146,17 @@ def raise_degree(recorder: Recorder) -> dict[int, float]:
 
 
 def raise_stars(recorder: Recorder, quantities: Quantities, poisson_ratio: float, quick: bool) -> None:
-    """The flat start and the scene's rings on stars, by the degree: cores shrink tenfold with each.
-
-    The order over their size is thus the number of digits that a degree gains.
-    """
+    """The flat start and the scene's rings on stars; the order over ``10^-degree`` is the digits that a degree gains."""
     levels = (("punch", punch_by_stars),) if quick else (("punch", punch_by_stars), ("rings", quantities.by_stars))
     for name, compute in levels:
         for degree in STAR_DEGREES:
             level, digits = partial(compute, poisson_ratio, degree), {"": np.log10(FACTOR)}
-            recorder.level(f"{STARS}, {name}", core_size(degree), digits, level, STAR_FLOORS)
+            recorder.level(f"{STARS}, {name}", 0.1**degree, digits, level, STAR_FLOORS, degree)
+
+
+def star_degrees(sequence: Sequence) -> list[int]:
+    """Degrees of the levels that did not fail."""
+    return [degree for degree in STAR_DEGREES if 0.1**degree in sequence.sizes]
 
 
 def factors(sequence: Sequence) -> dict[str, Any]:
@@ -204,7 +166,7 @@ def factors(sequence: Sequence) -> dict[str, Any]:
     return {
         "refined": sequence.name,
         "quantity": sequence.quantity,
-        "degrees": f"{STAR_DEGREES[0]} to {STAR_DEGREES[len(sequence.sizes) - 1]}, {int(sequence.counted.sum())} counted",
+        "degrees": " ".join(map(str, star_degrees(sequence))),
         "expected factor": FACTOR,
         "least squares": 10**sequence.order,
         "between degrees": " ".join(
@@ -251,10 +213,40 @@ def conclude(recorder: Recorder, degrees: Recorder) -> list[str]:
         verdicts(recorder.sequences.values()),
         *(
             f"On stars each degree takes the error of d0 down by {10**s.order:.1f} (theory: in the end {FACTOR:.0f}), "
-            f"to {s.errors[-1]:.0e} at degree {STAR_DEGREES[len(s.sizes) - 1]}."
+            f"to {s.errors[-1]:.0e} at degree {star_degrees(s)[-1]}."
             for s in degrees.of("d0", STARS)
         ),
     ]
+
+
+def star_curves(degrees: Recorder, name: str) -> dict[str, dict[int, float]]:
+    """Errors on stars by degree, of each quantity."""
+    found = (s for s in degrees.sequences.values() if s.name == f"{STARS}, {name}")
+    return {
+        f"FEM stars, {s.quantity}: {10**s.order:.1f} per degree": dict(zip(star_degrees(s), s.errors.tolist(), strict=True))
+        for s in found
+    }
+
+
+def draw_degrees(axes: Any, curves: Mapping[str, Mapping[int, float]]) -> None:
+    """Errors by degree, and the factor that theory has for stars."""
+    for number, (label, curve) in enumerate(curves.items()):
+        axes.semilogy(list(curve), list(curve.values()), label=label, **style(number))
+    degrees = np.array(STAR_DEGREES)
+    theory = 1e-5 * FACTOR ** (STAR_DEGREES[0] - degrees)
+    axes.semilogy(degrees, theory, color="0.8", linewidth=4, zorder=0, label=f"theory for stars: {FACTOR:.0f} per degree")
+    axes.set_xlabel("polynomial degree $k$")
+    axes.grid(True, color="0.88", linewidth=0.6)
+    legend_below(axes)
+
+
+def draw_unknowns(axes: Any, rows: Iterable[Mapping[str, Any]], names: Iterable[str]) -> None:
+    """Error of the flat start over unknowns."""
+    for number, name in enumerate(names):
+        own = [row for row in rows if row["refined"] == name and row["quantity"] == "d0"]
+        axes.loglog([row["unknowns"] for row in own], [abs(row["error"]) for row in own], label=name, **style(number))
+    axes.grid(True, color="0.88", linewidth=0.6)
+    legend_below(axes, ncols=2)
 
 
 def draw(recorder: Recorder, degrees: Recorder, by_degree: dict[int, float], path: Path) -> None:
