@@ -1,9 +1,9 @@
 """The truncated half-space as plain arrays: a quarter disc of (radius, depth), graded to the rim and the ring edges.
 
 Natural units: the punch has radius 1. Depth is positive into the half-space; the surface is depth zero. The element
-size is ``min(rim_size + growth * d_rim, ring_size + growth * d_edge, R/4)`` with the distances to the rim and to the
-nearest other ring edge (or the centre), and the truncation radius R: well-shaped elements round every singular point,
-in numbers that grow only with the logarithm of the smallest size.
+size is ``min(rim_size + growth * d_rim, ring_size + growth * d_edge, far_size * R)`` with the distances to the rim and
+to the nearest other ring edge (or the centre), and the truncation radius R: well-shaped elements round every singular
+point, in numbers that grow only with the logarithm of the smallest size.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ class SizeField:
     growth : growth of the size with the distance from them
     truncation : radius of the quarter disc, in punch radii
     centre_size : size at the centre of the punch, where little area stands behind the value that people look at
+    far_size : greatest size, over the truncation: elements of low degree follow the far field only along short sides
     """
 
     edges: tuple[float, ...]
@@ -38,6 +39,7 @@ class SizeField:
     growth: float
     truncation: float
     centre_size: float = 0.25
+    far_size: float = 0.25
 
     def __call__(self, points: Array) -> Array:
         """(n,) sizes at (n, 2) points."""
@@ -48,8 +50,8 @@ class SizeField:
 
     @property
     def largest(self) -> float:
-        """Greatest size anywhere: the outer arc needs some sides to be one."""
-        return self.truncation / 4
+        """Greatest size anywhere."""
+        return self.truncation * self.far_size
 
     @property
     def ring_sizes(self) -> tuple[float, ...]:

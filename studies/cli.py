@@ -178,7 +178,8 @@ def _mesh(options: argparse.Namespace) -> int:
 
     mesh, notes = half_space_mesh(scene.natural)
     written = write_mesh(scene, mesh, out)
-    print(f"{len(mesh.triangles)} triangles by {mesh.mesher}, {len(mesh.contact_radii) - 1} facets on the contact, "
+    kinds = " and ".join(f"{len(cells)} {kind}s" for kind, cells in mesh.cells.items())
+    print(f"{kinds} by {mesh.mesher}, {len(mesh.contact_radii) - 1} facets on the contact, "
           f"quality {mesh.quality.min():.2f} to {mesh.quality.max():.2f}, mean {mesh.quality.mean():.2f}")  # fmt: skip
     for note in notes:
         print(f"note: {note}")

@@ -258,7 +258,7 @@ def draw(recorder: Recorder, degrees: Recorder, by_degree: dict[int, float], pat
     draw_orders(elements, recorder.of("d0", *punch), r"element size over the base mesh's, $h/h_0 = 1/n$", error)
     elements.set_title("finite elements, by size", fontsize=9)
     draw_unknowns(unknowns, recorder.table.rows, [*punch, f"{STARS}, punch"])
-    unknowns.set(xlabel="unknowns", ylabel=error)
+    unknowns.set(xlabel="unknowns", ylabel=error, title="finite elements, by unknowns")
     size = r"$(1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of neighbouring sizes"
     draw_orders(singular, recorder.of("d0", "MDR"), size, error)
     singular.set_title("MDR, elements graded to the rim", fontsize=9)

@@ -48,7 +48,13 @@ class Recorder:
         self.sequences: dict[tuple[str, str], Sequence] = {}
 
     def level(
-        self, refined: str, size: float, orders: Orders, compute: Callable[[], Level], floors: Orders, degree: int | None = None
+        self,
+        refined: str,
+        size: float,
+        orders: Orders,
+        compute: Callable[[], Level],
+        floors: Orders,
+        degree: int | None = None,
     ) -> None:
         """Compute one level; `orders` are expected, below `floors` errors do not count; those of "" are for all others.
 
@@ -113,7 +119,7 @@ class Quantities:
     def by_stars(self, poisson_ratio: float, degree: int) -> Level:
         """The quantities by finite elements on stars.
 
-        A worn profile is blunt: of its energies cores cost the square of their size, and gradients are roundoff in smaller ones.
+        What is worn is blunt: cores cost the square of their size, and in smaller ones gradients would be roundoff.
         """
         found, unknowns = stars(self.edges, max(0.1 ** (degree + 1), RING_EDGE), degree, poisson_ratio)
         return self(found), unknowns
@@ -126,46 +132,6 @@ def stars(edges: Array, core: float, degree: int, poisson_ratio: float) -> tuple
     from meshes.stars import mesh
 
     solid = HpElasticity(mesh(edges, core, core, GRADING, GROWTH, TRUNCATION), degree, poisson_ratio)
-    half_space = HalfSpace(solid, solid.pressure_space(edges))
-    return half_space.compliance(), half_space.unknowns
-
-
-def by_mdr(self, degree: int, grading: float) -> Level:
-        """The quantities by MDR on a radial mesh whose neighbouring sizes have the ratio `grading`."""
-        found = by_mdr(self.edges, RING_EDGE, degree, grading)
-        values = self(found)
-        # the factor holds q exactly: the energy of a known pressure has no error to refine
-        del values["mean steady displacement"]
-        return values, found.space.size
-
-    def by_elements(self, base: HalfSpaceMesh, degree: int, poisson_ratio: float, count: int) -> Level:
-        """The quantities by finite elements on a subdivided mesh."""
-        found, unknowns = condensed(subdivided(base, count, self.edges[1:]), self.edges, degree, poisson_ratio)
-        return self(found), unknowns
-
-    def by_stars(self, poisson_ratio: float, degree: int) -> Level:
-        """The quantities by finite elements on stars."""
-        found, unknowns = stars(self.edges, degree, poisson_ratio)
-        return self(found), unknowns
-
-
-def core_size(degree: int) -> float:
-    """Of the stars at the rim: its share of d0, 0.06 of its size, is some per cent of the error of the degree."""
-    return 0.1 ** (degree + 1)
-
-
-def stars(edges: Array, degree: int, poisson_ratio: float) -> tuple[Compliance, int]:
-    """Compliance and number of unknowns of the finite-element half-space on stars.
-
-    What cores cost falls with their size at the rim, and with its square, but for gradients, at ring edges: there they
-    stop at `RING_EDGE`, because in smaller ones gradients are roundoff.
-    """
-    from fem.compliance import HalfSpace
-    from fem.hp import HpElasticity
-    from meshes.stars import mesh
-
-    rim = core_size(degree)
-    solid = HpElasticity(mesh(edges, max(rim, RING_EDGE), rim, GRADING, GROWTH, TRUNCATION), degree, poisson_ratio)
     half_space = HalfSpace(solid, solid.pressure_space(edges))
     return half_space.compliance(), half_space.unknowns
 

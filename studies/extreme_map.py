@@ -58,14 +58,12 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
 
 
 def _tick(value: float | str) -> str:
-    """Short: a power of ten where there are many digits."""
+    """Two digits, or whole numbers; a power of ten where there would be many."""
     if isinstance(value, str):
         return value
-    return (
-        f"{value:g}"
-        if (value == 0 or 1e-2 <= abs(value) < 1e4) and len(f"{value:g}") < 6
-        else f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e")
-    )
+    if value == 0 or 1e-2 <= abs(value) < 1e4:
+        return f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"
+    return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
 
 
 def _sortable(value: float | str) -> tuple[int, float, str]:

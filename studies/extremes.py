@@ -42,10 +42,11 @@ from .stages import Report, Stages
 from .wear import Wear
 
 FACTOR = 3.0
-# relative accuracy of the oracle: of its quadratures, of slopes beside a ring by its width, and of the other method
+# relative accuracy of the oracle: of its quadratures, of slopes beside a ring by its width
 ORACLE = 2e-10
 PER_WIDTH = 3e-15
-CROSS = 5e-7
+CANCELLED = 4e-15  # times what cancels in its displacements, discs over narrow rings; against 60 digits: up to 2.5e-15
+CROSS = 5e-7  # of the other method
 RINGS_OF_SLOPES = 64  # with more of them the oracle's quadrature would take longer than the study
 LATE = 50.0  # slowest relaxation times, about 0.4/k_min, after which only the steady state is left
 MODAL: dict[str, Any] = {"march": "modal", "step": None}
@@ -134,10 +135,12 @@ class Judge:
     def known(self, natural: NaturalScene, method: str) -> dict[str, tuple[Array, float | Array]]:
         """What the results must be, and how accurately the oracle knows that."""
         oracle, wear = self.oracle(natural), natural.wear
-        rate = float(wear[0] * oracle.pressures(wear)[0])
+        pressures, greatest = oracle.pressures(wear), oracle.greatest_displacement(wear)
+        # at every ring edge but the last a disc of one pressure less the other ends, at the rim one of its own pressure
+        cancelled = (np.ptp(pressures) * natural.edges[:-1].sum() + pressures.max()) / greatest
         exact: dict[str, tuple[Array, float | Array]] = {
-            "steady_wear_rate": (np.array([rate]), ORACLE),
-            "steady_displacement_max": (np.array([oracle.greatest_displacement(wear)]), ORACLE),
+            "steady_wear_rate": (wear[:1] * pressures[:1], ORACLE),
+            "steady_displacement_max": (np.array([greatest]), ORACLE + CANCELLED * cancelled),
         }
         if len(wear) <= RINGS_OF_SLOPES:
             slope = oracle.rms_slope(wear, natural.scene.output.gradient_average)
@@ -159,10 +162,10 @@ class Judge:
         return _kept(self.rings, key, lambda: Rings(natural.edges))
 
     def model(self, natural: NaturalScene, method: str) -> Model:
-        """The method made ready; the compliance depends on ring edges, solid and accuracy, not on the wear."""
+        """The method made ready; the compliance depends on ring edges, solid, accuracy and times, not on the wear."""
         scene = natural.scene
         accuracy = scene.accuracy.model_dump_json()
-        key = f"{method} {natural.phases[0].tolist()} {scene.half_space.poisson_ratio} {accuracy}"
+        key = f"{method} {natural.phases[0].tolist()} {scene.half_space.poisson_ratio} {natural.times.tolist()} {accuracy}"
         return _kept(self.models, key, lambda: MODELS[method](natural, Stages(method)))
 
 

@@ -84,5 +84,5 @@ def fem_model(natural: NaturalScene, stages: Stages, twins: bool = True) -> Mode
         "multipliers": fine.space.size, "far_field": chosen.far_field, "poles": len(half_space.poles),
         "truncation": chosen.truncation, "solver": solver(),
     }  # fmt: skip
-    other_mesh = not isinstance(mesh, HalfSpaceMesh)
-    return Model(fine, tuple(made), half_space.unknowns, settings, half_space, other_mesh, notes)
+    rim_cost = triangles.RIM_COST if isinstance(mesh, HalfSpaceMesh) else stars.RIM_COST
+    return Model(fine, tuple(made), half_space.unknowns, settings, half_space, rim_cost, notes)

@@ -52,6 +52,7 @@ Prepare = Callable[..., Prepared]
 # name, method and changes of the scene: the methods that every invariant is tested on
 METHODS = {
     "mdr": ("mdr", {}),
+    "stars": ("fem", {"accuracy__fem__mesher": "stars"}),
     "gmsh": ("fem", {"accuracy__fem__mesher": "gmsh"}),
     "bisection": ("fem", {"accuracy__fem__mesher": "bisection"}),
 }

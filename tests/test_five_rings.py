@@ -48,7 +48,7 @@ def test_mdr(solve: Solve, reference: Reference, average: str) -> None:
     assert worst(found.profile, states(reference, "profile")) <= 1e-4
 
 
-@pytest.mark.parametrize("mesher", ["gmsh", "bisection"])
+@pytest.mark.parametrize("mesher", ["stars", "gmsh", "bisection"])
 def test_fem(solve: Solve, reference: Reference, mesher: str) -> None:
     found = solve(**FEM, accuracy__fem__mesher=mesher)
     assert worst(found.indentation, states(reference, "indentation")) <= 1e-4
@@ -94,11 +94,21 @@ def test_the_dial_of_the_mdr(solve: Solve, reference: Reference, rtol: float) ->
     assert worst(found.steady_rms_slope, np.array(reference["steady"]["rms_slope_line"])) <= max(1e-3, rtol)
 
 
-@pytest.mark.parametrize("mesher", ["gmsh", "bisection"])
-@pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-5, pytest.param(1e-8, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("mesher", ["stars", "gmsh", "bisection"])
+@pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-5, 1e-8])
 def test_the_dial_of_the_fem(solve: Solve, reference: Reference, rtol: float, mesher: str) -> None:
     found = solve(methods=("fem",), accuracy__rtol=rtol, accuracy__fem__mesher=mesher)
     assert worst(found.indentation, states(reference, "indentation")) <= rtol
+
+
+def test_fem_to_nine_digits(solve: Solve, reference: Reference) -> None:
+    """As far as the reference goes; the ring forces against an MDR of the same accuracy."""
+    found = solve(methods=("fem",), accuracy__rtol=1e-9)
+    assert worst(found.indentation, states(reference, "indentation")) <= 1e-9
+    times = np.array(reference["slowest_relaxation_times"])
+    assert worst(found.relaxation_time[: len(times)], times) <= 1e-9
+    finer = solve(methods=("mdr",), accuracy__rtol=1e-9).ring_force
+    assert np.abs(found.ring_force / finer - 1).max() <= 1e-8
 
 
 @pytest.mark.parametrize(

@@ -39,6 +39,7 @@ def five_rings(**changes: object) -> NaturalScene:
         (1, 1e-6),
         (2, 1e-6),
         (5, 1e-6),
+        (32, 1e-6),
     ],
 )
 def test_every_steady_state_is_certified(rings: int, rtol: float) -> None:

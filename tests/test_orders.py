@@ -12,16 +12,23 @@ from scipy.special import spherical_jn
 from fem.far_field import exterior_stiffness, pole
 from meshes.half_space import HalfSpaceMesh, SizeField
 from meshes.radial import Array
+from studies import Scene
 from studies.convergence import (
-    FLAT,
+    FACTOR,
     PUNCH_GRADINGS,
     PUNCH_SIZES,
     SMOOTH,
-    TRUNCATION,
+    STAR_DEGREES,
     UNIFORM_SIZES,
     UNIFORM_TRUNCATION,
+)
+from studies.convergence_levels import (
+    FLAT,
+    TRUNCATION,
+    Quantities,
     punch_by_elements,
     punch_by_mdr,
+    punch_by_stars,
     smooth_by_mdr,
 )
 from studies.levels import WITHIN, Sequence
@@ -108,6 +115,33 @@ def test_indentation_by_subdivided_elements(degree: int, graded: bool, counts: t
     tips = FLAT[1:] if graded else FLAT[:0]
     values = [punch_by_elements(punch_base(graded), tips, degree, 0.3, count)[0]["d0"] for count in counts]
     assert_order(1 / np.array(counts), np.abs(np.array(values) / 0.5 - 1), 2 * degree if graded else 1, cap)
+
+
+def assert_factor(errors: Array, least: float, cap: float) -> None:
+    """With each degree, and over all of them at least as much as the theory has in the end."""
+    assert (errors[:-1] / errors[1:]).min() >= least
+    assert (errors[0] / errors[-1]) ** (1 / (len(errors) - 1)) >= FACTOR
+    assert errors[-1] <= cap
+
+
+@pytest.mark.parametrize(("ratio", "cap"), [(0.0, 2e-12), (0.3, 1e-12), (0.45, 2e-12)])
+def test_indentation_on_a_star_by_the_degree(ratio: float, cap: float) -> None:
+    errors = np.array([1 - punch_by_stars(ratio, degree)[0]["d0"] / 0.5 for degree in STAR_DEGREES])
+    # too stiff a solid, always
+    assert errors.min() > 0
+    assert_factor(errors, 4, cap)
+
+
+def test_rings_on_stars_by_the_degree() -> None:
+    """The finer degrees, up to roundoff, are for the study."""
+    quantities = Quantities(Scene.load("five_rings").natural)
+    found = [quantities.by_stars(0.3, degree)[0] for degree in range(4, 9)]
+    caps = {"d(1)": 1e-10, "slowest relaxation time": 1e-10, "mean steady displacement": 1e-10}
+    for name, cap in caps.items():
+        assert_factor(np.array([abs(values[name] / quantities.exact[name] - 1) for values in found]), 4, cap)
+    # from both sides
+    name = "force on the outer ring at 1"
+    assert abs(found[-1][name] / quantities.exact[name] - 1) <= 1e-10
 
 
 @cache
