@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -30,6 +32,37 @@ def mesh(field: SizeField) -> HalfSpaceMesh:
     MeshError
         if gmsh cannot be loaded or fails
     """
+    with session() as gmsh:
+        _geometry(gmsh, field)
+        gmsh.model.mesh.generate(2)
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        _, cells = gmsh.model.mesh.getElementsByType(2)
+    number = np.full(int(tags.max()) + 1, -1)
+    number[tags] = np.arange(len(tags))
+    points = coordinates.reshape(-1, 3)[:, :2]
+    return assemble(points, number[cells].reshape(-1, 3), np.array(field.edges), "gmsh")
+
+
+OPTIONS = {
+    "General.Terminal": 0,
+    "General.NumThreads": 1,
+    "Mesh.Algorithm": 6,
+    "Mesh.MeshSizeExtendFromBoundary": 0,
+    "Mesh.MeshSizeFromPoints": 0,
+    "Mesh.MeshSizeFromCurvature": 0,
+    "Mesh.MeshSizeMin": 0,
+}
+
+
+@contextmanager
+def session() -> Iterator[Any]:
+    """gmsh, set up and with an empty model, which is gone at the end.
+
+    Raises
+    ------
+    MeshError
+        if gmsh cannot be loaded or fails
+    """
     reason = unavailable()
     if reason:
         raise MeshError(reason)
@@ -37,32 +70,13 @@ def mesh(field: SizeField) -> HalfSpaceMesh:
 
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
-        set_options(gmsh)
-        _geometry(gmsh, field)
-        gmsh.model.mesh.generate(2)
-        tags, coordinates, _ = gmsh.model.mesh.getNodes()
-        _, cells = gmsh.model.mesh.getElementsByType(2)
+        for name, value in OPTIONS.items():
+            gmsh.option.setNumber(name, value)
+        yield gmsh
     except Exception as error:  # gmsh raises bare exceptions
         raise MeshError(f"gmsh could not mesh the half-space: {error}") from error
     finally:
         gmsh.finalize()
-    number = np.full(int(tags.max()) + 1, -1)
-    number[tags] = np.arange(len(tags))
-    points = coordinates.reshape(-1, 3)[:, :2]
-    return assemble(points, number[cells].reshape(-1, 3), np.array(field.edges), "gmsh")
-
-
-def set_options(gmsh: Any) -> None:
-    for name, value in {
-        "General.Terminal": 0,
-        "General.NumThreads": 1,
-        "Mesh.Algorithm": 6,
-        "Mesh.MeshSizeExtendFromBoundary": 0,
-        "Mesh.MeshSizeFromPoints": 0,
-        "Mesh.MeshSizeFromCurvature": 0,
-        "Mesh.MeshSizeMin": 0,
-    }.items():
-        gmsh.option.setNumber(name, value)
 
 
 def _geometry(gmsh: Any, field: SizeField) -> None:

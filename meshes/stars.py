@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .errors import MeshError
-from .gmsh_mesher import set_options, unavailable
+from .gmsh_mesher import session
 from .half_space import LOWEST_QUALITY, HalfSpaceMesh, assemble
 from .radial import Array, Indices
 
@@ -168,27 +168,16 @@ def _cores(corners: Indices, centres: Indices) -> Indices:
 
 def _fill(points: Array, outlines: Indices, half_widths: Array, growth: float, truncation: float) -> tuple[Array, Indices]:
     """The points with those of the triangles added, and the triangles between the stars and the outer arc."""
-    reason = unavailable()
-    if reason:
-        raise MeshError(reason)
-    import gmsh
-
     ends = np.array([[0.0, 0.0], [truncation, 0.0], [0.0, truncation]])
     given = np.concatenate([points, ends])
     corners = np.concatenate([outlines.ravel(), len(points) + np.arange(3)])
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    try:
-        set_options(gmsh)
+    with session() as gmsh:
         tags = _geometry(gmsh, given[corners])
         _sizes(gmsh, tags[:-3].reshape(-1, 5), half_widths, growth, truncation)
         gmsh.model.mesh.generate(2)
         at_corners = [gmsh.model.mesh.getNodes(0, tag)[0][0] for tag in tags]
         nodes, coordinates, _ = gmsh.model.mesh.getNodes()
         _, cells = gmsh.model.mesh.getElementsByType(2)
-    except Exception as error:  # gmsh raises bare exceptions
-        raise MeshError(f"gmsh could not mesh the half-space: {error}") from error
-    finally:
-        gmsh.finalize()
     number = np.full(int(nodes.max()) + 1, -1)
     number[at_corners] = corners
     new = number[nodes] < 0

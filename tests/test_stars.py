@@ -156,6 +156,6 @@ def test_too_steep_a_grading_is_refused() -> None:
 
 
 def test_without_gmsh_the_remedy_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stars, "unavailable", lambda: f"gmsh cannot be loaded: {gmsh_mesher.SYSTEM_PACKAGES}")
+    monkeypatch.setattr(gmsh_mesher, "unavailable", lambda: f"gmsh cannot be loaded: {gmsh_mesher.SYSTEM_PACKAGES}")
     with pytest.raises(MeshError, match="libgl1"):
         CASES["flat"].mesh()
