@@ -13,9 +13,9 @@ from .levels import new_figure
 # grey and symbol of each verdict, and a colour for those who see one
 LOOKS: dict[str, tuple[str, str, float]] = {
     "within": ("#c7e3c7", "s", 14),
-    "degraded": ("#e0a52f", "^", 15),
+    "degraded": ("#b06f10", "^", 15),
     "refused": ("#5a7fb5", "_", 17),
-    "wrong": ("#c0392b", "X", 22),
+    "wrong": ("#9c1c10", "X", 22),
     "crashed": ("black", "*", 30),
 }
 

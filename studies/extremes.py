@@ -45,7 +45,7 @@ FACTOR = 3.0
 # relative accuracy of the oracle: of its quadratures, of slopes beside a ring by its width
 ORACLE = 2e-10
 PER_WIDTH = 3e-15
-CANCELLED = 4e-15  # times what cancels in its displacements, discs over narrow rings; against 60 digits: up to 2.5e-15
+CANCELLED = 5e-15  # times what cancels in its displacements, discs over narrow rings; against 60 digits: up to 3.6e-15
 CROSS = 5e-7  # of the other method
 RINGS_OF_SLOPES = 64  # with more of them the oracle's quadrature would take longer than the study
 LATE = 50.0  # slowest relaxation times, about 0.4/k_min, after which only the steady state is left

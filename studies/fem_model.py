@@ -84,5 +84,4 @@ def fem_model(natural: NaturalScene, stages: Stages, twins: bool = True) -> Mode
         "multipliers": fine.space.size, "far_field": chosen.far_field, "poles": len(half_space.poles),
         "truncation": chosen.truncation, "solver": solver(),
     }  # fmt: skip
-    rim_cost = triangles.RIM_COST if isinstance(mesh, HalfSpaceMesh) else stars.RIM_COST
-    return Model(fine, tuple(made), half_space.unknowns, settings, half_space, rim_cost, notes)
+    return Model(fine, tuple(made), half_space.unknowns, settings, half_space, notes)

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 # shells shrink by this, triangles between the stars grow by that; the lowest degree, at singular points, is the least
 # that goes with a stable linear pressure
 GRADING, GROWTH, LOWEST = 0.25, 0.8, 3
-RIM_COST = 0.045  # see `Model`; measured 0.037 to 0.041
 
 
 @dataclass(frozen=True)

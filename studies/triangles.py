@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from fem.compliance import HalfSpace
 
 
-RIM_COST = 0.02  # see `Model`
-
-
 def edge_sizes(natural: NaturalScene) -> Array:
     """(N-1,) wanted sizes at the ring edges between centre and rim, in a few distinct values."""
     rtol = natural.scene.accuracy.rtol

@@ -103,6 +103,21 @@ def test_estimates_hold_where_rings_limit_the_mesh(family: str, x: float, y: flo
     assert row["error"] <= row["estimate"]
 
 
+def test_the_oracle_knows_what_cancels_over_a_narrow_ring_of_high_pressure() -> None:
+    place = ("ring width/a × k2/k1", "direct", 1e-9, 1e-8)
+    (cell,) = (c for c in all_cells(FIVE, False) if (c.family, c.method, c.x, c.y) == place)
+    assert Judge().row(cell)["verdict"] == "within"
+
+
+def test_scenes_of_other_times_share_no_finite_elements() -> None:
+    """Their sizes follow the first time asked for."""
+    judge, scene = Judge(), FIVE.changed(accuracy__rtol=1e-4)
+    units = scene.natural.time
+    early, late = (scene.changed(wear__times=[time * units]).natural for time in (1e-6, 1e3))
+    assert judge.model(early, "fem").unknowns > judge.model(late, "fem").unknowns
+    assert judge.model(early, "fem") is judge.model(early, "fem")
+
+
 def test_refusals_and_crashes_are_told_apart(monkeypatch: pytest.MonkeyPatch) -> None:
     cell = next(iter(all_cells(FIVE, True)))
 
