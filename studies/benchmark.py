@@ -21,7 +21,7 @@ from threadpoolctl import threadpool_limits
 from meshes.compliance import Compliance
 from meshes.radial import Array
 
-from .fem_model import discretised, fem_model, half_space_mesh
+from .fem_model import discretised, far_poles, fem_model, half_space_mesh
 from .methods import mdr_model
 from .model import Model
 from .natural import NaturalScene
@@ -152,7 +152,7 @@ def fem_stages(scene: Scene, repeats: int, quick: bool) -> list[Row]:
 def _stages_of(name: str, natural: NaturalScene, repeats: int) -> list[Row]:
     from fem.condensation import solver
 
-    poles = tuple(range(0, 2 * natural.scene.accuracy.fem.poles, 2))
+    poles = far_poles(natural)
     mesh, _ = half_space_mesh(natural)
     wear = natural.phases[1]
 

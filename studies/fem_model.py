@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from meshes.stars import StarMesh
 
 
+THREE_POLES = 3e-9
+
+
 def half_space_mesh(natural: NaturalScene) -> tuple[HalfSpaceMesh | StarMesh, tuple[str, ...]]:
     """The mesh of the scene, with notes; without gmsh it is made of triangles only."""
     if natural.scene.accuracy.fem.meshed_by != "stars":
@@ -27,6 +30,13 @@ def half_space_mesh(natural: NaturalScene) -> tuple[HalfSpaceMesh | StarMesh, tu
     except MeshError as error:
         mesh, notes = triangles.triangle_mesh(natural)
         return mesh, notes or (f"triangles only, of lower degree: {error}",)
+
+
+def far_poles(natural: NaturalScene) -> tuple[int, ...]:
+    """Orders of the poles tied to the outer boundary: at 5 a, three of them leave 3e-10 of the indentation."""
+    accuracy = natural.scene.accuracy
+    count = accuracy.fem.poles or (3 if accuracy.rtol > THREE_POLES else 4)
+    return tuple(range(0, 2 * count, 2))
 
 
 def discretised(natural: NaturalScene, mesh: HalfSpaceMesh | StarMesh, poles: tuple[int, ...]) -> HalfSpace:
@@ -58,7 +68,7 @@ def fem_model(natural: NaturalScene, stages: Stages, twins: bool = True) -> Mode
 
     chosen = natural.scene.accuracy.fem
     fixed = chosen.far_field == "fixed"
-    poles = tuple(range(0, 2 * chosen.poles, 2))
+    poles = far_poles(natural)
     with stages("meshing"):
         mesh, notes = half_space_mesh(natural)
     with stages("assembling"):

@@ -114,7 +114,7 @@ class FemAccuracy(Section):
         default=None, description="stars (high degrees), gmsh or bisection (triangles of degree 2 to 4)"
     )
     far_field: Literal["boussinesq", "fixed"] = Field(default="boussinesq", description="boussinesq or fixed")
-    poles: int = Field(default=3, ge=1, le=6, description="Boussinesq poles tied to the outer boundary, 1 to 6")
+    poles: int | None = Field(default=None, ge=1, le=6, description="Boussinesq poles tied to the outer boundary, 1 to 6")
     truncation: float = Field(default=5.0, ge=2, le=1e6, description="radius of the half-space in a, 2 to 1e6")
     degree: int | None = Field(
         default=None,
