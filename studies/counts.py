@@ -44,8 +44,9 @@ def _on_stars(natural: NaturalScene) -> tuple[int, int]:
     half_widths, layers = star_shells(edges, chosen.sizes, chosen.rim_size, stars.GRADING)
     # degree of each shell, from the innermost on; the core has the lowest
     within = np.arange(layers.sum()) - np.repeat(np.cumsum(layers) - layers, layers)
-    degrees = np.minimum(chosen.degree, stars.LOWEST + within)
-    quadrilaterals = 4 * np.sum(degrees**2) + 2 * len(layers) * stars.LOWEST**2
+    lowest = stars.lowest_degree(natural)
+    degrees = np.minimum(chosen.degree, lowest + within)
+    quadrilaterals = 4 * np.sum(degrees**2) + 2 * len(layers) * lowest**2
     truncation = natural.scene.accuracy.fem.truncation
 
     def between(points: Array) -> Array:
@@ -53,8 +54,8 @@ def _on_stars(natural: NaturalScene) -> tuple[int, int]:
 
     cells = MORE_BETWEEN * count_triangles(between, truncation)
     # of every star both sides are on the contact, of that at the rim one
-    rim = np.sum(degrees[-layers[-1] :] - 2) + 1
-    inside = 2 * (np.sum(degrees - 2) + len(layers)) - rim
+    rim = np.sum(degrees[-layers[-1] :] - 2) + lowest - 2
+    inside = 2 * (np.sum(degrees - 2) + (lowest - 2) * len(layers)) - rim
     ends = np.append(edges[1:-1] + half_widths[:-1], 1.0), np.append(edges[1:-1] - half_widths[:-1], 1 - half_widths[-1])
     open_line = zip(np.append(0.0, ends[0][:-1]), ends[1], strict=True)
     facets = sum(max(1.0, _facets(between, start, stop)) for start, stop in open_line)

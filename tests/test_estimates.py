@@ -114,3 +114,17 @@ def test_sizes_of_the_user_are_not_refined() -> None:
     result = run(Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-6, accuracy__mdr=coarse))
     assert "mdr" in result.short_of
     assert not result.notes
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.4999, 0.5])
+def test_stars_do_not_lock(poisson_ratio: float) -> None:
+    """Unequal rings, near incompressibility: of degree 3 at ring edges, errors exceed the estimate."""
+    punch = {
+        "radius": 1.0,
+        "ring_edges": [0.003, 0.08, 0.091, 0.816, 0.818, 1.0],
+        "wear_coefficients": [240.0, 170.0, 0.0013, 18.0, 0.001, 1.0],
+    }
+    wear = {"times": [0.0, 0.0017, 0.0089, 0.042]}
+    changes = {"methods": ["fem"], "half_space__poisson_ratio": poisson_ratio, "accuracy__rtol": 1e-6}
+    error, estimate = true_errors(run(Scene.load("five_rings").changed(punch=punch, wear=wear, **changes)))["fem"]
+    assert error <= estimate <= 1e-6
