@@ -23,7 +23,7 @@ from meshes.compliance import Compliance
 from meshes.errors import SolverError
 from meshes.half_space import HalfSpaceMesh
 from meshes.pressure_space import PressureSpace
-from meshes.radial import Array, Indices, layer_degrees
+from meshes.radial import Array, Indices, layer_degrees, snapped
 
 from .condensation import fill_reducing_order, symmetric, trailing_factor
 from .elasticity import moduli
@@ -39,9 +39,7 @@ COLUMNS_AT_ONCE = 256
 
 def pressure_space(mesh: HalfSpaceMesh, edges: Array, degree: int) -> PressureSpace:
     """The pressure space on the contact facets of the mesh, up to multiplier `degree`."""
-    breakpoints = mesh.contact_radii.copy()
-    nearest = np.abs(breakpoints[:, None] - edges).argmin(axis=0)
-    breakpoints[nearest] = edges
+    breakpoints = snapped(mesh.contact_radii, edges)
     return PressureSpace(breakpoints, layer_degrees(breakpoints, edges, degree, RISE, max(1, degree - 1)), edges)
 
 

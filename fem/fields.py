@@ -26,7 +26,6 @@ def displacements(half_space: HalfSpace, pressures: Array) -> Array:
 
 def stresses(solid: AxisymmetricElasticity, displacement: Array, points: Array) -> Array:
     """(states, m, q, 4) stresses rr, zz, rz, hoop at (2, q) reference points of each of the m triangles."""
-    lame, shear = moduli(solid.poisson_ratio)
     value, gradient = solid.reference(points)
     inverse, _ = solid.inverse_jacobian
     local = solid.on_triangles(displacement)
@@ -35,15 +34,19 @@ def stresses(solid: AxisymmetricElasticity, displacement: Array, points: Array) 
     radial = np.einsum("iq,sim->smq", value, local[..., 0], optimize=True)
     on_axis = radius == 0
     hoop = np.where(on_axis, slopes[..., 0, 0], radial / np.where(on_axis, 1.0, radius))
-    rr, zz = slopes[..., 0, 0], slopes[..., 1, 1]
+    strains = np.stack([slopes[..., 0, 0], slopes[..., 1, 1], (slopes[..., 0, 1] + slopes[..., 1, 0]) / 2, hoop])
     # the dilatation that carries the energy: near incompressibility lambda would make noise of any other
-    dilatation = solid.dilatation(local, points)
-    volume = lame * dilatation
-    rz = shear * (slopes[..., 0, 1] + slopes[..., 1, 0])
-    # strains that do not add up to the projected dilatation share what is missing
+    return stresses_of(strains, solid.dilatation(local, points), solid.poisson_ratio)
+
+
+def stresses_of(strains: Array, dilatation: Array, poisson_ratio: float) -> Array:
+    """(..., 4) stresses rr, zz, rz, hoop by (4, ...) strains and a smoother dilatation (...) than theirs."""
+    lame, shear = moduli(poisson_ratio)
+    rr, zz, rz, hoop = strains
+    # strains that do not add up to that dilatation share what is missing
     missing = (dilatation - rr - zz - hoop) / 3
-    normal = [volume + 2 * shear * (strain + missing) for strain in (rr, zz, hoop)]
-    return np.stack([normal[0], normal[1], rz, normal[2]], axis=-1)
+    rr, zz, hoop = (lame * dilatation + 2 * shear * (strain + missing) for strain in (rr, zz, hoop))
+    return np.stack([rr, zz, 2 * shear * rz, hoop], axis=-1)
 
 
 def vertex_stresses(solid: AxisymmetricElasticity, displacement: Array) -> Array:

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix
 
 from meshes.pressure_space import PressureSpace
-from meshes.radial import Array, Indices
+from meshes.radial import Array, Indices, snapped
 from meshes.stars import StarMesh
 
 from .condensation import symmetric
@@ -104,9 +104,8 @@ class HpElasticity:
 
         One degree below, near incompressibility, some pressures would have but 2 per cent of their energy.
         """
-        breakpoints = self.mesh.contact_radii.copy()
-        breakpoints[np.abs(breakpoints[:, None] - edges).argmin(axis=0)] = edges
-        return PressureSpace(breakpoints, np.maximum(self._numbering.chain("contact").degrees - 2, 1), edges)
+        degrees = np.maximum(self._numbering.chain("contact").degrees - 2, 1)
+        return PressureSpace(snapped(self.mesh.contact_radii, edges), degrees, edges)
 
     @cached_property
     def batches(self) -> tuple[Batch, ...]:

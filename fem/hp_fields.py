@@ -7,8 +7,7 @@ import numpy as np
 from meshes.radial import Array, Indices
 
 from .compliance import HalfSpace
-from .elasticity import moduli
-from .fields import displacements
+from .fields import displacements, stresses_of
 from .hp import Batch, HpElasticity
 from .hp_stiffness import geometry
 from .lobatto import Element
@@ -63,17 +62,13 @@ def _local(batch: Batch, inside: Array, known: Array) -> Array:
 
 def _fields(batch: Batch, local: Array, points: Array, poisson_ratio: float) -> tuple[Array, Array, Array]:
     """Points (m, q, 2), displacements (states, m, q, 2) and stresses (states, m, q, 4) at reference points."""
-    lame, shear = moduli(poisson_ratio)
-    at, displacement, (rr, zz, rz, hoop) = _strains(batch, local, points)
+    at, displacement, strains = _strains(batch, local, points)
     gauss, weights = batch.element.rule(batch.degree + 1)
     _, _, (rr_gauss, zz_gauss, _, hoop_gauss) = _strains(batch, local, gauss)
     smooth = _projection(batch.element, gauss, weights, points, max(batch.degree - 2, 0))
     # near incompressibility lambda makes noise of the dilatation but for its part of lower degree
     dilatation = (rr_gauss + zz_gauss + hoop_gauss) @ smooth
-    # strains that do not add up to the projected dilatation share what is missing
-    missing = (dilatation - rr - zz - hoop) / 3
-    rr, zz, hoop = (lame * dilatation + 2 * shear * (strain + missing) for strain in (rr, zz, hoop))
-    return at, displacement, np.stack([rr, zz, 2 * shear * rz, hoop], axis=-1)
+    return at, displacement, stresses_of(strains, dilatation, poisson_ratio)
 
 
 def _strains(batch: Batch, local: Array, points: Array) -> tuple[Array, Array, Array]:

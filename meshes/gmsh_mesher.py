@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -80,7 +80,7 @@ def session() -> Iterator[Any]:
 
 
 def _geometry(gmsh: Any, field: SizeField) -> None:
-    geometry, fields, outer = gmsh.model.geo, gmsh.model.mesh.field, field.truncation
+    geometry, outer = gmsh.model.geo, field.truncation
     on_contact = [geometry.addPoint(edge, 0, 0) for edge in field.edges]
     surface_end, axis_end = geometry.addPoint(outer, 0, 0), geometry.addPoint(0, outer, 0)
     line = [*on_contact, surface_end]
@@ -88,20 +88,26 @@ def _geometry(gmsh: Any, field: SizeField) -> None:
     curves += [geometry.addCircleArc(surface_end, on_contact[0], axis_end), geometry.addLine(axis_end, on_contact[0])]
     geometry.addPlaneSurface([geometry.addCurveLoop(curves)])
     geometry.synchronize()
-    sizes = []
     at_edges = np.array(field.ring_sizes)
     groups = [(on_contact[-1:], field.rim_size)]
     if field.centre_size < field.largest:
         groups.append((on_contact[:1], field.centre_size))
     groups += [([on_contact[1 + i] for i in np.flatnonzero(at_edges == size)], size) for size in np.unique(at_edges)]
+    set_sizes(gmsh, groups, field.growth, field.largest)
+
+
+def set_sizes(gmsh: Any, groups: Iterable[tuple[Iterable[int], float]], growth: float, largest: float) -> None:
+    """Element sizes of the model: of each group its own at its points, growing with the distance to the largest."""
+    fields = gmsh.model.mesh.field
+    ramps = []
     for points, size in groups:
         distance, threshold = fields.add("Distance"), fields.add("Threshold")
         fields.setNumbers(distance, "PointsList", points)
-        reach = max(field.largest - size, 0.0) / field.growth
-        ramp = {"InField": distance, "DistMin": 0, "DistMax": reach, "SizeMin": size, "SizeMax": field.largest}
+        reach = max(largest - size, 0.0) / growth
+        ramp = {"InField": distance, "DistMin": 0, "DistMax": reach, "SizeMin": size, "SizeMax": largest}
         for name, value in ramp.items():
             fields.setNumber(threshold, name, value)
-        sizes.append(threshold)
+        ramps.append(threshold)
     smallest = fields.add("Min")
-    fields.setNumbers(smallest, "FieldsList", sizes)
+    fields.setNumbers(smallest, "FieldsList", ramps)
     fields.setAsBackgroundMesh(smallest)

@@ -24,6 +24,13 @@ def ring_areas(edges: ArrayLike) -> Array:
     return np.pi * np.diff(edges) * (edges[1:] + edges[:-1])
 
 
+def snapped(radii: Array, edges: Array) -> Array:
+    """The radii, with the nearest to each edge moved onto it."""
+    out = radii.copy()
+    out[np.abs(radii[:, None] - edges).argmin(axis=0)] = edges
+    return out
+
+
 def graded_breakpoints(edges: ArrayLike, edge_size: ArrayLike, rim_size: float, factor: float) -> Array:
     """Element boundaries that shrink by `factor` per element towards every ring edge and the rim.
 

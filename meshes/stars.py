@@ -16,13 +16,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .errors import MeshError
-from .gmsh_mesher import session
+from .gmsh_mesher import session, set_sizes
 from .half_space import LOWEST_QUALITY, HalfSpaceMesh, assemble
 from .radial import Array, Indices
 
 # half-width of a star in units of the narrower ring beside it: between the stars of a ring remains as much room again,
 # so that the triangles there are as large as the stars and as well shaped
 HALF_WIDTH = 1 / 3
+# greatest triangles, over the truncation
+LARGEST_FILL = 0.4
 # a ring narrower than this is lost to roundoff, layers and all
 NARROWEST = 1e-10
 # corners of a shell of half-width 1, from the surface inside the singular point to that outside it
@@ -49,11 +51,6 @@ class StarMesh:
     layer: Indices
     boundaries: dict[str, Indices]
     mesher: str
-
-    @property
-    def elements(self) -> int:
-        """Number of elements of both kinds."""
-        return len(self.quadrilaterals) + len(self.triangles)
 
     @property
     def truncation(self) -> float:
@@ -127,6 +124,11 @@ def star_shells(edges: ArrayLike, sizes: ArrayLike, rim_size: float, grading: fl
     return half_widths, np.maximum(1, np.ceil(np.log(wanted / half_widths) / np.log(grading) - 1e-9)).astype(np.int64)
 
 
+def fill_sizes(half_widths: Array) -> Array:
+    """(N,) size of the triangles beside each star: its own, in few distinct values, which is what a mesher digests."""
+    return np.asarray(2.0 ** (np.ceil(4 * np.log2(half_widths)) / 4))
+
+
 def _assembled(points: Array, quadrilaterals: Indices, layer: Indices, triangles: Indices, edges: Array) -> StarMesh:
     """Name the boundaries and check: as for a mesh of triangles only, every quadrilateral cut in two."""
     used, numbers = np.unique(np.concatenate([quadrilaterals.ravel(), triangles.ravel()]), return_inverse=True)
@@ -173,7 +175,10 @@ def _fill(points: Array, outlines: Indices, half_widths: Array, growth: float, t
     corners = np.concatenate([outlines.ravel(), len(points) + np.arange(3)])
     with session() as gmsh:
         tags = _geometry(gmsh, given[corners])
-        _sizes(gmsh, tags[:-3].reshape(-1, 5), half_widths, growth, truncation)
+        at_stars, sizes = tags[:-3].reshape(-1, 5), fill_sizes(half_widths)
+        # triangles as large as the stars at their corners, growing with the distance
+        groups = [(at_stars[sizes == size].ravel(), size) for size in np.unique(sizes)]
+        set_sizes(gmsh, groups, growth, LARGEST_FILL * truncation)
         gmsh.model.mesh.generate(2)
         at_corners = [gmsh.model.mesh.getNodes(0, tag)[0][0] for tag in tags]
         nodes, coordinates, _ = gmsh.model.mesh.getNodes()
@@ -201,23 +206,3 @@ def _geometry(gmsh: Any, corners: Array) -> Indices:
     geometry.addPlaneSurface([geometry.addCurveLoop(curves)])
     geometry.synchronize()
     return tags
-
-
-def _sizes(gmsh: Any, outlines: Indices, half_widths: Array, growth: float, truncation: float) -> None:
-    """Triangles as large as the stars at their corners, growing with the distance."""
-    fields = gmsh.model.mesh.field
-    largest = truncation / 2.5
-    # in few distinct values, which is what a mesher digests
-    rounded = 2.0 ** (np.ceil(4 * np.log2(half_widths)) / 4)
-    ramps = []
-    for size in np.unique(rounded):
-        distance, threshold = fields.add("Distance"), fields.add("Threshold")
-        fields.setNumbers(distance, "PointsList", outlines[rounded == size].ravel())
-        reach = (largest - size) / growth
-        ramp = {"InField": distance, "DistMin": 0, "DistMax": reach, "SizeMin": size, "SizeMax": largest}
-        for name, value in ramp.items():
-            fields.setNumber(threshold, name, value)
-        ramps.append(threshold)
-    smallest = fields.add("Min")
-    fields.setNumbers(smallest, "FieldsList", ramps)
-    fields.setAsBackgroundMesh(smallest)

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from meshes.half_space import SizeField
 from meshes.radial import Array
-from meshes.stars import star_shells
+from meshes.stars import LARGEST_FILL, fill_sizes, star_shells
 
 from . import stars, triangles
 from .natural import NaturalScene
@@ -72,10 +72,9 @@ def _facets(field: Callable[[Array], Array], start: float, stop: float) -> float
 
 def _between_stars(points: Array, centres: Array, half_widths: Array, truncation: float) -> Array:
     """Sizes of the triangles between the stars."""
-    size = np.full(len(points), truncation / 2.5)
-    rounded = 2.0 ** (np.ceil(4 * np.log2(half_widths)) / 4)
-    for smallest in np.unique(rounded):
-        singular = np.stack([centres[rounded == smallest], np.zeros((rounded == smallest).sum())], axis=1)
+    size, beside = np.full(len(points), LARGEST_FILL * truncation), fill_sizes(half_widths)
+    for smallest in np.unique(beside):
+        singular = np.stack([centres[beside == smallest], np.zeros((beside == smallest).sum())], axis=1)
         distance = np.maximum(cKDTree(singular).query(points)[0] - smallest, 0.0)
         size = np.minimum(size, smallest + stars.GROWTH * distance)
     return size

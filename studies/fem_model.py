@@ -90,7 +90,7 @@ def fem_model(natural: NaturalScene, stages: Stages, twins: bool = True) -> Mode
         # displacements and stresses inside are those of the clamped half-space, too
         half_space = replace(half_space, poles=())
     settings = {
-        "mesher": mesh.mesher, "elements": len(mesh.quality), "degree": half_space.solid.degree,
+        "mesher": mesh.mesher, "elements": sum(map(len, mesh.cells.values())), "degree": half_space.solid.degree,
         "multipliers": fine.space.size, "far_field": chosen.far_field, "poles": len(half_space.poles),
         "truncation": chosen.truncation, "solver": solver(),
     }  # fmt: skip

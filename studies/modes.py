@@ -88,8 +88,7 @@ def excited_modes(energy: Array, mass: BandedCholesky, weights: Array, moments: 
     diagonal, beside = np.empty(size), np.empty(size)
     vector = mass.forward(moments)
     vector -= steady * (steady @ vector)
-    start = float(np.linalg.norm(vector))
-    vector /= start
+    vector /= np.linalg.norm(vector)
     look = min(FIRST, size)
     for k in range(size):
         basis[k] = vector

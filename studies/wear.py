@@ -21,7 +21,7 @@ from meshes.errors import SceneError
 from meshes.radial import Array
 
 from .banded import BandedCholesky
-from .contact import SteadyState, flat_start, steady_state
+from .contact import FlatStart, SteadyState, flat_start, steady_state
 from .modes import LARGE, Modes, every_mode, excited_modes
 
 MOST_STEPS = 2_000_000
@@ -64,6 +64,10 @@ class Wear:
         return steady_state(self.compliance, self.wear_coefficients)
 
     @cached_property
+    def flat(self) -> FlatStart:
+        return flat_start(self.compliance)
+
+    @cached_property
     def _to_pressure(self) -> csr_matrix:
         """(size, n) pressures by the wear rate."""
         return self.compliance.space.joined(self.wear_coefficients)
@@ -90,14 +94,8 @@ class Wear:
         return self._to_pressure.T @ self.compliance.space.weights
 
     @cached_property
-    def _steady_moments(self) -> Array:
-        """(size,) displacements of the steady state against each pressure."""
-        factor = self.compliance.factor
-        return factor.T @ (factor @ self.steady.pressure)
-
-    @cached_property
     def _modes(self) -> Modes:
-        mass, moments = BandedCholesky(self._mass), self._to_pressure.T @ self._steady_moments
+        mass, moments = BandedCholesky(self._mass), self._to_pressure.T @ self.steady.moments
         if self.earliest and len(moments) > LARGE:
             return excited_modes(self._energy, mass, self._weights, moments, self.earliest)
         gentle = float(np.diff(self.compliance.space.breakpoints).min()) > GENTLEST
@@ -120,7 +118,7 @@ class Wear:
         pressure = self.steady.pressure + left @ self._to_pressure.T
         # the constant wear rate has coefficient one on every hat
         profile = worn @ self._to_profile.T + np.outer(rate * times, self._constant)
-        indentation = rate * times + pressure @ self._steady_moments
+        indentation = rate * times + pressure @ self.steady.moments
         return self._from_flat(History(times, pressure, profile, indentation))
 
     @cached_property
@@ -131,9 +129,8 @@ class Wear:
         """At t = 0 the pressure, not the wear rate, is continuous: put the flat start in its own space."""
         start = np.flatnonzero(history.times == 0)
         if len(start):
-            flat = flat_start(self.compliance)
-            history.pressure[start] = flat.pressure
-            history.indentation[start] = flat.indentation
+            history.pressure[start] = self.flat.pressure
+            history.indentation[start] = self.flat.indentation
         return history
 
     @cached_property
@@ -204,7 +201,7 @@ class Wear:
             profiles.append(worn)
         pressure, profile = np.array(states) @ self._to_pressure.T, np.array(profiles) @ self._to_profile.T
         # force balance against the steady pressures: d F = p_s . A p + int f p_s dA
-        indentation = pressure @ self._steady_moments + np.array(profiles) @ (self._weights * self.steady.wear_rate)
+        indentation = pressure @ self.steady.moments + np.array(profiles) @ (self._weights * self.steady.wear_rate)
         return self._from_flat(History(times, pressure, profile, indentation))
 
     def history(self, times: Array, march: str = "modal", step: float | None = None) -> History:

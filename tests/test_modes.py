@@ -13,7 +13,7 @@ from studies.outcome import estimated
 
 
 def pencil(wear: Any) -> tuple[Any, ...]:
-    return BandedCholesky(wear._mass), wear._weights, wear._to_pressure.T @ wear._steady_moments
+    return BandedCholesky(wear._mass), wear._weights, wear._to_pressure.T @ wear.steady.moments
 
 
 @pytest.mark.parametrize("earliest", [1e-4, 1e-2, 1.0, 1e12])
