@@ -1,55 +1,85 @@
-"""Axisymmetric linear elasticity on triangles, assembled block by block from scikit-fem's reference elements.
+"""The axisymmetric elastic solid on any scikit-fem mesh of the half-space, its degrees of freedom numbered by scikit-fem.
 
-Energy ``int sigma : eps dV`` with ``dV = 2 pi r dr dz``: stiffness, forces and areas all carry the full 2 pi. Strains
-are ``eps_rr = du_r/dr``, ``eps_zz = du_z/dz``, ``eps_hoop = u_r/r``, ``2 eps_rz = du_r/dz + du_z/dr``; z is the depth.
-Triangles are straight, so every integral but the hoop one is a reference tensor times element constants, and the
-whole matrix costs a few dense products.
+Functions inside elements are condensed, all elements of one degree at once, before anything is assembled.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.sparse import coo_matrix, csc_matrix
-from skfem import Element, ElementTriP1, ElementTriP2, ElementTriP3, ElementTriP4, MeshTri
+from scipy.sparse import coo_matrix, csc_matrix, csr_matrix
+from scipy.sparse.linalg import splu
+from skfem import Element, ElementQuadP, Mesh
 from skfem.assembly import Dofs
-from skfem.quadrature import get_quadrature
 
-from meshes.half_space import HalfSpaceMesh
+from meshes.half_space import LOWER, facet_ends, points_on
+from meshes.patches import LOWEST
 from meshes.radial import Array, Indices
 
 from .condensation import symmetric
-from .trace import Trace
-
-ELEMENTS = {1: ElementTriP1, 2: ElementTriP2, 3: ElementTriP3, 4: ElementTriP4}
-
+from .weak_form import element_of_degree, stiffness, tables
 
 # an incompressible solid is modelled as this one: with the plane strain modulus given, pressures and displacements on
 # the contact do not depend on Poisson's ratio, and closer to 1/2 roundoff costs more than it gains
 LEAST_COMPRESSIBLE = 0.49999
+# functions inside quadrilaterals whose two degrees sum to more than this above the degree cost more than they give, but
+# near incompressibility, where stresses need them
+SERENDIPITY, NEARLY_INCOMPRESSIBLE = 2, 0.45
+# elements are assembled so many at once that their matrices hold this many numbers
+AT_ONCE = 2**20
 
 
-def moduli(poisson_ratio: float) -> tuple[float, float]:
-    """Lame's lambda and shear modulus for plane strain modulus 1."""
-    shear = (1 - poisson_ratio) / 2
-    return 2 * shear * poisson_ratio / (1 - 2 * poisson_ratio), shear
+@lru_cache(maxsize=1024)
+def _side_table(element: Element, side: int, outwards: bool, local: bytes, slope: bool) -> Array:
+    """(functions, q) values, or slopes, of the functions of one side of the reference element at coordinates along it."""
+    refdom, along, count = element.refdom, np.frombuffer(local), int(element.facet_dofs)
+    ends = list(refdom.facets[side])
+    start, end = refdom.p.T[ends if outwards else ends[::-1]]
+    value, gradient = tables(element, start[:, None] + (end - start)[:, None] * along)
+    own = np.append(ends, refdom.p.shape[1] + side * count + np.arange(count))
+    return np.einsum("nxq,x->nq", gradient, end - start)[own] if slope else value[own]
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """All elements of one degree.
+
+    Parameters
+    ----------
+    element : scikit-fem's element of that degree
+    elements : (m,) their numbers in the mesh
+    degree : polynomial degree
+    functions : (b + i,) the element's functions that are used, those inside it last
+    unknowns : (m, 2 b) radial, then axial unknowns of those that are not inside; one past the last if held at zero
+    inside : (m, i) numbers of those inside
+    """
+
+    element: Element
+    elements: Indices
+    degree: int
+    functions: Indices
+    unknowns: Indices
+    inside: Indices
 
 
 @dataclass(frozen=True, eq=False)
 class AxisymmetricElasticity:
-    """The elastic solid on a mesh; unknowns are all radial, then all axial nodal displacements.
+    """The elastic solid on a mesh; unknowns are all radial, then all axial coefficients, numbered by scikit-fem's `Dofs`.
+
+    In subdomains of the mesh that allow it (`meshes.half_space.LOWER`) the degree is lower. A side has the lower degree of
+    its two elements: the functions that exceed it are held at zero.
 
     Parameters
     ----------
-    mesh : the half-space mesh
-    degree : polynomial degree of the displacement, 1 to 4
+    mesh : triangles or turned quadrilaterals, with boundaries named (`meshes.half_space`)
+    degree : polynomial degree of the displacement: 1 to 4 on triangles, any on quadrilaterals
     given_ratio : Poisson's ratio, up to and including 1/2
     """
 
-    mesh: HalfSpaceMesh
+    mesh: Mesh
     degree: int
     given_ratio: float
 
@@ -60,236 +90,203 @@ class AxisymmetricElasticity:
 
     @cached_property
     def element(self) -> Element:
-        return ELEMENTS[self.degree]()
+        """scikit-fem's element of the highest degree, whose `Dofs` number the functions of all."""
+        return element_of_degree(self.mesh, self.degree)
 
     @cached_property
-    def _triangulation(self) -> MeshTri:
-        return MeshTri(np.ascontiguousarray(self.mesh.points.T), np.ascontiguousarray(self.mesh.triangles.T))
+    def dofs(self) -> Dofs:
+        return Dofs(self.mesh, self.element)
+
+    @property
+    def facet_dofs(self) -> Indices:
+        """(degree - 1, facets) functions of the facets, by degree."""
+        return self.dofs.facet_dofs if self.degree > 1 else np.empty((0, self.mesh.nfacets), dtype=np.int64)
 
     @cached_property
-    def _dofs(self) -> Dofs:
-        return Dofs(self._triangulation, self.element)
+    def degrees(self) -> Indices:
+        """(m,) degree in each element."""
+        out = np.full(self.mesh.nelements, self.degree)
+        for name, elements in (self.mesh.subdomains or {}).items():
+            if name.startswith(LOWER):
+                out[elements] = max(min(self.degree, LOWEST), self.degree - int(name.removeprefix(LOWER)))
+        return out
+
+    @cached_property
+    def facet_degrees(self) -> Indices:
+        """(facets,) degree along each facet: the lower of its elements'."""
+        return np.minimum(*self.degrees[self.mesh.f2t])
 
     @property
     def nodes(self) -> int:
-        """Number of nodes on vertices and facets, which are numbered first; there are twice as many unknowns."""
-        return int(self._dofs.N) - self.interior * len(self.mesh.triangles)
+        """Number of functions of vertices and facets, numbered first; there are twice as many unknowns."""
+        return int(self.dofs.N) - int(self.element.interior_dofs) * self.mesh.nelements
 
-    @property
-    def interior(self) -> int:
-        """Nodes inside each triangle, the last of its nodes: eliminated before anything is assembled."""
-        return int(self.element.interior_dofs)
+    @cached_property
+    def held(self) -> Indices:
+        """(nodes,) whether a function is held at zero, because an element beside its facet has a lower degree."""
+        out = np.zeros(self.nodes, dtype=bool)
+        if self.degrees.min() < self.degree:
+            out[self.facet_dofs] = np.arange(2, self.degree + 1)[:, None] > self.facet_degrees
+        return out
 
     @property
     def unknowns(self) -> int:
-        """Number of displacement unknowns, those inside triangles among them."""
-        return 2 * int(self._dofs.N)
+        """Number of displacement unknowns, those inside elements among them."""
+        return 2 * (self.nodes - int(self.held.sum()) + sum(batch.inside.size for batch in self.batches))
 
     @property
-    def element_dofs(self) -> Indices:
-        """(nodes on the boundary of a triangle, m) node numbers."""
-        dofs = self._dofs.element_dofs
-        return dofs[: len(dofs) - self.interior]
+    def parts(self) -> tuple[Indices, Indices]:
+        """Vertices and facets of each element (p, m), in one numbering, and the vertex or facet of each node (nodes,)."""
+        mesh = self.mesh
+        per_part = np.repeat([1, int(self.element.facet_dofs)], [mesh.nvertices, mesh.nfacets])
+        return np.concatenate([mesh.t, mesh.nvertices + mesh.t2f]), np.repeat(np.arange(len(per_part)), per_part)
 
     @cached_property
-    def corners(self) -> Array:
-        """(2, 3, m) radius and depth of the triangles' corners, in the order of the reference element."""
-        return self._triangulation.p[:, self._triangulation.t]
+    def batches(self) -> tuple[Batch, ...]:
+        """The elements by degree."""
+        return tuple(self._batch(int(degree)) for degree in np.unique(self.degrees))
 
-    @property
-    def vertices(self) -> Indices:
-        """(3, m) vertex numbers of the triangles' corners, in the order of the reference element."""
-        return self._triangulation.t
+    def _batch(self, degree: int) -> Batch:
+        element = element_of_degree(self.mesh, degree)
+        elements = np.flatnonzero(self.degrees == degree)
+        corners, sides = self.mesh.t.shape[0], self.mesh.t2f.shape[0]
+        outer = corners + sides * int(element.facet_dofs)
+        inside = np.arange(int(element.interior_dofs))
+        among_highest = inside
+        if isinstance(element, ElementQuadP):
+            # products of bubbles, and where they stand among those of the highest degree
+            one, other = np.divmod(inside, degree - 1)
+            used = (one + other + 4 <= degree + SERENDIPITY) | (self.given_ratio > NEARLY_INCOMPRESSIBLE)
+            inside, among_highest = inside[used], (one * (self.degree - 1) + other)[used]
+        # the functions of a facet come by degree
+        on_sides = np.arange(sides)[:, None] * int(self.element.facet_dofs) + np.arange(int(element.facet_dofs))
+        numbers = self.dofs.element_dofs[np.append(np.arange(corners), corners + on_sides)][:, elements].T
+        unknowns = np.concatenate([numbers, numbers + self.nodes], axis=1)
+        unknowns[np.tile(self.held[numbers], 2)] = 2 * self.nodes
+        functions = np.append(np.arange(outer), outer + inside)
+        within = self.dofs.interior_dofs[among_highest][:, elements].T
+        return Batch(element, elements, degree, functions, unknowns, within)
 
     @cached_property
-    def positions(self) -> Array:
-        """(nodes, 2) radius and depth of the nodes."""
-        xi, eta = self.element.doflocs[: len(self.element_dofs)].T
-        local = np.stack([1 - xi - eta, xi, eta])
-        out = np.empty((self.nodes, 2))
-        out[self.element_dofs] = np.einsum("xvm,vn->nmx", self.corners, local)
-        out[np.unique(self._boundary_nodes("axis")), 0] = 0.0
+    def condensed(self) -> tuple[tuple[Array, Array], ...]:
+        """Of each batch: (m, 2b, 2b) stiffness of the boundary, and (m, 2i, 2b) coefficients inside by those on it."""
+        return tuple(self._condensed(batch) for batch in self.batches)
+
+    def _condensed(self, batch: Batch) -> tuple[Array, Array]:
+        (m, b), i = batch.unknowns.shape, 2 * batch.inside.shape[1]
+        n = b // 2
+        boundary, from_boundary = np.empty((m, b, b)), np.empty((m, i, b))
+        at_once = max(1, AT_ONCE // (9 * len(batch.functions) ** 2))
+        for start in range(0, m, at_once):
+            few = slice(start, start + at_once)
+            elements = batch.elements[few]
+            k = len(elements)
+            whole = stiffness(self.mesh, batch.element, batch.functions, elements, batch.degree, self.poisson_ratio)
+            across = whole[:, :, n:, :, :n].reshape(k, i, b)
+            inside = whole[:, :, n:, :, n:].reshape(k, i, i)
+            from_boundary[few] = -np.linalg.solve(inside, across)
+            boundary[few] = whole[:, :, :n, :, :n].reshape(k, b, b)
+            boundary[few] += across.transpose(0, 2, 1) @ from_boundary[few]
+        return boundary, from_boundary
+
+    def with_insides(self, displacement: Array) -> Array:
+        """(states, dofs, 2) coefficients of all functions, by (states, nodes, 2) ones of those not inside elements."""
+        states = len(displacement)
+        out = np.zeros((states, int(self.dofs.N), 2))
+        out[:, : self.nodes] = displacement
+        known = np.concatenate([displacement[..., 0], displacement[..., 1], np.zeros((states, 1))], axis=1)
+        for batch, (_, from_boundary) in zip(self.batches, self.condensed, strict=True):
+            inside = np.einsum("mib,smb->smi", from_boundary, known[:, batch.unknowns], optimize=True)
+            radial, axial = np.split(inside, 2, axis=2)
+            out[:, batch.inside] = np.stack([radial, axial], axis=-1)
         return out
 
-    def boundary(self, name: str) -> Indices:
-        """Node numbers on a named boundary, in the order of the radius."""
-        nodes = self._boundary_nodes(name)
-        return nodes[np.argsort(self.positions[nodes, 0], kind="stable")]
-
-    def interpolate(self, name: str, displacement: Callable[[Array], Array]) -> Array:
-        """(nodes, 2) nodal values on a named boundary, in its order, of a displacement (n, 2) at (n, 2) points."""
-        return displacement(self.positions[self.boundary(name)])
-
-    def trace(self, breakpoints: Array) -> Trace:
-        """Displacements on the contact facets between the breakpoints."""
-        return Trace.nodal(breakpoints, self.degree)
-
-    def _boundary_nodes(self, name: str) -> Indices:
-        wanted = self.mesh.boundaries[name]
-        facets = self._triangulation.facets
-        count = len(self.mesh.points)
-        found = np.isin(facets.min(axis=0) * count + facets.max(axis=0), wanted.min(axis=1) * count + wanted.max(axis=1))
-        on_facets = self._dofs.facet_dofs[:, found] if self.degree > 1 else np.empty(0, dtype=np.int64)
-        return np.unique(np.concatenate([wanted.ravel(), on_facets.ravel()]))
-
-    @cached_property
-    def inverse_jacobian(self) -> tuple[Array, Array]:
-        """(2, 2, m) derivative of reference by physical coordinates, and (m,) area factor of each triangle."""
-        p = self.corners
-        a, b = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
-        determinant = a[0] * b[1] - b[0] * a[1]
-        return np.array([[b[1], -b[0]], [-a[1], a[0]]]) / determinant, np.abs(determinant)
-
-    def reference(self, points: Array) -> tuple[Array, Array]:
-        """Values (nodes, q) and reference gradients (nodes, 2, q) of the shape functions."""
-        pairs = [self.element.lbasis(points, i) for i in range(len(self.element.doflocs))]
-        return np.array([value for value, _ in pairs]), np.array([gradient for _, gradient in pairs])
-
-    def _block(self, rows: slice, columns: slice) -> Array:
-        """(m, 2 i, 2 j) stiffness of each triangle: radial, then axial displacements of some of its nodes by others."""
-        lame, shear = moduli(self.poisson_ratio)
-        moments, inverse_gram = self._dilatation
-        slopes, by_slopes = self._slopes
-        hoop, by_hoop = self._hoop
-        (rr, rz), (zr, zz) = shear * by_slopes
-        slopes, hoop = slopes[:, rows, columns], hoop[:, rows, columns]
-        left, right = (moments[..., nodes].reshape(*moments.shape[:2], -1) for nodes in (rows, columns))
-        block = np.swapaxes(left, 1, 2) @ (lame * inverse_gram) @ right
-        _, i, j = slopes.shape
-        block[:, :i, :j] += np.tensordot(2 * rr + zz, slopes, 1) + np.tensordot(2 * shear * by_hoop, hoop, 1)
-        block[:, :i, j:] += np.tensordot(zr, slopes, 1)
-        block[:, i:, :j] += np.tensordot(rz, slopes, 1)
-        block[:, i:, j:] += np.tensordot(2 * zz + rr, slopes, 1)
-        return block
-
-    @cached_property
-    def _condensed(self) -> tuple[Array, Array]:
-        """(m, b, b) stiffness of each triangle's boundary, and (m, i, b) displacements inside by those on it."""
-        boundary, inside = slice(len(self.element_dofs)), slice(len(self.element_dofs), None)
-        across = self._block(inside, boundary)
-        from_boundary = np.asarray(-np.linalg.solve(self._block(inside, inside), across), dtype=np.float64)
-        condensed = self._block(boundary, boundary)
-        condensed += np.swapaxes(across, 1, 2) @ from_boundary
-        # an axial translation has no energy: roundoff, alike in all triangles, would add up to 1e-10 of the indentation
-        n = len(self.element_dofs)
-        axial = np.arange(n, 2 * n)
-        condensed[:, axial, axial] -= condensed[:, n:, n:].sum(axis=2)
-        return condensed, from_boundary
-
-    @cached_property
-    def _numbers(self) -> Indices:
-        """(m, b) unknowns on the boundary of each triangle."""
-        return np.concatenate([self.element_dofs, self.element_dofs + self.nodes]).T
-
     def lower_triangle(self, position: Indices) -> coo_matrix:
-        """Lower triangle of the stiffness without the insides of triangles; entries at one place are to be summed.
+        """Lower triangle of the stiffness without the insides of elements; entries at one place are to be summed.
 
         Parameters
         ----------
         position : (2 nodes,) row of each unknown; that of an unknown held at zero is negative
         """
-        width = self._numbers.shape[1]
-        one, other = np.tril_indices(width)
-        places = position.astype(np.int32)[self._numbers]
-        first, second = places.take(one, axis=1), places.take(other, axis=1)
-        rows, columns = np.maximum(first, second), np.minimum(first, second)
-        free = columns >= 0
-        values = self._condensed[0].reshape(-1, width**2).take(one * width + other, axis=1)
-        return coo_matrix((values[free], (rows[free], columns[free])), shape=(position.max() + 1,) * 2)
+        places = np.append(position, -1).astype(np.int32)
+        rows, columns, values = [], [], []
+        for batch, (local, _) in zip(self.batches, self.condensed, strict=True):
+            width = local.shape[1]
+            one, other = np.tril_indices(width)
+            own = places[batch.unknowns]
+            first, second = own.take(one, axis=1), own.take(other, axis=1)
+            column = np.minimum(first, second)
+            free = column >= 0
+            rows.append(np.maximum(first, second)[free])
+            columns.append(column[free])
+            values.append(local.reshape(-1, width**2).take(one * width + other, axis=1)[free])
+        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+        return coo_matrix(entries, shape=(position.max() + 1,) * 2)
 
     @cached_property
     def stiffness(self) -> csc_matrix:
-        """(2 nodes, 2 nodes) symmetric stiffness without the insides of triangles; no boundary condition applied."""
+        """(2 nodes, 2 nodes) symmetric stiffness without the insides of elements; no boundary condition applied."""
         return symmetric(self.lower_triangle(np.arange(2 * self.nodes)))
 
     def forces(self, displacement: Array) -> Array:
-        """(2 nodes, k) nodal forces that make the (2 nodes, k) displacements."""
-        moved = displacement[self._numbers].any(axis=(1, 2))
-        numbers = self._numbers[moved]
-        out = np.zeros_like(displacement)
-        np.add.at(out, numbers, self._condensed[0][moved] @ displacement[numbers])
-        return out
+        """(2 nodes, k) forces on the functions that make the (2 nodes, k) displacements."""
+        known = np.concatenate([displacement, np.zeros((1, displacement.shape[1]))])
+        moving = known.any(axis=1)
+        out = np.zeros_like(known)
+        for batch, (local, _) in zip(self.batches, self.condensed, strict=True):
+            moved = np.take(moving, batch.unknowns).any(axis=1)
+            unknowns = batch.unknowns[moved]
+            np.add.at(out, unknowns, local[moved] @ known[unknowns])
+        return out[:-1]
 
-    @property
-    def parts(self) -> tuple[Indices, Indices]:
-        """(6, m) corners and sides of each triangle, in one numbering, and (nodes,) the corner or side of each node."""
-        mesh = self._triangulation
-        part = np.arange(mesh.nvertices + mesh.nfacets)
-        per_part = np.where(part < mesh.nvertices, 1, self.degree - 1)
-        return np.concatenate([mesh.t, mesh.nvertices + mesh.t2f]), np.repeat(part, per_part)
+    def boundary(self, name: str) -> Indices:
+        """Functions on a named boundary that are not held, in the order of the radius."""
+        mesh, facets = self.mesh, self.mesh.boundaries[name]
+        vertices = np.unique(mesh.facets[:, facets])
+        on_facets = self.facet_dofs[:, facets]
+        middle = np.broadcast_to(mesh.p[0, mesh.facets[:, facets]].mean(axis=0), on_facets.shape)
+        numbers = np.concatenate([self.dofs.nodal_dofs[0, vertices], on_facets.T.ravel()])
+        radius = np.concatenate([mesh.p[0, vertices], middle.T.ravel()])
+        numbers = numbers[np.argsort(radius, kind="stable")]
+        return np.asarray(numbers[~self.held[numbers]], dtype=np.int64)
 
-    def on_triangles(self, displacement: Array) -> Array:
-        """(states, all nodes of a triangle, m, 2) local displacements by (states, nodes, 2) displacements."""
-        boundary = displacement[:, self.element_dofs]
-        if not self.interior:
-            return boundary
-        flat = np.concatenate([boundary[..., 0], boundary[..., 1]], axis=1)
-        inside = np.einsum("mib,sbm->sim", self._condensed[1], flat, optimize=True)
-        inside = np.stack(np.split(inside, 2, axis=1), axis=-1)
-        return np.concatenate([boundary, inside], axis=1)
+    def interpolate(self, name: str, fields: Callable[[Array], Array]) -> Array:
+        """(functions, ...) coefficients of fields on a named boundary, in its order, by values (n, ...) at (n, 2) points.
 
-    @cached_property
-    def _slopes(self) -> tuple[Array, Array]:
-        """Tables (12, n, n) and (x, y, m, 12): their product is ``int r d_x phi_i d_y phi_j``."""
-        points, weights = get_quadrature(self._triangulation.refdom, 2 * self.degree - 1)
-        _, gradient = self.reference(points)
-        table = np.einsum("vq,q,iaq,jbq->vabij", _barycentric(points), weights, gradient, gradient, optimize=True)
-        inverse, area = self.inverse_jacobian
-        by_radius = self.corners[0] * area * 2 * np.pi
-        by_triangle = np.einsum("vm,axm,bym->xymvab", by_radius, inverse, inverse, optimize=True)
-        return table.reshape(12, *table.shape[-2:]), by_triangle.reshape(2, 2, -1, 12)
-
-    @cached_property
-    def _hoop(self) -> tuple[Array, Array]:
-        """Tables (q, n, n) and (m, q): their product is ``int phi_i phi_j / r``.
-
-        The integrand is rational: a richer rule, whose points lie off the axis.
+        Interpolated at as many points of each facet as it has functions, both ends among them.
         """
-        points, weights = get_quadrature(self._triangulation.refdom, 2 * self.degree + 4)
-        value, _ = self.reference(points)
-        _, area = self.inverse_jacobian
-        measure = 2 * np.pi * area[:, None] * weights / (self.corners[0].T @ _barycentric(points))
-        return np.einsum("iq,jq->qij", value, value), measure
+        facets = self.mesh.boundaries[name]
+        local = (1 - np.cos(np.pi * np.arange(self.degree + 1) / self.degree)) / 2
+        basis = self.trace(facets, local)[:, self.boundary(name)]
+        # as many points as functions: the least squares are an interpolation
+        values = fields(points_on(self.mesh, facets, local).reshape(-1, 2))
+        found = splu((basis.T @ basis).tocsc()).solve(basis.T @ values.reshape(len(values), -1))
+        return np.asarray(found.reshape(-1, *values.shape[1:]))
 
-    @cached_property
-    def _dilatation(self) -> tuple[Array, Array]:
-        """(m, t, 2, n) moments of ``r div u`` on the t polynomials one degree lower, and their inverse Gram matrices.
+    def trace(self, facets: Indices, local: Array, slope: bool = False) -> csr_matrix:
+        """(facets x points, nodes) values, or slopes along the facet, at local coordinates on facets of the boundary.
 
-        Their product is ``div u`` projected. Near incompressibility lambda multiplies nothing then that could not
-        vanish, and since ``r div u`` is a polynomial, no quadrature error either.
+        Evaluated on the sides of the reference element: `FacetBasis` inverts the mapping by Newton's method, which does
+        not end on elements smaller than its tolerance. Local coordinates run from 0, at the end nearer to the axis, to 1.
         """
-        points, weights = get_quadrature(self._triangulation.refdom, 2 * self.degree)
-        value, gradient = self.reference(points)
-        test = self._lower_values(points)
-        corner = _barycentric(points)
-        inverse, area = self.inverse_jacobian
-        scale = 2 * np.pi * area
-        by_radius = (scale * self.corners[0]).T
-        n, t = len(value), len(test)
-        slopes = np.einsum("vq,q,kq,iaq->vaki", corner, weights, test, gradient, optimize=True).reshape(6, -1)
-        moments = np.empty((len(area), t, 2, n))
-        for component in range(2):
-            constants = by_radius[:, :, None] * inverse[:, component].T[:, None, :]
-            moments[:, :, component] = (constants.reshape(-1, 6) @ slopes).reshape(-1, t, n)
-        moments[:, :, 0] += scale[:, None, None] * np.einsum("q,kq,iq->ki", weights, test, value)
-        products = np.einsum("vq,q,kq,lq->vkl", corner, weights, test, test, optimize=True).reshape(3, -1)
-        gram = (by_radius @ products).reshape(-1, t, t)
-        return moments, np.linalg.inv(gram)
-
-    def _lower_values(self, points: Array) -> Array:
-        """(t, q) values of the polynomials one degree below the displacement's."""
-        if self.degree == 1:
-            return np.ones((1, points.shape[1]))
-        lower = ELEMENTS[self.degree - 1]()
-        return np.array([lower.lbasis(points, i)[0] for i in range(len(lower.doflocs))])
-
-    def dilatation(self, local: Array, points: Array) -> Array:
-        """(states, m, q) projected dilatation at reference points, by (states, nodes, m, 2) local displacements."""
-        moments, inverse_gram = self._dilatation
-        coefficients = np.einsum("mut,mtcn,snmc->smu", inverse_gram, moments, local, optimize=True)
-        return coefficients @ self._lower_values(points)
-
-
-def _barycentric(points: Array) -> Array:
-    """(3, q) barycentric coordinates of reference points."""
-    return np.stack([1 - points[0] - points[1], points[0], points[1]])
+        mesh = self.mesh
+        element = mesh.f2t[0, facets]
+        side = (mesh.t2f[:, element] == facets).argmax(axis=0)
+        ends = mesh.t[np.array(self.element.refdom.facets)[side].T, element]
+        outwards = ends[0] == facet_ends(mesh, facets)[0]
+        length = np.linalg.norm(mesh.p[:, ends[1]] - mesh.p[:, ends[0]], axis=0)
+        rows, columns, values = [], [], []
+        kinds, kind = np.unique(np.stack([side, outwards, self.facet_degrees[facets]]), axis=1, return_inverse=True)
+        for number, (one_side, outward, degree) in enumerate(kinds.T):
+            chosen, count = np.flatnonzero(kind == number), int(degree) - 1
+            table = _side_table(element_of_degree(mesh, int(degree)), int(one_side), bool(outward), local.tobytes(), slope)
+            scale = 1 / length[chosen] if slope else np.ones(len(chosen))
+            on_facets = self.facet_dofs[:count, facets[chosen]]
+            functions = np.concatenate([self.dofs.nodal_dofs[0, ends[:, chosen]], on_facets])
+            shape = (len(chosen), len(local), len(functions))
+            places = chosen[:, None, None] * len(local) + np.arange(len(local))[:, None]
+            rows.append(np.broadcast_to(places, shape).ravel())
+            columns.append(np.broadcast_to(functions.T[:, None, :], shape).ravel())
+            values.append((scale[:, None, None] * table.T).ravel())
+        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+        return csr_matrix(entries, shape=(len(facets) * len(local), self.nodes))

@@ -21,21 +21,31 @@ from numpy.polynomial.legendre import leggauss, legvander
 from meshes.radial import Array
 
 
-def _moments(r: Array, z: Array, order: int) -> tuple[Array, Array]:
-    """L_order and M_order / r, finite on the axis, at the points."""
+def enough_poles(truncation: float, negligible: float) -> tuple[int, ...]:
+    """Orders of the poles that leave next to nothing of the truncation at a radius in `a`.
+
+    With n poles tied, the first one neglected has the share ``(a/R)^(4n+1)`` of the energy (`ringwear study truncation`).
+    """
+    count = max(1, math.ceil((math.log(1 / negligible) / math.log(truncation) - 1) / 4))
+    return tuple(range(0, 2 * count, 2))
+
+
+def _moments(points: Array, highest: int) -> tuple[Array, Array]:
+    """(highest + 1, n) L_n / n! and M_n / (r n!), finite on the axis, at the points."""
+    r, z = points.T
     rho = np.hypot(r, z)
+    order = np.arange(highest + 1)[:, None]
     scale = rho ** -(order + 1.0)
-    if order == 0:
-        return scale, scale / (rho + z)
-    values = legvander(z / rho, order)
-    lower = np.arange(order - 1, -1, -2)
-    slope = values[:, lower] @ (2.0 * lower + 1)
-    factorial = math.factorial(order - 1)
-    return order * factorial * values[:, order] * scale, factorial * slope * scale / rho
+    values = legvander(z / rho, highest).T
+    # P_n' is the sum of (2k + 1) P_k over k = n - 1, n - 3, ...
+    lower = np.where((order > order.T) & ((order - order.T) % 2 == 1), 2 * order.T + 1.0, 0.0)
+    slopes = (lower @ values) * scale / rho / np.maximum(order, 1)
+    slopes[0] = scale[0] / (rho + z)
+    return values * scale, slopes
 
 
-def pole(points: Array, order: int, poisson_ratio: float, shear_modulus: float) -> tuple[Array, Array]:
-    """Displacement and stress of the pole of even `order`, normalised to size one at unit distance.
+def poles(points: Array, orders: tuple[int, ...], poisson_ratio: float, shear_modulus: float) -> tuple[Array, Array]:
+    """Displacement and stress of poles of even orders, each normalised to size one at unit distance.
 
     Parameters
     ----------
@@ -43,21 +53,23 @@ def pole(points: Array, order: int, poisson_ratio: float, shear_modulus: float) 
 
     Returns
     -------
-    displacement : (n, 2) radial and into the half-space
-    stress : (n, 4) rr, zz, rz, hoop
+    displacement : (k, n, 2) radial and into the half-space
+    stress : (k, n, 4) rr, zz, rz, hoop
     """
-    r, z = points[:, 0], points[:, 1]
-    nu, double = poisson_ratio, 2 * shear_modulus
-    (l0, m0_r), (l1, m1_r), (l2, m2_r) = (_moments(r, z, order + i) for i in range(3))
-    norm = math.factorial(order)
+    r, z = points.T
+    nu, order = poisson_ratio, np.array(orders, dtype=np.int64)
+    axial_moments, radial_moments = _moments(points, int(order.max(initial=0)) + 2)
+    first, second = (order + 1.0)[:, None], ((order + 1.0) * (order + 2))[:, None]
+    l0, l1, l2 = axial_moments[order], first * axial_moments[order + 1], second * axial_moments[order + 2]
+    m0_r, m1_r, m2_r = radial_moments[order], first * radial_moments[order + 1], second * radial_moments[order + 2]
     hoop = z * m1_r - (1 - 2 * nu) * m0_r
     radial, axial = r * hoop, 2 * (1 - nu) * l0 + z * l1
     strain_rr = z * (l2 - m1_r) - (1 - 2 * nu) * (l1 - m0_r)
     strain_zz = -(1 - 2 * nu) * l1 - z * l2
     pressure_part = -2 * nu * l1  # lambda div u: finite at nu = 1/2
     shear = -z * r * m2_r  # (d u_r/dz + d u_z/dr) / 2
-    stress = np.stack([pressure_part + strain_rr, pressure_part + strain_zz, shear, pressure_part + hoop], axis=1)
-    return np.stack([radial, axial], axis=1) / (double * norm), stress / norm
+    stress = np.stack([pressure_part + strain_rr, pressure_part + strain_zz, shear, pressure_part + hoop], axis=-1)
+    return np.stack([radial, axial], axis=-1) / (2 * shear_modulus), stress
 
 
 def exterior_stiffness(segments: Array, orders: tuple[int, ...], poisson_ratio: float, shear_modulus: float) -> Array:
@@ -76,16 +88,9 @@ def exterior_stiffness(segments: Array, orders: tuple[int, ...], poisson_ratio: 
     normal *= np.sign(np.sum(normal * start, axis=1))[:, None]
     normals = np.repeat(normal, len(node), axis=0)
     weights = 2 * np.pi * points[:, 0] * np.tile(weight / 2, len(segments))
-    fields = [pole(points, order, poisson_ratio, shear_modulus) for order in orders]
-    displacement = np.array([u for u, _ in fields])
-    traction = np.array(
-        [
-            np.stack(
-                [s[:, 0] * normals[:, 0] + s[:, 2] * normals[:, 1], s[:, 2] * normals[:, 0] + s[:, 1] * normals[:, 1]],
-                axis=1,
-            )
-            for _, s in fields
-        ]
-    )
+    displacement, stress = poles(points, orders, poisson_ratio, shear_modulus)
+    rr, zz, rz, _ = np.moveaxis(stress, -1, 0)
+    n_r, n_z = normals.T
+    traction = np.stack([rr * n_r + rz * n_z, rz * n_r + zz * n_z], axis=-1)
     stiffness = -np.einsum("ipx,p,jpx->ij", traction, weights, displacement, optimize=True)
     return (stiffness + stiffness.T) / 2

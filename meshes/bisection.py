@@ -10,15 +10,17 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from skfem import MeshTri
 
 from .errors import MeshError
-from .half_space import HalfSpaceMesh, SizeField, assemble
+from .half_space import half_space
 from .radial import Array
+from .size_field import SizeField
 
 MOST_ROUNDS = 80
 
 
-def mesh(field: SizeField) -> HalfSpaceMesh:
+def mesh(field: SizeField) -> MeshTri:
     """Mesh the quarter disc to the size field.
 
     Raises
@@ -26,8 +28,6 @@ def mesh(field: SizeField) -> HalfSpaceMesh:
     MeshError
         if the ring edges are too close together to be told apart on a dyadic grid
     """
-    from skfem import MeshTri
-
     edges = np.array(field.edges)
     dyadic, spacing = _dyadic_image(edges)
     points, triangles = _polar_quarter_disc(field.truncation)
@@ -44,7 +44,7 @@ def mesh(field: SizeField) -> HalfSpaceMesh:
         current = replace(current, doflocs=np.ascontiguousarray(points.T))
     else:
         raise MeshError("local refinement did not reach the sizes asked for: ask for larger ones, or for gmsh")
-    return assemble(_moved(current.p.T, dyadic, edges), current.t.T, edges, "bisection")
+    return half_space(replace(current, doflocs=_moved(current.p.T, dyadic, edges).T), edges)
 
 
 def _dyadic_image(edges: Array) -> tuple[Array, float]:

@@ -1,170 +1,167 @@
-"""The truncated half-space as plain arrays: a quarter disc of (radius, depth), graded to the rim and the ring edges.
+"""The truncated half-space: a scikit-fem mesh of a quarter disc in (radius, depth), its boundaries named.
 
-Natural units: the punch has radius 1. Depth is positive into the half-space; the surface is depth zero. The element
-size is ``min(rim_size + growth * d_rim, ring_size + growth * d_edge, far_size * R)`` with the distances to the rim and
-to the nearest other ring edge (or the centre), and the truncation radius R: well-shaped elements round every singular
-point, in numbers that grow only with the logarithm of the smallest size.
+Natural units: the punch has radius 1. Depth is positive into the half-space; the surface is depth zero. Boundaries are
+`contact` (surface under the punch), `free` (surface beside it), `axis` and `far` (the arc). Triangles (`MeshTri`) and
+quadrilaterals (`MeshQuad`) are welcome alike; the latter are turned so that elements of any degree conform on them.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from skfem import Mesh, MeshQuad
 
 from .errors import MeshError
 from .radial import Array, Indices
 
-
-@dataclass(frozen=True)
-class SizeField:
-    """The wanted element size as a function of position.
-
-    Parameters
-    ----------
-    edges : ring edges, 0 first and 1 (the rim) last
-    rim_size : size at the rim
-    ring_size : size at the other ring edges: one for all of them, or one for each
-    growth : growth of the size with the distance from them
-    truncation : radius of the quarter disc, in punch radii
-    centre_size : size at the centre of the punch, where little area stands behind the value that people look at
-    far_size : greatest size, over the truncation: elements of low degree follow the far field only along short sides
-    """
-
-    edges: tuple[float, ...]
-    rim_size: float
-    ring_size: float | tuple[float, ...]
-    growth: float
-    truncation: float
-    centre_size: float = 0.25
-    far_size: float = 0.25
-
-    def __call__(self, points: Array) -> Array:
-        """(n,) sizes at (n, 2) points."""
-        size = np.minimum(self.largest, self.rim_size + self.growth * np.hypot(points[:, 0] - 1, points[:, 1]))
-        for edge, smallest in zip(self.edges[:-1], (self.centre_size, *self.ring_sizes), strict=True):
-            size = np.minimum(size, smallest + self.growth * np.hypot(points[:, 0] - edge, points[:, 1]))
-        return size
-
-    @property
-    def largest(self) -> float:
-        """Greatest size anywhere."""
-        return self.truncation * self.far_size
-
-    @property
-    def ring_sizes(self) -> tuple[float, ...]:
-        """Size at each ring edge between the centre and the rim."""
-        count = len(self.edges) - 2
-        return self.ring_size if isinstance(self.ring_size, tuple) else (self.ring_size,) * count
-
-
-@dataclass(frozen=True, eq=False)
-class HalfSpaceMesh:
-    """Triangles of the truncated half-space, with named boundaries.
-
-    Parameters
-    ----------
-    points : (n, 2) radius and depth
-    triangles : (m, 3) vertex numbers, counter-clockwise
-    boundaries : facets (k, 2) by name: `contact`, `free`, `axis`, `far`
-    mesher : who made it
-    """
-
-    points: Array
-    triangles: Indices
-    boundaries: dict[str, Indices]
-    mesher: str
-
-    @property
-    def truncation(self) -> float:
-        return float(self.points[:, 0].max())
-
-    @property
-    def cells(self) -> dict[str, Indices]:
-        """Vertex numbers of the elements by kind."""
-        return {"triangle": self.triangles}
-
-    @cached_property
-    def contact_radii(self) -> Array:
-        """Radii of the vertices on the contact line, from 0 to 1."""
-        return np.sort(self.points[np.unique(self.boundaries["contact"]), 0])
-
-    @cached_property
-    def quality(self) -> Array:
-        """(m,) 2 x inradius / circumradius of each triangle: 1 for equilateral, 0 for degenerate."""
-        a, b, c = (np.linalg.norm(self._corner(i) - self._corner(j), axis=1) for i, j in ((0, 1), (1, 2), (2, 0)))
-        half = (a + b + c) / 2
-        return 8 * (half - a) * (half - b) * (half - c) / (a * b * c)
-
-    @cached_property
-    def areas(self) -> Array:
-        """(m,) signed areas in the (radius, depth) plane."""
-        p, q = self._corner(1) - self._corner(0), self._corner(2) - self._corner(0)
-        return (p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]) / 2
-
-    def _corner(self, index: int) -> Array:
-        return self.points[self.triangles[:, index]]
-
-
+BOUNDARIES = ("contact", "free", "axis", "far")
 LOWEST_QUALITY = 0.02
+# subdomains `degree -1`, `degree -2`, ... of a mesh: where the degree of the displacement may be so much lower
+LOWER = "degree -"
 
 
-def assemble(points: Array, triangles: NDArray[np.integer], edges: Array, mesher: str) -> HalfSpaceMesh:
-    """Drop orphan points, orient the triangles, name the boundaries, and check the result on arrival.
+def half_space(mesh: Mesh, edges: Array) -> Mesh:
+    """The mesh without orphan points, its boundaries named, checked to be the quarter disc it should be.
+
+    Parameters
+    ----------
+    mesh : triangles or quadrilaterals, the first coordinate the radius, the second the depth
+    edges : (N+1,) ring edges, 0 to 1; each must be a vertex
 
     Raises
     ------
     MeshError
-        if a boundary has the wrong length, a ring edge is not a vertex, or a triangle is degenerate
+        if a boundary has the wrong length, a ring edge is not a vertex, or an element is degenerate
     """
-    used, inverse = np.unique(triangles, return_inverse=True)
-    points, cells = np.ascontiguousarray(points[used]), inverse.reshape(-1, 3).astype(np.int64)
-    p, q = points[cells[:, 1]] - points[cells[:, 0]], points[cells[:, 2]] - points[cells[:, 0]]
-    flipped = p[:, 0] * q[:, 1] < p[:, 1] * q[:, 0]
-    cells[flipped] = cells[flipped][:, [0, 2, 1]]
-    points[points[:, 0] < 1e-14, 0] = 0.0
-    points[points[:, 1] < 1e-14, 1] = 0.0
-    mesh = HalfSpaceMesh(points, cells, _named_boundaries(points, cells), mesher)
-    check(mesh, edges)
+    used, t = np.unique(mesh.t, return_inverse=True)
+    points = np.ascontiguousarray(mesh.p[:, used])
+    points[points < 1e-14] = 0.0
+    mesh = replace(mesh, doflocs=points, t=t.reshape(mesh.t.shape), _boundaries=None)
+    if isinstance(mesh, MeshQuad):
+        mesh = turned(mesh)
+    if np.bincount(mesh.t2f.ravel()).max() > 2:
+        raise MeshError("the mesh is not a surface: a facet has more than two elements")
+    mesh = mesh.with_boundaries(_named(mesh))
+    _check(mesh, np.asarray(edges))
     return mesh
 
 
-def _named_boundaries(points: Array, triangles: Indices) -> dict[str, Indices]:
-    facets = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    unique, count = np.unique(facets, axis=0, return_counts=True)
-    if count.max() > 2:
-        raise MeshError("the mesh is not a surface: a facet has more than two triangles")
-    outer = unique[count == 1]
-    r, z = points[outer, 0], points[outer, 1]
-    surface, axis = (z == 0).all(axis=1), (r == 0).all(axis=1)
-    inside = r.mean(axis=1) < 1  # however small the facets beside the rim
+def turned(mesh: MeshQuad) -> MeshQuad:
+    """The quadrilaterals, each renumbered from the corner that makes its sides run as its neighbours' do.
+
+    In `ElementQuadP` the functions of a side have the direction of that side, from its first corner to its second, and
+    opposite sides are parallel. Neighbours agree on them if every side runs the same way in both its elements, which in
+    the plane can always be had (Agelek, Anderson, Bangerth, Barth, ACM Trans. Math. Softw. 44, 2017). Opposite sides
+    are linked into strips; a strip has two directions, of which one is chosen.
+    """
+    low = mesh.facets[0]
+    # does a side, as the reference element runs it (0-1, 1-2, 3-2, 0-3), start at its lower vertex?
+    along = np.stack([low[mesh.t2f[i]] == mesh.t[start] for i, start in enumerate((0, 1, 3, 0))])
+    first, opposite = mesh.t2f[:2].ravel(), mesh.t2f[2:].ravel()
+    swapped = (along[:2] != along[2:]).ravel()
+    count = mesh.nfacets
+    # node f: side f from its lower to its higher vertex; node f + count: the other way
+    one = np.concatenate([first, first + count])
+    other = np.concatenate([opposite + count * swapped, opposite + count * ~swapped])
+    graph = coo_matrix((np.ones(len(one)), (one, other)), shape=(2 * count,) * 2)
+    _, strip = connected_components(graph, directed=False)
+    upwards = strip[:count] < strip[count:]
+    if (strip[:count] == strip[count:]).any():
+        raise MeshError("the quadrilaterals form a Moebius strip: this is not a mesh of the plane")
+    # whether the first and the second pair of opposite sides run as numbered now; the corner where both start comes first
+    forward, upward = (along[i] == upwards[mesh.t2f[i]] for i in (0, 1))
+    shift = np.select([forward & upward, ~forward & upward, ~forward & ~upward], [0, 1, 2], 3)
+    corners = (np.arange(4)[:, None] + shift) % 4
+    return replace(mesh, t=np.take_along_axis(mesh.t, corners, axis=0))
+
+
+def _named(mesh: Mesh) -> dict[str, Indices]:
+    outer = mesh.boundary_facets()
+    r, z = mesh.p[:, mesh.facets[:, outer]]
+    surface, axis = (z == 0).all(axis=0), (r == 0).all(axis=0)
+    inside = r.mean(axis=0) < 1  # however small the facets beside the rim
     names = {"contact": surface & inside, "free": surface & ~inside, "axis": axis, "far": ~surface & ~axis}
     return {name: outer[mask] for name, mask in names.items()}
 
 
-def check(mesh: HalfSpaceMesh, edges: Array) -> None:
-    """Raise `MeshError` unless the mesh is the quarter disc it should be, with every ring edge a vertex."""
-    outer = mesh.truncation
-    lengths = {
-        name: float(np.linalg.norm(np.diff(mesh.points[facets], axis=1), axis=-1).sum())
-        for name, facets in mesh.boundaries.items()
-    }
+def _check(mesh: Mesh, edges: Array) -> None:
+    outer = truncation(mesh)
     for name, expected in {"contact": 1.0, "free": outer - 1, "axis": outer}.items():
-        if abs(lengths[name] - expected) > 1e-9 * outer:
-            raise MeshError(f"the {name} boundary is {lengths[name]:.9g} a long and should be {expected:.9g} a")
-    far = mesh.points[np.unique(mesh.boundaries["far"])]
-    if np.abs(np.hypot(*far.T) / outer - 1).max() > 1e-9:
-        raise MeshError("the mesh has a hole or a gap: boundary points lie inside, where no boundary should be")
-    missing = [e for e in np.asarray(edges) if np.abs(mesh.contact_radii - e).min() > 1e-12]
+        start, end = segments(mesh, mesh.boundaries[name]).transpose(1, 0, 2)
+        length = float(np.linalg.norm(end - start, axis=1).sum())
+        if abs(length - expected) > 1e-9 * outer:
+            raise MeshError(f"the {name} boundary is {length:.9g} a long and should be {expected:.9g} a")
+    if np.abs(np.linalg.norm(segments(mesh, mesh.boundaries["far"]), axis=2) / outer - 1).max(initial=0.0) > 1e-9:
+        raise MeshError(
+            "the mesh has a hole or a gap: boundary points lie inside, where no boundary should be; merge vertices that are "
+            "there twice (in gmsh: Coherence Mesh)"
+        )
+    ends = segments(mesh, mesh.boundaries["far"])
+    enclosed = np.abs(ends[:, 0, 0] * ends[:, 1, 1] - ends[:, 0, 1] * ends[:, 1, 0]).sum() / 2
+    if abs(areas(mesh).sum() / enclosed - 1) > 1e-9:
+        raise MeshError("elements overlap: the mesh is folded over itself")
+    missing = [edge for edge in edges if np.abs(contact_radii(mesh) - edge).min() > 1e-12]
     if missing:
         raise MeshError(
             f"no vertex of the mesh lies on the ring edge at r = {missing[0]:.9g} a: ask for a smaller ring_size"
         )
-    if mesh.areas.min() <= 0 or mesh.quality.min() < LOWEST_QUALITY:
-        worst = mesh.points[mesh.triangles[mesh.quality.argmin()]].mean(axis=0)
+    shape = quality(mesh)
+    if shape.min() < LOWEST_QUALITY:
+        r, z = mesh.p[:, mesh.t[:, shape.argmin()]].mean(axis=1)
         raise MeshError(
-            f"a triangle at r = {worst[0]:.3g} a, depth {worst[1]:.3g} a is degenerate "
-            f"(quality {mesh.quality.min():.1e}): ask for less extreme sizes"
+            f"an element at r = {r:.3g} a, depth {z:.3g} a is degenerate (quality {shape.min():.1e}): "
+            "ask for less extreme sizes"
         )
+
+
+def truncation(mesh: Mesh) -> float:
+    """Radius of the half-space."""
+    return float(mesh.p[0].max())
+
+
+def contact_facets(mesh: Mesh) -> Indices:
+    """Facets of the contact, from the axis to the rim."""
+    facets = mesh.boundaries["contact"]
+    return np.asarray(facets[np.argsort(mesh.p[0, mesh.facets[:, facets]].sum(axis=0))])
+
+
+def contact_radii(mesh: Mesh) -> Array:
+    """Radii of the vertices on the contact, from 0 to 1."""
+    return np.sort(mesh.p[0, np.unique(mesh.facets[:, mesh.boundaries["contact"]])])
+
+
+def facet_ends(mesh: Mesh, facets: Indices) -> Indices:
+    """(2, k) vertices of facets, those nearer to the axis first."""
+    ends = mesh.facets[:, facets]
+    return np.take_along_axis(ends, np.argsort(mesh.p[0, ends], axis=0, kind="stable"), axis=0)
+
+
+def segments(mesh: Mesh, facets: Indices) -> Array:
+    """(k, 2, 2) end points (radius, depth) of facets, those nearer to the axis first."""
+    return mesh.p[:, facet_ends(mesh, facets)].transpose(2, 1, 0)
+
+
+def points_on(mesh: Mesh, facets: Indices, local: Array) -> Array:
+    """(k, q, 2) points (radius, depth) on facets at local coordinates (q,): from 0, nearer to the axis, to 1."""
+    ends = segments(mesh, facets)
+    return ends[:, None, 0] + local[:, None] * (ends[:, None, 1] - ends[:, None, 0])
+
+
+def areas(mesh: Mesh) -> Array:
+    """(m,) areas of the elements in the (radius, depth) plane."""
+    r, z = mesh.p[:, mesh.t]
+    return np.asarray(np.abs((r * np.roll(z, -1, axis=0) - np.roll(r, -1, axis=0) * z).sum(axis=0)) / 2)
+
+
+def quality(mesh: Mesh) -> Array:
+    """(m,) least sine of the corners of each element: .87 for an equilateral triangle, 1 for a rectangle, 0 if flat."""
+    corners = mesh.p[:, mesh.t]
+    sides = np.roll(corners, -1, axis=1) - corners
+    sides = sides / np.linalg.norm(sides, axis=0)
+    before = np.roll(sides, 1, axis=1)
+    sines = before[0] * sides[1] - before[1] * sides[0]
+    # negative at a corner that bends the other way
+    return np.asarray((sines * np.sign(sines.sum(axis=0))).min(axis=0))

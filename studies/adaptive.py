@@ -12,22 +12,24 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from skfem import MeshTri
+from skfem import Mesh, MeshTri
 
-from fem.compliance import MULTIPLIER_DEGREE, HalfSpace, pressure_space
-from fem.elasticity import AxisymmetricElasticity, moduli
-from fem.fields import displacements, stresses
+from fem.elasticity import AxisymmetricElasticity
+from fem.far_field import enough_poles
+from fem.half_space import HalfSpace, pressure_space
+from fem.stresses import displacements, stresses
+from fem.weak_form import element_of_degree, moduli, projection, rule
 from meshes.bisection import MOST_ROUNDS, _dyadic_image, _moved, _on_the_arc, _polar_quarter_disc, _spans_an_edge
 from meshes.compliance import Compliance
 from meshes.errors import MeshError
-from meshes.half_space import HalfSpaceMesh, assemble
-from meshes.pressure_space import PressureSpace
+from meshes.half_space import contact_facets, half_space, truncation
 from meshes.radial import Array, Indices
 
-from .contact import flat_start, steady_state
+from .contact import SteadyState, flat_start, steady_state
 
 # marked in a round: the triangles with the largest indicators that together hold this share
 SHARE = 0.5
+NEGLIGIBLE = 1e-9  # truncation error
 MOST_MESHES = 40
 
 
@@ -54,9 +56,9 @@ class Nested:
         return _moved(self.dyadic.p.T, self.image, self.edges)[self.dyadic.t.T]
 
     @property
-    def mesh(self) -> HalfSpaceMesh:
+    def mesh(self) -> MeshTri:
         """The triangles, in the same order, as a checked mesh."""
-        return assemble(_moved(self.dyadic.p.T, self.image, self.edges), self.dyadic.t.T, self.edges, "nested refinement")
+        return half_space(replace(self.dyadic, doflocs=_moved(self.dyadic.p.T, self.image, self.edges).T), self.edges)
 
     def refined(self, triangles: Indices) -> Nested:
         finer = self.dyadic.refined(triangles)
@@ -107,7 +109,7 @@ class Round:
     defects: Array
 
     @property
-    def mesh(self) -> HalfSpaceMesh:
+    def mesh(self) -> Mesh:
         return self.solid.mesh
 
     @property
@@ -125,40 +127,29 @@ class Round:
         chosen = _largest(self.indicators)
         if self._lost > self.indicators.sum():
             facets = _largest(self.defects)
-            chosen = np.union1d(chosen, _triangles_on_the_contact(self.mesh)[facets])
+            chosen = np.union1d(chosen, self.mesh.f2t[0, contact_facets(self.mesh)[facets]])
         return chosen
 
 
-def solved(mesh: HalfSpaceMesh, edges: Array, wear: Array, poisson_ratio: float, degree: int = 4) -> Round:
-    """The finite elements on a mesh, with the indicator of each triangle."""
+def solved(mesh: Mesh, edges: Array, wear: Array, poisson_ratio: float, degree: int) -> Round:
+    """The finite elements on a mesh, with the indicator of each element."""
     solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)
-    half_space = HalfSpace(solid, pressure_space(mesh, edges, MULTIPLIER_DEGREE[degree]))
+    half_space = HalfSpace(solid, pressure_space(solid, edges), enough_poles(truncation(mesh), NEGLIGIBLE))
     compliance = half_space.compliance()
     steady = steady_state(compliance, wear)
     states = np.array([flat_start(compliance).pressure, steady.pressure])
     energies = np.einsum("si,ij,sj->s", states, compliance.matrix, states)
-    displacement = displacements(half_space, states)
-    defects = _defects(solid, half_space.space, displacement[1, :, 1], steady.displacement)
-    return Round(solid, half_space, compliance, indicators(solid, displacement, energies), defects)
+    found = indicators(solid, displacements(half_space, states), energies)
+    return Round(solid, half_space, compliance, found, _defects(half_space, steady))
 
 
-def _defects(solid: AxisymmetricElasticity, space: PressureSpace, displacement: Array, held: Array) -> Array:
-    """(n,) see `Round`: of the axial displacement of all nodes, against the coefficients `held` on the pressure space."""
-    contact = solid.boundary("contact")
-    radii = solid.positions[contact, 0]
-    order = np.argsort(radii)
-    lost = displacement[contact] - space.matrix(radii) @ held
-    rows = solid.degree * np.arange(len(space.degrees))[:, None] + np.arange(solid.degree + 1)
-    squares = (lost[order][rows] ** 2).mean(axis=1) * np.diff(space.breakpoints)
-    return np.asarray(squares / (displacement[contact] ** 2).mean())
-
-
-def _triangles_on_the_contact(mesh: HalfSpaceMesh) -> Indices:
-    """(n,) the triangle at each contact facet, from the axis to the rim."""
-    on_contact = np.isin(mesh.triangles, np.unique(mesh.boundaries["contact"]))
-    triangles = np.flatnonzero(on_contact.sum(axis=1) == 2)
-    radii = np.where(on_contact[triangles], mesh.points[mesh.triangles[triangles], 0], 0.0)
-    return triangles[np.argsort(radii.sum(axis=1))]
+def _defects(half_space: HalfSpace, steady: SteadyState) -> Array:
+    """(n,) see `Round`: of the contact displacement that the elements found, against what the pressure space holds of it."""
+    count = half_space.solid.degree + 1
+    local = (1 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2
+    radii, found, _ = half_space.contact_displacement(steady.pressure, local)
+    lost = found - (half_space.space.matrix(radii.ravel()) @ steady.displacement).reshape(radii.shape)
+    return np.asarray((lost**2).mean(axis=1) * np.diff(half_space.space.breakpoints) / (found**2).mean())
 
 
 def indicators(solid: AxisymmetricElasticity, displacement: Array, energies: Array) -> Array:
@@ -166,29 +157,20 @@ def indicators(solid: AxisymmetricElasticity, displacement: Array, energies: Arr
 
     Parameters
     ----------
-    displacement : (states, nodes, 2)
+    displacement : (states, functions, 2)
     energies : (states,)
     """
-    points, weights = _triangle_rule(solid.degree + 1)
-    stress = stresses(solid, displacement, points)
-    # the values that polynomials of two degrees below the displacement's take at the points, made orthonormal
-    powers = [points[0] ** i * points[1] ** j for i in range(solid.degree - 1) for j in range(solid.degree - 1 - i)]
-    root = np.sqrt(weights)
-    basis, _ = np.linalg.qr(root[:, None] * np.array(powers).T)
-    weighted = stress * root[:, None]
-    weighted = weighted - np.einsum("qk,pk,smpc->smqc", basis, basis, weighted, optimize=True)
-    barycentric = np.stack([1 - points[0] - points[1], points[0], points[1]])
-    radius = np.einsum("vm,vq->mq", solid.corners[0], barycentric)
-    _, area = solid.inverse_jacobian
-    density = np.einsum("smq,mq->sm", _energy_density(weighted, solid.poisson_ratio), radius)
-    return np.asarray((2 * np.pi * area * density / energies[:, None]).max(axis=0))
-
-
-def _triangle_rule(count: int) -> tuple[Array, Array]:
-    """(2, q) points and weights, all positive, on the reference triangle: Gauss points on the square, collapsed."""
-    node, weight = np.polynomial.legendre.leggauss(count)
-    x, y = ((1 + part.ravel()) / 2 for part in np.meshgrid(node, node, indexing="ij"))
-    return np.stack([x, (1 - x) * y]), np.outer(weight, weight).ravel() / 4 * (1 - x)
+    out, mapping = np.zeros(solid.mesh.nelements), solid.mesh.mapping()
+    for batch in solid.batches:
+        points, weights = rule(batch.element, 2 * batch.degree + 2)
+        _, stress = stresses(solid, displacement, batch.elements, points)
+        # what polynomials of two degrees below the displacement's do not hold
+        smooth = projection(element_of_degree(solid.mesh, max(batch.degree - 2, 0)), points, weights, points)
+        density = _energy_density(stress - np.einsum("smqc,qp->smpc", stress, smooth, optimize=True), solid.poisson_ratio)
+        radius = mapping.F(points, batch.elements)[0]
+        measure = 2 * np.pi * radius * np.abs(mapping.detDF(points, batch.elements)) * weights
+        out[batch.elements] = (np.sum(density * measure, axis=2) / energies[:, None]).max(axis=0)
+    return out
 
 
 def _energy_density(stress: Array, poisson_ratio: float) -> Array:

@@ -173,15 +173,18 @@ def _mesh(options: argparse.Namespace) -> int:
 
     scene = Scene.load(options.scene)
     out = _directory(options)
+    from meshes.half_space import quality
+
     from .fem_model import half_space_mesh
     from .output import write_mesh
 
-    mesh, notes = half_space_mesh(scene.natural)
-    written = write_mesh(scene, mesh, out)
-    kinds = " and ".join(f"{len(cells)} {kind}s" for kind, cells in mesh.cells.items())
-    print(f"{kinds} by {mesh.mesher}, {len(mesh.contact_radii) - 1} facets on the contact, "
-          f"quality {mesh.quality.min():.2f} to {mesh.quality.max():.2f}, mean {mesh.quality.mean():.2f}")  # fmt: skip
-    for note in notes:
+    meshed = half_space_mesh(scene.natural)
+    written = write_mesh(scene, meshed, out)
+    mesh, shape = meshed.mesh, quality(meshed.mesh)
+    kind = {3: "triangles", 4: "quadrilaterals"}[len(mesh.t)]
+    print(f"{mesh.nelements} {kind} by {meshed.mesher}, {len(mesh.boundaries['contact'])} facets on the contact, "
+          f"quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean {shape.mean():.2f}")  # fmt: skip
+    for note in meshed.notes:
         print(f"note: {note}")
     print(f"{len(written)} files in {out}: {', '.join(written)}")
     return DONE

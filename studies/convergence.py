@@ -9,10 +9,10 @@ gradient of order 2q. Even degrees come up to 2q+3, odd ones down: plane waves `
 9.21, 10.77 (Fourier analysis, in the tests). Under a smooth pressure twelve elements see the limit; graded to the rim,
 degree 4 meets roundoff before.
 
-On stars, whose shells shrink by ``q``, the degree k itself is raised (hp). A shell ends one shell off the singular point:
-polynomials converge there as ``r^k`` with ``r = (1-sqrt q)/(1+sqrt q)``, by Bernstein's ellipse (Gui & Babuška 1986), and
-energies as ``r^2k``: a factor of 9 per degree for q = 1/4. Shells further in have lower degrees, but ever less energy.
-Powers of k make the factor greater at first, and so do the triangles between the stars.
+On quadrilaterals whose layers shrink by ``q``, the degree k itself is raised (hp). A layer ends one layer off the singular
+point: polynomials converge there as ``r^k`` with ``r = (1-sqrt q)/(1+sqrt q)``, by Bernstein's ellipse (Gui & Babuška 1986),
+and energies as ``r^2k``: a factor of 9 per degree for q = 1/4. Layers further in have lower degrees, but ever less energy:
+they take some of the factor, and powers of k make it greater at first.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from .convergence_levels import (
     Recorder,
     punch_by_elements,
     punch_by_mdr,
-    punch_by_stars,
+    punch_by_quads,
     smooth_by_mdr,
 )
 from .levels import (
@@ -51,9 +51,9 @@ from .levels import (
     verdicts,
     write_markdown,
 )
+from .quads import FACTOR as LAYER_FACTOR
 from .scene import Scene
 from .stages import Report
-from .stars import GRADING
 from .subdivision import base_mesh, coarse_field
 
 UNIFORM_TRUNCATION = 4.0
@@ -71,9 +71,9 @@ PUNCH_ROUNDOFF = 1e-13
 # degree 1 on the scene's rings: with higher ones errors cross zero or meet roundoff before orders settle
 RING_GRADINGS = (0.6, 0.7, 0.78, 0.84)
 RAISED_DEGREES, RAISED_GRADING = (1, 2, 3, 4, 5, 6), 0.2
-STARS, STAR_DEGREES = "FEM stars", tuple(range(4, 12))
-STAR_FLOORS = {"RMS gradient": RING_EDGE, "": 1e-13}
-FACTOR = ((1 + GRADING**0.5) / (1 - GRADING**0.5)) ** 2  # per degree
+QUADS, QUAD_DEGREES = "FEM quads", tuple(range(4, 12))
+QUAD_FLOORS = {"RMS gradient": RING_EDGE, "": 1e-13}
+FACTOR = ((1 + LAYER_FACTOR**0.5) / (1 - LAYER_FACTOR**0.5)) ** 2  # per degree
 # relative errors below which the innermost elements (their share of d0 is proportional to their size) or roundoff count
 SHARE_OF_RIM, RING_FLOORS = 0.06, {"RMS gradient": RING_EDGE, "": 2e-10}
 ORDER_FIELDS = (
@@ -97,7 +97,7 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace, report: Report
         with keeping_rows(conclusions):
             refine_mdr(recorder, quantities, quick)
             by_degree = raise_degree(recorder)
-            raise_stars(degrees, quantities, scene.half_space.poisson_ratio, quick)
+            raise_quads(degrees, quantities, scene.half_space.poisson_ratio, quick)
             refine_punch(recorder, scene.half_space.poisson_ratio, quick)
             if not quick:
                 refine_rings(recorder, quantities, scene.half_space.poisson_ratio)
@@ -109,7 +109,7 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace, report: Report
         gained.add(**factors(sequence))
     conclusions[:0] = conclude(recorder, degrees)
     draw(recorder, degrees, by_degree, out / "convergence.png")
-    tables = {"Orders": orders, "Factors per degree on stars": gained}
+    tables = {"Orders": orders, "Factors per degree on quadrilaterals": gained}
     write_markdown(out / "convergence.md", "Orders of convergence", conclusions, tables)
     return [*conclusions, *(table.markdown() for table in tables.values())]
 
@@ -145,18 +145,18 @@ def raise_degree(recorder: Recorder) -> dict[int, float]:
     return by_degree
 
 
-def raise_stars(recorder: Recorder, quantities: Quantities, poisson_ratio: float, quick: bool) -> None:
-    """The flat start and the scene's rings on stars; the order over ``10^-degree`` is the digits that a degree gains."""
-    levels = (("punch", punch_by_stars),) if quick else (("punch", punch_by_stars), ("rings", quantities.by_stars))
+def raise_quads(recorder: Recorder, quantities: Quantities, poisson_ratio: float, quick: bool) -> None:
+    """The flat start and the rings on quadrilaterals; the order over ``10^-degree`` is the digits that a degree gains."""
+    levels = (("punch", punch_by_quads),) if quick else (("punch", punch_by_quads), ("rings", quantities.by_quads))
     for name, compute in levels:
-        for degree in STAR_DEGREES:
+        for degree in QUAD_DEGREES:
             level, digits = partial(compute, poisson_ratio, degree), {"": np.log10(FACTOR)}
-            recorder.level(f"{STARS}, {name}", 0.1**degree, digits, level, STAR_FLOORS, degree)
+            recorder.level(f"{QUADS}, {name}", 0.1**degree, digits, level, QUAD_FLOORS, degree)
 
 
-def star_degrees(sequence: Sequence) -> list[int]:
+def quad_degrees(sequence: Sequence) -> list[int]:
     """Degrees of the levels that did not fail."""
-    return [degree for degree in STAR_DEGREES if 0.1**degree in sequence.sizes]
+    return [degree for degree in QUAD_DEGREES if 0.1**degree in sequence.sizes]
 
 
 def factors(sequence: Sequence) -> dict[str, Any]:
@@ -166,7 +166,7 @@ def factors(sequence: Sequence) -> dict[str, Any]:
     return {
         "refined": sequence.name,
         "quantity": sequence.quantity,
-        "degrees": " ".join(map(str, star_degrees(sequence))),
+        "degrees": " ".join(map(str, quad_degrees(sequence))),
         "expected factor": FACTOR,
         "least squares": 10**sequence.order,
         "between degrees": " ".join(
@@ -202,7 +202,7 @@ def refine_rings(recorder: Recorder, quantities: Quantities, poisson_ratio: floa
 
 
 def conclude(recorder: Recorder, degrees: Recorder) -> list[str]:
-    """The orders of d0 in a line, how all orders agree with theory, and what a degree gains on stars."""
+    """The orders of d0 in a line, how all orders agree with theory, and what a degree gains on quadrilaterals."""
 
     def orders(mesh: str) -> str:
         return ", ".join(f"P{k} {s.order:.2f}" for k in PUNCH for s in recorder.of("d0", f"FEM P{k}, {mesh}"))
@@ -212,29 +212,29 @@ def conclude(recorder: Recorder, degrees: Recorder) -> list[str]:
         f"but {orders('uniform')} on uniform ones (1).",
         verdicts(recorder.sequences.values()),
         *(
-            f"On stars each degree takes the error of d0 down by {10**s.order:.1f} (theory: in the end {FACTOR:.0f}), "
-            f"to {s.errors[-1]:.0e} at degree {star_degrees(s)[-1]}."
-            for s in degrees.of("d0", STARS)
+            f"On quadrilaterals each degree takes the error of d0 down by {10**s.order:.1f} (theory: in the end "
+            f"{FACTOR:.0f}), to {s.errors[-1]:.0e} at degree {quad_degrees(s)[-1]}."
+            for s in degrees.of("d0", QUADS)
         ),
     ]
 
 
-def star_curves(degrees: Recorder, name: str) -> dict[str, dict[int, float]]:
-    """Errors on stars by degree, of each quantity."""
-    found = (s for s in degrees.sequences.values() if s.name == f"{STARS}, {name}")
+def quad_curves(degrees: Recorder, name: str) -> dict[str, dict[int, float]]:
+    """Errors on quadrilaterals by degree, of each quantity."""
+    found = (s for s in degrees.sequences.values() if s.name == f"{QUADS}, {name}")
     return {
-        f"FEM stars, {s.quantity}: {10**s.order:.1f} per degree": dict(zip(star_degrees(s), s.errors.tolist(), strict=True))
+        f"FEM quads, {s.quantity}: {10**s.order:.1f} per degree": dict(zip(quad_degrees(s), s.errors.tolist(), strict=True))
         for s in found
     }
 
 
 def draw_degrees(axes: Any, curves: Mapping[str, Mapping[int, float]]) -> None:
-    """Errors by degree, and the factor that theory has for stars."""
+    """Errors by degree, and the factor that theory has for quadrilaterals."""
     for number, (label, curve) in enumerate(curves.items()):
         axes.semilogy(list(curve), list(curve.values()), label=label, **style(number))
-    degrees = np.array(STAR_DEGREES)
-    theory = 1e-5 * FACTOR ** (STAR_DEGREES[0] - degrees)
-    axes.semilogy(degrees, theory, color="0.8", linewidth=4, zorder=0, label=f"theory for stars: {FACTOR:.0f} per degree")
+    degrees = np.array(QUAD_DEGREES)
+    theory = 1e-5 * FACTOR ** (QUAD_DEGREES[0] - degrees)
+    axes.semilogy(degrees, theory, color="0.8", linewidth=4, zorder=0, label=f"theory for quads: {FACTOR:.0f} per degree")
     axes.set_xlabel("polynomial degree $k$")
     axes.grid(True, color="0.88", linewidth=0.6)
     legend_below(axes)
@@ -257,7 +257,7 @@ def draw(recorder: Recorder, degrees: Recorder, by_degree: dict[int, float], pat
     punch = [f"FEM P{degree}, {mesh}" for mesh in ("graded", "uniform") for degree in PUNCH]
     draw_orders(elements, recorder.of("d0", *punch), r"element size over the base mesh's, $h/h_0 = 1/n$", error)
     elements.set_title("finite elements, by size", fontsize=9)
-    draw_unknowns(unknowns, recorder.table.rows, [*punch, f"{STARS}, punch"])
+    draw_unknowns(unknowns, recorder.table.rows, [*punch, f"{QUADS}, punch"])
     unknowns.set(xlabel="unknowns", ylabel=error, title="finite elements, by unknowns")
     size = r"$(1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of neighbouring sizes"
     draw_orders(singular, recorder.of("d0", "MDR"), size, error)
@@ -271,10 +271,10 @@ def draw(recorder: Recorder, degrees: Recorder, by_degree: dict[int, float], pat
         found = ((k, s) for k in PUNCH for s in recorder.of("d0", f"FEM P{k}, {mesh}") if 1 / 3 in s.sizes)
         label = f"FEM, displacement of degree $k$, {mesh}, $n$ = 3"
         curves[label] = {k: float(s.errors[s.sizes == 1 / 3][0]) for k, s in found}
-    draw_degrees(raised, curves | star_curves(degrees, "punch"))
+    draw_degrees(raised, curves | quad_curves(degrees, "punch"))
     raised.set(ylabel=error, title="raising the degree, flat start")
-    draw_degrees(rings, star_curves(degrees, "rings"))
-    rings.set(ylabel="relative error", title="raising the degree, rings on stars")
+    draw_degrees(rings, quad_curves(degrees, "rings"))
+    rings.set(ylabel="relative error", title="raising the degree, rings on quadrilaterals")
     for axes in (unknowns, raised, rings):
         axes.title.set_fontsize(9)
     figure.savefig(path)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
+from skfem import MeshTri
 
 from mdr import direct
 from mdr.compliance import compliance as mdr_compliance
 from meshes.compliance import Compliance
 from meshes.errors import RingwearError
-from meshes.half_space import HalfSpaceMesh
 from meshes.pressure_space import PressureSpace
 from meshes.radial import Array, graded_breakpoints
 
@@ -18,13 +18,14 @@ from .contact import flat_start
 from .levels import Sequence, Table
 from .methods import edge_weight
 from .natural import NaturalScene
+from .quads import FACTOR, GROWTH
 from .stages import Report
-from .stars import GRADING, GROWTH
 from .subdivision import condensed, subdivided
 from .wear import Wear
 
 FLAT = np.array([0.0, 1.0])
 TRUNCATION = 1e4
+QUADS_TRUNCATION, QUADS_POLES = 2.5, tuple(range(0, 16, 2))
 TIME = 1.0  # of the history, in natural units
 SMOOTH_QUANTITY = "energy of a smooth pressure"
 # sizes of the smallest elements: by MDR at the rim of the flat punch; at edges and rim of rings
@@ -111,29 +112,27 @@ class Quantities:
         del values["mean steady displacement"]
         return values, found.space.size
 
-    def by_elements(self, base: HalfSpaceMesh, degree: int, poisson_ratio: float, count: int) -> Level:
+    def by_elements(self, base: MeshTri, degree: int, poisson_ratio: float, count: int) -> Level:
         """The quantities by finite elements on a subdivided mesh."""
         found, unknowns = condensed(subdivided(base, count, self.edges[1:]), self.edges, degree, poisson_ratio)
         return self(found), unknowns
 
-    def by_stars(self, poisson_ratio: float, degree: int) -> Level:
-        """The quantities by finite elements on stars.
+    def by_quads(self, poisson_ratio: float, degree: int) -> Level:
+        """The quantities by finite elements on quadrilaterals.
 
-        What is worn is blunt: cores cost the square of their size, and in smaller ones gradients would be roundoff.
+        What is worn is blunt: the smallest elements cost the square of their size, and still smaller ones would have
+        gradients of roundoff.
         """
-        found, unknowns = stars(self.edges, max(0.1 ** (degree + 1), RING_EDGE), degree, poisson_ratio)
+        found, unknowns = by_quads(self.edges, max(0.1 ** (degree + 1), RING_EDGE), degree, poisson_ratio)
         return self(found), unknowns
 
 
-def stars(edges: Array, core: float, degree: int, poisson_ratio: float) -> tuple[Compliance, int]:
-    """Compliance and number of unknowns of the finite-element half-space on stars with cores of one size."""
-    from fem.compliance import HalfSpace
-    from fem.hp import HpElasticity
-    from meshes.stars import mesh
+def by_quads(edges: Array, smallest: float, degree: int, poisson_ratio: float) -> tuple[Compliance, int]:
+    """Compliance and number of unknowns of the finite-element half-space on quadrilaterals down to one size."""
+    from meshes.quads import graded
 
-    solid = HpElasticity(mesh(edges, core, core, GRADING, GROWTH, TRUNCATION), degree, poisson_ratio)
-    half_space = HalfSpace(solid, solid.pressure_space(edges))
-    return half_space.compliance(), half_space.unknowns
+    mesh = graded(edges, smallest, smallest, FACTOR, GROWTH, QUADS_TRUNCATION).mesh
+    return condensed(mesh, edges, degree, poisson_ratio, QUADS_POLES)
 
 
 def by_mdr(edges: Array, size: float, degree: int, grading: float) -> Compliance:
@@ -161,16 +160,17 @@ def smooth_by_mdr(degree: int, count: int) -> Level:
     return {SMOOTH_QUANTITY: float(np.sum((energy - held @ best) ** 2) / np.sum(energy**2))}, held.shape[1]
 
 
-def punch_by_elements(base: HalfSpaceMesh, tips: Array, degree: int, poisson_ratio: float, count: int) -> Level:
+def punch_by_elements(base: MeshTri, tips: Array, degree: int, poisson_ratio: float, count: int) -> Level:
     """The flat start by finite elements on a subdivided mesh."""
     found, unknowns = condensed(subdivided(base, count, tips), FLAT, degree, poisson_ratio)
     return {"d0": flat_start(found).indentation}, unknowns
 
 
-def punch_by_stars(poisson_ratio: float, degree: int) -> Level:
-    """The flat start by finite elements on a star round the rim.
+def punch_by_quads(poisson_ratio: float, degree: int) -> Level:
+    """The flat start by finite elements on quadrilaterals.
 
-    Of d0 the core costs about 0.06 of its size: some per cent of what the degree does, if it shrinks tenfold with each.
+    Of d0 the smallest elements cost about 0.06 of their size: some per cent of what the degree does, if it
+    shrinks tenfold with each.
     """
-    found, unknowns = stars(FLAT, 0.1 ** (degree + 1), degree, poisson_ratio)
+    found, unknowns = by_quads(FLAT, 0.1 ** (degree + 1), degree, poisson_ratio)
     return {"d0": flat_start(found).indentation}, unknowns

@@ -74,7 +74,7 @@ def _terms(unknowns: int, pressures: int) -> Array:
 def measure() -> dict[str, dict[str, list[float]]]:
     """For each kind of method, rates of seconds and the error by rtol (powers of ten): least squares over runs."""
     kinds = {}
-    for method, mesher in (("mdr", None), ("bem", None), ("fem", "stars"), ("fem", "gmsh"), ("fem", "bisection")):
+    for method, mesher in (("mdr", None), ("bem", None), ("fem", "quads"), ("fem", "gmsh"), ("fem", "bisection")):
         base = Scene.load("flat_punch").changed(methods=[method], accuracy__fem={"mesher": mesher})
         rows, errors = [], list[tuple[float, float]]()
         for title, rtol in MEASURED:

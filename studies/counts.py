@@ -8,11 +8,11 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial import cKDTree
 
-from meshes.half_space import SizeField
+from meshes.patches import LARGEST, LOWEST, beside, falls, patch_layers, patch_widths
 from meshes.radial import Array
-from meshes.stars import LARGEST_FILL, fill_sizes, star_shells
+from meshes.size_field import SizeField
 
-from . import stars, triangles
+from . import quads, triangles
 from .natural import NaturalScene
 
 SIDE = np.sqrt(3) / 4  # area of an equilateral triangle of side one
@@ -21,13 +21,13 @@ MULTIPLIERS_PER_FACET = 2.6
 # (measured on random scenes: unknowns and multipliers by the counts below, within 25 %)
 MORE_UNKNOWNS, LEAST_UNKNOWNS = 1.3, 1300
 MORE_PRESSURES, LEAST_PRESSURES = 1.25, 35
-MORE_BETWEEN, MORE_ON_CONTACT = 1.7, 1.2
+MORE_BETWEEN, LEAST_BETWEEN, PER_QUAD = 2.8, 18, 1.58
 BISECTION = 2.6  # triangles by bisection for one by gmsh, at equal sizes
 
 
 def counted(natural: NaturalScene) -> tuple[int, int]:
     """Unknowns and pressures of the finite elements that a scene asks for."""
-    return _on_stars(natural) if natural.scene.accuracy.fem.meshed_by == "stars" else _on_triangles(natural)
+    return _on_quads(natural) if natural.scene.accuracy.fem.meshed_by == "quads" else _on_triangles(natural)
 
 
 def _on_triangles(natural: NaturalScene) -> tuple[int, int]:
@@ -39,45 +39,34 @@ def _on_triangles(natural: NaturalScene) -> tuple[int, int]:
     return round(unknowns), round(MORE_PRESSURES * MULTIPLIERS_PER_FACET * count_facets(field)) + LEAST_PRESSURES
 
 
-def _on_stars(natural: NaturalScene) -> tuple[int, int]:
-    chosen, (edges, _) = stars.settings(natural), natural.phases
-    half_widths, layers = star_shells(edges, chosen.sizes, chosen.rim_size, stars.GRADING)
-    # degree of each shell, from the innermost on; the core has the lowest
-    within = np.arange(layers.sum()) - np.repeat(np.cumsum(layers) - layers, layers)
-    lowest = stars.lowest_degree(natural)
-    degrees = np.minimum(chosen.degree, lowest + within)
-    quadrilaterals = 4 * np.sum(degrees**2) + 2 * len(layers) * lowest**2
-    truncation = natural.scene.accuracy.fem.truncation
+def _on_quads(natural: NaturalScene) -> tuple[int, int]:
+    chosen, (edges, _) = quads.settings(natural), natural.phases
+    widths = patch_widths(edges)
+    layers = patch_layers(widths, np.append(chosen.sizes, chosen.rim_size), quads.FACTOR)
+    degrees = np.maximum(chosen.degree - np.concatenate(falls(layers)), min(LOWEST, chosen.degree))
+    # four elements to a layer, two in the middle
+    count = np.full(len(degrees), 4)
+    count[np.cumsum(layers + 1) - 1] = 2
+    singular = np.stack([edges[1:], np.zeros_like(edges[1:])], axis=1)
+    sizes, depths = beside(widths), widths.mean(axis=1)
 
     def between(points: Array) -> Array:
-        return _between_stars(points, edges[1:], half_widths, truncation)
+        size = np.full(len(points), LARGEST * chosen.truncation)
+        for smallest in np.unique(sizes):
+            distance, nearest = cKDTree(singular[sizes == smallest]).query(points)
+            distance = np.maximum(distance - depths[sizes == smallest][nearest], 0.0)
+            size = np.minimum(size, smallest + chosen.growth * distance)
+        return size
 
-    cells = MORE_BETWEEN * count_triangles(between, truncation)
-    # of every star both sides are on the contact, of that at the rim one
-    rim = np.sum(degrees[-layers[-1] :] - 2) + lowest - 2
-    inside = 2 * (np.sum(degrees - 2) + (lowest - 2) * len(layers)) - rim
-    ends = np.append(edges[1:-1] + half_widths[:-1], 1.0), np.append(edges[1:-1] - half_widths[:-1], 1 - half_widths[-1])
-    open_line = zip(np.append(0.0, ends[0][:-1]), ends[1], strict=True)
-    facets = sum(max(1.0, _facets(between, start, stop)) for start, stop in open_line)
-    unknowns = 2 * quadrilaterals + cells * chosen.degree**2
-    on_contact = inside + facets * (chosen.degree - 2) + len(layers)
-    return round(unknowns), round(MORE_ON_CONTACT * on_contact)
-
-
-def _facets(field: Callable[[Array], Array], start: float, stop: float) -> float:
-    """Facets of the sizes of a field between two radii on the surface."""
-    radii = start + (stop - start) * (np.arange(32) + 0.5) / 32
-    return float(np.mean(1 / field(np.stack([radii, np.zeros_like(radii)], axis=1)))) * (stop - start)
-
-
-def _between_stars(points: Array, centres: Array, half_widths: Array, truncation: float) -> Array:
-    """Sizes of the triangles between the stars."""
-    size, beside = np.full(len(points), LARGEST_FILL * truncation), fill_sizes(half_widths)
-    for smallest in np.unique(beside):
-        singular = np.stack([centres[beside == smallest], np.zeros((beside == smallest).sum())], axis=1)
-        distance = np.maximum(cKDTree(singular).query(points)[0] - smallest, 0.0)
-        size = np.minimum(size, smallest + stars.GROWTH * distance)
-    return size
+    cells = MORE_BETWEEN * max(count_triangles(between, chosen.truncation) / 2, LEAST_BETWEEN)
+    # of every patch both sides are on the contact, of that at the rim one
+    at_rim = len(degrees) - layers[-1] - 1
+    pressures = np.maximum(degrees - 2, 1)
+    on_contact = 2 * pressures.sum() - pressures[at_rim:].sum()
+    unknowns = PER_QUAD * (np.sum(count * degrees**2) + cells * chosen.degree**2)
+    gaps = np.maximum(np.append(edges[1], np.diff(edges[1:])) - np.append(0.0, widths[:-1, 1]) - widths[:, 0], 0.0)
+    facets = np.sum(np.where(gaps > 1e-9, np.maximum(2, gaps / np.minimum(depths, np.append(np.inf, depths[:-1]))), 0))
+    return round(unknowns), round(on_contact + facets * max(chosen.degree - 2, 1) + len(layers))
 
 
 def count_triangles(field: Callable[[Array], Array], truncation: float) -> float:

@@ -14,12 +14,9 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from meshes.half_space import HalfSpaceMesh
 from meshes.radial import Array
 
 if TYPE_CHECKING:
-    from meshes.stars import StarMesh
-
     from .interior import Interior
     from .runs import Result
 
@@ -52,7 +49,8 @@ def draw_all(result: Result, out: Path) -> None:
     if "fem" in result.models:
         half_space = result.models["fem"].half_space
         assert half_space is not None
-        draw_mesh(half_space.solid.mesh, result.scene.natural.edges, out / "mesh.png")
+        mesher = str(result.models["fem"].settings["mesher"])
+        draw_mesh(half_space.solid.mesh, mesher, result.scene.natural.edges, out / "mesh.png")
 
 
 def _figure(width: float, height: float) -> Figure:
@@ -230,12 +228,12 @@ def draw_stress(result: Result, fields: Interior, path: Path) -> None:
     shown = range(len(fields.labels))
     figure = _figure(4.4 * len(shown) + 0.8, 4.6)
     panels = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]
-    r, z = fields.fine_points.T
+    r, z = fields.points
     beneath = (r < 1.3) & (z > 0.04) & (z < 1.0)
-    levels = MaxNLocator(18).tick_values(0, 1.2 * float(fields.fine_von_mises[:, beneath].max() / P0))
+    levels = MaxNLocator(18).tick_values(0, 1.2 * float(fields.von_mises[:, beneath].max() / P0))
     for state, axes in zip(shown, panels, strict=True):
-        values = fields.fine_von_mises[state] / P0
-        filled = axes.tricontourf(r, z, fields.fine_triangles, values, levels, cmap="viridis", extend="max")
+        values = fields.von_mises[state] / P0
+        filled = axes.tricontourf(r, z, fields.triangles.T, values, levels, cmap="viridis", extend="max")
         axes.plot([0, 1], [-0.02, -0.02], color="#c0392b", linewidth=2.5)
         axes.plot(natural.edges[1:-1], np.full(len(natural.edges) - 2, -0.045), "v", color="#c0392b", markersize=3)
         axes.set(xlim=(0, 1.3), ylim=(1.0, -0.08), aspect="equal", xlabel="$r/a$")
@@ -246,31 +244,29 @@ def draw_stress(result: Result, fields: Interior, path: Path) -> None:
     figure.savefig(path)
 
 
-def draw_mesh(mesh: HalfSpaceMesh | StarMesh, edges: Array, path: Path) -> None:
+def draw_mesh(mesh: Any, mesher: str, edges: Array, path: Path) -> None:
     """The whole mesh, the mesh under the punch, and the mesh at the rim."""
     figure = _figure(11, 3.9)
     panels = figure.subplots(1, 3)
-    rim = max(30 * float(np.diff(mesh.contact_radii).min()), 1e-6)
-    _mesh_panel(panels[0], mesh, (0, mesh.truncation), "whole", "$r/a$")
-    _mesh_panel(panels[1], mesh, (0, 1.15), "under the punch", "$r/a$")
+    from meshes.half_space import contact_radii, truncation
+
+    rim = max(30 * float(np.diff(contact_radii(mesh)).min()), 1e-6)
+    mesh_panel(panels[0], mesh, (0, truncation(mesh)), "whole", "$r/a$")
+    mesh_panel(panels[1], mesh, (0, 1.15), "under the punch", "$r/a$")
     panels[1].plot(edges[1:-1], np.full(len(edges) - 2, -0.035), "v", color="#c0392b", markersize=3)
-    _mesh_panel(panels[2], mesh, (-rim, rim), "at the rim", "$(r-a)/a$", centre=1.0)
+    mesh_panel(panels[2], mesh, (-rim, rim), "at the rim", "$(r-a)/a$", centre=1.0)
     panels[0].set_ylabel("depth $z/a$")
-    figure.suptitle(f"half-space mesh by {mesh.mesher}; the punch is red, ring edges are marked", fontsize=10)
+    figure.suptitle(f"half-space mesh by {mesher}; the punch is red, ring edges are marked", fontsize=10)
     figure.savefig(path)
 
 
-def _mesh_panel(
-    axes: Any, mesh: HalfSpaceMesh | StarMesh, view: tuple[float, float], name: str, label: str, centre: float = 0.0
-) -> None:
+def mesh_panel(axes: Any, mesh: Any, view: tuple[float, float], name: str, label: str, centre: float = 0.0) -> None:
     """The elements in a square view of the surface from `view[0]` to `view[1]`, radii counted from `centre`."""
     low, high = view
     depth = high - low
-    shown: list[Array] = []
-    for cells in mesh.cells.values():
-        corners = mesh.points[cells] - [centre, 0.0]
-        inside = (corners[:, :, 0].max(axis=1) >= low) & (corners[:, :, 0].min(axis=1) <= high)
-        shown += list(corners[inside & (corners[:, :, 1].min(axis=1) <= depth)])
+    corners = mesh.p[:, mesh.t].transpose(2, 1, 0) - [centre, 0.0]
+    inside = (corners[:, :, 0].max(axis=1) >= low) & (corners[:, :, 0].min(axis=1) <= high)
+    shown = corners[inside & (corners[:, :, 1].min(axis=1) <= depth)]
     width = 0.35 if len(shown) < 3000 else 0.15
     axes.add_collection(PolyCollection(shown, facecolors="none", edgecolors="black", linewidths=width))
     axes.plot([low, min(high, 1 - centre)], [-0.015 * depth] * 2, color="#c0392b", linewidth=2.5)

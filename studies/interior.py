@@ -13,28 +13,23 @@ from meshes.radial import Array, Indices
 from .wear import Wear
 
 if TYPE_CHECKING:
-    from fem.compliance import HalfSpace
-
     from .runs import Result
 
-FINENESS = 4
-STAR_FINENESS = 6
+# times that each element is refined to show what its polynomials say
+REFINEMENTS = {"MeshQuad1": 3, "MeshTri1": 2}
 
 
 @dataclass(frozen=True, eq=False)
 class Interior:
-    """Fields of the half-space, in natural units.
+    """Fields of the half-space, in natural units, on small triangles within each element: not averaged between elements.
 
     Parameters
     ----------
     labels : of the states, `t=...` and `steady`
-    points, triangles : (n, 2) radius and depth, and the triangles between them: those of the mesh, or elements of high
-        degree cut into small ones
+    points, triangles : (2, n) radius and depth, and the small triangles (3, m) between them
     displacement : (states, n, 2) radial, and into the half-space
     stress : (states, n, 4) rr, zz, rz, hoop
     von_mises : (states, n)
-    fine_points, fine_triangles, fine_von_mises : the same on every element cut into small triangles, not averaged
-        between elements: what the polynomials inside them say
     """
 
     labels: tuple[str, ...]
@@ -43,23 +38,11 @@ class Interior:
     displacement: Array
     stress: Array
     von_mises: Array
-    fine_points: Array
-    fine_triangles: Indices
-    fine_von_mises: Array
-
-
-def _cut_triangle() -> tuple[Array, Indices]:
-    """A lattice of reference points (2, q), and the small triangles between them (FINENESS^2, 3)."""
-    n = FINENESS
-    number = {pair: k for k, pair in enumerate((i, j) for j in range(n + 1) for i in range(n + 1 - j))}
-    upward = [(number[i, j], number[i + 1, j], number[i, j + 1]) for i, j in number if i + j < n]
-    downward = [(number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]) for i, j in number if i + j < n - 1]
-    return np.array(list(number), dtype=float).T / n, np.array(upward + downward)
 
 
 def interior(result: Result) -> Interior:
     """Recover the inside of the half-space from the contact pressures: at the scene's field times, and when steady."""
-    from fem.hp import HpElasticity
+    from fem.stresses import sampled, von_mises
 
     scene, natural = result.scene, result.scene.natural
     model = result.models["fem"]
@@ -74,37 +57,9 @@ def interior(result: Result) -> Interior:
     if scene.wear.steady:
         pressures.append(wear.steady.pressure)
         labels.append("steady")
-    sampled = _on_stars if isinstance(model.half_space.solid, HpElasticity) else _on_triangles
-    return sampled(model.half_space, tuple(labels), np.array(pressures))
-
-
-def _on_stars(half_space: HalfSpace, labels: tuple[str, ...], pressures: Array) -> Interior:
-    """What the polynomials in large elements say."""
-    from fem.fields import von_mises
-    from fem.hp_fields import sampled
-
-    points, triangles, moved, stress = sampled(half_space, pressures, STAR_FINENESS)
-    mises = von_mises(stress)
-    return Interior(labels, points, triangles, moved, stress, mises, points, triangles, mises)
-
-
-def _on_triangles(half_space: HalfSpace, labels: tuple[str, ...], pressures: Array) -> Interior:
-    """Averages at the vertices, and what the polynomials in the triangles say."""
-    from fem.elasticity import AxisymmetricElasticity
-    from fem.fields import displacements, stresses, vertex_stresses, von_mises
-
-    solid = half_space.solid
-    assert isinstance(solid, AxisymmetricElasticity)
-    moved = displacements(half_space, pressures)
-    stress = vertex_stresses(solid, moved)
-    lattice, small = _cut_triangle()
-    fine = von_mises(stresses(solid, moved, lattice)).reshape(len(moved), -1)
-    corner = np.stack([1 - lattice[0] - lattice[1], lattice[0], lattice[1]])
-    points = np.einsum("xvm,vq->mqx", solid.corners, corner).reshape(-1, 2)
-    triangles = (lattice.shape[1] * np.arange(solid.corners.shape[2])[:, None, None] + small).reshape(-1, 3)
-    mesh = solid.mesh
-    at_vertices = moved[:, : len(mesh.points)]
-    return Interior(labels, mesh.points, mesh.triangles, at_vertices, stress, von_mises(stress), points, triangles, fine)
+    refinements = REFINEMENTS[type(model.half_space.solid.mesh).__name__]
+    points, triangles, moved, stress = sampled(model.half_space, np.array(pressures), refinements)
+    return Interior(tuple(labels), points, triangles, moved, stress, von_mises(stress))
 
 
 def write_half_space(result: Result, fields: Interior, path: Path) -> None:
@@ -119,6 +74,6 @@ def write_half_space(result: Result, fields: Interior, path: Path) -> None:
         for column, (name, sign) in enumerate((("rr", 1), ("zz", 1), ("rz", -1), ("hoop", 1))):
             data[f"stress_{name} {label}"] = sign * fields.stress[state, :, column] * natural.pressure
         data[f"von_mises {label}"] = fields.von_mises[state] * natural.pressure
-    points = fields.points * natural.length
-    upright = np.stack([points[:, 0], -points[:, 1], np.zeros(len(points))], axis=1)
-    meshio.Mesh(upright, [("triangle", fields.triangles)], point_data=data).write(path, file_format="vtu")
+    r, z = fields.points * natural.length
+    upright = np.stack([r, -z, np.zeros_like(r)], axis=1)
+    meshio.Mesh(upright, [("triangle", fields.triangles.T)], point_data=data).write(path, file_format="vtu")

@@ -53,7 +53,7 @@ def left_out(scene: Scene) -> dict[str, str]:
 def plan(scene: Scene) -> list[str]:
     """What each method will be made of and cost, without making it; then what is worth knowing before it runs."""
     from .costs import predicted
-    from .fem_model import described
+    from .fem_model import described, truncation
     from .methods import mdr_settings
 
     natural = scene.natural
@@ -80,6 +80,7 @@ def plan(scene: Scene) -> list[str]:
             "note: in full contact the MDR gives the same at a fraction of the cost; add 'mdr' to see how far they agree"
         )
     if scene.accuracy.fem.far_field == "fixed" and "fem" in scene.methods:
-        lines.append(f"note: a fixed boundary at {scene.accuracy.fem.truncation:g} a will err by "
-                     f"{1.1 / scene.accuracy.fem.truncation:.1e}; far_field = 'boussinesq' does not")  # fmt: skip
+        outer = truncation(natural)
+        lines.append(f"note: a fixed boundary at {outer:g} a will err by {1.1 / outer:.1e}; "
+                     "far_field = 'boussinesq' does not")  # fmt: skip
     return lines

@@ -10,7 +10,7 @@ import numpy as np
 from meshes.compliance import Compliance
 
 if TYPE_CHECKING:
-    from fem.compliance import HalfSpace
+    from fem.half_space import HalfSpace
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 
 from meshes.compliance import Compliance
 from meshes.pressure_space import PressureSpace
@@ -18,7 +19,7 @@ from .natural import NaturalScene
 from .wear import History, Wear
 
 if TYPE_CHECKING:
-    from fem.compliance import HalfSpace
+    from fem.half_space import HalfSpace
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,12 +254,16 @@ def _no_better_than_fields(errors: dict[str, Array]) -> None:
 
 def _projection_loss(errors: dict[str, Array], result: Evaluation, half_space: HalfSpace, average: str) -> None:
     """Add what the pressure space loses of the contact displacement that the elements found, and of its slope."""
-    steady = result.wear.steady
-    radii, found = half_space.contact_displacement(steady.pressure)
-    lost = np.abs(found - result.sampler.space.matrix(radii) @ steady.displacement).max() / found.max()
+    steady, space = result.wear.steady, result.sampler.space
+    ends = np.linspace(0, 1, space.top + 2)
+    radii, found, _ = half_space.contact_displacement(steady.pressure, ends)
+    held = (space.matrix(radii.ravel()) @ steady.displacement).reshape(radii.shape)
+    lost = np.abs(found - held).max() / found.max()
     errors["steady_displacement_max"] = errors["steady_displacement_max"] + lost
-    radii, weights, slopes = half_space.contact_slope(found)
-    trace = np.sqrt(np.sum(weights * (1.0 if average == "line" else 2 * radii) * slopes**2))
+    local, weight = leggauss(space.top + 2)
+    radii, _, slopes = half_space.contact_displacement(steady.pressure, (1 + local) / 2)
+    weights = np.diff(space.breakpoints)[:, None] * weight / 2 * (1.0 if average == "line" else 2 * radii)
+    trace = np.sqrt(np.sum(weights * slopes**2))
     errors["steady_rms_slope"] = errors["steady_rms_slope"] + np.abs(trace / result.outcome.steady_rms_slope - 1)
 
 

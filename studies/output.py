@@ -12,14 +12,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from meshes.errors import SceneError
-from meshes.half_space import HalfSpaceMesh
 
 from .scene import Scene
 from .stages import Report, silent
 
 if TYPE_CHECKING:
-    from meshes.stars import StarMesh
-
+    from .fem_model import Meshed
     from .runs import Result
 
 
@@ -57,19 +55,18 @@ def write(result: Result, out: Path, report: Report = silent) -> list[str]:
         return sorted(file.name for file in hidden.iterdir())
 
 
-def write_mesh(scene: Scene, mesh: HalfSpaceMesh | StarMesh, out: Path) -> list[str]:
-    """Write the mesh as VTU, in the scene's units, and its figure."""
-    import meshio
-    import numpy as np
+def write_mesh(scene: Scene, meshed: Meshed, out: Path) -> list[str]:
+    """Write the mesh as scikit-fem does, in the scene's units and with its boundaries, and its figure.
+
+    The file can be read back: by `skfem.Mesh.load`, and as a mesh of one's own by `ringwear study refinement --mesh`.
+    """
+    from meshes.half_space import quality
 
     from .figures import draw_mesh
 
-    scale = scene.natural.length
-    upright = np.stack([mesh.points[:, 0], -mesh.points[:, 1], np.zeros(len(mesh.points))], axis=1) * scale
+    natural = scene.natural
     with whole(out) as hidden:
-        ends = np.cumsum([len(cells) for cells in mesh.cells.values()])
-        quality = np.split(mesh.quality, ends[:-1])
-        whole_mesh = meshio.Mesh(upright, list(mesh.cells.items()), cell_data={"quality": quality})
-        whole_mesh.write(hidden / "mesh.vtu", file_format="vtu")
-        draw_mesh(mesh, scene.natural.edges, hidden / "mesh.png")
+        mesh = meshed.mesh.scaled(natural.length)
+        mesh.save(hidden / "mesh.vtu", cell_data={"quality": [quality(mesh)]}, file_format="vtu")
+        draw_mesh(meshed.mesh, meshed.mesher, natural.edges, hidden / "mesh.png")
         return sorted(file.name for file in hidden.iterdir())

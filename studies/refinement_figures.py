@@ -1,4 +1,4 @@
-"""Figures of the study of refinement: errors against unknowns, quality of the triangles, and the meshes themselves."""
+"""Figures of the study of refinement: errors against unknowns, quality of the elements, and the meshes themselves."""
 
 from __future__ import annotations
 
@@ -8,15 +8,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from skfem import Mesh
 
-from meshes.half_space import HalfSpaceMesh
+from meshes.half_space import quality, truncation
 from meshes.radial import Array
 
-from .figures import _mesh_panel
+from .figures import mesh_panel
 from .levels import new_figure, style
 
 ERRORS = ("d0", "history", "steady")
-FAMILIES = ("uniform", "graded", "adaptive", "file")
+FAMILIES = (
+    "h, triangles", "h, quadrilaterals", "p, triangles", "p, quadrilaterals", "graded triangles", "adaptive triangles",
+    "file",
+)  # fmt: skip
 
 
 def draw_errors(rows: list[dict[str, Any]], goal: float, path: Path) -> None:
@@ -40,32 +44,32 @@ def draw_errors(rows: list[dict[str, Any]], goal: float, path: Path) -> None:
         panels[-1, column].set_xlabel("unknowns")
     handles, names = panels[0, 0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=len(names), frameon=False, fontsize=9)
-    figure.suptitle(f"uniform, graded and adaptive meshes (goal {goal:g}: dotted)", fontsize=10)
+    figure.suptitle(f"refinement in size (h), in degree (p), graded and adaptive (goal {goal:g}: dotted)", fontsize=10)
     figure.savefig(path)
 
 
-def draw_quality(best: dict[tuple[str, str], HalfSpaceMesh], path: Path) -> None:
-    """Share of triangles below each quality, finest mesh of each kind."""
+def draw_quality(best: dict[tuple[str, str], Mesh], path: Path) -> None:
+    """Share of elements below each quality, finest mesh of each kind."""
     cases = list(dict.fromkeys(case for case, _ in best))
     figure = new_figure(0.6 + 3.2 * len(cases), 3.4)
     panels = figure.subplots(1, len(cases), sharey=True, squeeze=False)[0]
     for case, axes in zip(cases, panels, strict=True):
         for number, family in enumerate(FAMILIES):
             if (case, family) in best:
-                quality = np.sort(best[case, family].quality)
+                shape = np.sort(quality(best[case, family]))
                 look = style(number) | {"marker": ""}
-                axes.plot(quality, np.arange(1, len(quality) + 1) / len(quality), label=family, **look)
-        axes.set(xlim=(0, 1), ylim=(0, 1), xlabel="2 inradius / circumradius", title=case)
+                axes.plot(shape, np.arange(1, len(shape) + 1) / len(shape), label=family, **look)
+        axes.set(xlim=(0, 1), ylim=(0, 1), xlabel="least sine of the corners", title=case)
         axes.title.set_fontsize(10)
         axes.legend(frameon=False, fontsize=8, loc="upper left")
-    panels[0].set_ylabel("share of triangles below")
+    panels[0].set_ylabel("share of elements below")
     figure.savefig(path)
 
 
-def draw_meshes(case: str, edges: Array, meshes: dict[str, HalfSpaceMesh], path: Path) -> None:
+def draw_meshes(case: str, edges: Array, meshes: dict[str, Mesh], path: Path) -> None:
     """The finest mesh of each kind: whole, under the punch, at the narrowest ring, at the rim."""
-    views: list[tuple[str, Callable[[HalfSpaceMesh], tuple[float, float]], float, str]] = [
-        ("whole", lambda mesh: (0, mesh.truncation), 0.0, "$r/a$"),
+    views: list[tuple[str, Callable[[Mesh], tuple[float, float]], float, str]] = [
+        ("whole", lambda mesh: (0, truncation(mesh)), 0.0, "$r/a$"),
         ("under the punch", lambda _: (0, 1.15), 0.0, "$r/a$"),
         ("at the rim", lambda _: (-2e-2, 2e-2), 1.0, "$(r-a)/a$"),
     ]
@@ -77,7 +81,7 @@ def draw_meshes(case: str, edges: Array, meshes: dict[str, HalfSpaceMesh], path:
     panels = figure.subplots(len(meshes), len(views), squeeze=False)
     for row, (family, mesh) in zip(panels, meshes.items(), strict=True):
         for axes, (name, view, centre, label) in zip(row, views, strict=True):
-            _mesh_panel(axes, mesh, view(mesh), name, label, centre=centre)
+            mesh_panel(axes, mesh, view(mesh), name, label, centre=centre)
         row[0].set_ylabel(f"{family}: depth $z/a$")
     figure.suptitle(f"{case}: the finest mesh of each kind; the bar above is the punch", fontsize=10)
     figure.savefig(path)

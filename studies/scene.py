@@ -110,17 +110,18 @@ class Wear(Section):
 
 
 class FemAccuracy(Section):
-    mesher: Literal["stars", "gmsh", "bisection"] | None = Field(
-        default=None, description="stars (high degrees), gmsh or bisection (triangles of degree 2 to 4)"
+    mesher: Literal["quads", "gmsh", "bisection"] | None = Field(
+        default=None,
+        description="quads (quadrilaterals; once called stars), gmsh or bisection (triangles of degree 2 to 4)",
     )
     far_field: Literal["boussinesq", "fixed"] = Field(default="boussinesq", description="boussinesq or fixed")
-    poles: int | None = Field(default=None, ge=1, le=6, description="Boussinesq poles tied to the outer boundary, 1 to 6")
-    truncation: float = Field(default=5.0, ge=2, le=1e6, description="radius of the half-space in a, 2 to 1e6")
+    poles: int | None = Field(default=None, ge=1, le=8, description="Boussinesq poles tied to the outer boundary, 1 to 8")
+    truncation: float | None = Field(default=None, ge=2, le=1e6, description="radius of the half-space in a, 2 to 1e6")
     degree: int | None = Field(
         default=None,
         ge=2,
         le=12,
-        description="degree of the displacement: 2 to 4 on triangles, 4 to 12 on stars",
+        description="degree of the displacement: 2 to 4 on triangles, 4 to 12 on quadrilaterals",
     )
     rim_size: float | None = Field(default=None, ge=1e-12, le=0.5, description="element size at the rim in a, 1e-12 to 0.5")
     ring_size: float | None = Field(
@@ -138,12 +139,11 @@ class FemAccuracy(Section):
     @property
     def meshed_by(self) -> str:
         """The mesher: the one asked for, or the one that goes with the other keys."""
-        triangles = self.degree in DEGREES["gmsh"] or self.growth is not None
-        return self.mesher or ("gmsh" if triangles else "stars")
+        return self.mesher or ("quads" if self.degree is None or self.degree in DEGREES["quads"] else "gmsh")
 
 
 # degrees of the displacement that each mesher's elements can have; on triangles alone the highest is the default
-DEGREES = {"stars": range(4, 13), "gmsh": range(2, 5), "bisection": range(2, 5)}
+DEGREES = {"quads": range(4, 13), "gmsh": range(2, 5), "bisection": range(2, 5)}
 
 
 class MdrAccuracy(Section):

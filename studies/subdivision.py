@@ -9,11 +9,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from skfem import Mesh, MeshTri
 
 from meshes.compliance import Compliance
 from meshes.errors import MeshError
-from meshes.half_space import HalfSpaceMesh, SizeField, assemble
+from meshes.half_space import contact_radii, half_space, truncation
 from meshes.radial import Array, Indices
+from meshes.size_field import SizeField
 
 FAR = 1.6  # radius beyond which subdivision is in log-polar coordinates about the origin
 CORE, LAYER = 2.0, 2**0.25  # radius inside the layers in a, ratio of neighbouring layers
@@ -26,38 +28,38 @@ def coarse_field(edges: Array, sizes: tuple[float, float, float], truncation: fl
     return SizeField(tuple(float(edge) for edge in edges), *sizes, truncation, centre_size=truncation)
 
 
-def base_mesh(field: SizeField) -> HalfSpaceMesh:
+def base_mesh(field: SizeField) -> MeshTri:
     """The mesh by gmsh or, where that cannot be loaded or fails at such sizes, by bisection."""
-    from meshes import bisection, gmsh_mesher
+    from meshes import bisection, triangles
 
     try:
-        return gmsh_mesher.mesh(field)
+        return triangles.mesh(field)
     except MeshError:
         return bisection.mesh(field)
 
 
-def subdivided(mesh: HalfSpaceMesh, count: int, tips: Array) -> HalfSpaceMesh:
+def subdivided(mesh: MeshTri, count: int, tips: Array) -> MeshTri:
     """Every triangle into ``count^2``: in log-polar coordinates about `tips` (radii) and far away, else in plain ones.
 
     A new point is told by the vertices it lies between and its weight on each, so that neighbours agree on it; in
     which coordinates it is interpolated depends on these vertices alone.
     """
     lattice, small = _lattice(count)
-    weights = np.broadcast_to(lattice, (len(mesh.triangles), *lattice.shape))
-    vertices = np.where(weights > 0, mesh.triangles[:, None, :], -1)
+    vertices_of, corners = mesh.t.T, mesh.p.T
+    weights = np.broadcast_to(lattice, (len(vertices_of), *lattice.shape))
+    vertices = np.where(weights > 0, vertices_of[:, None, :], -1)
     order = np.argsort(vertices, axis=-1)
     told = np.concatenate([np.take_along_axis(part, order, axis=-1) for part in (vertices, weights)], axis=-1)
     unique, number = np.unique(told.reshape(-1, 6), axis=0, return_inverse=True)
     between, weight = unique[:, :3], unique[:, 3:] / count
     between = np.where(weight > 0, between, between[:, 2:])
-    points = _interpolated(mesh.points, between, weight, tips)
+    points = _interpolated(corners, between, weight, tips)
     for axis in (0, 1):
-        points[(mesh.points[between, axis] == 0).all(axis=1), axis] = 0.0
+        points[(corners[between, axis] == 0).all(axis=1), axis] = 0.0
     kept = weight[:, 2] == 1
-    points[kept] = mesh.points[between[kept, 2]]
-    triangles = number.reshape(len(mesh.triangles), -1)[:, small].reshape(-1, 3)
-    edges = mesh.contact_radii[[0, -1]]
-    return assemble(points, triangles, edges, mesh.mesher)
+    points[kept] = corners[between[kept, 2]]
+    triangles = number.reshape(len(vertices_of), -1)[:, small].reshape(-1, 3)
+    return half_space(MeshTri(points.T, triangles.T), contact_radii(mesh)[[0, -1]])
 
 
 def _lattice(count: int) -> tuple[Indices, Indices]:
@@ -96,16 +98,16 @@ def _interpolated(points: Array, between: Indices, weight: Array, tips: Array) -
     return out + plain[:, None] * np.einsum("pv,pvx->px", weight, points[between])
 
 
-def layered(core: HalfSpaceMesh, count: int) -> HalfSpaceMesh:
+def layered(core: MeshTri, count: int) -> MeshTri:
     """A core with layers of triangles between concentric arcs, on the rays of the points of its own arc.
 
     The first layers double the sides of the arc: the study of truncation wants the far field's values well resolved
     on the outer boundary, wherever that is.
     """
-    arc = np.unique(core.boundaries["far"])
-    arc = arc[np.argsort(np.arctan2(core.points[arc, 1], core.points[arc, 0]))]
-    points, triangles, total = [core.points], [core.triangles], len(core.points)
-    rays = core.points[arc] / CORE
+    arc = np.unique(core.facets[:, core.boundaries["far"]])
+    arc = arc[np.argsort(np.arctan2(core.p[1, arc], core.p[0, arc]))]
+    points, triangles, total = [core.p.T], [core.t.T], core.nvertices
+    rays = core.p.T[arc] / CORE
     for layer in range(1, count + 1):
         doubled = layer <= DOUBLED
         if doubled:
@@ -114,7 +116,8 @@ def layered(core: HalfSpaceMesh, count: int) -> HalfSpaceMesh:
         outer = total + np.arange(len(rays))
         triangles.append(_between_doubled(arc, outer) if doubled else _between_equal(arc, outer))
         arc, total = outer, total + len(rays)
-    return assemble(np.concatenate(points), np.concatenate(triangles), core.contact_radii[[0, -1]], core.mesher)
+    mesh = MeshTri(np.concatenate(points).T, np.concatenate(triangles).T)
+    return half_space(mesh, contact_radii(core)[[0, -1]])
 
 
 def _with_middles(rays: Array) -> Array:
@@ -138,29 +141,31 @@ def _between_doubled(inner: Indices, outer: Indices) -> Indices:
     return np.concatenate([np.stack(corners, axis=1) for corners in ((a, low, middle), (a, middle, b), (b, middle, high))])
 
 
-def boxed(mesh: HalfSpaceMesh) -> HalfSpaceMesh:
+def boxed(mesh: MeshTri) -> MeshTri:
     """The mesh with its outer arc stretched to the square around it, and nothing moved near the contact.
 
     Points move along their rays, ever more from `UNSTRETCHED` on; rays turn a little so that one ends in the corner.
     """
-    outer, corner = mesh.truncation, np.pi / 4
-    radius, angle = np.hypot(*mesh.points.T), np.arctan2(mesh.points[:, 1], mesh.points[:, 0])
+    outer, corner = truncation(mesh), np.pi / 4
+    radius, angle = np.hypot(*mesh.p), np.arctan2(mesh.p[1], mesh.p[0])
     share = np.clip((radius - UNSTRETCHED) / (outer - UNSTRETCHED), 0.0, 1.0)
-    far = angle[np.unique(mesh.boundaries["far"])]
+    far = angle[np.unique(mesh.facets[:, mesh.boundaries["far"]])]
     nearest = far[np.abs(far - corner).argmin()]
     turned = angle + share * (np.interp(angle, [0.0, nearest, np.pi / 2], [0.0, corner, np.pi / 2]) - angle)
     to_square = 1 / np.maximum(np.cos(turned), np.sin(turned))
     stretched = radius * (1 + share * (to_square - 1))
-    points = stretched[:, None] * np.stack([np.cos(turned), np.sin(turned)], axis=1)
-    # the axis and the surface, which do not move, are told by exact zeros
-    return replace(mesh, points=np.where(mesh.points == 0, 0.0, points))
+    points = stretched * np.stack([np.cos(turned), np.sin(turned)])
+    # on the axis and the surface, which do not move, coordinates are exact zeros
+    return replace(mesh, doflocs=np.where(mesh.p == 0, 0.0, points))
 
 
-def condensed(mesh: HalfSpaceMesh, edges: Array, degree: int, poisson_ratio: float) -> tuple[Compliance, int]:
+def condensed(
+    mesh: Mesh, edges: Array, degree: int, poisson_ratio: float, poles: tuple[int, ...] = (0, 2, 4)
+) -> tuple[Compliance, int]:
     """Compliance and number of unknowns of the finite-element half-space on a mesh."""
-    from fem.compliance import MULTIPLIER_DEGREE, HalfSpace, pressure_space
     from fem.elasticity import AxisymmetricElasticity
+    from fem.half_space import HalfSpace, pressure_space
 
-    space = pressure_space(mesh, edges, MULTIPLIER_DEGREE[degree])
-    half_space = HalfSpace(AxisymmetricElasticity(mesh, degree, poisson_ratio), space)
-    return half_space.compliance(), half_space.unknowns
+    solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)
+    whole = HalfSpace(solid, pressure_space(solid, edges), poles)
+    return whole.compliance(), whole.unknowns

@@ -82,11 +82,11 @@ def families(scene: Scene, quick: bool) -> Iterator[tuple[str, str, NaturalScene
     for rtol in dial:
         for method in ("mdr", "bem"):
             yield method, f"rtol {rtol:.0e}", scene.changed(methods=[method], accuracy__rtol=rtol).natural
-        yield "fem stars", f"rtol {rtol:.0e}", scene.changed(methods=["fem"], accuracy__rtol=rtol).natural
+        yield "fem quads", f"rtol {rtol:.0e}", scene.changed(methods=["fem"], accuracy__rtol=rtol).natural
         for degree in (2, 3, 4):
             if degree == 2 and rtol < 1e-5:
                 continue
-            changed = scene.changed(methods=["fem"], accuracy__rtol=rtol, accuracy__fem__degree=degree)
+            changed = scene.changed(methods=["fem"], accuracy__rtol=rtol, accuracy__fem={"mesher": "gmsh", "degree": degree})
             yield f"fem P{degree}", f"rtol {rtol:.0e}", changed.natural
     for truncation in (5, 20) if quick else (5, 20, 100, 1000):
         fixed = {"far_field": "fixed", "truncation": float(truncation)}

@@ -18,17 +18,19 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
+from skfem import MeshTri
 from threadpoolctl import threadpool_limits
 
 from meshes.errors import RingwearError
-from meshes.half_space import HalfSpaceMesh, SizeField
+from meshes.half_space import truncation
 from meshes.radial import Array
+from meshes.size_field import SizeField
 
 from .contact import flat_start
 from .levels import VERDICT, Sequence, Table, draw_orders, keeping_rows, legend_below, new_figure, verdicts, write_markdown
 from .scene import Scene
 from .stages import Report
-from .subdivision import CORE, base_mesh, boxed, layered
+from .subdivision import CORE, base_mesh, boxed, condensed, layered
 
 EDGES = np.array([0.0, 1.0])  # a flat punch: rings do not matter to the far field
 DEGREE = 4
@@ -49,18 +51,12 @@ ORDER_FIELDS = (
 )  # fmt: skip
 
 
-def indentations(mesh: HalfSpaceMesh, poisson_ratio: float) -> tuple[list[float], int]:
+def indentations(mesh: MeshTri, poisson_ratio: float) -> tuple[list[float], int]:
     """The flat start with a clamped boundary and with 1, 2, ... `MOST_POLES` poles, and the number of unknowns."""
-    from fem.compliance import MULTIPLIER_DEGREE, HalfSpace, pressure_space
-    from fem.elasticity import AxisymmetricElasticity
-
-    space = pressure_space(mesh, EDGES, MULTIPLIER_DEGREE[DEGREE])
-    poles = tuple(range(0, 2 * MOST_POLES, 2))
-    half_space = HalfSpace(AxisymmetricElasticity(mesh, DEGREE, poisson_ratio), space, poles)
-    compliance = half_space.compliance()
+    compliance, unknowns = condensed(mesh, EDGES, DEGREE, poisson_ratio, tuple(range(0, 2 * MOST_POLES, 2)))
     last = len(compliance.factor) - MOST_POLES
     factors = (compliance.factor[: last + count] for count in range(MOST_POLES + 1))
-    return [flat_start(replace(compliance, factor=factor)).indentation for factor in factors], half_space.unknowns
+    return [flat_start(replace(compliance, factor=factor)).indentation for factor in factors], unknowns
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace, report: Report) -> list[str]:
@@ -104,10 +100,10 @@ class Truncation:
     sequences: dict[str, Sequence] = field(default_factory=_sequences)
     discretisation: Sequence = field(default_factory=lambda: Sequence("discretisation", "d0", exact=1.0))
 
-    def study(self, meshes: list[HalfSpaceMesh], table: Table, report: Report) -> None:
+    def study(self, meshes: list[MeshTri], table: Table, report: Report) -> None:
         """Compute every R."""
         for disc in meshes:
-            outer = disc.truncation
+            outer = truncation(disc)
             row = {"poisson_ratio": self.poisson_ratio, "shape": self.shape, "R": outer}
             report(f"  level  nu = {self.poisson_ratio:g}, {self.shape}, R = {outer:.3g} a ...")
             try:

@@ -111,7 +111,7 @@ def test_the_oracle_knows_what_cancels_over_a_narrow_ring_of_high_pressure() -> 
 
 def test_scenes_of_other_times_share_no_finite_elements() -> None:
     """Their sizes follow the first time asked for."""
-    judge, scene = Judge(), FIVE.changed(accuracy__rtol=1e-4)
+    judge, scene = Judge(), FIVE.changed(accuracy__rtol=1e-4, accuracy__fem__mesher="bisection")
     units = scene.natural.time
     early, late = (scene.changed(wear__times=[time * units]).natural for time in (1e-6, 1e3))
     assert judge.model(early, "fem").unknowns > judge.model(late, "fem").unknowns

@@ -38,6 +38,10 @@ def worst(values: xarray.DataArray, expected: np.ndarray) -> float:
     return float(np.abs(values.to_numpy() / expected - 1).max())
 
 
+# with gmsh, and without
+MESHERS = [pytest.param("quads", marks=pytest.mark.gmsh), pytest.param("gmsh", marks=pytest.mark.gmsh), "bisection"]
+
+
 @pytest.mark.parametrize("average", ["line", "area"])
 def test_mdr(solve: Solve, reference: Reference, average: str) -> None:
     found = solve(**MDR, output__gradient_average=average)
@@ -48,7 +52,7 @@ def test_mdr(solve: Solve, reference: Reference, average: str) -> None:
     assert worst(found.profile, states(reference, "profile")) <= 1e-4
 
 
-@pytest.mark.parametrize("mesher", ["stars", "gmsh", "bisection"])
+@pytest.mark.parametrize("mesher", MESHERS)
 def test_fem(solve: Solve, reference: Reference, mesher: str) -> None:
     found = solve(**FEM, accuracy__fem__mesher=mesher)
     assert worst(found.indentation, states(reference, "indentation")) <= 1e-4
@@ -94,13 +98,14 @@ def test_the_dial_of_the_mdr(solve: Solve, reference: Reference, rtol: float) ->
     assert worst(found.steady_rms_slope, np.array(reference["steady"]["rms_slope_line"])) <= max(1e-3, rtol)
 
 
-@pytest.mark.parametrize("mesher", ["stars", "gmsh", "bisection"])
+@pytest.mark.parametrize("mesher", MESHERS)
 @pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-5, 1e-8])
 def test_the_dial_of_the_fem(solve: Solve, reference: Reference, rtol: float, mesher: str) -> None:
     found = solve(methods=("fem",), accuracy__rtol=rtol, accuracy__fem__mesher=mesher)
     assert worst(found.indentation, states(reference, "indentation")) <= rtol
 
 
+@pytest.mark.gmsh
 def test_fem_to_nine_digits(solve: Solve, reference: Reference) -> None:
     """As far as the reference goes; the ring forces against an MDR of the same accuracy."""
     found = solve(methods=("fem",), accuracy__rtol=1e-9)

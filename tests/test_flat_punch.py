@@ -9,12 +9,18 @@ from conftest import Prepare
 from studies.contact import flat_start
 
 
-@pytest.mark.parametrize("mesher", ["gmsh", "bisection"])
-@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.45, 0.4999])
+@pytest.mark.parametrize("mesher", ["quads", "gmsh", "bisection"])
+@pytest.mark.parametrize("poisson_ratio", [-0.9, 0.0, 0.3, 0.45, 0.4999, 0.5])
 @pytest.mark.parametrize("rtol", [1e-4, 1e-5])
 def test_indentation(prepare: Prepare, rtol: float, poisson_ratio: float, mesher: str) -> None:
     fem = prepare("flat_punch", mesher, accuracy__rtol=rtol, half_space__poisson_ratio=poisson_ratio)
     assert abs(flat_start(fem.compliance).indentation / 0.5 - 1) <= rtol
+
+
+@pytest.mark.parametrize("poisson_ratio", [-0.9, -0.5, 0.0, 0.3, 0.45, 0.49, 0.4999, 0.5])
+def test_indentation_on_quadrilaterals(prepare: Prepare, poisson_ratio: float) -> None:
+    fem = prepare("flat_punch", "quads", accuracy__rtol=1e-6, half_space__poisson_ratio=poisson_ratio)
+    assert abs(flat_start(fem.compliance).indentation / 0.5 - 1) <= 2e-8
 
 
 @pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-8])

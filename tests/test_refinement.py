@@ -5,15 +5,16 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-import meshio
 import numpy as np
 import pytest
+from skfem import Basis
 
 from fem.elasticity import AxisymmetricElasticity
-from fem.fields import displacements
+from fem.stresses import displacements
 from meshes import bisection
 from meshes.errors import MeshError
-from meshes.half_space import SizeField
+from meshes.half_space import contact_radii, quality
+from meshes.size_field import SizeField
 from studies import Scene, adaptive, refinement
 from studies.contact import flat_start
 from studies.stages import silent
@@ -25,16 +26,15 @@ FIVE_WITH_A_NARROW_ONE = np.array([0.0, 0.2, 0.4, 0.401, 0.8, 1.0])
 def test_the_uniform_start_has_every_ring_edge_and_stays_a_valid_mesh_when_refined(edges: np.ndarray) -> None:
     nested = adaptive.uniform(edges, 4.0, 1.0)
     for _ in range(3):
-        assert {float(e) for e in edges} <= set(nested.mesh.contact_radii)
-        assert nested.mesh.quality.min() > 0.2
+        assert {float(e) for e in edges} <= set(contact_radii(nested.mesh))
+        assert quality(nested.mesh).min() > 0.2
         nested = nested.refined(np.arange(0, len(nested.corners), 5))
 
 
 def test_indicators_are_the_energy_that_a_lower_degree_could_not_hold() -> None:
     mesh = adaptive.uniform(np.array([0.0, 1.0]), 4.0, 1.0).mesh
     solid = AxisymmetricElasticity(mesh, 3, 0.3)
-    r, z = solid.positions.T
-    # in equilibrium, so that the insides of triangles, which follow from their sides, are those of this field
+    r, z = Basis(mesh, solid.element).doflocs
     smooth = np.stack([2 * r, -3 * z], axis=1)[None]
     rough = np.stack([r**3, z**3], axis=1)[None]
     assert adaptive.indicators(solid, smooth, np.ones(1)).max() < 1e-20
@@ -49,48 +49,61 @@ def test_indicators_sum_squares_of_states_apart_and_scale_with_their_energy() ->
     u = displacements(half_space, pressure[None])
     one = adaptive.indicators(round_.solid, u, np.ones(1))
     np.testing.assert_allclose(adaptive.indicators(round_.solid, 3 * u, np.full(1, 9.0)), one, rtol=1e-10)
-    at_rim = np.hypot(*(round_.mesh.points - [1, 0]).T).argmin()
-    assert at_rim in round_.mesh.triangles[one.argmax()]
+    at_rim = np.hypot(round_.mesh.p[0] - 1, round_.mesh.p[1]).argmin()
+    assert at_rim in round_.mesh.t[:, one.argmax()]
 
 
 @pytest.mark.parametrize("narrow", [False, True], ids=["flat", "narrow"])
 def test_adaptation_reaches_the_goal_with_less_than_twice_the_graded_unknowns(narrow: bool) -> None:
-    five = Scene.load("five_rings")
-    case = refinement._cases(five)[2 if narrow else 0]
-    *_, last = refinement._adaptive(case, refinement.GOAL / 2)
-    row, _ = last
+    case = refinement._cases(Scene.load("five_rings"))[2 if narrow else 0]
+    coarse = adaptive.uniform(case.phases[0], 5.0, refinement.START)
+    *_, (row, _) = refinement._adaptive(case, coarse, refinement.GOAL / 2)
     *_, (graded, _) = refinement._graded(case, (refinement.GOAL,))
     assert row["greatest"] < refinement.GOAL
     assert row["unknowns"] < 2 * graded["unknowns"]
     assert 0.3 < row["estimate"] / row["greatest"] < 30
 
 
+@pytest.mark.parametrize("number", [0, 1, 2], ids=["flat", "scene", "narrow"])
+@pytest.mark.parametrize("kind", ["triangles", pytest.param("quadrilaterals", marks=pytest.mark.gmsh)])
+def test_uniform_refinement_is_of_first_order_and_refines_the_contact(kind: str, number: int) -> None:
+    case = refinement._cases(Scene.load("five_rings"))[number]
+    if kind == "triangles":
+        mesh = adaptive.uniform(case.phases[0], 5.0, refinement.START).mesh
+    else:
+        mesh = refinement._coarse_quads(case)
+    rows = [row for row, _ in refinement._refined(case, kind, mesh, 4, 4)]
+    facets = [row["multipliers"] for row in rows]
+    assert facets[-1] > 6 * facets[0]
+    errors = np.array([row["d0"] for row in rows])
+    assert np.log2(errors[-2] / errors[-1]) == pytest.approx(1, abs=0.1)
+    assert errors[-1] <= 3e-3
+
+
 def test_the_study_writes_rows_figures_and_a_line_for_the_users_mesh(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     mesh = bisection.mesh(SizeField((0.0, 0.5, 1.0), 0.02, 0.05, 0.8, 4.0))
-    lines = np.concatenate(list(mesh.boundaries.values()))
-    marks = {
-        name: [np.isin(np.arange(len(lines)), start + np.arange(len(part))).astype(int), np.zeros(len(mesh.triangles), int)]
-        for (name, part), start in zip(
-            mesh.boundaries.items(), np.cumsum([0, *(len(part) for part in mesh.boundaries.values())])[:-1], strict=True
-        )
-    }
-    points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
     path = tmp_path / "mine.vtu"
-    meshio.Mesh(points, [("line", lines), ("triangle", mesh.triangles)], cell_data=marks).write(path)
+    mesh.save(path, file_format="vtu")
     monkeypatch.setattr(refinement, "GOAL", 1e-3)
-    flat = Scene.load("flat_punch")
+
+    def few(case: refinement.Case, _: object) -> dict[str, refinement.Rows]:
+        coarse = adaptive.uniform(case.phases[0], 5.0, 1.0)
+        made = {"graded triangles": refinement._graded(case, (1e-3,))}
+        made["adaptive triangles"] = refinement._adaptive(case, coarse, 3e-4)
+        for name in ("h, triangles", "h, quadrilaterals"):
+            made[name] = refinement._refined(case, name, coarse.mesh, 4, 2)
+        for name in ("p, triangles", "p, quadrilaterals"):
+            made[name] = refinement._degrees(case, name, coarse.mesh, range(3, 5))
+        return made
+
+    monkeypatch.setattr(refinement, "_families", few)
     (tmp_path / "out").mkdir()
-    monkeypatch.setattr(refinement, "_families", lambda case, _: {
-        "uniform": refinement._uniform(case, (1.0,)),
-        "graded": refinement._graded(case, (1e-3,)),
-        "adaptive": refinement._adaptive(case, 3e-4),
-    })  # fmt: skip
     options = argparse.Namespace(quick=True, mesh=str(path))
-    conclusions = refinement.conduct(flat, tmp_path / "out", options, silent)
+    conclusions = refinement.conduct(Scene.load("flat_punch"), tmp_path / "out", options, silent)
     assert any("adaptation from a uniform mesh reaches" in line for line in conclusions)
-    assert any("file mine.vtu, with" in line for line in conclusions)
+    assert any(line.startswith("flat punch: mine.vtu, ") for line in conclusions)
     names = {file.name for file in (tmp_path / "out").iterdir()}
     assert names == {
         "refinement.csv", "refinement.md", "error_against_unknowns.png", "quality.png", "meshes_flat_punch.png",

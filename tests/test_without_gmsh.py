@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from meshes import gmsh_mesher
+from meshes import triangles
 from meshes.errors import MeshError
-from meshes.half_space import SizeField
+from meshes.size_field import SizeField
 from studies import Scene, run
 from studies.cli import main
 
-PACKAGES = ["libgl1", "libglu1-mesa", "libxrender1", "libxcursor1", "libxft2", "libxinerama1"]
+PACKAGES = ["libgl1", "libglu1-mesa", "libgomp1", "libxrender1", "libxcursor1", "libxft2", "libxinerama1"]
 
 
 @pytest.fixture
@@ -21,6 +21,7 @@ def _no_gmsh(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "gmsh", None)
 
 
+@pytest.mark.gmsh
 def test_same_answer_by_bisection(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = Scene.load("five_rings").changed(methods=["fem"], accuracy__rtol=1e-3)
     with_gmsh = run(scene)
@@ -44,4 +45,4 @@ def test_commands_tell_the_remedy(tmp_path: Path, capsys: pytest.CaptureFixture[
 @pytest.mark.usefixtures("_no_gmsh")
 def test_the_mesher_itself_refuses() -> None:
     with pytest.raises(MeshError, match="libglu1-mesa"):
-        gmsh_mesher.mesh(SizeField((0.0, 1.0), 1e-2, 1e-2, 0.6, 5.0))
+        triangles.mesh(SizeField((0.0, 1.0), 1e-2, 1e-2, 0.6, 5.0))

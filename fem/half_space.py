@@ -12,35 +12,42 @@ contact, wear and steady states ever need.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 from scipy.linalg import solve_triangular
-from scipy.sparse import bmat, coo_matrix, csc_matrix
+from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix, diags
 from scipy.sparse.linalg import splu
+from skfem import MeshQuad
 
 from meshes.compliance import Compliance
 from meshes.errors import SolverError
-from meshes.half_space import HalfSpaceMesh
+from meshes.half_space import contact_facets, contact_radii, segments
 from meshes.pressure_space import PressureSpace
 from meshes.radial import Array, Indices, layer_degrees, snapped
 
 from .condensation import fill_reducing_order, symmetric, trailing_factor
-from .elasticity import moduli
-from .far_field import exterior_stiffness, pole
-from .solid import Solid
+from .elasticity import AxisymmetricElasticity
+from .far_field import exterior_stiffness, poles
+from .weak_form import moduli
 
-# multipliers on the contact facets, continuous inside rings: the highest degree that is stable for each displacement,
-# reached within a few facets of a ring edge or the rim, where a low degree is as accurate and more stable
-MULTIPLIER_DEGREE = {2: 1, 3: 2, 4: 3}
+# multipliers on the contact facets, continuous inside rings. On quadrilaterals two degrees below the displacement: one
+# degree below, near incompressibility, some pressures would have but 2 per cent of their energy. On triangles the highest
+# degree that is stable, reached within a few facets of a ring edge or the rim, where a low degree is as accurate
+BELOW_ON_QUADRILATERALS, BELOW_ON_TRIANGLES = 2, 1
 RISE = 0.5
 COLUMNS_AT_ONCE = 256
 
 
-def pressure_space(mesh: HalfSpaceMesh, edges: Array, degree: int) -> PressureSpace:
-    """The pressure space on the contact facets of the mesh, up to multiplier `degree`."""
-    breakpoints = snapped(mesh.contact_radii, edges)
-    return PressureSpace(breakpoints, layer_degrees(breakpoints, edges, degree, RISE, max(1, degree - 1)), edges)
+def pressure_space(solid: AxisymmetricElasticity, edges: Array) -> PressureSpace:
+    """The pressure space on the contact facets of a solid that goes with its displacements."""
+    breakpoints = snapped(contact_radii(solid.mesh), edges)
+    if isinstance(solid.mesh, MeshQuad):
+        degrees = solid.facet_degrees[contact_facets(solid.mesh)] - BELOW_ON_QUADRILATERALS
+        return PressureSpace(breakpoints, np.maximum(degrees, 1), edges)
+    highest = solid.degree - BELOW_ON_TRIANGLES
+    return PressureSpace(breakpoints, layer_degrees(breakpoints, edges, highest, RISE, max(1, highest - 1)), edges)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +62,7 @@ class HalfSpace:
     solver : sparse factorisation, `cholmod` or `superlu`; default the best one installed
     """
 
-    solid: Solid
+    solid: AxisymmetricElasticity
     space: PressureSpace
     poles: tuple[int, ...] = (0, 2, 4)
     solver: str = ""
@@ -68,7 +75,7 @@ class HalfSpace:
     def _numbering(self) -> tuple[Indices, Indices]:
         """Unknowns inside the half-space in the order of elimination, and axial ones on the contact by radius."""
         solid, n = self.solid, self.solid.nodes
-        free = np.ones((2, n), dtype=bool)
+        free = np.stack([~solid.held, ~solid.held])
         far, contact = solid.boundary("far"), solid.boundary("contact")
         free[0, solid.boundary("axis")] = False
         free[:, far] = False
@@ -83,13 +90,16 @@ class HalfSpace:
     @cached_property
     def _far_fields(self) -> Array:
         """(2n, k) nodal values of the poles on the outer boundary, zero elsewhere."""
-        solid, n = self.solid, self.solid.nodes
-        far = solid.boundary("far")
+        solid, far = self.solid, self.solid.boundary("far")
+        if not self.poles:
+            return np.zeros((2 * solid.nodes, 0))
         _, shear = moduli(solid.poisson_ratio)
-        out = np.zeros((2 * n, len(self.poles)))
-        for column, order in enumerate(self.poles):
-            field = partial(_displacement, order=order, poisson_ratio=solid.poisson_ratio, shear=shear)
-            out[far, column], out[far + n, column] = solid.interpolate("far", field).T
+
+        def fields(points: Array) -> Array:
+            return np.moveaxis(poles(points, self.poles, solid.poisson_ratio, shear)[0], 0, -1)
+
+        out = np.zeros((2 * solid.nodes, len(self.poles)))
+        out[far], out[far + solid.nodes] = solid.interpolate("far", fields).swapaxes(0, 1)
         return out
 
     @cached_property
@@ -103,8 +113,8 @@ class HalfSpace:
             return free
         border = self.solid.forces(self._far_fields)
         _, shear = moduli(self.solid.poisson_ratio)
-        segments = self.solid.mesh.points[self.solid.mesh.boundaries["far"]]
-        exterior = exterior_stiffness(segments, self.poles, self.solid.poisson_ratio, shear)
+        mesh = self.solid.mesh
+        exterior = exterior_stiffness(segments(mesh, mesh.boundaries["far"]), self.poles, self.solid.poisson_ratio, shear)
         corner = self._far_fields.T @ border + exterior
         edge, end = coo_matrix(border[order].T), coo_matrix(np.tril((corner + corner.T) / 2))
         return bmat([[free, None], [edge, end]], format="coo")
@@ -117,8 +127,19 @@ class HalfSpace:
     @cached_property
     def coupling(self) -> Array:
         """(contact nodes + k, size) ``int v_i phi_j dA``; the poles do not touch the contact."""
-        on_contact = self.solid.trace(self.space.breakpoints).coupling(self.space)
+        local, weight = leggauss(self.solid.degree + self.space.top)
+        local, weight = (1 + local) / 2, weight / 2
+        breakpoints = self.space.breakpoints
+        radii = breakpoints[:-1, None] + np.diff(breakpoints)[:, None] * local
+        area = 2 * np.pi * radii * np.diff(breakpoints)[:, None] * weight
+        displacements = self._trace(local).T @ diags(area.ravel())
+        on_contact = (displacements @ self.space.matrix(radii.ravel())).toarray()
         return np.concatenate([on_contact, np.zeros((len(self.poles), self.space.size))])
+
+    def _trace(self, local: Array, slope: bool = False) -> csr_matrix:
+        """(facets x points, contact nodes) contact displacements, or their slopes, at local coordinates of every facet."""
+        solid = self.solid
+        return solid.trace(contact_facets(solid.mesh), local, slope)[:, solid.boundary("contact")]
 
     def expand(self, solution: Array) -> Array:
         """(m, nodes, 2) displacements by the (unknowns of `system`, m) solutions."""
@@ -148,16 +169,12 @@ class HalfSpace:
         inside, _ = self._numbering
         return trailing_factor(self.lower_triangle, len(inside), self.solver)
 
-    def contact_displacement(self, pressure: Array) -> tuple[Array, Array]:
-        """Radii of samples on the contact facets, and axial displacement there under pressure coefficients (size,)."""
+    def contact_displacement(self, pressure: Array, local: Array) -> tuple[Array, Array, Array]:
+        """Radii, axial displacements and slopes (facets, q) at local coordinates, under pressure coefficients (size,)."""
         load = solve_triangular(self._factor, self.coupling @ pressure, lower=True)
-        displacement = solve_triangular(self._factor, load, lower=True, trans="T")
-        trace = self.solid.trace(self.space.breakpoints)
-        return trace.sampled(displacement[: len(displacement) - len(self.poles)])
-
-    def contact_slope(self, displacement: Array) -> tuple[Array, Array, Array]:
-        """Radii, weights of dr and slopes (facets, q) of an axial displacement at the samples."""
-        return self.solid.trace(self.space.breakpoints).slope(displacement)
+        found = solve_triangular(self._factor, load, lower=True, trans="T")[: -len(self.poles) or None]
+        radii = self.space.breakpoints[:-1, None] + np.diff(self.space.breakpoints)[:, None] * local
+        return radii, *((self._trace(local, slope) @ found).reshape(radii.shape) for slope in (False, True))
 
     def saddle_point(self, force: float = 1.0) -> tuple[Array, float]:
         """Pressure coefficients (size,) and indentation of the flat punch, from the whole system at once.
@@ -179,8 +196,3 @@ class HalfSpace:
             raise SolverError("the contact system is singular")
         pressure = solution[self.system.shape[0] : -1]
         return continuous @ pressure, float(solution[-1])
-
-
-def _displacement(points: Array, order: int, poisson_ratio: float, shear: float) -> Array:
-    """(n, 2) displacement of a pole."""
-    return pole(points, order, poisson_ratio, shear)[0]

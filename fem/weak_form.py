@@ -1,0 +1,130 @@
+"""The weak form of axisymmetric linear elasticity, and the stiffness of many elements at once.
+
+Energy ``int sigma : eps dV`` with ``dV = 2 pi r dr dz``: stiffness, forces and areas all carry the full 2 pi. Strains
+are ``eps_rr = du_r/dr``, ``eps_zz = du_z/dz``, ``eps_hoop = u_r/r``, ``2 eps_rz = du_r/dz + du_z/dr``; z is the depth.
+Radial and axial displacement are two scalar fields on one basis, so the weak form is three bilinear forms. scikit-fem
+assembles them pair by pair of functions, which is slow in high degrees; `stiffness` gives the same numbers in one product.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from skfem import (
+    BilinearForm,
+    Element,
+    ElementQuad0,
+    ElementQuad1,
+    ElementQuad2,
+    ElementQuadP,
+    ElementTriP0,
+    ElementTriP1,
+    ElementTriP2,
+    ElementTriP3,
+    ElementTriP4,
+    Mesh,
+    MeshQuad,
+)
+from skfem.quadrature import get_quadrature
+
+from meshes.radial import Array, Indices
+
+
+def moduli(poisson_ratio: float) -> tuple[float, float]:
+    """Lame's lambda and shear modulus for plane strain modulus 1."""
+    shear = (1 - poisson_ratio) / 2
+    return 2 * shear * poisson_ratio / (1 - 2 * poisson_ratio), shear
+
+
+@BilinearForm
+def radial_radial(u, v, w):  # type: ignore[no-untyped-def]
+    """Energy of radial displacements `u` and `v`; Lame's moduli are given as `lame` and `shear`."""
+    r, stretch = w.x[0], w.lame + 2 * w.shear
+    along_r = stretch * u.grad[0] * v.grad[0] + w.lame * (u.grad[0] * v + u * v.grad[0]) / r
+    return 2 * np.pi * r * (along_r + stretch * u * v / r**2 + w.shear * u.grad[1] * v.grad[1])
+
+
+@BilinearForm
+def radial_axial(u, v, w):  # type: ignore[no-untyped-def]
+    """Energy of an axial displacement `u` on a radial one `v`."""
+    r = w.x[0]
+    return 2 * np.pi * r * (w.lame * u.grad[1] * (v.grad[0] + v / r) + w.shear * u.grad[0] * v.grad[1])
+
+
+@BilinearForm
+def axial_axial(u, v, w):  # type: ignore[no-untyped-def]
+    """Energy of axial displacements `u` and `v`."""
+    r = w.x[0]
+    return 2 * np.pi * r * ((w.lame + 2 * w.shear) * u.grad[1] * v.grad[1] + w.shear * u.grad[0] * v.grad[0])
+
+
+def element_of_degree(mesh: Mesh, degree: int) -> Element:
+    """scikit-fem's element of a degree on quadrilaterals (any) or triangles (1 to 4)."""
+    return _element(isinstance(mesh, MeshQuad), degree)
+
+
+@lru_cache(maxsize=64)
+def _element(on_quadrilaterals: bool, degree: int) -> Element:
+    if on_quadrilaterals:
+        return (ElementQuad0, ElementQuad1, ElementQuad2)[degree]() if degree < 3 else ElementQuadP(degree)
+    return (ElementTriP0, ElementTriP1, ElementTriP2, ElementTriP3, ElementTriP4)[degree]()
+
+
+def stiffness(
+    mesh: Mesh, element: Element, functions: Indices, elements: Indices, degree: int, poisson_ratio: float
+) -> Array:
+    """(m, 2, n, 2, n) stiffness of some functions on some elements, radial first: the forms above, all at once.
+
+    The rule of quadrature is exact for polynomials of degree 2p + 1 on quadrilaterals. Triangles, which may touch the axis
+    with a corner, need more for the hoop strain u/r: 2p + 4.
+    """
+    points, weights, *at_points = _at_rule(element, 2 * degree + (1 if isinstance(mesh, MeshQuad) else 4))
+    value, gradient = (table[functions] for table in at_points)
+    mapping = mesh.mapping()
+    r, inverse = mapping.F(points, elements)[0], mapping.invDF(points, elements)
+    root = np.sqrt(2 * np.pi * r * np.abs(mapping.detDF(points, elements)) * weights)
+    m, n, q = len(elements), len(value), len(weights)
+    # du_r/dr, u_r/r and du_r/dz (or du_z/dz) of every function at every point, and the products of every two
+    slopes = np.empty((m, 3, n, q))
+    slopes[:, 1] = (root / r)[:, None] * value
+    for field, axis in ((0, 0), (2, 1)):
+        first, second = root * inverse[:, axis]
+        slopes[:, field] = first[:, None] * gradient[:, 0]
+        slopes[:, field] += second[:, None] * gradient[:, 1]
+    flat = slopes.reshape(m, 3 * n, q)
+    products = (flat @ flat.transpose(0, 2, 1)).reshape(m, 3, n, 3, n).transpose(1, 3, 0, 2, 4)
+    (rr, rh, rz), (hr, hh, hz), (zr, _, zz) = products
+    lame, shear = moduli(poisson_ratio)
+    out = np.empty((m, 2, n, 2, n))
+    out[:, 0, :, 0] = (lame + 2 * shear) * (rr + hh) + lame * (rh + hr) + shear * zz
+    out[:, 1, :, 1] = (lame + 2 * shear) * zz + shear * rr
+    out[:, 0, :, 1] = lame * (rz + hz) + shear * zr
+    out[:, 1, :, 0] = out[:, 0, :, 1].transpose(0, 2, 1)
+    return out
+
+
+@lru_cache(maxsize=64)
+def rule(element: Element, order: int) -> tuple[Array, Array]:
+    """Points (2, q) and weights (q,) of scikit-fem's quadrature of an order."""
+    return get_quadrature(element, order)
+
+
+@lru_cache(maxsize=64)
+def _at_rule(element: Element, order: int) -> tuple[Array, Array, Array, Array]:
+    """Points and weights of a rule, and the element's `tables` there."""
+    points, weights = rule(element, order)
+    return points, weights, *tables(element, points)
+
+
+def tables(element: Element, points: Array) -> tuple[Array, Array]:
+    """Values (n, q) and reference gradients (n, 2, q) of an element's functions."""
+    pairs = [element.lbasis(points, i) for i in range(len(element.doflocs))]
+    return np.array([value for value, _ in pairs]), np.array([gradient for _, gradient in pairs])
+
+
+def projection(element: Element, points: Array, weights: Array, targets: Array) -> Array:
+    """(q, targets) values at reference points of the least squares in an element's functions, by values at a rule's."""
+    value, _ = tables(element, points)
+    moments = value * weights
+    return np.asarray(moments.T @ np.linalg.solve(moments @ value.T, tables(element, targets)[0]))

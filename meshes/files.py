@@ -1,0 +1,136 @@
+"""A half-space mesh that the user brings as a file: anything that meshio reads, in triangles or in quadrilaterals.
+
+No names are needed: what is contact, free surface, axis and far boundary is told by where it lies. Whatever is wrong with
+the mesh is refused here, with what and where; lengths in messages are those of the file.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from skfem import Mesh
+from skfem.io.meshio import from_meshio
+
+from .errors import MeshError
+from .half_space import half_space
+from .radial import Array
+
+# relative: how far a coordinate may be from where it belongs, so that files with nine digits are welcome
+SLACK = 1e-8
+FIRST_ORDER = "in gmsh set Mesh.ElementOrder = 1; the displacement's degree is accuracy.fem.degree, not the mesh's"
+
+
+def read(path: str | Path, edges: Array, radius: float = 1.0) -> tuple[Mesh, str]:
+    """Read the quarter disc from a file; returns the mesh, and what was done to it beyond reading.
+
+    Parameters
+    ----------
+    path : file that meshio reads, first coordinate the radius, second the depth, the surface at depth 0, ring edges where
+        they are in natural units or at `radius` times that. A half-space drawn below its surface, with negative depths
+        throughout, is turned over
+    edges : (N+1,) ring edges in natural units, 0 to 1; each must be a vertex
+    radius : radius of the punch in the units of the file
+
+    Raises
+    ------
+    MeshError
+        if the file is not such a mesh; the message says what is wrong, where, and the remedy
+    """
+    try:
+        mesh, remark = _upright(_mesh(Path(path)))
+        return half_space(_snapped(mesh, edges, radius), edges), remark
+    except MeshError as error:
+        raise MeshError(f"{path}: {error}") from error
+
+
+def _mesh(path: Path) -> Mesh:
+    content = _content(path)
+    kinds = {block.type for block in content.cells if len(block.data)}
+    higher = sorted(kind for kind in kinds if kind.startswith(("line", "triangle", "quad")) and kind[-1].isdigit())
+    if higher:
+        raise MeshError(f"it holds cells of second or higher order ({', '.join(higher)}): export straight cells of first "
+                        f"order; {FIRST_ORDER}")  # fmt: skip
+    strange = sorted(kinds - {"vertex", "line", "triangle", "quad"})
+    if strange:
+        raise MeshError(f"it holds cells of kind {', '.join(strange)}: mesh in two dimensions")
+    found = sorted(kinds & {"triangle", "quad"})
+    if len(found) != 1:
+        if found:
+            raise MeshError("it holds triangles and quadrilaterals: give one kind only, in gmsh recombine all or nothing")
+        raise MeshError("it holds neither triangles nor quadrilaterals: in gmsh a physical group of the surface is needed "
+                        "too (or Mesh.SaveAll = 1), else only the named lines are saved")  # fmt: skip
+    points = np.asarray(content.points, dtype=float)
+    used = points[np.unique(content.cells_dict[found[0]])]
+    if points.shape[1] > 2 and np.ptp(used[:, 2]) > SLACK * np.abs(used).max():
+        raise MeshError("the third coordinate varies: the first must be the radius, the second the depth")
+    return from_meshio(content, ignore_orientation=True)
+
+
+def _content(path: Path) -> Any:
+    import meshio
+
+    if not path.is_file():
+        raise MeshError(f"{'this is a directory' if path.is_dir() else 'no such file'}; give a mesh file")
+    printed = io.StringIO()
+    try:
+        # meshio prints its complaints, and leaves by SystemExit where no reader understands a file
+        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
+            return meshio.read(path)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        reason = str(error) if isinstance(error, Exception) and str(error) else "no reader of meshio understands it"
+        raise MeshError(f"not a mesh that meshio can read ({reason}): give a .msh of gmsh, a .vtu, ...") from error
+
+
+def _upright(mesh: Mesh) -> tuple[Mesh, str]:
+    """The mesh with depths positive, and what was done to it."""
+    used = mesh.p[:, np.unique(mesh.t)]
+    slack = SLACK * np.abs(used).max()
+    if used[0].min() < -slack:
+        r, z = used[:, used[0].argmin()]
+        remedy = "mesh one side of the axis only" if used[0].max() > slack else "multiply the first coordinate by -1"
+        raise MeshError(f"the vertex at ({r:.6g}, {z:.6g}) has a negative radius; {remedy}")
+    below, above = used[:, used[1] > slack], used[:, used[1] < -slack]
+    if below.size and above.size:
+        stray = min(below, above, key=np.size)
+        r, z = stray[:, np.abs(stray[1]).argmax()]
+        raise MeshError(f"{below.shape[1]} vertices have a positive depth and {above.shape[1]} a negative one, among the "
+                        f"fewer ({r:.6g}, {z:.6g}); the half-space must lie on one side of depth 0")  # fmt: skip
+    turned = bool(above.size)
+    points = np.stack([mesh.p[0], np.abs(mesh.p[1])])
+    return replace(mesh, doflocs=points), "turned over: its second coordinate points out of the half-space" if turned else ""
+
+
+def _snapped(mesh: Mesh, edges: Array, radius: float) -> Mesh:
+    """The mesh in natural units, vertices that are off by rounding only put exactly where they belong."""
+    used = np.unique(mesh.t)
+    size = mesh.p[0, used].max()
+    surface = used[mesh.p[1, used] < SLACK * size]
+    if not len(surface):
+        raise MeshError(f"no vertex lies at depth 0, the least depth is {mesh.p[1, used].min():.6g}: shift the mesh")
+    on_surface = mesh.p[0, surface]
+    lost: Array = np.empty(0)
+    for scale in dict.fromkeys((radius, 1.0)):
+        distance = np.abs(on_surface[:, None] / scale - edges)
+        if (distance.min(axis=0) < SLACK).all():
+            break
+        lost = edges[distance.min(axis=0) >= SLACK]
+    else:
+        raise MeshError(
+            f"no vertex of the mesh lies on the ring edge at r = {lost[0]:.9g} a on the surface: put a point of the "
+            "geometry there; the first coordinate must be the radius, the second the depth"
+        )
+    points = mesh.p / scale
+    points[0, points[0] < SLACK] = 0.0
+    points[1, points[1] < SLACK] = 0.0
+    points[0, surface[distance.argmin(axis=0)]] = edges
+    outer, rho = points[0, used].max(), np.hypot(*points)
+    arc = np.abs(rho / outer - 1) < SLACK
+    points[:, arc] *= outer / rho[arc]
+    return replace(mesh, doflocs=points)

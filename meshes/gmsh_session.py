@@ -1,0 +1,87 @@
+"""gmsh, started and ended properly: one thread, the same mesh every time, sizes by one background field."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from .errors import MeshError
+from .radial import Array, Indices
+
+SYSTEM_PACKAGES = "libgl1 libglu1-mesa libgomp1 libxrender1 libxcursor1 libxft2 libxinerama1"
+OPTIONS = {
+    "General.Terminal": 0,
+    "General.NumThreads": 1,
+    "Mesh.Algorithm": 6,
+    "Mesh.MeshSizeExtendFromBoundary": 0,
+    "Mesh.MeshSizeFromPoints": 0,
+    "Mesh.MeshSizeFromCurvature": 0,
+    "Mesh.MeshSizeMin": 0,
+}
+
+
+def unavailable() -> str:
+    """Why gmsh cannot be used here, with the remedy; empty if it can."""
+    try:
+        import gmsh  # noqa: F401
+    except (ImportError, OSError) as error:
+        return f"gmsh cannot be loaded ({error}); on Debian or Ubuntu: apt-get install {SYSTEM_PACKAGES}"
+    return ""
+
+
+@contextmanager
+def session() -> Iterator[Any]:
+    """gmsh, set up and with an empty model, which is gone at the end.
+
+    Raises
+    ------
+    MeshError
+        if gmsh cannot be loaded or fails
+    """
+    reason = unavailable()
+    if reason:
+        raise MeshError(reason)
+    import gmsh
+
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        for name, value in OPTIONS.items():
+            gmsh.option.setNumber(name, value)
+        yield gmsh
+    except Exception as error:  # gmsh raises bare exceptions
+        raise MeshError(f"gmsh could not mesh the half-space: {error}") from error
+    finally:
+        gmsh.finalize()
+
+
+def set_sizes(gmsh: Any, groups: Iterable[tuple[Iterable[int], float]], growth: float, largest: float) -> None:
+    """Element sizes of the model: of each group its own at its points, growing with the distance to the largest."""
+    fields = gmsh.model.mesh.field
+    ramps = []
+    for points, size in groups:
+        distance, threshold = fields.add("Distance"), fields.add("Threshold")
+        fields.setNumbers(distance, "PointsList", points)
+        reach = max(largest - size, 0.0) / growth
+        ramp = {"InField": distance, "DistMin": 0, "DistMax": reach, "SizeMin": size, "SizeMax": largest}
+        for name, value in ramp.items():
+            fields.setNumber(threshold, name, value)
+        ramps.append(threshold)
+    smallest = fields.add("Min")
+    fields.setNumbers(smallest, "FieldsList", ramps)
+    fields.setAsBackgroundMesh(smallest)
+
+
+TRIANGLE, QUADRILATERAL = 2, 3  # gmsh's numbers of the kinds of element
+
+
+def elements(gmsh: Any, kind: int) -> tuple[Array, Indices]:
+    """Points (2, n) of the model, and vertex numbers (corners, m) of its elements of one kind."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    _, cells = gmsh.model.mesh.getElementsByType(kind)
+    number = np.full(int(tags.max()) + 1, -1)
+    number[tags] = np.arange(len(tags))
+    corners = number[cells].reshape(-1, {TRIANGLE: 3, QUADRILATERAL: 4}[kind])
+    return np.ascontiguousarray(coordinates.reshape(-1, 3).T[:2]), np.ascontiguousarray(corners.T)
