@@ -128,12 +128,10 @@ class HalfSpace:
     def coupling(self) -> Array:
         """(contact nodes + k, size) ``int v_i phi_j dA``; the poles do not touch the contact."""
         local, weight = leggauss(self.solid.degree + self.space.top)
-        local, weight = (1 + local) / 2, weight / 2
-        breakpoints = self.space.breakpoints
-        radii = breakpoints[:-1, None] + np.diff(breakpoints)[:, None] * local
-        area = 2 * np.pi * radii * np.diff(breakpoints)[:, None] * weight
-        displacements = self._trace(local).T @ diags(area.ravel())
-        on_contact = (displacements @ self.space.matrix(radii.ravel())).toarray()
+        half = np.diff(self.space.breakpoints)[:, None] / 2
+        area = 2 * np.pi * (self.space.breakpoints[:-1, None] + half * (1 + local)) * half * weight
+        displacements = self._trace((1 + local) / 2).T @ diags(area.ravel())
+        on_contact = (displacements @ self.space.on_elements(local)).toarray()
         return np.concatenate([on_contact, np.zeros((len(self.poles), self.space.size))])
 
     def _trace(self, local: Array, slope: bool = False) -> csr_matrix:

@@ -44,7 +44,8 @@ def mesh(field: SizeField) -> MeshTri:
         current = replace(current, doflocs=np.ascontiguousarray(points.T))
     else:
         raise MeshError("local refinement did not reach the sizes asked for: ask for larger ones, or for gmsh")
-    return half_space(replace(current, doflocs=_moved(current.p.T, dyadic, edges).T), edges)
+    moved = np.ascontiguousarray(_moved(current.p.T, dyadic, edges).T)
+    return half_space(replace(current, doflocs=moved), edges)
 
 
 def _dyadic_image(edges: Array) -> tuple[Array, float]:

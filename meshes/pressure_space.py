@@ -97,6 +97,17 @@ class PressureSpace:
         columns = self.dofs[element].ravel()
         return csr_matrix((values.ravel(), (rows, columns)), (len(radii), self.size + 1))[:, :-1]
 
+    def on_elements(self, local: Array) -> csr_matrix:
+        """(elements x points, size) values of the basis at local coordinates in [-1, 1] of every element.
+
+        By radii, as in `matrix`, coordinates would lose digits on elements much smaller than the punch.
+        """
+        shape = (len(self.degrees), len(local), self.top + 1)
+        rows = np.broadcast_to(np.arange(shape[0] * shape[1])[:, None], (shape[0] * shape[1], shape[2])).ravel()
+        columns = np.broadcast_to(self.dofs[:, None, :], shape).ravel()
+        values = np.broadcast_to(shapes(local, self.top), shape).ravel()
+        return csr_matrix((values, (rows, columns)), (shape[0] * shape[1], self.size + 1))[:, :-1]
+
     def _gram(self, blocks: Array) -> csr_matrix:
         """(size, size) sum of the (n, top+1, top+1) matrices of the elements."""
         rows = np.broadcast_to(self.dofs[:, :, None], blocks.shape).ravel()

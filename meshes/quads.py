@@ -20,7 +20,7 @@ from skfem import MeshQuad
 from . import gmsh_session
 from .errors import MeshError
 from .gmsh_session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
-from .half_space import LOWER, half_space
+from .half_space import LOWER, half_space, quality
 from .patches import LARGEST, beside, falls, patch_layers, patch_widths
 from .radial import Array, Indices
 
@@ -48,7 +48,9 @@ class Way:
     coarser: float = 1.0
 
 
-# full-quad recombination has the fewest elements, but leaves a triangle, or folds the mesh, now and then
+# full-quad recombination has the fewest elements, but leaves a triangle, folds the mesh, or forgets to refine now and then,
+# which shows in flat quadrilaterals: those of this least sine are good enough
+GOOD = 0.1
 WAYS = (Way(6, 3), Way(5, 3), Way(5, 0, divided=True, coarser=1.5), Way(5, 0, divided=True))
 
 
@@ -141,15 +143,19 @@ def graded(edges: ArrayLike, sizes: ArrayLike, rim_size: float, factor: float, g
     missing = gmsh_session.unavailable()
     if missing:
         raise MeshError(missing)
+    made = []
     for way in WAYS:
         try:
             graded = GradedQuads(edges, widths, layers, factor, _between(edges[1:], widths, growth, outer, way))
-            _ = graded.mesh
+            made.append((float(quality(graded.mesh).min()), graded))
         except MeshError as error:
             reason = error
         else:
-            return graded
-    raise MeshError(f"no quadrilaterals fit between the rings ({reason}): ask for mesher = 'gmsh' (triangles)")
+            if made[-1][0] >= GOOD:
+                break
+    if not made:
+        raise MeshError(f"no quadrilaterals fit between the rings ({reason}): ask for mesher = 'gmsh' (triangles)")
+    return max(made, key=lambda one: one[0])[1]
 
 
 def _between(centres: Array, widths: Array, growth: float, outer: float, way: Way) -> tuple[Array, Indices]:

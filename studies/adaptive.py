@@ -58,7 +58,8 @@ class Nested:
     @property
     def mesh(self) -> MeshTri:
         """The triangles, in the same order, as a checked mesh."""
-        return half_space(replace(self.dyadic, doflocs=_moved(self.dyadic.p.T, self.image, self.edges).T), self.edges)
+        moved = np.ascontiguousarray(_moved(self.dyadic.p.T, self.image, self.edges).T)
+        return half_space(replace(self.dyadic, doflocs=moved), self.edges)
 
     def refined(self, triangles: Indices) -> Nested:
         finer = self.dyadic.refined(triangles)
@@ -147,8 +148,8 @@ def _defects(half_space: HalfSpace, steady: SteadyState) -> Array:
     """(n,) see `Round`: of the contact displacement that the elements found, against what the pressure space holds of it."""
     count = half_space.solid.degree + 1
     local = (1 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2
-    radii, found, _ = half_space.contact_displacement(steady.pressure, local)
-    lost = found - (half_space.space.matrix(radii.ravel()) @ steady.displacement).reshape(radii.shape)
+    _, found, _ = half_space.contact_displacement(steady.pressure, local)
+    lost = found - (half_space.space.on_elements(2 * local - 1) @ steady.displacement).reshape(found.shape)
     return np.asarray((lost**2).mean(axis=1) * np.diff(half_space.space.breakpoints) / (found**2).mean())
 
 

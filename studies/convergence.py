@@ -243,7 +243,7 @@ def draw_degrees(axes: Any, curves: Mapping[str, Mapping[int, float]]) -> None:
 def draw_unknowns(axes: Any, rows: Iterable[Mapping[str, Any]], names: Iterable[str]) -> None:
     """Error of the flat start over unknowns."""
     for number, name in enumerate(names):
-        own = [row for row in rows if row["refined"] == name and row["quantity"] == "d0"]
+        own = [row for row in rows if (row["refined"], row.get("quantity")) == (name, "d0")]
         axes.loglog([row["unknowns"] for row in own], [abs(row["error"]) for row in own], label=name, **style(number))
     axes.grid(True, color="0.88", linewidth=0.6)
     legend_below(axes, ncols=2)

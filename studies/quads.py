@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from meshes.radial import Array
+
 from . import triangles
 from .natural import NaturalScene
 from .scene import DEGREES
@@ -24,6 +26,8 @@ TRUNCATION = 2.5
 # rings of this width or more need the degree that the accuracy asks for
 WIDE = 0.2
 NEARLY_INCOMPRESSIBLE = 0.4999
+# rings whose widths differ by less are alike
+ALIKE = 10.0
 # in smaller elements at the rim, coordinates have too few digits left
 SMALLEST_RIM = 1e-9
 
@@ -45,9 +49,7 @@ def settings(natural: NaturalScene) -> QuadSettings:
     edges, _ = natural.phases
     widths = np.diff(edges)
     narrower = np.minimum(widths[:-1], widths[1:])
-    degree = chosen.degree or _degree(
-        rtol, float(narrower.max()) if len(narrower) else WIDE, natural.scene.half_space.poisson_ratio
-    )
+    degree = chosen.degree or _degree(rtol, widths, natural.scene.half_space.poisson_ratio)
     # layers cost little: as many as degrees, whatever the first time after the start asks for
     layered = np.minimum(triangles.edge_sizes(natural), narrower / 2 * FACTOR ** (degree - 1))
     sizes = np.full(len(narrower), chosen.ring_size) if chosen.ring_size else layered
@@ -60,14 +62,15 @@ def settings(natural: NaturalScene) -> QuadSettings:
     )
 
 
-def _degree(rtol: float, widest: float, poisson_ratio: float) -> int:
+def _degree(rtol: float, widths: Array, poisson_ratio: float) -> int:
     """Degree that an accuracy asks for (`ringwear study convergence`).
 
     Three for every four digits; one less for rings of a tenth of the width, whose pattern has less of the energy; more
     towards incompressibility, which costs two digits in the end.
     """
     compressibility = 1 - 2 * min(poisson_ratio, NEARLY_INCOMPRESSIBLE)
-    wanted = 2.7 - 0.75 * np.log10(rtol) + 0.4 * abs(np.log10(compressibility)) + 0.9 * np.log10(min(widest / WIDE, 1.0))
+    wanted = 2.7 - 0.75 * np.log10(rtol) + 0.4 * abs(np.log10(compressibility))
+    wanted += 0.9 * np.log10(min(widths.max() / WIDE, 1.0))
     return int(np.clip(round(wanted), DEGREES["quads"][0], DEGREES["quads"][-1]))
 
 

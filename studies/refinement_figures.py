@@ -43,7 +43,7 @@ def draw_errors(rows: list[dict[str, Any]], goal: float, path: Path) -> None:
         panels[0, column].set_title(case, fontsize=10)
         panels[-1, column].set_xlabel("unknowns")
     handles, names = panels[0, 0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside lower center", ncols=len(names), frameon=False, fontsize=9)
+    figure.legend(handles, names, loc="outside lower center", ncols=4, frameon=False, fontsize=9)
     figure.suptitle(f"refinement in size (h), in degree (p), graded and adaptive (goal {goal:g}: dotted)", fontsize=10)
     figure.savefig(path)
 

@@ -59,7 +59,11 @@ def subdivided(mesh: MeshTri, count: int, tips: Array) -> MeshTri:
     kept = weight[:, 2] == 1
     points[kept] = corners[between[kept, 2]]
     triangles = number.reshape(len(vertices_of), -1)[:, small].reshape(-1, 3)
-    return half_space(MeshTri(points.T, triangles.T), contact_radii(mesh)[[0, -1]])
+    return half_space(_mesh(points, triangles), contact_radii(mesh)[[0, -1]])
+
+
+def _mesh(points: Array, triangles: Indices) -> MeshTri:
+    return MeshTri(np.ascontiguousarray(points.T), np.ascontiguousarray(triangles.T))
 
 
 def _lattice(count: int) -> tuple[Indices, Indices]:
@@ -116,8 +120,7 @@ def layered(core: MeshTri, count: int) -> MeshTri:
         outer = total + np.arange(len(rays))
         triangles.append(_between_doubled(arc, outer) if doubled else _between_equal(arc, outer))
         arc, total = outer, total + len(rays)
-    mesh = MeshTri(np.concatenate(points).T, np.concatenate(triangles).T)
-    return half_space(mesh, contact_radii(core)[[0, -1]])
+    return half_space(_mesh(np.concatenate(points), np.concatenate(triangles)), contact_radii(core)[[0, -1]])
 
 
 def _with_middles(rays: Array) -> Array:

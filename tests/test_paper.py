@@ -241,6 +241,7 @@ def test_missing_library(scene: Scene, tmp_path: Path, monkeypatch: pytest.Monke
         paper.conduct(scene, tmp_path, argparse.Namespace(fig=6, bem3d=True, quick=True), silent)
 
 
+@pytest.mark.slow
 def test_three_dimensions() -> None:
     pytest.importorskip("tamaas")
     from studies import bem3d

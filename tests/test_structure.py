@@ -42,6 +42,25 @@ def test_there_is_something_to_check() -> None:
     assert {file.relative_to(ROOT).parts[0] for file in FILES} == set(BELOW)
 
 
+@pytest.mark.gmsh
+def test_the_default_finite_elements_are_those_of_scikit_fem() -> None:
+    from skfem import ElementQuadP, MeshQuad
+    from skfem.assembly import Dofs
+
+    from studies import Scene
+    from studies.fem_model import fem_model
+    from studies.stages import Stages
+
+    half_space = fem_model(Scene.load("five_rings").natural, Stages("fem"), twins=False).half_space
+    assert half_space is not None
+    solid = half_space.solid
+    assert type(solid.mesh) is MeshQuad
+    assert set(solid.mesh.boundaries) == {"contact", "free", "axis", "far"}
+    assert type(solid.element) is ElementQuadP
+    assert {type(batch.element) for batch in solid.batches} == {ElementQuadP}
+    assert type(solid.dofs) is Dofs
+
+
 def loaded(code: str) -> set[str]:
     """Top-level modules that a fresh interpreter has after running the code."""
     tail = "\nimport sys\nprint('\\n' + ' '.join({name.split('.')[0] for name in sys.modules}))"

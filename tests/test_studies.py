@@ -194,6 +194,7 @@ def test_subdivision(count: int) -> None:
     assert np.hypot(*far) == pytest.approx(20.0, rel=1e-12)
 
 
+@pytest.mark.gmsh
 def test_convergence(tmp_path: Path) -> None:
     lines = conducted(convergence, tmp_path)
     orders = rows(tmp_path / "orders.csv")
