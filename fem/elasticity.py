@@ -77,11 +77,13 @@ class AxisymmetricElasticity:
     mesh : triangles or turned quadrilaterals, with boundaries named (`meshes.half_space`)
     degree : polynomial degree of the displacement: 1 to 4 on triangles, any on quadrilaterals
     given_ratio : Poisson's ratio, up to and including 1/2
+    own_element : an H1 element of scikit-fem's, or of one's own, of that degree along a side; default `element_of_degree`
     """
 
     mesh: Mesh
     degree: int
     given_ratio: float
+    own_element: Element | None = None
 
     @property
     def poisson_ratio(self) -> float:
@@ -91,7 +93,11 @@ class AxisymmetricElasticity:
     @cached_property
     def element(self) -> Element:
         """scikit-fem's element of the highest degree, whose `Dofs` number the functions of all."""
-        return element_of_degree(self.mesh, self.degree)
+        return self._element(self.degree)
+
+    def _element(self, degree: int) -> Element:
+        own = self.own_element if degree == self.degree else None
+        return own or element_of_degree(self.mesh, degree)
 
     @cached_property
     def dofs(self) -> Dofs:
@@ -114,7 +120,8 @@ class AxisymmetricElasticity:
     @cached_property
     def facet_degrees(self) -> Indices:
         """(facets,) degree along each facet: the lower of its elements'."""
-        return np.minimum(*self.degrees[self.mesh.f2t])
+        beside = self.mesh.f2t
+        return np.where(beside < 0, self.degree, self.degrees[beside]).min(axis=0)
 
     @property
     def nodes(self) -> int:
@@ -147,7 +154,7 @@ class AxisymmetricElasticity:
         return tuple(self._batch(int(degree)) for degree in np.unique(self.degrees))
 
     def _batch(self, degree: int) -> Batch:
-        element = element_of_degree(self.mesh, degree)
+        element = self._element(degree)
         elements = np.flatnonzero(self.degrees == degree)
         corners, sides = self.mesh.t.shape[0], self.mesh.t2f.shape[0]
         outer = corners + sides * int(element.facet_dofs)
@@ -279,7 +286,7 @@ class AxisymmetricElasticity:
         kinds, kind = np.unique(np.stack([side, outwards, self.facet_degrees[facets]]), axis=1, return_inverse=True)
         for number, (one_side, outward, degree) in enumerate(kinds.T):
             chosen, count = np.flatnonzero(kind == number), int(degree) - 1
-            table = _side_table(element_of_degree(mesh, int(degree)), int(one_side), bool(outward), local.tobytes(), slope)
+            table = _side_table(self._element(int(degree)), int(one_side), bool(outward), local.tobytes(), slope)
             scale = 1 / length[chosen] if slope else np.ones(len(chosen))
             on_facets = self.facet_dofs[:count, facets[chosen]]
             functions = np.concatenate([self.dofs.nodal_dofs[0, ends[:, chosen]], on_facets])
