@@ -40,15 +40,17 @@ class Meshed:
 
 def half_space_mesh(natural: NaturalScene) -> Meshed:
     """The mesh of the scene; without gmsh it is made of triangles by bisection."""
-    notes: tuple[str, ...] = ()
+    reason = ""
     if natural.scene.accuracy.fem.meshed_by == "quads":
         try:
             graded = quads.graded_quads(natural)
             return Meshed(graded.mesh, "quads", graded)
         except MeshError as error:
-            notes = (f"triangles in place of quadrilaterals, of lower degree: {error}",)
-    mesh, mesher, remarks = triangles.triangle_mesh(natural)
-    return Meshed(mesh, mesher, None, notes or remarks)
+            reason = str(error)
+    mesh, mesher, notes = triangles.triangle_mesh(natural)
+    if reason:
+        notes = (f"meshed by {mesher}, in triangles of lower degree: {reason}",)
+    return Meshed(mesh, mesher, None, notes)
 
 
 def far_poles(natural: NaturalScene, truncation: float) -> tuple[int, ...]:

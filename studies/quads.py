@@ -50,8 +50,9 @@ def settings(natural: NaturalScene) -> QuadSettings:
     widths = np.diff(edges)
     narrower = np.minimum(widths[:-1], widths[1:])
     degree = chosen.degree or _degree(rtol, widths, natural.scene.half_space.poisson_ratio)
-    # layers cost little: as many as degrees, whatever the first time after the start asks for
-    layered = np.minimum(triangles.edge_sizes(natural), narrower / 2 * FACTOR ** (degree - 1))
+    # as many layers as degrees, fewer for rings that are all narrow; or more if the first time after the start asks for them
+    smallest = narrower / 2 * FACTOR ** (degree - 1) * max(1.0, WIDE / widths.max())
+    layered = np.minimum(triangles.edge_sizes(natural), smallest)
     sizes = np.full(len(narrower), chosen.ring_size) if chosen.ring_size else layered
     return QuadSettings(
         degree=degree,
