@@ -60,13 +60,17 @@ def write_mesh(scene: Scene, meshed: Meshed, out: Path) -> list[str]:
 
     The file can be read back: by `skfem.Mesh.load`, and as a mesh of one's own by `ringwear study refinement --mesh`.
     """
+    import numpy as np
+    from skfem.io.meshio import to_meshio
+
     from meshes.half_space import quality
 
     from .figures import draw_mesh
 
     natural = scene.natural
     with whole(out) as hidden:
-        mesh = meshed.mesh.scaled(natural.length)
-        mesh.save(hidden / "mesh.vtu", cell_data={"quality": [quality(mesh)]}, file_format="vtu")
+        content = to_meshio(meshed.mesh.scaled(natural.length), cell_data={"quality": [quality(meshed.mesh)]})
+        content.points = np.column_stack([content.points, np.zeros(len(content.points))])
+        content.write(hidden / "mesh.vtu", file_format="vtu")
         draw_mesh(meshed.mesh, meshed.mesher, natural.edges, hidden / "mesh.png")
         return sorted(file.name for file in hidden.iterdir())

@@ -130,10 +130,13 @@ def test_a_study_stopped_early_keeps_its_tables(study: Any, calls: int, tmp_path
 
 
 WAITING = """
-import sys, time
+import signal, sys, time
 from studies import study
 from studies.cli import main
 from studies.levels import Table, keeping_rows
+
+# where the tests themselves run in the background, the shell has told them to ignore it
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 def conduct(scene, out, options, report):
     table, conclusions = Table(out / "rows.csv", ("a",)), []
