@@ -212,7 +212,7 @@ def estimated(natural: NaturalScene, model: Model) -> tuple[Outcome, Outcome, di
         }
         if natural.scene.wear.steady and twin.other_mesh:
             # where the slope is smooth, the plain difference is the greater
-            plain = twin.field_share / SLOPE_SHARE * differences["steady_rms_slope"]
+            plain = 1.5 / SLOPE_SHARE * differences["steady_rms_slope"]
             differences["steady_rms_slope"] = np.maximum(plain, finer.missing_in(coarser))
         # on one mesh half of the difference counts for slopes of the steady state, which have an estimate of their own below
         of_slope = SLOPE_SHARE if twin.other_mesh else 0.5 * twin.field_share

@@ -57,7 +57,7 @@ def settings(natural: NaturalScene) -> QuadSettings:
     return QuadSettings(
         degree=degree,
         sizes=tuple(float(size) for size in sizes),
-        rim_size=chosen.rim_size or max(min(0.1 * rtol, 10.0 ** (1 - degree)), SMALLEST_RIM),
+        rim_size=chosen.rim_size or max(min(0.1 * rtol, 10.0**-degree), SMALLEST_RIM),
         growth=chosen.growth or GROWTH,
         truncation=chosen.truncation or (TRUNCATION if chosen.far_field == "boussinesq" else triangles.TRUNCATION),
     )
