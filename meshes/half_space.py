@@ -17,7 +17,6 @@ from skfem import Mesh, MeshQuad
 from .errors import MeshError
 from .radial import Array, Indices
 
-BOUNDARIES = ("contact", "free", "axis", "far")
 LOWEST_QUALITY = 0.02
 # subdomains `degree -1`, `degree -2`, ... of a mesh: where the degree of the displacement may be so much lower
 LOWER = "degree -"

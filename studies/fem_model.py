@@ -37,6 +37,13 @@ class Meshed:
     graded: GradedQuads | None = None
     notes: tuple[str, ...] = ()
 
+    @property
+    def radius(self) -> float:
+        """Radius of the half-space."""
+        from meshes.half_space import truncation
+
+        return truncation(self.mesh)
+
 
 def half_space_mesh(natural: NaturalScene) -> Meshed:
     """The mesh of the scene; without gmsh it is made of triangles by bisection."""
@@ -71,7 +78,7 @@ def discretised(natural: NaturalScene, meshed: Meshed) -> HalfSpace:
     degree = triangles.degree(natural) if meshed.graded is None else quads.settings(natural).degree
     nu = natural.scene.half_space.poisson_ratio
     solid = AxisymmetricElasticity(meshed.mesh, degree, nu)
-    return HalfSpace(solid, pressure_space(solid, natural.phases[0]), far_poles(natural, float(meshed.mesh.p[0].max())))
+    return HalfSpace(solid, pressure_space(solid, natural.phases[0]), far_poles(natural, meshed.radius))
 
 
 def truncation(natural: NaturalScene) -> float:
@@ -111,7 +118,7 @@ def fem_model(natural: NaturalScene, stages: Stages, twins: bool = True) -> Mode
         # the last rows of the factor belong to the poles: without them the outer boundary is clamped
         fine = replace(tied, factor=tied.factor[: -len(half_space.poles)]) if fixed else tied
     made: list[Twin] = []
-    outer = float(meshed.mesh.p[0].max())
+    outer = meshed.radius
     if twins:
         with stages("estimating"):
             made = coarser_pairs(natural, meshed, half_space, tied)
