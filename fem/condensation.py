@@ -11,11 +11,10 @@ import importlib.util
 from typing import Any
 
 import numpy as np
+from ringwear.meshes.errors import SolverError
+from ringwear.meshes.radial import Array, Indices
 from scipy.sparse import coo_matrix, csc_matrix, tril
 from scipy.sparse.linalg import splu
-
-from meshes.errors import SolverError
-from meshes.radial import Array, Indices
 
 # memory that goes back to the system is cleared, page by page, before it comes again: for matrices and factors of this
 # size that would cost as much as the arithmetic. glibc keeps twice the size of the greatest block it has freed, blocks of

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from ringwear.fem.condensation import SYMMETRIC
+from ringwear.fem.elasticity import AxisymmetricElasticity
+from ringwear.fem.half_space import HalfSpace
+from ringwear.fem.weak_form import element_of_degree, moduli, projection, rule
+from ringwear.meshes.errors import SolverError
+from ringwear.meshes.radial import Array, Indices
 from scipy.sparse.linalg import splu
 from skfem import CellBasis, MeshQuad
-
-from meshes.errors import SolverError
-from meshes.radial import Array, Indices
-
-from .condensation import SYMMETRIC
-from .elasticity import AxisymmetricElasticity
-from .half_space import HalfSpace
-from .weak_form import element_of_degree, moduli, projection, rule
 
 
 def displacements(half_space: HalfSpace, pressures: Array) -> Array:

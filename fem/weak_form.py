@@ -11,6 +11,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+from ringwear.meshes.radial import Array, Indices
 from skfem import (
     BilinearForm,
     Element,
@@ -27,8 +28,6 @@ from skfem import (
     MeshQuad,
 )
 from skfem.quadrature import get_quadrature
-
-from meshes.radial import Array, Indices
 
 
 def moduli(poisson_ratio: float) -> tuple[float, float]:

@@ -17,12 +17,10 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
+from ringwear.mdr.quadrature import unit_gauss
+from ringwear.meshes.radial import Array, ring_areas
 from scipy.optimize import minimize_scalar
 from scipy.special import ellipe, ellipkm1
-
-from meshes.radial import Array, ring_areas
-
-from .quadrature import unit_gauss
 
 # measured: 4e-14 in the RMS gradient for rings of any width ratio from 0.1 to 10
 EDGE_NODES = 24

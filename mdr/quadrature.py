@@ -5,8 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-
-from meshes.radial import Array
+from ringwear.meshes.radial import Array
 
 
 @cache

@@ -9,11 +9,9 @@ includes the jump of `q` at ``x = a``, which the print does not show: it yields 
 from __future__ import annotations
 
 import numpy as np
-
-from meshes.pressure_space import PressureSpace, shapes
-from meshes.radial import Array, Indices
-
-from .quadrature import gauss, unit_gauss
+from ringwear.mdr.quadrature import gauss, unit_gauss
+from ringwear.meshes.pressure_space import PressureSpace, shapes
+from ringwear.meshes.radial import Array, Indices
 
 ROUNDOFF = 1e-17
 POSITIONS_AT_ONCE = 512

@@ -10,12 +10,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from ringwear.meshes.errors import MeshError
+from ringwear.meshes.half_space import half_space
+from ringwear.meshes.radial import Array
+from ringwear.meshes.size_field import SizeField
 from skfem import MeshTri
-
-from .errors import MeshError
-from .half_space import half_space
-from .radial import Array
-from .size_field import SizeField
 
 MOST_ROUNDS = 80
 

@@ -10,10 +10,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-
-from .errors import SolverError
-from .pressure_space import PressureSpace
-from .radial import Array
+from ringwear.meshes.errors import SolverError
+from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.meshes.radial import Array
 
 ROWS_AT_ONCE = 512
 

@@ -7,9 +7,8 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-
-from .errors import MeshError
-from .radial import Array, Indices
+from ringwear.meshes.errors import MeshError
+from ringwear.meshes.radial import Array, Indices
 
 SYSTEM_PACKAGES = "libgl1 libglu1-mesa libgomp1 libxrender1 libxcursor1 libxft2 libxinerama1"
 OPTIONS = {

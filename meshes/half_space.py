@@ -10,12 +10,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from ringwear.meshes.errors import MeshError
+from ringwear.meshes.radial import Array, Indices
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import Mesh, MeshQuad
-
-from .errors import MeshError
-from .radial import Array, Indices
 
 LOWEST_QUALITY = 0.02
 # subdomains `degree -1`, `degree -2`, ... of a mesh: where the degree of the displacement may be so much lower

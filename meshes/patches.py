@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-
-from .radial import Array, Indices
+from ringwear.meshes.radial import Array, Indices
 
 # neighbouring patches are widened up to this to meet in the middle of a ring
 WIDENED = 1.6

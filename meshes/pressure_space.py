@@ -16,9 +16,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
+from ringwear.meshes.radial import Array, Indices
 from scipy.sparse import csr_matrix
-
-from .radial import Array, Indices
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,15 +14,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from ringwear.meshes import gmsh_session
+from ringwear.meshes.errors import MeshError
+from ringwear.meshes.gmsh_session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
+from ringwear.meshes.half_space import LOWER, half_space, quality
+from ringwear.meshes.patches import LARGEST, beside, falls, patch_layers, patch_widths
+from ringwear.meshes.radial import Array, Indices
 from scipy.spatial import cKDTree
 from skfem import MeshQuad
-
-from . import gmsh_session
-from .errors import MeshError
-from .gmsh_session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
-from .half_space import LOWER, half_space, quality
-from .patches import LARGEST, beside, falls, patch_layers, patch_widths
-from .radial import Array, Indices
 
 # a ring narrower than this is lost to roundoff, layers and all
 NARROWEST = 1e-10

@@ -10,8 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from .radial import Array
+from ringwear.meshes.radial import Array
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,10 @@ import itertools
 from typing import Any
 
 import numpy as np
+from ringwear.meshes.gmsh_session import TRIANGLE, elements, session, set_sizes
+from ringwear.meshes.half_space import half_space
+from ringwear.meshes.size_field import SizeField
 from skfem import MeshTri
-
-from .gmsh_session import TRIANGLE, elements, session, set_sizes
-from .half_space import half_space
-from .size_field import SizeField
 
 
 def mesh(field: SizeField) -> MeshTri:

@@ -11,13 +11,12 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from meshes.errors import RingwearError, SceneError
-
-from .study import INTERRUPTED, STUDIES, add_studies
+from ringwear.meshes.errors import RingwearError, SceneError
+from ringwear.studies.registry import INTERRUPTED, STUDIES, add_studies
 
 if TYPE_CHECKING:
-    from .runs import Result
-    from .scene import Scene
+    from ringwear.studies.crosscheck.run import Result
+    from ringwear.studies.problem.scene import Scene
 
 DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
 
@@ -86,7 +85,7 @@ def _directory(options: argparse.Namespace) -> Path:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from .scene import Scene
+    from ringwear.studies.problem.scene import Scene
 
     scene = Scene.load(options.scene)
     if options.rtol is not None:
@@ -94,8 +93,8 @@ def _run(options: argparse.Namespace) -> int:
     if options.methods is not None:
         scene = scene.changed(methods=[name.strip() for name in options.methods.split(",") if name.strip()])
     out = _directory(options)
-    from .output import write
-    from .runs import run
+    from ringwear.studies.crosscheck.output import write
+    from ringwear.studies.crosscheck.run import run
 
     result = run(scene, _progress)
     written = write(result, out, _progress)
@@ -106,7 +105,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _say_what(scene: Scene) -> None:
-    from .left_out import left_out, modelled
+    from ringwear.studies.crosscheck.scope import left_out, modelled
 
     print(f"\n{scene.title or 'Untitled scene'}\n\nModelled")
     for line in modelled(scene):
@@ -144,8 +143,8 @@ def _say_verdict(result: Result) -> None:
 
 
 def _plan(options: argparse.Namespace) -> int:
-    from .left_out import plan
-    from .scene import Scene
+    from ringwear.studies.crosscheck.scope import plan
+    from ringwear.studies.problem.scene import Scene
 
     scene = Scene.load(options.scene)
     _say_what(scene)
@@ -159,7 +158,7 @@ def _plan(options: argparse.Namespace) -> int:
 
 def _check(scene: Scene) -> None:
     """Stability of the finite elements' multipliers, against a compliance that resolves every pressure they have."""
-    from .runs import run
+    from ringwear.studies.crosscheck.run import run
 
     for both in run(scene.changed(methods=["mdr", "fem"]), _progress).operators:
         print(
@@ -169,14 +168,13 @@ def _check(scene: Scene) -> None:
 
 
 def _mesh(options: argparse.Namespace) -> int:
-    from .scene import Scene
+    from ringwear.studies.problem.scene import Scene
 
     scene = Scene.load(options.scene)
     out = _directory(options)
-    from meshes.half_space import quality
-
-    from .fem_model import half_space_mesh
-    from .output import write_mesh
+    from ringwear.meshes.half_space import quality
+    from ringwear.studies.crosscheck.output import write_mesh
+    from ringwear.studies.methods.fem import half_space_mesh
 
     meshed = half_space_mesh(scene.natural)
     written = write_mesh(scene, meshed, out)
@@ -191,8 +189,8 @@ def _mesh(options: argparse.Namespace) -> int:
 
 
 def _study(options: argparse.Namespace) -> int:
-    from .output import whole
-    from .scene import Scene
+    from ringwear.studies.crosscheck.output import whole
+    from ringwear.studies.problem.scene import Scene
 
     scene = Scene.load(options.scene)
     options.out = out = options.out or Path("results") / options.study
@@ -205,7 +203,7 @@ def _study(options: argparse.Namespace) -> int:
 
 
 def _scenes(_: argparse.Namespace) -> int:
-    from .scene import Scene, bundled
+    from ringwear.studies.problem.scene import Scene, bundled
 
     for name in bundled():
         print(f"{name:<14}{Scene.load(name).title}")

@@ -10,18 +10,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-from meshes.radial import Array
-
-from .figures import D0, P0, STYLES, shade_rings
-from .levels import Table, keeping_rows, new_figure, style, write_markdown
-from .natural import NaturalScene
-from .operators import OperatorDifference
-from .outcome import Outcome
-from .runs import Result, run
-from .scene import Scene
-from .stages import Report
-from .wear import Wear
+from ringwear.meshes.radial import Array
+from ringwear.studies.convergence.levels import Table, keeping_rows, new_figure, style, write_markdown
+from ringwear.studies.crosscheck.operators import OperatorDifference
+from ringwear.studies.crosscheck.run import Result, run
+from ringwear.studies.figures.run import D0, P0, STYLES, shade_rings
+from ringwear.studies.methods.outcome import Outcome
+from ringwear.studies.problem.problem import NaturalScene
+from ringwear.studies.problem.scene import Scene
+from ringwear.studies.progress import Report
+from ringwear.studies.wear.archard import Wear
 
 FIELDS = ("quantity", "methods", "difference", "uncertainty", "agrees")
 OPERATOR_FIELDS = ("methods", "steady states", "along the history", "whole space", "stability", "residual")

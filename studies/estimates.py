@@ -11,17 +11,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-from meshes.errors import RingwearError
-
-from .costs import predicted
-from .levels import Table, keeping_rows, new_figure
-from .methods import mdr_model
-from .outcome import Evaluation, relative_difference
-from .random_scenes import random_scenes
-from .runs import Result, run
-from .scene import Scene
-from .stages import Report, Stages
+from ringwear.meshes.errors import RingwearError
+from ringwear.studies.convergence.levels import Table, keeping_rows, new_figure
+from ringwear.studies.crosscheck.costs import predicted
+from ringwear.studies.crosscheck.run import Result, run
+from ringwear.studies.methods.outcome import Evaluation, relative_difference
+from ringwear.studies.methods.radial import mdr_model
+from ringwear.studies.problem.scene import Scene
+from ringwear.studies.progress import Report, Stages
+from ringwear.studies.random_scenes import random_scenes
 
 FINE = {"degree": 9, "rim_size": 1e-8, "ring_size": 2e-5, "grading": 0.25}
 QUANTITIES = ("indentation", "steady_rms_slope")

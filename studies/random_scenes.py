@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-
-from .scene import Scene
+from ringwear.studies.problem.scene import Scene
 
 
 def random_scenes(seed: int, count: int, most_rings: int = 64) -> Iterator[Scene]:

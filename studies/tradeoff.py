@@ -19,20 +19,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from ringwear.meshes.errors import RingwearError
+from ringwear.meshes.radial import Array
+from ringwear.studies.benchmark.study import best, reference_indentation, silent_stages
+from ringwear.studies.crosscheck.dataset import versions
+from ringwear.studies.figures.run import _figure
+from ringwear.studies.methods.outcome import estimated
+from ringwear.studies.methods.radial import MODELS
+from ringwear.studies.problem.problem import NaturalScene
+from ringwear.studies.problem.scene import Scene
+from ringwear.studies.progress import Report
+from ringwear.studies.wear.archard import Wear
 from threadpoolctl import threadpool_limits
-
-from meshes.errors import RingwearError
-from meshes.radial import Array
-
-from .benchmark import best, reference_indentation, silent_stages
-from .figures import _figure
-from .methods import MODELS
-from .natural import NaturalScene
-from .outcome import estimated
-from .results import versions
-from .scene import Scene
-from .stages import Report
-from .wear import Wear
 
 FIELDS = ("method", "setting", "unknowns", "seconds", "error", "estimate")
 MARKERS = "os^Dv<>Pxh*"
@@ -122,7 +120,7 @@ def measure(method: str, setting: str, natural: NaturalScene, exact: Array, repe
 
 def paper_points(natural: NaturalScene, exact: Array, counts: tuple[int, ...]) -> list[Point]:
     """The paper's algorithm at half its stability limit; its estimate is the difference to half the points."""
-    from mdr.paper import PaperGrid
+    from ringwear.mdr.uniform_grid import PaperGrid
 
     edges, wear = natural.phases
     points, coarser = [], None
@@ -139,7 +137,7 @@ def paper_points(natural: NaturalScene, exact: Array, counts: tuple[int, ...]) -
 
 
 def _paper_history(edges: Array, wear: Array, count: int, times: Array, step: float) -> Array:
-    from mdr.paper import PaperGrid
+    from ringwear.mdr.uniform_grid import PaperGrid
 
     return PaperGrid(edges, wear, count).march(times, step)[2]
 

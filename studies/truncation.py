@@ -18,19 +18,27 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
+from ringwear.meshes.errors import RingwearError
+from ringwear.meshes.half_space import truncation
+from ringwear.meshes.radial import Array
+from ringwear.meshes.size_field import SizeField
+from ringwear.studies.convergence.levels import (
+    VERDICT,
+    Sequence,
+    Table,
+    draw_orders,
+    keeping_rows,
+    legend_below,
+    new_figure,
+    verdicts,
+    write_markdown,
+)
+from ringwear.studies.problem.scene import Scene
+from ringwear.studies.progress import Report
+from ringwear.studies.refinement.subdivision import CORE, base_mesh, boxed, condensed, layered
+from ringwear.studies.wear.contact import flat_start
 from skfem import MeshTri
 from threadpoolctl import threadpool_limits
-
-from meshes.errors import RingwearError
-from meshes.half_space import truncation
-from meshes.radial import Array
-from meshes.size_field import SizeField
-
-from .contact import flat_start
-from .levels import VERDICT, Sequence, Table, draw_orders, keeping_rows, legend_below, new_figure, verdicts, write_markdown
-from .scene import Scene
-from .stages import Report
-from .subdivision import CORE, base_mesh, boxed, condensed, layered
 
 EDGES = np.array([0.0, 1.0])  # a flat punch: rings do not matter to the far field
 DEGREE = 4

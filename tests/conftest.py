@@ -11,18 +11,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from ringwear.meshes.compliance import Compliance
+from ringwear.meshes.gmsh_session import unavailable
+from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.meshes.radial import Array
+from ringwear.studies.methods.model import Model
+from ringwear.studies.methods.radial import MODELS
+from ringwear.studies.problem.problem import NaturalScene
+from ringwear.studies.progress import Stages
+from ringwear.studies.wear.archard import Wear
 from threadpoolctl import threadpool_limits
 
-from meshes.compliance import Compliance
-from meshes.gmsh_session import unavailable
-from meshes.pressure_space import PressureSpace
-from meshes.radial import Array
-from studies import Scene
-from studies.methods import MODELS
-from studies.model import Model
-from studies.natural import NaturalScene
-from studies.stages import Stages
-from studies.wear import Wear
+from ringwear import Scene
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from ringwear.studies.crosscheck import run as runs
+from ringwear.studies.crosscheck.run import Result
+from ringwear.studies.problem.scene import bundled
 
-from studies import Scene, run, runs
-from studies.runs import Result
-from studies.scene import bundled
+from ringwear import Scene, run
 
 
 def disagreements(result: Result) -> list[str]:

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 import scipy.interpolate
 import scipy.linalg
-
-from mdr import bem, compliance, direct
-from mdr.transforms import line_density
-from meshes.errors import SolverError
-from meshes.pressure_space import PressureSpace
-from meshes.radial import Array, alternating_edges, graded_breakpoints, layer_degrees
+from ringwear.mdr import direct
+from ringwear.mdr import energy as compliance
+from ringwear.mdr import ring_kernel as bem
+from ringwear.mdr.transforms import line_density
+from ringwear.meshes.errors import SolverError
+from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.meshes.radial import Array, alternating_edges, graded_breakpoints, layer_degrees
 
 
 def graded(rings: int) -> PressureSpace:

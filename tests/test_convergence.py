@@ -6,16 +6,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from fem.elasticity import AxisymmetricElasticity
-from fem.half_space import HalfSpace, pressure_space
-from mdr.compliance import compliance
-from mdr.paper import PaperGrid
-from meshes import bisection
-from meshes.pressure_space import PressureSpace
-from meshes.radial import Array, alternating_edges
-from meshes.size_field import SizeField
-from studies.contact import flat_start
+from ringwear.fem.elasticity import AxisymmetricElasticity
+from ringwear.fem.half_space import HalfSpace, pressure_space
+from ringwear.mdr.energy import compliance
+from ringwear.mdr.uniform_grid import PaperGrid
+from ringwear.meshes import bisection
+from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.meshes.radial import Array, alternating_edges
+from ringwear.meshes.size_field import SizeField
+from ringwear.studies.wear.contact import flat_start
 
 FLAT = np.array([0.0, 1.0])
 
@@ -107,7 +106,7 @@ def test_the_papers_stability_limit(count: int) -> None:
 
 @pytest.mark.parametrize("count", [50, 100])
 def test_the_papers_march_blows_up_above_its_limit_only(count: int) -> None:
-    from meshes.errors import SceneError
+    from ringwear.meshes.errors import SceneError
 
     grid = paper_grid(count)
     limit = 2 / np.abs(np.linalg.eigvals(grid.rate_matrix())).max()

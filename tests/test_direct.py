@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from conftest import Prepare
 from mpmath import mp
-
-from mdr import direct
-from meshes.radial import ring_areas
+from ringwear.mdr import direct
+from ringwear.meshes.radial import ring_areas
 
 EDGES = np.array([0.0, 0.25, 0.3, 0.8, 1.0])
 WEAR = np.array([0.2, 1.0, 0.05, 0.6])

@@ -5,12 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from ringwear.meshes.radial import ring_areas
+from ringwear.studies import estimates
+from ringwear.studies.crosscheck.run import Result, run
+from ringwear.studies.problem.problem import NaturalScene
+from ringwear.studies.random_scenes import random_scenes
 
-from meshes.radial import ring_areas
-from studies import Scene, estimates
-from studies.natural import NaturalScene
-from studies.random_scenes import random_scenes
-from studies.runs import Result, run
+from ringwear import Scene
 
 
 def true_errors(result: Result) -> dict[str, tuple[float, float]]:
@@ -59,7 +60,7 @@ def test_faults_are_caught(fault: dict[str, object]) -> None:
 
 
 def test_a_wrong_operator_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    import fem.half_space as module
+    import ringwear.fem.half_space as module
 
     sound = module.exterior_stiffness
     monkeypatch.setattr(module, "exterior_stiffness", lambda *arguments: 3.0 * sound(*arguments))
@@ -87,7 +88,7 @@ def test_forces_add_up() -> None:
 
 def test_refined_until_the_accuracy_is_reached(monkeypatch: pytest.MonkeyPatch) -> None:
     """A model of the error that is far too hopeful is found out by the estimate, and made up for."""
-    import studies.methods as module
+    import ringwear.studies.methods.radial as module
 
     sound = module.mdr_settings
 

@@ -9,16 +9,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from ringwear.mdr import direct
+from ringwear.meshes.errors import SolverError
+from ringwear.meshes.radial import alternating_edges
+from ringwear.studies.convergence.levels import Table
+from ringwear.studies.extremes import study as extremes
+from ringwear.studies.extremes.cells import all_cells
+from ringwear.studies.extremes.reference import Rings, units
+from ringwear.studies.extremes.study import Judge, conclude, draw, verdict
+from ringwear.studies.progress import silent
 
-from mdr import direct
-from meshes.errors import SolverError
-from meshes.radial import alternating_edges
-from studies import Scene, extremes
-from studies.extreme_cells import all_cells
-from studies.extremes import Judge, conclude, draw, verdict
-from studies.levels import Table
-from studies.oracles import Rings, units
-from studies.stages import silent
+from ringwear import Scene
 
 FIVE = Scene.load("five_rings")
 

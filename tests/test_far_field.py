@@ -7,17 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 from mpmath import mp
+from ringwear.fem.elasticity import AxisymmetricElasticity
+from ringwear.fem.far_field import enough_poles, exterior_stiffness, poles
+from ringwear.fem.half_space import HalfSpace, pressure_space
+from ringwear.fem.stresses import displacements
+from ringwear.fem.weak_form import moduli
+from ringwear.meshes.bisection import mesh as bisection
+from ringwear.meshes.radial import Array
+from ringwear.meshes.size_field import SizeField
+from ringwear.studies.wear.contact import flat_start
 from scipy.sparse.linalg import splu
-
-from fem.elasticity import AxisymmetricElasticity
-from fem.far_field import enough_poles, exterior_stiffness, poles
-from fem.half_space import HalfSpace, pressure_space
-from fem.stresses import displacements
-from fem.weak_form import moduli
-from meshes.bisection import mesh as bisection
-from meshes.radial import Array
-from meshes.size_field import SizeField
-from studies.contact import flat_start
 
 ORDERS = [0, 2, 4, 6]
 RATIOS = [-0.3, 0.0, 0.3, 0.5]

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import xarray
 from conftest import WITHOUT_GMSH
+from ringwear.studies.cli import main
 
-from studies import Scene, run
-from studies.cli import main
+from ringwear import Scene, run
 
 VARIABLES = {
     "pressure": ("method", "time", "radius"),
@@ -187,10 +187,10 @@ def test_methods_that_disagree_end_in_status_3(tmp_path: Path, capsys: pytest.Ca
 @pytest.mark.parametrize(
     ("stage", "raised"),
     [
-        ("studies.runs._evaluate", KeyboardInterrupt()),
-        ("studies.interior.write_half_space", KeyboardInterrupt()),
-        ("studies.figures.draw_steady", KeyboardInterrupt()),
-        ("studies.figures.draw_steady", OSError(28, "No space left on device")),
+        ("ringwear.studies.crosscheck.run._evaluate", KeyboardInterrupt()),
+        ("ringwear.studies.crosscheck.interior.write_half_space", KeyboardInterrupt()),
+        ("ringwear.studies.figures.run.draw_steady", KeyboardInterrupt()),
+        ("ringwear.studies.figures.run.draw_steady", OSError(28, "No space left on device")),
     ],
     ids=str,
 )
@@ -219,7 +219,7 @@ def test_an_interrupted_run_leaves_earlier_results(tmp_path: Path, monkeypatch: 
     def stop(*_: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("studies.figures.draw_steady", stop)
+    monkeypatch.setattr("ringwear.studies.figures.run.draw_steady", stop)
     assert main(arguments) == 1
     assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before
 

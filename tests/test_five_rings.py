@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray
 
-from studies import Scene, run
+from ringwear import Scene, run
 
 Solve = Callable[..., xarray.Dataset]
 Reference = dict[str, Any]

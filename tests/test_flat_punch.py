@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from conftest import Prepare
-
-from studies.contact import flat_start
+from ringwear.studies.wear.contact import flat_start
 
 
 @pytest.mark.parametrize("mesher", ["quads", "gmsh", "bisection"])

@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from ringwear.meshes import bisection, gmsh_session, quads, triangles
+from ringwear.meshes.errors import MeshError
+from ringwear.meshes.half_space import LOWER, areas, contact_radii, half_space, quality, segments, truncation
+from ringwear.meshes.patches import patch_widths
+from ringwear.meshes.radial import Array, alternating_edges
+from ringwear.meshes.size_field import SizeField
 from skfem import Mesh, MeshQuad, MeshTri
-
-from meshes import bisection, gmsh_session, quads, triangles
-from meshes.errors import MeshError
-from meshes.half_space import LOWER, areas, contact_radii, half_space, quality, segments, truncation
-from meshes.patches import patch_widths
-from meshes.radial import Array, alternating_edges
-from meshes.size_field import SizeField
 
 FIELDS = {
     "flat": SizeField((0.0, 1.0), 1e-6, 1e-2, 0.6, 5.0),

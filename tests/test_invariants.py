@@ -10,9 +10,9 @@ import xarray
 from conftest import Prepare
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from ringwear.meshes.radial import Array
 
-from meshes.radial import Array
-from studies import Scene, run
+from ringwear import Scene, run
 
 # from far inside the fastest relaxation that is resolved to the steady state
 TIMES = np.concatenate([[0.0], np.geomspace(1e-4, 1e2, 25)])

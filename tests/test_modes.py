@@ -4,12 +4,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from ringwear.meshes.errors import SceneError, SolverError
+from ringwear.studies.methods.outcome import estimated
+from ringwear.studies.wear.banded import BandedCholesky
+from ringwear.studies.wear.modes import every_mode, excited_modes
 from scipy.sparse import csr_matrix
-
-from meshes.errors import SceneError, SolverError
-from studies.banded import BandedCholesky
-from studies.modes import every_mode, excited_modes
-from studies.outcome import estimated
 
 
 def pencil(wear: Any) -> tuple[Any, ...]:
@@ -74,7 +73,7 @@ def test_twins_may_know_another_number_of_modes(prepare: Any, monkeypatch: pytes
     sizes = sorted(twin.space.size for twin in (model.twins[0].finer, model.twins[0].coarser))
     found = {}
     for limit in (sizes[0] - 10, sum(sizes) // 2, sizes[1]):
-        monkeypatch.setattr("studies.wear.LARGE", limit)
+        monkeypatch.setattr("ringwear.studies.wear.archard.LARGE", limit)
         result, errors, _, _ = estimated(natural, model)
         found[limit] = (result.indentation, errors.indentation, errors.relaxation_time[:3])
     for values in found.values():

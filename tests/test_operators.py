@@ -4,19 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from ringwear.mdr.energy import compliance as mdr_compliance
+from ringwear.meshes.compliance import Compliance
+from ringwear.meshes.errors import SolverError
+from ringwear.studies.crosscheck.operators import OperatorDifference, difference
+from ringwear.studies.crosscheck.run import run
+from ringwear.studies.methods.fem import fem_model
+from ringwear.studies.methods.radial import mdr_model
+from ringwear.studies.problem.problem import NaturalScene
+from ringwear.studies.progress import Stages
+from ringwear.studies.random_scenes import random_scenes
+from ringwear.studies.wear.archard import Wear
 
-from mdr.compliance import compliance as mdr_compliance
-from meshes.compliance import Compliance
-from meshes.errors import SolverError
-from studies import Scene
-from studies.fem_model import fem_model
-from studies.methods import mdr_model
-from studies.natural import NaturalScene
-from studies.operators import OperatorDifference, difference
-from studies.random_scenes import random_scenes
-from studies.runs import run
-from studies.stages import Stages
-from studies.wear import Wear
+from ringwear import Scene
 
 
 def against_mdr(natural: NaturalScene, first: Compliance) -> OperatorDifference:

@@ -7,24 +7,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.special import spherical_jn
-from skfem import MeshTri
-
-from fem.far_field import exterior_stiffness, poles
-from meshes.half_space import areas, contact_radii, quality, truncation
-from meshes.radial import Array
-from meshes.size_field import SizeField
-from studies import Scene
-from studies.convergence import (
-    FACTOR,
-    PUNCH_GRADINGS,
-    PUNCH_SIZES,
-    QUAD_DEGREES,
-    SMOOTH,
-    UNIFORM_SIZES,
-    UNIFORM_TRUNCATION,
-)
-from studies.convergence_levels import (
+from ringwear.fem.far_field import exterior_stiffness, poles
+from ringwear.meshes.half_space import areas, contact_radii, quality, truncation
+from ringwear.meshes.radial import Array
+from ringwear.meshes.size_field import SizeField
+from ringwear.studies.convergence.cases import (
     FLAT,
     TRUNCATION,
     Quantities,
@@ -33,9 +20,22 @@ from studies.convergence_levels import (
     punch_by_quads,
     smooth_by_mdr,
 )
-from studies.levels import WITHIN, Sequence
-from studies.subdivision import CORE, base_mesh, boxed, coarse_field, layered
-from studies.truncation import FAR_FIELDS, SHAPES, indentations
+from ringwear.studies.convergence.levels import WITHIN, Sequence
+from ringwear.studies.convergence.study import (
+    FACTOR,
+    PUNCH_GRADINGS,
+    PUNCH_SIZES,
+    QUAD_DEGREES,
+    SMOOTH,
+    UNIFORM_SIZES,
+    UNIFORM_TRUNCATION,
+)
+from ringwear.studies.refinement.subdivision import CORE, base_mesh, boxed, coarse_field, layered
+from ringwear.studies.truncation import FAR_FIELDS, SHAPES, indentations
+from scipy.special import spherical_jn
+from skfem import MeshTri
+
+from ringwear import Scene
 
 
 def sequence(sizes: Array, errors: Array) -> Sequence:

@@ -10,15 +10,15 @@ from typing import Any
 import meshio
 import numpy as np
 import pytest
+from ringwear.meshes import bisection, quads
+from ringwear.meshes.errors import MeshError
+from ringwear.meshes.files import read
+from ringwear.meshes.half_space import areas, contact_radii, truncation
+from ringwear.meshes.size_field import SizeField
+from ringwear.studies.cli import main
 from skfem import MeshQuad, MeshTri
 
-from meshes import bisection, quads
-from meshes.errors import MeshError
-from meshes.files import read
-from meshes.half_space import areas, contact_radii, truncation
-from meshes.size_field import SizeField
-from studies import Scene
-from studies.cli import main
+from ringwear import Scene
 
 EDGES = np.array([0.0, 0.5, 1.0])
 Change = Callable[[meshio.Mesh], None]

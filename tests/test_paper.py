@@ -10,15 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mpmath import mp
-from threadpoolctl import threadpool_limits
-
-from mdr import direct
-from mdr.transforms import profile_transform
-from meshes.errors import SceneError
-from meshes.radial import alternating_edges, ring_areas
-from studies import Scene, arrangement, paper, relaxation
-from studies.methods import mdr_model
-from studies.paper_gradients import (
+from ringwear.mdr import direct
+from ringwear.mdr.transforms import profile_transform
+from ringwear.meshes.errors import SceneError
+from ringwear.meshes.radial import alternating_edges, ring_areas
+from ringwear.studies.methods.radial import mdr_model
+from ringwear.studies.paper import arrangement, relaxation
+from ringwear.studies.paper import study as paper
+from ringwear.studies.paper.gradients import (
     RINGS,
     WEAR_RATIOS,
     FemGrams,
@@ -31,8 +30,11 @@ from studies.paper_gradients import (
     odd_and_even,
     slower_rings_alone,
 )
-from studies.paper_states import SHARES, STATIONARY, RunningIn, paper_punch, running_in
-from studies.stages import Stages, silent
+from ringwear.studies.paper.running_in import SHARES, STATIONARY, RunningIn, paper_punch, running_in
+from ringwear.studies.progress import Stages, silent
+from threadpoolctl import threadpool_limits
+
+from ringwear import Scene
 
 
 @pytest.fixture(scope="module")
@@ -244,7 +246,7 @@ def test_missing_library(scene: Scene, tmp_path: Path, monkeypatch: pytest.Monke
 @pytest.mark.slow
 def test_three_dimensions() -> None:
     pytest.importorskip("tamaas")
-    from studies import bem3d
+    from ringwear.studies.paper import three_dimensions as bem3d
 
     coarse, fine = bem3d.grid_errors(48), bem3d.grid_errors(128)
     assert fine.indentation < 2e-3

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from meshes.pressure_space import PressureSpace, shape_slopes, shapes
-from meshes.radial import alternating_edges, graded_breakpoints, layer_degrees, ring_areas
+from ringwear.meshes.pressure_space import PressureSpace, shape_slopes, shapes
+from ringwear.meshes.radial import alternating_edges, graded_breakpoints, layer_degrees, ring_areas
 
 EDGES = np.array([0.0, 0.25, 0.3, 0.8, 1.0])
 WEAR = np.array([0.2, 1.0, 0.05, 0.6])

@@ -7,17 +7,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from ringwear.fem.elasticity import AxisymmetricElasticity
+from ringwear.fem.stresses import displacements
+from ringwear.meshes import bisection
+from ringwear.meshes.errors import MeshError
+from ringwear.meshes.half_space import contact_radii, quality
+from ringwear.meshes.size_field import SizeField
+from ringwear.studies.progress import silent
+from ringwear.studies.refinement import adaptive
+from ringwear.studies.refinement import study as refinement
+from ringwear.studies.wear.contact import flat_start
 from skfem import Basis
 
-from fem.elasticity import AxisymmetricElasticity
-from fem.stresses import displacements
-from meshes import bisection
-from meshes.errors import MeshError
-from meshes.half_space import contact_radii, quality
-from meshes.size_field import SizeField
-from studies import Scene, adaptive, refinement
-from studies.contact import flat_start
-from studies.stages import silent
+from ringwear import Scene
 
 FIVE_WITH_A_NARROW_ONE = np.array([0.0, 0.2, 0.4, 0.401, 0.8, 1.0])
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.cli import BAD_INPUT, main
+from ringwear.studies.problem.scene import bundled
 
-from meshes.errors import SceneError
-from studies import Scene
-from studies.cli import BAD_INPUT, main
-from studies.scene import bundled
+from ringwear import Scene
 
 GOOD = """\
 title = "A scene"

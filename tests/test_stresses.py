@@ -7,16 +7,15 @@ from functools import cache
 import numpy as np
 import pytest
 from conftest import WITHOUT_GMSH
+from ringwear.fem.elasticity import AxisymmetricElasticity
+from ringwear.fem.half_space import HalfSpace, pressure_space
+from ringwear.fem.stresses import displacements, sampled, von_mises
+from ringwear.mdr.direct import displacement as exact_displacement
+from ringwear.meshes import bisection, quads, triangles
+from ringwear.meshes.half_space import areas
+from ringwear.meshes.radial import Array, Indices
+from ringwear.meshes.size_field import SizeField
 from skfem import Mesh
-
-from fem.elasticity import AxisymmetricElasticity
-from fem.half_space import HalfSpace, pressure_space
-from fem.stresses import displacements, sampled, von_mises
-from mdr.direct import displacement as exact_displacement
-from meshes import bisection, quads, triangles
-from meshes.half_space import areas
-from meshes.radial import Array, Indices
-from meshes.size_field import SizeField
 
 EDGES = np.array([0.0, 0.5, 1.0])
 FIELD = SizeField((0.0, 0.5, 1.0), 1e-6, 1e-3, 0.4, 5.0)

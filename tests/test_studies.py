@@ -12,18 +12,32 @@ from typing import Any
 
 import numpy as np
 import pytest
+from ringwear.meshes.errors import SolverError
+from ringwear.meshes.half_space import contact_radii, quality
+from ringwear.meshes.size_field import SizeField
+from ringwear.studies import compare, truncation
+from ringwear.studies import time_steps as march
+from ringwear.studies.cli import main
+from ringwear.studies.convergence import study as convergence
+from ringwear.studies.convergence.levels import (
+    VERDICT,
+    Sequence,
+    Table,
+    between,
+    extrapolated,
+    keeping_rows,
+    least_squares,
+    verdicts,
+)
+from ringwear.studies.convergence.levels import order_of_three as of_three
+from ringwear.studies.convergence.study import LEVEL_FIELDS, Recorder
+from ringwear.studies.extremes import study as extremes
+from ringwear.studies.progress import silent
+from ringwear.studies.refinement import study as refinement
+from ringwear.studies.refinement.subdivision import subdivided
+from ringwear.studies.registry import INTERRUPTED
 
-from meshes.errors import SolverError
-from meshes.half_space import contact_radii, quality
-from meshes.size_field import SizeField
-from studies import Scene, compare, convergence, extremes, march, refinement, truncation
-from studies.cli import main
-from studies.convergence import LEVEL_FIELDS, Recorder
-from studies.levels import VERDICT, Sequence, Table, between, extrapolated, keeping_rows, least_squares, verdicts
-from studies.levels import order_of_three as of_three
-from studies.stages import silent
-from studies.study import INTERRUPTED
-from studies.subdivision import subdivided
+from ringwear import Scene
 
 SIZES = np.array([0.5, 0.3, 0.2, 0.1])
 
@@ -131,9 +145,9 @@ def test_a_study_stopped_early_keeps_its_tables(study: Any, calls: int, tmp_path
 
 WAITING = """
 import signal, sys, time
-from studies import study
-from studies.cli import main
-from studies.levels import Table, keeping_rows
+from ringwear.studies import registry as study
+from ringwear.studies.cli import main
+from ringwear.studies.convergence.levels import Table, keeping_rows
 
 # where the tests themselves run in the background, the shell has told them to ignore it
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -184,7 +198,7 @@ def test_a_level_that_fails_is_a_row(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_subdivision(count: int) -> None:
-    from meshes import bisection
+    from ringwear.meshes import bisection
 
     base = bisection.mesh(SizeField((0.0, 0.4, 1.0), 1e-5, 1e-4, 0.8, 20.0))
     fine = subdivided(base, count, np.array([0.4, 1.0]))

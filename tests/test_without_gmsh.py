@@ -6,12 +6,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from ringwear.meshes import triangles
+from ringwear.meshes.errors import MeshError
+from ringwear.meshes.size_field import SizeField
+from ringwear.studies.cli import main
 
-from meshes import triangles
-from meshes.errors import MeshError
-from meshes.size_field import SizeField
-from studies import Scene, run
-from studies.cli import main
+from ringwear import Scene, run
 
 PACKAGES = ["libgl1", "libglu1-mesa", "libgomp1", "libxrender1", "libxcursor1", "libxft2", "libxinerama1"]
 

@@ -1,0 +1,14 @@
+"""The compliance by the MDR energy, ``int u p dA = (2/E*) int_0^a q^2 dx``: a Gram matrix, definite by construction."""
+
+from __future__ import annotations
+
+import numpy as np
+from ringwear.mdr.transforms import line_density, panel_quadrature
+from ringwear.meshes.compliance import Compliance
+from ringwear.meshes.pressure_space import PressureSpace
+
+
+def compliance(space: PressureSpace) -> Compliance:
+    """Compliance of the half-space on `space`; the factor is the weighted line density itself."""
+    positions, weights = panel_quadrature(space)
+    return Compliance(space, np.sqrt(2 * weights)[:, None] * line_density(space, positions))

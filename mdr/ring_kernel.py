@@ -1,0 +1,161 @@
+"""The compliance by boundary elements: the Galerkin matrix of the ring kernel (Eq. 19), with no MDR identity in it.
+
+``A_ij = int int G(r, s) phi_i(r) phi_j(s) dA dA``, ``G = 2 K(k) / (pi^2 (r + s))``, whose complementary modulus is
+``|r - s| / (r + s)``. The kernel is logarithmic at ``r = s``. An element with itself, and two that share a breakpoint,
+are split into triangles at a common vertex (Duffy), with powers that flatten the logarithms; two that are apart get as
+many Gauss points as the nearest singularity demands. Distances are sums of parts of elements, never differences of
+radii, so that elements may be tiny. Natural units: punch radius 1, modulus 1.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from ringwear.mdr.quadrature import unit_gauss
+from ringwear.meshes.compliance import Compliance
+from ringwear.meshes.errors import SolverError
+from ringwear.meshes.pressure_space import PressureSpace, shapes
+from ringwear.meshes.radial import Array, Indices
+from scipy.linalg import cholesky
+from scipy.special import ellipkm1
+
+# x = w^POWER: logarithms of x, times the slope of the power, are smooth enough at w = 0 for Gauss points in w
+POWER = 6
+# Gauss points in an element that is apart from the other; where these are too few, the powers cluster at the gap
+GAUSS_LADDER = (4, 6, 8, 10, 12, 15, 18, 22, 28, 36, 48, 64)
+ROUNDOFF = 1e-16
+# kernel values, or entries of blocks, held at a time
+CHUNK = 1_000_000
+
+
+class _Rule(NamedTuple):
+    """Quadrature of `q` points for pairs of elements, the first the inner one, or the same twice.
+
+    first, second : (q,) radii, as fractions of each element from its left end
+    apart : two of (q,), the parts of the two widths that add to the gap in the distance between the radii
+    weight : (q,) weights of the unit square
+    """
+
+    first: Array
+    second: Array
+    apart: tuple[Array, Array]
+    weight: Array
+
+
+_Blocks = Iterator[tuple[Indices, Indices, Array]]
+
+
+def compliance(space: PressureSpace) -> Compliance:
+    """Compliance of the half-space on `space` by the ring kernel.
+
+    Parameters
+    ----------
+    space : pressure space, `size` functions
+
+    Returns
+    -------
+    Compliance whose factor is the Cholesky factor of the matrix, (size, size) and upper triangular
+
+    Raises
+    ------
+    SolverError : the matrix is not positive definite to roundoff
+    """
+    rows = space.size + 1
+    # each pair of points in one order only: the transpose is the other order
+    half = np.zeros(rows * rows)
+    for first, second, blocks in itertools.chain(_same(space), _adjacent(space), _separate(space)):
+        place = space.dofs[first][:, :, None] * rows + space.dofs[second][:, None, :]
+        np.add.at(half, place.ravel(), blocks.ravel())
+    half = half.reshape(rows, rows)[:-1, :-1]
+    try:
+        factor = cholesky(half + half.T, check_finite=False)
+    except np.linalg.LinAlgError as error:
+        raise SolverError(
+            f"the boundary-element compliance of {space.size} unknowns is not positive definite to roundoff: "
+            "lower the degree of the pressure, or grade the radial mesh less"
+        ) from error
+    return Compliance(space, factor)
+
+
+def _same(space: PressureSpace) -> _Blocks:
+    """Each element with itself, over the triangle where the second radius is the smaller."""
+    depth, cut, weight = _product(_flattened(space.top), _flattened(space.top))
+    # the vertex is the left end: at the axis its depth cancels the pole of 1/(r + s)
+    rule = _Rule(depth, depth * (1 - cut), (depth * cut, np.zeros_like(cut)), depth * weight)
+    element = np.arange(len(space.degrees))
+    return _integrate(space, element, element, rule)
+
+
+def _adjacent(space: PressureSpace) -> _Blocks:
+    """Elements that share a breakpoint, over both triangles at that corner."""
+    depth, cut, weight = _product(_flattened(space.top), _flattened(space.top))
+    element = np.arange(len(space.degrees) - 1)
+    for inward, outward in ((depth, depth * cut), (depth * cut, depth)):
+        yield from _integrate(space, element, element + 1, _facing(inward, outward, depth * weight))
+
+
+def _separate(space: PressureSpace) -> _Blocks:
+    """Elements with others between them, grouped by the rules that the two want."""
+    first, second = np.triu_indices(len(space.degrees), 2)
+    gap = space.breakpoints[second] - space.breakpoints[first + 1]
+    rules = [*map(unit_gauss, GAUSS_LADDER), _flattened(space.top)]
+    group = _rung(space, first, gap) * len(rules) + _rung(space, second, gap)
+    for number in np.unique(group):
+        chosen = np.flatnonzero(group == number)
+        rule = _facing(*_product(rules[number // len(rules)], rules[number % len(rules)]))
+        yield from _integrate(space, first[chosen], second[chosen], rule)
+
+
+def _rung(space: PressureSpace, element: Indices, gap: Array) -> Indices:
+    """Place on the ladder of Gauss counts (one past its end: too few) for elements with a singularity `gap` away.
+
+    The Chebyshev coefficients of the kernel fall by the sum of the semi-axes of the ellipse that has the element for
+    its foci and goes through the singularity; Gauss points are exact up to twice their number.
+    """
+    width = np.diff(space.breakpoints)[element]
+    decay = 2 * np.arcsinh(np.sqrt(gap / width))
+    count = (space.degrees[element] + 2 - np.log(ROUNDOFF) / decay) / 2
+    return np.searchsorted(GAUSS_LADDER, count)
+
+
+def _flattened(degree: int) -> tuple[Array, Array]:
+    """Points and weights on (0, 1) for products of two shape functions, and of these with logarithms at 0."""
+    node, weight = unit_gauss(28 + 2 * degree)
+    return node**POWER, weight * POWER * node ** (POWER - 1)
+
+
+def _product(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array, Array]:
+    """Points (q,), (q,) and weights (q,) on the unit square by the product of two rules."""
+    x, y = np.meshgrid(one[0], other[0], indexing="ij")
+    return x.ravel(), y.ravel(), np.outer(one[1], other[1]).ravel()
+
+
+def _facing(inward: Array, outward: Array, weight: Array) -> _Rule:
+    """Rule of two different elements, from fractions measured from the ends that face each other."""
+    return _Rule(1 - inward, outward, (inward, outward), weight)
+
+
+def _integrate(space: PressureSpace, first: Indices, second: Indices, rule: _Rule) -> _Blocks:
+    """Pairs of elements and their blocks (m, top+1, top+1) by one rule, in chunks of bounded memory."""
+    local = space.top + 1
+    products = np.einsum(
+        "q,qi,qj->qij", rule.weight, shapes(2 * rule.first - 1, space.top), shapes(2 * rule.second - 1, space.top)
+    ).reshape(-1, local**2)
+    left, right = space.breakpoints[:-1, None], space.breakpoints[1:, None]
+    count = max(1, CHUNK // max(len(rule.weight), local**2))
+    for start in range(0, len(first), count):
+        inner, outer = first[start : start + count], second[start : start + count]
+        inner_width, outer_width = (right - left)[inner], (right - left)[outer]
+        gap = np.maximum(left[outer] - right[inner], 0.0)  # an element with itself has none
+        distance = gap + inner_width * rule.apart[0] + outer_width * rule.apart[1]
+        kernel = _weighted_kernel(left[inner] + inner_width * rule.first, left[outer] + outer_width * rule.second, distance)
+        yield inner, outer, (inner_width * outer_width * (kernel @ products)).reshape(-1, local, local)
+
+
+def _weighted_kernel(radius: Array, ring: Array, distance: Array) -> Array:
+    """``G dA dA / (dr ds)`` of Eq. 19, ``8 r s K / (r + s)``, for rings whose radii are `distance` apart."""
+    total = radius + ring
+    return 8 * radius * ring / total * ellipkm1((distance / total) ** 2)

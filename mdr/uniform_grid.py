@@ -1,0 +1,92 @@
+"""The paper's own algorithm: MDR on a uniform grid, explicit in time (Eqs. 3, 7 and 14 to 17). The baseline.
+
+Springs and points of the profile coincide at ``i/n`` (Fig. 2). The pressure at the rim is infinite at the start; it is
+taken half a cell inside. First order in the grid and in the step, and stable only for small steps. Natural units,
+force 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from ringwear.mdr.transforms import pressure_transform, profile_transform
+from ringwear.meshes.errors import SceneError
+from ringwear.meshes.radial import Array
+
+
+@dataclass(frozen=True, eq=False)
+class PaperGrid:
+    """The uniform grid of `count` springs for rings of given edges and wear coefficients."""
+
+    edges: Array
+    wear_coefficients: Array
+    count: int
+
+    @cached_property
+    def radii(self) -> Array:
+        """(count+1,) positions of the springs and radii of the profile."""
+        return np.arange(self.count + 1) / self.count
+
+    @cached_property
+    def wear(self) -> Array:
+        """(count+1,) wear coefficient at each radius."""
+        ring = np.searchsorted(self.edges, self.radii, side="right") - 1
+        return self.wear_coefficients[np.minimum(ring, len(self.wear_coefficients) - 1)]
+
+    @cached_property
+    def _transforms(self) -> tuple[Array, Array, Array]:
+        """Eq. 3 at the springs, the trapezoidal rule of Eq. 16, and Eq. 7."""
+        profile = np.zeros((self.count + 1, self.count + 1))
+        profile[0, 0] = 1.0
+        profile[1:] = profile_transform(self.radii, self.radii[1:])
+        rule = np.full(self.count + 1, 1 / self.count)
+        rule[[0, -1]] /= 2
+        inside = np.append(self.radii[1:-1], 1 - 0.5 / self.count)
+        pressure = pressure_transform(self.radii, inside)
+        return profile, rule, np.concatenate([pressure[:1], pressure])
+
+    def contact(self, profile: Array) -> tuple[Array, float]:
+        """Pressure (count+1,) and indentation for a worn profile: Eqs. 3, 17, 6 and 7."""
+        to_springs, rule, to_pressure = self._transforms
+        springs = to_springs @ profile
+        indentation = 0.5 + float(rule @ springs)
+        return to_pressure @ (indentation - springs), indentation
+
+    def stability_limit(self) -> float:
+        """Greatest stable step: a pattern of wavelength 2/n relaxes in ``2 / (pi n k)``, and Euler takes twice that."""
+        return 4 / (np.pi * self.count * float(self.wear.max()))
+
+    def rate_matrix(self) -> Array:
+        """(count+1, count+1) `M` in ``df/dt = M f + const``; its eigenvalues are the grid's relaxation rates."""
+        to_springs, rule, to_pressure = self._transforms
+        return self.wear[:, None] * (to_pressure @ (np.outer(np.ones(self.count + 1), rule @ to_springs) - to_springs))
+
+    def march(self, times: Array, step: float) -> tuple[Array, Array, Array]:
+        """Pressures and profiles (T, count+1) and indentations (T,) at `times`, by steps of at most `step`.
+
+        Raises
+        ------
+        SceneError
+            if the march blows up: the step was above the stability limit
+        """
+        profile, now = np.zeros(self.count + 1), 0.0
+        pressure, indentation = self.contact(profile)
+        pressures, profiles, indentations = [], [], []
+        for time in times:
+            count = int(np.ceil((time - now) / step * (1 - 1e-12)))
+            with np.errstate(over="ignore", invalid="ignore"):
+                for _ in range(count):
+                    profile = profile + (time - now) / count * self.wear * pressure
+                    pressure, indentation = self.contact(profile)
+            if not np.abs(pressure).max() < 1e6:
+                raise SceneError(
+                    f"the explicit march blew up: its step is {step / self.stability_limit():.3g} times the stability "
+                    "limit; give a smaller wear.step, or march = 'modal' (exact in time, no step)"
+                )
+            now = time
+            pressures.append(pressure)
+            profiles.append(profile)
+            indentations.append(indentation)
+        return np.array(pressures), np.array(profiles), np.array(indentations)

@@ -1,0 +1,1 @@
+"""Seconds and errors against the paper's algorithm and plain finite elements."""

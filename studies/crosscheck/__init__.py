@@ -1,0 +1,1 @@
+"""Run a scene by every method, estimate errors, and compare."""

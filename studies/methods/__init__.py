@@ -1,0 +1,1 @@
+"""The methods, each from a problem to its results."""

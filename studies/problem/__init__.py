@@ -1,0 +1,1 @@
+"""What is asked: the scene file, and the non-dimensional problem that it poses."""

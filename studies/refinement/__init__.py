@@ -1,0 +1,1 @@
+"""Mesh refinement, and meshes of one's own."""

@@ -1,0 +1,82 @@
+"""The studies by name: what each is for and the options it takes, told without importing any of them.
+
+A study is a module with ``conduct(scene, out, options, report)``: it writes its figures and tables to the directory
+`out` and returns its conclusions, a line each; `INTERRUPTED` is among them if it was stopped.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from ringwear.studies.problem.scene import Scene
+from ringwear.studies.progress import Report
+
+INTERRUPTED = "INTERRUPTED: tables and figures hold the rows that were finished."
+Conduct = Callable[[Scene, Path, argparse.Namespace, Report], list[str]]
+
+
+@dataclass(frozen=True)
+class Study:
+    """A named study: its module, its purpose, the scene it takes by default, and its own options."""
+
+    module: str
+    purpose: str
+    scene: str = "five_rings"
+    options: tuple[tuple[str, dict[str, Any]], ...] = ()
+
+    @property
+    def conduct(self) -> Conduct:
+        return import_module(f"ringwear.studies.{self.module}").conduct
+
+
+STUDIES: dict[str, Study] = {
+    "paper": Study(
+        "paper.study",
+        "the whole paper again: Figs. 4 to 7 redrawn, every claim checked, and what it leaves open",
+        options=(
+            ("--fig", {"type": int, "choices": (4, 5, 6, 7), "help": "only this figure (default: all, and the tables)"}),
+            ("--bem3d", {"action": "store_true", "help": "also check in three dimensions (needs ringwear[bem3d])"}),
+        ),
+    ),
+    "convergence": Study(
+        "convergence.study", "orders of convergence in element size and degree, on graded and uniform meshes"
+    ),
+    "truncation": Study("truncation", "what the outer boundary costs, for every far field and Poisson's ratio"),
+    "march": Study("time_steps", "orders of the time marches, and where the explicit one blows up"),
+    "compare": Study("compare", "every method over one scene on one page"),
+    "refinement": Study(
+        "refinement.study",
+        "uniform, graded and self-refining meshes, and a mesh file of your own, against what is known",
+        options=(("--mesh", {"metavar": "FILE", "help": "a mesh file of yours: .msh of gmsh, .vtu, ..."}),),
+    ),
+    "extremes": Study("extremes.study", "a map of the limits: every method at extreme parameters against closed forms"),
+    "estimates": Study(
+        "estimates",
+        "are stated errors honest? true error over own estimate, on scenes drawn at random",
+        options=(
+            ("--seed", {"type": int, "default": 0, "help": "seed that the scenes are drawn from (default: 0)"}),
+            ("--count", {"type": int, "default": 40, "help": "how many scenes (default: 40)"}),
+            ("--rings", {"type": int, "default": 8, "help": "most rings of a scene (default: 8; 64 takes long)"}),
+        ),
+    ),
+    "tradeoff": Study("tradeoff", "error against seconds for every method and family of settings"),
+    "benchmark": Study("benchmark.study", "seconds and errors against the paper's algorithm and plain finite elements"),
+}
+
+
+def add_studies(parser: argparse.ArgumentParser, command: Callable[[argparse.Namespace], int]) -> None:
+    """Give the parser of `ringwear study` a subcommand for every study."""
+    names = parser.add_subparsers(required=True, metavar="NAME")
+    for name, study in STUDIES.items():
+        one = names.add_parser(name, help=study.purpose)
+        one.add_argument("scene", nargs="?", default=study.scene, help=f"a scene (default: {study.scene})")
+        one.add_argument("--out", type=Path, default=None, help=f"directory for results (default: results/{name})")
+        one.add_argument("--quick", action="store_true", help="a smaller version of the study")
+        for flag, settings in study.options:
+            one.add_argument(flag, **settings)
+        one.set_defaults(command=command, study=name)

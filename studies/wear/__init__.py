@@ -1,0 +1,1 @@
+"""Contact and Archard's wear on any compliance."""

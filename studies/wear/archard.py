@@ -1,0 +1,209 @@
+"""Archard's wear on any compliance: exact in time by modes, or marched in steps (Eqs. 12 to 17). Natural units.
+
+In full contact the pressure is affine in the profile, and with the wear rate ``k p`` continuous (which it is for
+every t > 0) the history obeys ``A p' = d' b - K p``, ``b . p = F``, with the mass matrix `K` of weight `k`. Its
+deviation from the steady state decays in modes of the pencil (A, K) on the pressures that carry no force, whose
+eigenvalues are the relaxation times. A flat start never loses contact, so no inequality is enforced.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from ringwear.meshes.compliance import Compliance
+from ringwear.meshes.errors import SceneError
+from ringwear.meshes.radial import Array
+from ringwear.studies.wear.banded import BandedCholesky
+from ringwear.studies.wear.contact import FlatStart, SteadyState, flat_start, steady_state
+from ringwear.studies.wear.modes import LARGE, Modes, every_mode, excited_modes
+from scipy.linalg import cho_factor, cho_solve
+from scipy.sparse import csr_matrix
+
+MOST_STEPS = 2_000_000
+# smallest element above which eigenvalues are as good as singular values, at a quarter of the time (measured: no
+# digit of indentation, relaxation time or slope differs from rtol 1e-3 to 1e-9). Below it the stiff modes would be lost
+# to roundoff of the slowest
+GENTLEST = 1e-10
+
+# (state, step, how many) -> (state, wear of each unknown in between)
+Advance = Callable[[Array, float, int], tuple[Array, Array]]
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """Pressures and profiles (T, size) as coefficients on the pressure space, and indentations (T,)."""
+
+    times: Array
+    pressure: Array
+    profile: Array
+    indentation: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Wear:
+    """A punch from its flat start to its steady state: condensed once, evaluated at any time.
+
+    Parameters
+    ----------
+    compliance : of the half-space
+    wear_coefficients : (N,) of the rings of its pressure space
+    earliest : time > 0 before which no history is wanted, so that a large punch needs few of its modes; 0: all of them
+    """
+
+    compliance: Compliance
+    wear_coefficients: Array
+    earliest: float = 0.0
+
+    @cached_property
+    def steady(self) -> SteadyState:
+        return steady_state(self.compliance, self.wear_coefficients)
+
+    @cached_property
+    def flat(self) -> FlatStart:
+        return flat_start(self.compliance)
+
+    @cached_property
+    def _to_pressure(self) -> csr_matrix:
+        """(size, n) pressures by the wear rate."""
+        return self.compliance.space.joined(self.wear_coefficients)
+
+    @cached_property
+    def _to_profile(self) -> csr_matrix:
+        """(size, n) wear rates, and so worn profiles, by the same unknowns."""
+        return self.compliance.space.joined(np.ones_like(self.wear_coefficients))
+
+    @cached_property
+    def _factor(self) -> Array:
+        return self.compliance.factor @ self._to_pressure
+
+    @cached_property
+    def _energy(self) -> Array:
+        return np.asarray(self._to_pressure.T @ self.compliance.matrix @ self._to_pressure)
+
+    @cached_property
+    def _mass(self) -> csr_matrix:
+        return self._to_pressure.T @ self.compliance.space.mass(self.wear_coefficients) @ self._to_pressure
+
+    @cached_property
+    def _weights(self) -> Array:
+        return self._to_pressure.T @ self.compliance.space.weights
+
+    @cached_property
+    def _modes(self) -> Modes:
+        mass, moments = BandedCholesky(self._mass), self._to_pressure.T @ self.steady.moments
+        if self.earliest and len(moments) > LARGE:
+            return excited_modes(self._energy, mass, self._weights, moments, self.earliest)
+        gentle = float(np.diff(self.compliance.space.breakpoints).min()) > GENTLEST
+        return every_mode(self._factor, mass, self._weights, moments, gentle)
+
+    @property
+    def relaxation_times(self) -> Array:
+        """(m,) slowest first."""
+        return self._modes.relaxation[: self._modes.exact]
+
+    def modal(self, times: Array) -> History:
+        """The exact history at any times from `earliest` on, none of which depends on another."""
+        if (times[times > 0] < self.earliest * (1 - 1e-12)).any():
+            raise SceneError(f"this history was prepared for times from {self.earliest:.3g} on; prepare it for all of them")
+        relaxation, shapes, amplitudes = self._modes.relaxation, self._modes.shapes, self._modes.amplitudes
+        decay = times[:, None] / relaxation
+        left = (np.exp(-decay) * amplitudes) @ shapes.T
+        worn = (-np.expm1(-decay) * relaxation * amplitudes) @ shapes.T
+        rate = self.steady.wear_rate
+        pressure = self.steady.pressure + left @ self._to_pressure.T
+        # the constant wear rate has coefficient one on every hat
+        profile = worn @ self._to_profile.T + np.outer(rate * times, self._constant)
+        indentation = rate * times + pressure @ self.steady.moments
+        return self._from_flat(History(times, pressure, profile, indentation))
+
+    @cached_property
+    def _constant(self) -> Array:
+        return (self.compliance.space.order == 1).astype(float)
+
+    def _from_flat(self, history: History) -> History:
+        """At t = 0 the pressure, not the wear rate, is continuous: put the flat start in its own space."""
+        start = np.flatnonzero(history.times == 0)
+        if len(start):
+            history.pressure[start] = self.flat.pressure
+            history.indentation[start] = self.flat.indentation
+        return history
+
+    @cached_property
+    def _start(self) -> Array:
+        """Unknowns of the flat start in the space of t > 0: the best approximation in energy."""
+        solution = cho_solve(cho_factor(self._energy), self._weights)
+        return solution / (self._weights @ solution)
+
+    def stability_limit(self) -> float:
+        """Greatest stable step of the explicit march, twice the shortest relaxation time."""
+        whole = replace(self, earliest=0.0) if self.earliest else self
+        return float(2 * whole.relaxation_times[-1])
+
+    def implicit(self, times: Array, step: float) -> History:
+        """Implicit Euler, equal steps of at most `step` between output times: stable, first order."""
+
+        def advance(state: Array, dt: float, count: int) -> tuple[Array, Array]:
+            factor = cho_factor(energy + dt * mass)
+            by_weights = cho_solve(factor, self._weights)
+            worn = np.zeros_like(state)
+            for _ in range(count):
+                trial = cho_solve(factor, energy @ state)
+                state = trial + by_weights * (1 - self._weights @ trial) / (self._weights @ by_weights)
+                worn += dt * state
+            return state, worn
+
+        energy, mass = self._energy, self._mass.toarray()
+        return self._marched(times, step, advance)
+
+    def explicit(self, times: Array, step: float) -> History:
+        """Explicit Euler (Eqs. 14 to 17 on this compliance): first order, stable up to `stability_limit`.
+
+        Raises
+        ------
+        SceneError
+            if the step is above the stability limit
+        """
+        limit = self.stability_limit()
+        if step > limit:
+            raise SceneError(f"the explicit march is unstable: its step is {step / limit:.3g} times the stability limit; "
+                             "give a smaller wear.step, or march = 'modal' (exact in time, no step)")  # fmt: skip
+        energy = cho_factor(self._energy)
+        by_weights = cho_solve(energy, self._weights)
+        rate = -cho_solve(energy, self._mass.toarray())
+        rate -= np.outer(by_weights, self._weights @ rate) / (self._weights @ by_weights)
+
+        def advance(state: Array, dt: float, count: int) -> tuple[Array, Array]:
+            worn = np.zeros_like(state)
+            for _ in range(count):
+                worn += dt * state
+                state = state + dt * (rate @ state)
+            return state, worn
+
+        return self._marched(times, step, advance)
+
+    def _marched(self, times: Array, step: float, advance: Advance) -> History:
+        steps = np.ceil(np.diff(times, prepend=0.0) / step * (1 - 1e-12)).astype(np.int64)
+        if steps.sum() > MOST_STEPS:
+            raise SceneError(f"{steps.sum()} steps are needed to the last time, more than {MOST_STEPS}: "
+                             "give a larger wear.step, or march = 'modal'")  # fmt: skip
+        state, worn, now = self._start, np.zeros_like(self._start), 0.0
+        states, profiles = [], []
+        for time, count in zip(times, steps, strict=True):
+            if count:
+                state, more = advance(state, (time - now) / count, int(count))
+                worn, now = worn + more, time
+            states.append(state)
+            profiles.append(worn)
+        pressure, profile = np.array(states) @ self._to_pressure.T, np.array(profiles) @ self._to_profile.T
+        # force balance against the steady pressures: d F = p_s . A p + int f p_s dA
+        indentation = pressure @ self.steady.moments + np.array(profiles) @ (self._weights * self.steady.wear_rate)
+        return self._from_flat(History(times, pressure, profile, indentation))
+
+    def history(self, times: Array, march: str = "modal", step: float | None = None) -> History:
+        """The history by the named march."""
+        if march == "modal" or step is None:
+            return self.modal(times)
+        return {"implicit": self.implicit, "explicit": self.explicit}[march](times, step)

@@ -1,0 +1,156 @@
+"""Relaxation modes of a wearing punch: all of them, or those that its flat start excites. Natural units.
+
+The pencil is ``A x = tau K x`` on the wear rates that carry no force, with the compliance `A` and the mass matrix `K`
+of weight `k`. Small problems are diagonalised whole. Large ones are projected on the Krylov space of the flat start
+(Lanczos), which holds every mode that carries the history and hardly any other: with hundreds of rings it is many
+times smaller than the pressure space.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from ringwear.meshes.errors import SolverError
+from ringwear.meshes.radial import Array
+from ringwear.studies.wear.banded import BandedCholesky
+from scipy.linalg import eigh, eigh_tridiagonal, svd
+from scipy.linalg.blas import dsymv
+
+# beyond this size singular values would take minutes
+LARGE = 700
+# Krylov vectors at the first look at how far they carry, and how many times more at each further look
+FIRST, MORE = 40, 1.2
+# share of the history, and of the slowest relaxation times, that the Krylov space may leave out
+NEGLIGIBLE = 1e-13
+SLOWEST = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """Relaxation modes, slowest first.
+
+    Parameters
+    ----------
+    relaxation : (m,) times
+    shapes : (n, m) wear rates, orthonormal in `K`
+    amplitudes : (m,) share of each in the flat start
+    exact : how many, from the slowest on, are modes of the punch; the others stand for all that relax as fast
+    """
+
+    relaxation: Array
+    shapes: Array
+    amplitudes: Array
+    exact: int
+
+
+def every_mode(factor: Array, mass: BandedCholesky, weights: Array, moments: Array, gentle: bool) -> Modes:
+    """All modes.
+
+    Parameters
+    ----------
+    factor : (m, n) factor of the compliance ``A = H^T H`` of wear rates
+    mass : (n, n) of weight `k`
+    weights : (n,) force that each wear rate carries
+    moments : (n,) ``A`` times the steady state
+    gentle : whether eigenvalues of `A` will do; else singular values of `H`, which keep the fastest modes
+    """
+    scaled = mass.forward(factor.T).T
+    # a reflection that maps the steady state to the first axis: the other axes carry no force
+    axis = mass.forward(weights)
+    axis /= np.linalg.norm(axis)
+    axis[0] += np.copysign(1.0, axis[0])
+    axis /= np.linalg.norm(axis)
+    reflected = scaled - 2 * np.outer(scaled @ axis, axis)
+    relaxation, within = _squared_singular(reflected[:, 1:], gentle or len(weights) > LARGE)
+    shapes = np.concatenate([np.zeros((1, len(relaxation))), within])
+    shapes -= 2 * np.outer(axis, axis @ shapes)
+    return _modes(relaxation, mass.backward(shapes), moments, len(relaxation))
+
+
+def excited_modes(energy: Array, mass: BandedCholesky, weights: Array, moments: Array, earliest: float) -> Modes:
+    """The modes that the flat start excites, as far as they are felt at `earliest` or later.
+
+    Parameters
+    ----------
+    energy : (n, n) compliance `A` of wear rates
+    mass, weights, moments : as for `every_mode`
+    earliest : time > 0
+    """
+    energy = np.asfortranarray(energy)
+    steady = mass.forward(weights)
+    steady /= np.linalg.norm(steady)
+    size = len(weights) - 1
+    # rows are touched, and so take memory, only as they are filled
+    basis = np.empty((size, size + 1))
+    diagonal, beside = np.empty(size), np.empty(size)
+    vector = mass.forward(moments)
+    vector -= steady * (steady @ vector)
+    vector /= np.linalg.norm(vector)
+    look = min(FIRST, size)
+    for k in range(size):
+        basis[k] = vector
+        image = mass.forward(dsymv(1.0, energy, mass.backward(vector)))
+        for again in (False, True):
+            image -= steady * (steady @ image)
+            shares = basis[: k + 1] @ image
+            image -= shares @ basis[: k + 1]
+            if not again:
+                diagonal[k] = shares[k]
+        beside[k] = np.linalg.norm(image)
+        # below the roundoff of the image, nothing is left that the flat start excites
+        ended = beside[k] <= 100 * np.finfo(float).eps * diagonal[0] or k + 1 == size
+        if ended or k + 1 == look:
+            relaxation, within = eigh_tridiagonal(diagonal[: k + 1], beside[:k])
+            lost = np.abs(beside[k] * within[-1])
+            if ended or _carried(relaxation, within, lost, earliest):
+                break
+            look = min(int(MORE * look), size)
+        vector = image / beside[k]
+    kept = _felt(relaxation, earliest)
+    relaxation, within, lost = relaxation[kept][::-1], within[:, kept][:, ::-1], lost[kept][::-1]
+    exact = int(np.argmin(np.append(lost <= np.sqrt(NEGLIGIBLE) * relaxation, False)))
+    return _modes(relaxation, mass.backward(basis[: len(within)].T @ within), moments, max(exact, 1))
+
+
+def _carried(relaxation: Array, within: Array, lost: Array, earliest: float) -> bool:
+    """Whether a Krylov space carries the history from `earliest` on, and the slowest relaxation times."""
+    felt = _felt(relaxation, earliest)
+    left = within[:, felt] @ (within[0, felt] * np.exp(-earliest / relaxation[felt]) / relaxation[felt])
+    history = np.abs(left[-SLOWEST:]).max() <= NEGLIGIBLE * np.linalg.norm(left)
+    return bool(history and (lost[-SLOWEST:] <= NEGLIGIBLE * relaxation[-1]).all())
+
+
+def _felt(relaxation: Array, earliest: float) -> slice:
+    """The modes, fastest first, that are above roundoff.
+
+    Raises
+    ------
+    SolverError
+        if those below it are still felt at the earliest time
+    """
+    roundoff = len(relaxation) * np.finfo(float).eps * relaxation[-1]
+    below = int(np.searchsorted(relaxation, roundoff))
+    if below and earliest < 40 * roundoff:
+        raise SolverError(
+            f"the first of wear.times after the start is {earliest / relaxation[-1]:.1e} of the slowest relaxation time, "
+            "too early for double precision with so many rings; leave the earliest out"
+        )
+    return slice(below, None)
+
+
+def _modes(relaxation: Array, shapes: Array, moments: Array, exact: int) -> Modes:
+    if not relaxation[-1] > 0:
+        raise SolverError("the compliance is singular: the multipliers are unstable on this mesh")
+    return Modes(relaxation, shapes, -(shapes.T @ moments) / relaxation, exact)
+
+
+def _squared_singular(factor: Array, gentle: bool) -> tuple[Array, Array]:
+    """Squared singular values, greatest first, and right singular vectors of a tall matrix."""
+    if gentle:
+        values, vectors = eigh(factor.T @ factor, driver="evd", overwrite_a=True, check_finite=False)
+        # else roundoff of the slowest has taken the fastest
+        if values[0] > 0:
+            return values[::-1], vectors[:, ::-1]
+    _, singular, right = svd(factor, full_matrices=False, check_finite=False)
+    return singular**2, right.T
