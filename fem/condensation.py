@@ -11,15 +11,11 @@ import importlib.util
 from typing import Any
 
 import numpy as np
-from ringwear.meshes.errors import SolverError
-from ringwear.meshes.radial import Array, Indices
 from scipy.sparse import coo_matrix, csc_matrix, tril
 from scipy.sparse.linalg import splu
 
-# memory that goes back to the system is cleared, page by page, before it comes again: for matrices and factors of this
-# size that would cost as much as the arithmetic. glibc keeps twice the size of the greatest block it has freed, blocks of
-# more than 32 MiB apart (mallopt(3), M_MMAP_THRESHOLD): free one that is nearly as great, and was never touched
-np.empty(2**25 - 2**14, dtype=np.uint8)
+from ringwear.meshes.errors import SolverError
+from ringwear.meshes.radial import Array, Indices
 
 SYMMETRIC: dict[str, Any] = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
 

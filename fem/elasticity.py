@@ -10,15 +10,16 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from ringwear.fem.condensation import symmetric
-from ringwear.fem.weak_form import element_of_degree, stiffness, tables
-from ringwear.meshes.half_space import LOWER, facet_ends, points_on
-from ringwear.meshes.patches import LOWEST
-from ringwear.meshes.radial import Array, Indices
 from scipy.sparse import coo_matrix, csc_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 from skfem import Element, ElementQuadP, Mesh
 from skfem.assembly import Dofs
+
+from ringwear.fem.condensation import symmetric
+from ringwear.fem.weak_form import element_of_degree, stiffness, tables
+from ringwear.meshes.half_space import LOWER, facet_ends, points_on
+from ringwear.meshes.radial import Array, Indices
+from ringwear.meshes.sizes import LOWEST
 
 # an incompressible solid is modelled as this one: with the plane strain modulus given, pressures and displacements on
 # the contact do not depend on Poisson's ratio, and closer to 1/2 roundoff costs more than it gains

@@ -17,6 +17,7 @@ import math
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander
+
 from ringwear.meshes.radial import Array
 
 

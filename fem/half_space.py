@@ -16,6 +16,11 @@ from functools import cached_property
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
+from scipy.linalg import solve_triangular
+from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix, diags
+from scipy.sparse.linalg import splu
+from skfem import MeshQuad
+
 from ringwear.fem.condensation import fill_reducing_order, symmetric, trailing_factor
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.far_field import exterior_stiffness, poles
@@ -25,10 +30,6 @@ from ringwear.meshes.errors import SolverError
 from ringwear.meshes.half_space import contact_facets, contact_radii, segments
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array, Indices, layer_degrees, snapped
-from scipy.linalg import solve_triangular
-from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix, diags
-from scipy.sparse.linalg import splu
-from skfem import MeshQuad
 
 # multipliers on the contact facets, continuous inside rings. On quadrilaterals two degrees below the displacement: one
 # degree below, near incompressibility, some pressures would have but 2 per cent of their energy. On triangles the highest
@@ -38,14 +39,14 @@ RISE = 0.5
 COLUMNS_AT_ONCE = 256
 
 
-def pressure_space(solid: AxisymmetricElasticity, edges: Array) -> PressureSpace:
+def pressure_space(solid: AxisymmetricElasticity, ring_edges: Array) -> PressureSpace:
     """The pressure space on the contact facets of a solid that goes with its displacements."""
-    breakpoints = snapped(contact_radii(solid.mesh), edges)
+    breakpoints = snapped(contact_radii(solid.mesh), ring_edges)
     if isinstance(solid.mesh, MeshQuad):
         degrees = solid.facet_degrees[contact_facets(solid.mesh)] - BELOW_ON_QUADRILATERALS
-        return PressureSpace(breakpoints, np.maximum(degrees, 1), edges)
+        return PressureSpace(breakpoints, np.maximum(degrees, 1), ring_edges)
     highest = solid.degree - BELOW_ON_TRIANGLES
-    return PressureSpace(breakpoints, layer_degrees(breakpoints, edges, highest, RISE, max(1, highest - 1)), edges)
+    return PressureSpace(breakpoints, layer_degrees(breakpoints, ring_edges, highest, RISE, max(1, highest - 1)), ring_edges)
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +180,7 @@ class HalfSpace:
         `compliance` is tested against.
         """
         inside, _ = self._numbering
-        continuous = self.space.joined(np.ones(len(self.space.edges) - 1))
+        continuous = self.space.joined(np.ones(len(self.space.ring_edges) - 1))
         coupling = np.zeros((self.system.shape[0], continuous.shape[1]))
         coupling[len(inside) :] = self.coupling @ continuous
         weights = csc_matrix(continuous.T @ self.space.weights)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse.linalg import splu
+from skfem import CellBasis, MeshQuad
+
 from ringwear.fem.condensation import SYMMETRIC
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.half_space import HalfSpace
 from ringwear.fem.weak_form import element_of_degree, moduli, projection, rule
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.radial import Array, Indices
-from scipy.sparse.linalg import splu
-from skfem import CellBasis, MeshQuad
 
 
 def displacements(half_space: HalfSpace, pressures: Array) -> Array:

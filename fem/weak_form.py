@@ -11,7 +11,6 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from ringwear.meshes.radial import Array, Indices
 from skfem import (
     BilinearForm,
     Element,
@@ -28,6 +27,8 @@ from skfem import (
     MeshQuad,
 )
 from skfem.quadrature import get_quadrature
+
+from ringwear.meshes.radial import Array, Indices
 
 
 def moduli(poisson_ratio: float) -> tuple[float, float]:

@@ -17,10 +17,11 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
-from ringwear.mdr.quadrature import unit_gauss
-from ringwear.meshes.radial import Array, ring_areas
 from scipy.optimize import minimize_scalar
 from scipy.special import ellipe, ellipkm1
+
+from ringwear.mdr.quadrature import unit_gauss
+from ringwear.meshes.radial import Array, ring_areas
 
 # measured: 4e-14 in the RMS gradient for rings of any width ratio from 0.1 to 10
 EDGE_NODES = 24
@@ -38,9 +39,9 @@ def ring_kernel(radius: Array, ring: Array) -> Array:
     return 2 * ellipkm1(complement) / (np.pi**2 * (radius + ring))
 
 
-def steady_pressures(edges: Array, wear_coefficients: Array, force: float = 1.0) -> Array:
+def steady_pressures(ring_edges: Array, wear_coefficients: Array, force: float = 1.0) -> Array:
     """Eqs. 24 and 26 for any rings: ``p_j = F / (k_j sum_i A_i / k_i)``."""
-    return force / (wear_coefficients * np.sum(ring_areas(edges) / wear_coefficients))
+    return force / (wear_coefficients * np.sum(ring_areas(ring_edges) / wear_coefficients))
 
 
 def disc_displacement(disc: Array, radius: Array) -> Array:
@@ -83,15 +84,15 @@ def _difference_series() -> Array:
 _SERIES = _difference_series()
 
 
-def displacement(edges: Array, pressures: Array, radii: Array) -> Array:
+def displacement(ring_edges: Array, pressures: Array, radii: Array) -> Array:
     """Eq. 21: displacement at `radii` by a constant pressure on each ring."""
-    return disc_displacement(edges[1:], np.asarray(radii, dtype=float)[:, None]) @ pressure_steps(pressures)
+    return disc_displacement(ring_edges[1:], np.asarray(radii, dtype=float)[:, None]) @ pressure_steps(pressures)
 
 
-def slope(edges: Array, pressures: Array, radii: Array) -> Array:
+def slope(ring_edges: Array, pressures: Array, radii: Array) -> Array:
     """Slope ``du/dr`` at `radii` off the ring edges; the slope of the limiting profile is its negative."""
     radii = np.asarray(radii, dtype=float)[:, None]
-    return disc_slope(edges[1:], radii, np.abs(radii - edges[1:])) @ pressure_steps(pressures)
+    return disc_slope(ring_edges[1:], radii, np.abs(radii - ring_edges[1:])) @ pressure_steps(pressures)
 
 
 def pressure_steps(pressures: Array) -> Array:
@@ -103,31 +104,34 @@ def pressure_steps(pressures: Array) -> Array:
     return -np.diff(np.concatenate([pressures, outside]), axis=0)
 
 
-def greatest_displacement(edges: Array, pressures: Array) -> float:
+def greatest_displacement(ring_edges: Array, pressures: Array) -> float:
     """Greatest displacement under the punch, ``u_max`` of Eq. 27, to roundoff."""
-    radii = np.concatenate([a + (b - a) * np.linspace(0, 1, 33)[:-1] for a, b in itertools.pairwise(edges)])
-    values = displacement(edges, pressures, radii)
+    radii = np.concatenate([a + (b - a) * np.linspace(0, 1, 33)[:-1] for a, b in itertools.pairwise(ring_edges)])
+    values = displacement(ring_edges, pressures, radii)
     best = int(values.argmax())
     if best == 0:
         return float(values[0])
     bounds = (radii[best - 1], radii[best + 1] if best + 1 < len(radii) else 1.0)
     found = minimize_scalar(
-        lambda r: -displacement(edges, pressures, np.array([r]))[0], bounds=bounds, method="bounded", options={"xatol": 1e-9}
+        lambda r: -displacement(ring_edges, pressures, np.array([r]))[0],
+        bounds=bounds,
+        method="bounded",
+        options={"xatol": 1e-9},
     )
     return float(max(-found.fun, values[best]))
 
 
-def limiting_profile(edges: Array, pressures: Array, radii: Array) -> Array:
+def limiting_profile(ring_edges: Array, pressures: Array, radii: Array) -> Array:
     """Eq. 27: ``f_stat = u_max - u``, zero where the punch has worn least."""
-    return greatest_displacement(edges, pressures) - displacement(edges, pressures, radii)
+    return greatest_displacement(ring_edges, pressures) - displacement(ring_edges, pressures, radii)
 
 
-def slope_gram(edges: Array, patterns: Array, block: int = 2**16) -> tuple[Array, Array]:
+def slope_gram(ring_edges: Array, patterns: Array, block: int = 2**16) -> tuple[Array, Array]:
     """Mean products of the slopes of several ring-wise constant pressures: for `line` and `area` averages.
 
     Parameters
     ----------
-    edges : (N+1,) ring edges, 0 to 1
+    ring_edges : (N+1,) ring edges, 0 to 1
     patterns : (N, m) pressures
     block : pairs of a radius and a disc evaluated at once, few enough to stay in the cache
 
@@ -136,24 +140,24 @@ def slope_gram(edges: Array, patterns: Array, block: int = 2**16) -> tuple[Array
     (m, m) matrices: ``p.T @ gram @ p`` is the squared RMS gradient (Eq. 18) of the pressure ``patterns @ p``, as an
     average over the radius and over the area.
     """
-    radii, gaps, weights, edge = _edge_quadrature(edges)
+    radii, gaps, weights, edge = _edge_quadrature(ring_edges)
     steps = pressure_steps(patterns)
     line, area = (np.zeros((patterns.shape[1],) * 2) for _ in range(2))
     rows = max(1, block // len(steps))
     for start in range(0, len(radii), rows):
         part = slice(start, start + rows)
         r = radii[part, None]
-        gap = np.abs(r - edges[1:])
+        gap = np.abs(r - ring_edges[1:])
         row = np.arange(len(gap))
         own = edge[part] > 0
         gap[row[own], edge[part][own] - 1] = gaps[part][own]
-        slopes = disc_slope(edges[1:], r, gap) @ steps
+        slopes = disc_slope(ring_edges[1:], r, gap) @ steps
         line += slopes.T @ (weights[part, None] * slopes)
         area += slopes.T @ (2 * r * weights[part, None] * slopes)
     return line, area
 
 
-def _edge_quadrature(edges: Array) -> tuple[Array, Array, Array, Array]:
+def _edge_quadrature(ring_edges: Array) -> tuple[Array, Array, Array, Array]:
     """Radii, distances to the nearest edge, weights and number of that edge, for log poles at every edge.
 
     Each ring is cut in the middle, and each half graded down to its neighbours' widths: a narrow, highly loaded ring is
@@ -162,7 +166,7 @@ def _edge_quadrature(edges: Array) -> tuple[Array, Array, Array, Array]:
     power_node, power_weight = unit_gauss(EDGE_NODES)
     power_gap, power_weight = power_node**EDGE_POWER, EDGE_POWER * power_node ** (EDGE_POWER - 1) * power_weight
     node, weight = unit_gauss(PANEL_NODES)
-    widths = np.diff(edges)
+    widths = np.diff(ring_edges)
     beside = np.concatenate([[np.inf], widths, [np.inf]])
     # halves of rings at their inner edge, then at their outer edge
     half = np.tile(widths / 2, 2)
@@ -178,10 +182,10 @@ def _edge_quadrature(edges: Array) -> tuple[Array, Array, Array, Array]:
     gaps = np.concatenate([np.outer(innermost, power_gap).ravel(), (outer - panel * (1 - node)[:, None]).T.ravel()])
     weights = np.concatenate([np.outer(innermost, power_weight).ravel(), np.outer(panel, weight).ravel()])
     owners = np.concatenate([np.repeat(np.arange(len(half)), EDGE_NODES), np.repeat(owner, PANEL_NODES)])
-    return edges[edge[owners]] + side[owners] * gaps, gaps, weights, edge[owners]
+    return ring_edges[edge[owners]] + side[owners] * gaps, gaps, weights, edge[owners]
 
 
-def rms_slope(edges: Array, pressures: Array, average: str = "line") -> float:
+def rms_slope(ring_edges: Array, pressures: Array, average: str = "line") -> float:
     """Eq. 18 for the limiting profile; `average` is `line` (over the radius) or `area`."""
-    line, area = slope_gram(edges, pressures[:, None])
+    line, area = slope_gram(ring_edges, pressures[:, None])
     return float(np.sqrt({"line": line, "area": area}[average][0, 0]))

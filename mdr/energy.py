@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from ringwear.mdr.transforms import line_density, panel_quadrature
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.pressure_space import PressureSpace

@@ -14,13 +14,14 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import cholesky
+from scipy.special import ellipkm1
+
 from ringwear.mdr.quadrature import unit_gauss
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.pressure_space import PressureSpace, shapes
 from ringwear.meshes.radial import Array, Indices
-from scipy.linalg import cholesky
-from scipy.special import ellipkm1
 
 # x = w^POWER: logarithms of x, times the slope of the power, are smooth enough at w = 0 for Gauss points in w
 POWER = 6

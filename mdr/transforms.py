@@ -9,6 +9,7 @@ includes the jump of `q` at ``x = a``, which the print does not show: it yields 
 from __future__ import annotations
 
 import numpy as np
+
 from ringwear.mdr.quadrature import gauss, unit_gauss
 from ringwear.meshes.pressure_space import PressureSpace, shapes
 from ringwear.meshes.radial import Array, Indices

@@ -11,16 +11,17 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+
 from ringwear.mdr.transforms import pressure_transform, profile_transform
 from ringwear.meshes.errors import SceneError
-from ringwear.meshes.radial import Array
+from ringwear.meshes.radial import Array, ring_of
 
 
 @dataclass(frozen=True, eq=False)
-class PaperGrid:
+class UniformGrid:
     """The uniform grid of `count` springs for rings of given edges and wear coefficients."""
 
-    edges: Array
+    ring_edges: Array
     wear_coefficients: Array
     count: int
 
@@ -30,10 +31,9 @@ class PaperGrid:
         return np.arange(self.count + 1) / self.count
 
     @cached_property
-    def wear(self) -> Array:
+    def coefficients(self) -> Array:
         """(count+1,) wear coefficient at each radius."""
-        ring = np.searchsorted(self.edges, self.radii, side="right") - 1
-        return self.wear_coefficients[np.minimum(ring, len(self.wear_coefficients) - 1)]
+        return self.wear_coefficients[ring_of(self.ring_edges, self.radii)]
 
     @cached_property
     def _transforms(self) -> tuple[Array, Array, Array]:
@@ -56,12 +56,14 @@ class PaperGrid:
 
     def stability_limit(self) -> float:
         """Greatest stable step: a pattern of wavelength 2/n relaxes in ``2 / (pi n k)``, and Euler takes twice that."""
-        return 4 / (np.pi * self.count * float(self.wear.max()))
+        return 4 / (np.pi * self.count * float(self.coefficients.max()))
 
     def rate_matrix(self) -> Array:
         """(count+1, count+1) `M` in ``df/dt = M f + const``; its eigenvalues are the grid's relaxation rates."""
         to_springs, rule, to_pressure = self._transforms
-        return self.wear[:, None] * (to_pressure @ (np.outer(np.ones(self.count + 1), rule @ to_springs) - to_springs))
+        return self.coefficients[:, None] * (
+            to_pressure @ (np.outer(np.ones(self.count + 1), rule @ to_springs) - to_springs)
+        )
 
     def march(self, times: Array, step: float) -> tuple[Array, Array, Array]:
         """Pressures and profiles (T, count+1) and indentations (T,) at `times`, by steps of at most `step`.
@@ -78,12 +80,12 @@ class PaperGrid:
             count = int(np.ceil((time - now) / step * (1 - 1e-12)))
             with np.errstate(over="ignore", invalid="ignore"):
                 for _ in range(count):
-                    profile = profile + (time - now) / count * self.wear * pressure
+                    profile = profile + (time - now) / count * self.coefficients * pressure
                     pressure, indentation = self.contact(profile)
             if not np.abs(pressure).max() < 1e6:
                 raise SceneError(
-                    f"the explicit march blew up: its step is {step / self.stability_limit():.3g} times the stability "
-                    "limit; give a smaller wear.step, or march = 'modal' (exact in time, no step)"
+                    f"the march on the uniform grid blew up: its step is {step / self.stability_limit():.3g} times the "
+                    "stability limit; give a smaller wear.step, or leave it out for half the limit"
                 )
             now = time
             pressures.append(pressure)

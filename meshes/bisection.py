@@ -10,11 +10,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from skfem import MeshTri
+
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.half_space import half_space
 from ringwear.meshes.radial import Array
-from ringwear.meshes.size_field import SizeField
-from skfem import MeshTri
+from ringwear.meshes.sizes import SizeField
 
 MOST_ROUNDS = 80
 
@@ -27,12 +28,12 @@ def mesh(field: SizeField) -> MeshTri:
     MeshError
         if the ring edges are too close together to be told apart on a dyadic grid
     """
-    edges = np.array(field.edges)
-    dyadic, spacing = _dyadic_image(edges)
+    ring_edges = np.array(field.ring_edges)
+    dyadic, spacing = _dyadic_image(ring_edges)
     points, triangles = _polar_quarter_disc(field.truncation)
     current = MeshTri(np.ascontiguousarray(points.T), np.ascontiguousarray(triangles.T))
     for _ in range(MOST_ROUNDS):
-        corners = _moved(current.p.T, dyadic, edges)[current.t.T]
+        corners = _moved(current.p.T, dyadic, ring_edges)[current.t.T]
         longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
         marked = longest > 1.25 * field(corners.mean(axis=1))
         marked |= _spans_an_edge(current.p.T[current.t.T], dyadic, spacing)
@@ -43,23 +44,23 @@ def mesh(field: SizeField) -> MeshTri:
         current = replace(current, doflocs=np.ascontiguousarray(points.T))
     else:
         raise MeshError("local refinement did not reach the sizes asked for: ask for larger ones, or for gmsh")
-    moved = np.ascontiguousarray(_moved(current.p.T, dyadic, edges).T)
-    return half_space(replace(current, doflocs=moved), edges)
+    moved = np.ascontiguousarray(_moved(current.p.T, dyadic, ring_edges).T)
+    return half_space(replace(current, doflocs=moved), ring_edges)
 
 
-def _dyadic_image(edges: Array) -> tuple[Array, float]:
+def _dyadic_image(ring_edges: Array) -> tuple[Array, float]:
     """A dyadic radius for each edge, in order and close to it, and the spacing of that dyadic grid."""
-    level = int(np.ceil(np.log2(2 / np.diff(edges).min())))
+    level = int(np.ceil(np.log2(2 / np.diff(ring_edges).min())))
     if level > 40:
-        raise MeshError(f"rings narrower than 1e-12 a cannot be meshed: the narrowest is {np.diff(edges).min():.2g} a")
-    return np.round(edges * 2.0**level) / 2.0**level, 0.5**level
+        raise MeshError(f"rings narrower than 1e-12 a cannot be meshed: the narrowest is {np.diff(ring_edges).min():.2g} a")
+    return np.round(ring_edges * 2.0**level) / 2.0**level, 0.5**level
 
 
-def _moved(points: Array, dyadic: Array, edges: Array) -> Array:
+def _moved(points: Array, dyadic: Array, ring_edges: Array) -> Array:
     radius = np.hypot(*points.T)
     inside = (radius > 0) & (radius < 1)
     scale = np.ones_like(radius)
-    scale[inside] = np.interp(radius[inside], dyadic, edges) / radius[inside]
+    scale[inside] = np.interp(radius[inside], dyadic, ring_edges) / radius[inside]
     return points * scale[:, None]
 
 

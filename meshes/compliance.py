@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array

@@ -13,18 +13,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from skfem import Mesh
+from skfem.io.meshio import from_meshio
+
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.half_space import half_space
 from ringwear.meshes.radial import Array
-from skfem import Mesh
-from skfem.io.meshio import from_meshio
 
 # relative: how far a coordinate may be from where it belongs, so that files with nine digits are welcome
 SLACK = 1e-8
 FIRST_ORDER = "in gmsh set Mesh.ElementOrder = 1; the displacement's degree is accuracy.fem.degree, not the mesh's"
 
 
-def read(path: str | Path, edges: Array, radius: float = 1.0) -> tuple[Mesh, str]:
+def read(path: str | Path, ring_edges: Array, radius: float = 1.0) -> tuple[Mesh, str]:
     """Read the quarter disc from a file; returns the mesh, and what was done to it beyond reading.
 
     Parameters
@@ -32,7 +33,7 @@ def read(path: str | Path, edges: Array, radius: float = 1.0) -> tuple[Mesh, str
     path : file that meshio reads, first coordinate the radius, second the depth, the surface at depth 0, ring edges where
         they are in natural units or at `radius` times that. A half-space drawn below its surface, with negative depths
         throughout, is turned over
-    edges : (N+1,) ring edges in natural units, 0 to 1; each must be a vertex
+    ring_edges : (N+1,) ring edges in natural units, 0 to 1; each must be a vertex
     radius : radius of the punch in the units of the file
 
     Raises
@@ -42,7 +43,7 @@ def read(path: str | Path, edges: Array, radius: float = 1.0) -> tuple[Mesh, str
     """
     try:
         mesh, remark = _upright(_mesh(Path(path)))
-        return half_space(_snapped(mesh, edges, radius), edges), remark
+        return half_space(_snapped(mesh, ring_edges, radius), ring_edges), remark
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from error
 
@@ -106,7 +107,7 @@ def _upright(mesh: Mesh) -> tuple[Mesh, str]:
     return replace(mesh, doflocs=points), "turned over: its second coordinate points out of the half-space" if turned else ""
 
 
-def _snapped(mesh: Mesh, edges: Array, radius: float) -> Mesh:
+def _snapped(mesh: Mesh, ring_edges: Array, radius: float) -> Mesh:
     """The mesh in natural units, vertices that are off by rounding only put exactly where they belong."""
     used = np.unique(mesh.t)
     size = mesh.p[0, used].max()
@@ -116,10 +117,10 @@ def _snapped(mesh: Mesh, edges: Array, radius: float) -> Mesh:
     on_surface = mesh.p[0, surface]
     lost: Array = np.empty(0)
     for scale in dict.fromkeys((radius, 1.0)):
-        distance = np.abs(on_surface[:, None] / scale - edges)
+        distance = np.abs(on_surface[:, None] / scale - ring_edges)
         if (distance.min(axis=0) < SLACK).all():
             break
-        lost = edges[distance.min(axis=0) >= SLACK]
+        lost = ring_edges[distance.min(axis=0) >= SLACK]
     else:
         raise MeshError(
             f"no vertex of the mesh lies on the ring edge at r = {lost[0]:.9g} a on the surface: put a point of the "
@@ -128,7 +129,7 @@ def _snapped(mesh: Mesh, edges: Array, radius: float) -> Mesh:
     points = mesh.p / scale
     points[0, points[0] < SLACK] = 0.0
     points[1, points[1] < SLACK] = 0.0
-    points[0, surface[distance.argmin(axis=0)]] = edges
+    points[0, surface[distance.argmin(axis=0)]] = ring_edges
     outer, rho = points[0, used].max(), np.hypot(*points)
     arc = np.abs(rho / outer - 1) < SLACK
     points[:, arc] *= outer / rho[arc]

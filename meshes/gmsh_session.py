@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.radial import Array, Indices
 

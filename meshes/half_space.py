@@ -10,24 +10,25 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from ringwear.meshes.errors import MeshError
-from ringwear.meshes.radial import Array, Indices
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import Mesh, MeshQuad
+
+from ringwear.meshes.errors import MeshError
+from ringwear.meshes.radial import Array, Indices
 
 LOWEST_QUALITY = 0.02
 # subdomains `degree -1`, `degree -2`, ... of a mesh: where the degree of the displacement may be so much lower
 LOWER = "degree -"
 
 
-def half_space(mesh: Mesh, edges: Array) -> Mesh:
+def half_space(mesh: Mesh, ring_edges: Array) -> Mesh:
     """The mesh without orphan points, its boundaries named, checked to be the quarter disc it should be.
 
     Parameters
     ----------
     mesh : triangles or quadrilaterals, the first coordinate the radius, the second the depth
-    edges : (N+1,) ring edges, 0 to 1; each must be a vertex
+    ring_edges : (N+1,) ring edges, 0 to 1; each must be a vertex
 
     Raises
     ------
@@ -43,7 +44,7 @@ def half_space(mesh: Mesh, edges: Array) -> Mesh:
     if np.bincount(mesh.t2f.ravel()).max() > 2:
         raise MeshError("the mesh is not a surface: a facet has more than two elements")
     mesh = mesh.with_boundaries(_named(mesh))
-    _check(mesh, np.asarray(edges))
+    _check(mesh, np.asarray(ring_edges))
     return mesh
 
 
@@ -85,7 +86,7 @@ def _named(mesh: Mesh) -> dict[str, Indices]:
     return {name: outer[mask] for name, mask in names.items()}
 
 
-def _check(mesh: Mesh, edges: Array) -> None:
+def _check(mesh: Mesh, ring_edges: Array) -> None:
     outer = truncation(mesh)
     for name, expected in {"contact": 1.0, "free": outer - 1, "axis": outer}.items():
         start, end = segments(mesh, mesh.boundaries[name]).transpose(1, 0, 2)
@@ -101,7 +102,7 @@ def _check(mesh: Mesh, edges: Array) -> None:
     enclosed = np.abs(ends[:, 0, 0] * ends[:, 1, 1] - ends[:, 0, 1] * ends[:, 1, 0]).sum() / 2
     if abs(areas(mesh).sum() / enclosed - 1) > 1e-9:
         raise MeshError("elements overlap: the mesh is folded over itself")
-    missing = [edge for edge in edges if np.abs(contact_radii(mesh) - edge).min() > 1e-12]
+    missing = [edge for edge in ring_edges if np.abs(contact_radii(mesh) - edge).min() > 1e-12]
     if missing:
         raise MeshError(
             f"no vertex of the mesh lies on the ring edge at r = {missing[0]:.9g} a: ask for a smaller ring_size"

@@ -16,8 +16,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
-from ringwear.meshes.radial import Array, Indices
 from scipy.sparse import csr_matrix
+
+from ringwear.meshes.radial import Array, Indices, ring_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,12 +29,12 @@ class PressureSpace:
     ----------
     breakpoints : (n+1,) element boundaries, 0 to 1
     degrees : (n,) polynomial degree of each element, at least 1
-    edges : (N+1,) ring edges, each one a breakpoint
+    ring_edges : (N+1,) ring edges, each one a breakpoint
     """
 
     breakpoints: Array
     degrees: Indices
-    edges: Array
+    ring_edges: Array
 
     @property
     def size(self) -> int:
@@ -46,8 +47,7 @@ class PressureSpace:
     @cached_property
     def ring(self) -> Indices:
         """Ring that each element belongs to."""
-        middle = (self.breakpoints[1:] + self.breakpoints[:-1]) / 2
-        return np.searchsorted(self.edges, middle, side="right") - 1
+        return ring_of(self.ring_edges, (self.breakpoints[1:] + self.breakpoints[:-1]) / 2)
 
     @cached_property
     def _numbering(self) -> tuple[Indices, int]:
@@ -144,21 +144,21 @@ class PressureSpace:
         radii, weight, local = self.quadrature
         return self.scatter(np.einsum("eq,qi->ei", 2 * np.pi * radii * weight, shapes(local, self.top)))
 
-    def ring_forces(self, edges: ArrayLike) -> Array:
-        """(M, size) force that each basis function puts on each of the rings between `edges` (any edges)."""
-        edges = np.asarray(edges, dtype=float)
-        cuts = np.union1d(self.breakpoints, edges)
+    def ring_forces(self, ring_edges: ArrayLike) -> Array:
+        """(M, size) force that each basis function puts on each of the rings between `ring_edges` (any edges)."""
+        ring_edges = np.asarray(ring_edges, dtype=float)
+        cuts = np.union1d(self.breakpoints, ring_edges)
         local, weight = np.polynomial.legendre.leggauss(self.top + 2)
         half = np.diff(cuts)[:, None] / 2
         radii = (cuts[:-1, None] + half * (1 + local)).ravel()
         area = 2 * np.pi * radii * (half * weight).ravel()
-        ring = np.clip(np.searchsorted(edges, radii, side="right") - 1, 0, len(edges) - 2)
-        sums = csr_matrix((area, (ring, np.arange(len(radii)))), (len(edges) - 1, len(radii)))
+        ring = np.clip(np.searchsorted(ring_edges, radii, side="right") - 1, 0, len(ring_edges) - 2)
+        sums = csr_matrix((area, (ring, np.arange(len(radii)))), (len(ring_edges) - 1, len(radii)))
         return np.asarray((sums @ self.matrix(radii)).toarray())
 
     def ring_indicator(self) -> Array:
         """(size, N) coefficients of the pressures that are one on a ring and zero on the others."""
-        out = np.zeros((self.size + 1, len(self.edges) - 1))
+        out = np.zeros((self.size + 1, len(self.ring_edges) - 1))
         out[self.dofs[:, 0], self.ring] = 1.0
         out[self.dofs[:, 1], self.ring] = 1.0
         return out[:-1]

@@ -14,14 +14,15 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
+from skfem import MeshQuad
+
 from ringwear.meshes import gmsh_session
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.gmsh_session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
 from ringwear.meshes.half_space import LOWER, half_space, quality
-from ringwear.meshes.patches import LARGEST, beside, falls, patch_layers, patch_widths
 from ringwear.meshes.radial import Array, Indices
-from scipy.spatial import cKDTree
-from skfem import MeshQuad
+from ringwear.meshes.sizes import LARGEST, beside, falls, patch_layers, patch_widths
 
 # a ring narrower than this is lost to roundoff, layers and all
 NARROWEST = 1e-10
@@ -59,14 +60,14 @@ class GradedQuads:
 
     Parameters
     ----------
-    edges : (N+1,) ring edges, 0 first and 1 (the rim) last
+    ring_edges : (N+1,) ring edges, 0 first and 1 (the rim) last
     widths : (N, 2) half-width of the patch at each edge but the centre, towards the axis and away from it
     layers : (N,) layers of each patch outside its two kites
     factor : size of a layer over that of the layer outside it
     between : points (2, n) and quadrilaterals (4, m) outside the patches
     """
 
-    edges: Array
+    ring_edges: Array
     widths: Array
     layers: Indices
     factor: float
@@ -91,7 +92,7 @@ class GradedQuads:
         cells = np.concatenate([number[quadrilaterals], between], axis=1)
         parts = {f"{LOWER}{k}": np.flatnonzero(lower == k) for k in np.unique(lower[lower > 0])}
         mesh = MeshQuad(np.concatenate([known, points[:, ~same]], axis=1), cells).with_subdomains(parts)
-        return half_space(mesh, self.edges)
+        return half_space(mesh, self.ring_edges)
 
     def coarser(self) -> GradedQuads:
         """The same without the innermost layer of every patch that has more than one."""
@@ -100,7 +101,7 @@ class GradedQuads:
     def _patches(self) -> tuple[Array, Indices, Indices]:
         """Points (2, n) of the patches, their quadrilaterals (4, m), and how much lower the degree of each may be (m,)."""
         points, quadrilaterals, lower, count = [], [], [], 0
-        for centre, (inner, outer), fall in zip(self.edges[1:], self.widths, falls(self.layers), strict=True):
+        for centre, (inner, outer), fall in zip(self.ring_edges[1:], self.widths, falls(self.layers), strict=True):
             depth = len(fall) - 1
             shapes = np.concatenate([OUTLINE[None], np.repeat(LAYER[None], depth, axis=0)])
             shapes = shapes * self.factor ** np.arange(depth + 1.0)[:, None, None]
@@ -117,12 +118,14 @@ class GradedQuads:
         return np.concatenate(points, axis=1), np.concatenate(quadrilaterals, axis=1), np.concatenate(lower)
 
 
-def graded(edges: ArrayLike, sizes: ArrayLike, rim_size: float, factor: float, growth: float, outer: float) -> GradedQuads:
+def graded(
+    ring_edges: ArrayLike, sizes: ArrayLike, rim_size: float, factor: float, growth: float, outer: float
+) -> GradedQuads:
     """Mesh the quarter disc.
 
     Parameters
     ----------
-    edges : (N+1,) ring edges, 0 first and 1 (the rim) last
+    ring_edges : (N+1,) ring edges, 0 first and 1 (the rim) last
     sizes : greatest size of the kites at each of the N-1 edges between: one for all of them, or one for each
     rim_size : the same at the rim
     factor : size of a layer over that of the layer outside it
@@ -134,18 +137,18 @@ def graded(edges: ArrayLike, sizes: ArrayLike, rim_size: float, factor: float, g
     MeshError
         if a ring is too narrow, or gmsh cannot be loaded, or fails in every way
     """
-    edges = np.asarray(edges, dtype=float)
-    if np.diff(edges).min() < NARROWEST:
+    ring_edges = np.asarray(ring_edges, dtype=float)
+    if np.diff(ring_edges).min() < NARROWEST:
         raise MeshError(f"a ring is narrower than {NARROWEST:g} a: merge it with a neighbour")
-    widths = patch_widths(edges)
-    layers = patch_layers(widths, np.append(np.broadcast_to(sizes, len(edges) - 2), rim_size), factor)
+    widths = patch_widths(ring_edges)
+    layers = patch_layers(widths, np.append(np.broadcast_to(sizes, len(ring_edges) - 2), rim_size), factor)
     missing = gmsh_session.unavailable()
     if missing:
         raise MeshError(missing)
     made = []
     for way in WAYS:
         try:
-            graded = GradedQuads(edges, widths, layers, factor, _between(edges[1:], widths, growth, outer, way))
+            graded = GradedQuads(ring_edges, widths, layers, factor, _between(ring_edges[1:], widths, growth, outer, way))
             made.append((float(quality(graded.mesh).min()), graded))
         except MeshError as error:
             reason = error

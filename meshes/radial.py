@@ -14,40 +14,45 @@ Indices = NDArray[np.int64]
 def alternating_edges(count: int, width_ratio: float = 1.0) -> Array:
     """Edges of `count` rings on [0, 1] whose widths alternate as h1, h2, h1, ... with ``h2/h1 = width_ratio``."""
     widths = np.where(np.arange(count) % 2 == 0, 1.0, width_ratio)
-    edges = np.concatenate([[0.0], np.cumsum(widths)])
-    return edges / edges[-1]
+    ring_edges = np.concatenate([[0.0], np.cumsum(widths)])
+    return ring_edges / ring_edges[-1]
 
 
-def ring_areas(edges: ArrayLike) -> Array:
+def ring_areas(ring_edges: ArrayLike) -> Array:
     """Area of each ring, ``pi (r_o^2 - r_i^2)``, without cancellation for narrow rings."""
-    edges = np.asarray(edges, dtype=float)
-    return np.pi * np.diff(edges) * (edges[1:] + edges[:-1])
+    ring_edges = np.asarray(ring_edges, dtype=float)
+    return np.pi * np.diff(ring_edges) * (ring_edges[1:] + ring_edges[:-1])
 
 
-def snapped(radii: Array, edges: Array) -> Array:
+def ring_of(ring_edges: Array, radii: ArrayLike) -> Indices:
+    """Number of the ring at each radius, from 0; a radius on an edge belongs to the ring outside it, the rim to the last."""
+    return np.clip(np.searchsorted(ring_edges, radii, side="right") - 1, 0, len(ring_edges) - 2)
+
+
+def snapped(radii: Array, ring_edges: Array) -> Array:
     """The radii, with the nearest to each edge moved onto it."""
     out = radii.copy()
-    out[np.abs(radii[:, None] - edges).argmin(axis=0)] = edges
+    out[np.abs(radii[:, None] - ring_edges).argmin(axis=0)] = ring_edges
     return out
 
 
-def graded_breakpoints(edges: ArrayLike, edge_size: ArrayLike, rim_size: float, factor: float) -> Array:
+def graded_breakpoints(ring_edges: ArrayLike, edge_size: ArrayLike, rim_size: float, factor: float) -> Array:
     """Element boundaries that shrink by `factor` per element towards every ring edge and the rim.
 
     The smallest elements have about `edge_size` at ring edges (one for all, or one for each between the centre and
     the rim) and `rim_size` at the rim. There is nothing to resolve at the axis, where every field is smooth in ``r^2``.
     """
-    edges = np.asarray(edges, dtype=float)
-    sizes = np.append(np.broadcast_to(np.asarray(edge_size, dtype=float), len(edges) - 2), rim_size)
+    ring_edges = np.asarray(ring_edges, dtype=float)
+    sizes = np.append(np.broadcast_to(np.asarray(edge_size, dtype=float), len(ring_edges) - 2), rim_size)
     pieces = []
-    for i, (inner, outer) in enumerate(itertools.pairwise(edges)):
+    for i, (inner, outer) in enumerate(itertools.pairwise(ring_edges)):
         width = outer - inner
         span = width if i == 0 else width / 2
         towards_outer = outer - _layers(span, sizes[i], factor)
         towards_inner = inner + _layers(span, sizes[i - 1], factor)[::-1] if i else np.empty(0)
         # the two families meet at mid-ring, and share that point
         pieces.append(np.concatenate([[inner], towards_inner[:-1], towards_outer if i else towards_outer[1:]]))
-    return np.concatenate([*pieces, edges[-1:]])
+    return np.concatenate([*pieces, ring_edges[-1:]])
 
 
 def _layers(span: float, smallest: float, factor: float) -> Array:
@@ -56,9 +61,9 @@ def _layers(span: float, smallest: float, factor: float) -> Array:
     return span * factor ** np.arange(count + 1.0)
 
 
-def layer_degrees(breakpoints: Array, edges: ArrayLike, degree: int, rise: float, lowest: int = 1) -> Indices:
+def layer_degrees(breakpoints: Array, ring_edges: ArrayLike, degree: int, rise: float, lowest: int = 1) -> Indices:
     """Degree of each element: `lowest` at ring edges and rim, rising by `rise` per element to `degree`."""
-    marks = np.searchsorted(breakpoints, np.asarray(edges, dtype=float)[1:])
+    marks = np.searchsorted(breakpoints, np.asarray(ring_edges, dtype=float)[1:])
     index = np.arange(len(breakpoints) - 1)
     after = np.searchsorted(marks, index, side="right")
     to_outer = marks[np.minimum(after, len(marks) - 1)] - 1 - index

@@ -6,10 +6,11 @@ import itertools
 from typing import Any
 
 import numpy as np
+from skfem import MeshTri
+
 from ringwear.meshes.gmsh_session import TRIANGLE, elements, session, set_sizes
 from ringwear.meshes.half_space import half_space
-from ringwear.meshes.size_field import SizeField
-from skfem import MeshTri
+from ringwear.meshes.sizes import SizeField
 
 
 def mesh(field: SizeField) -> MeshTri:
@@ -24,12 +25,12 @@ def mesh(field: SizeField) -> MeshTri:
         _geometry(gmsh, field)
         gmsh.model.mesh.generate(2)
         points, triangles = elements(gmsh, TRIANGLE)
-    return half_space(MeshTri(points, triangles), np.array(field.edges))
+    return half_space(MeshTri(points, triangles), np.array(field.ring_edges))
 
 
 def _geometry(gmsh: Any, field: SizeField) -> None:
     geometry, outer = gmsh.model.geo, field.truncation
-    on_contact = [geometry.addPoint(edge, 0, 0) for edge in field.edges]
+    on_contact = [geometry.addPoint(edge, 0, 0) for edge in field.ring_edges]
     surface_end, axis_end = geometry.addPoint(outer, 0, 0), geometry.addPoint(0, outer, 0)
     line = [*on_contact, surface_end]
     curves = [geometry.addLine(a, b) for a, b in itertools.pairwise(line)]

@@ -7,23 +7,27 @@ the accuracy asked for; 2 bad input; 1 anything else, and when stopped by Ctrl-C
 from __future__ import annotations
 
 import argparse
+import logging
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ringwear.meshes.errors import RingwearError, SceneError
-from ringwear.studies.registry import INTERRUPTED, STUDIES, add_studies
+from ringwear.studies.problem.scene import Scene, bundled
+from ringwear.studies.progress import LOG
+from ringwear.studies.registry import INTERRUPTED, STUDIES, Study
 
 if TYPE_CHECKING:
     from ringwear.studies.crosscheck.run import Result
-    from ringwear.studies.problem.scene import Scene
-
 DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     options = _parser().parse_args(arguments)
+    LOG.setLevel(logging.INFO)
+    if not any(isinstance(handler, Terminal) for handler in LOG.handlers):
+        LOG.addHandler(Terminal())
     try:
         return int(options.command(options))
     except SceneError as error:
@@ -62,19 +66,34 @@ def _parser() -> argparse.ArgumentParser:
     mesh.add_argument("--out", type=Path, default=None, help="directory (default: results/SCENE)")
     mesh.set_defaults(command=_mesh)
 
-    add_studies(commands.add_parser("study", help="a study: figures, tables and a conclusion"), _study)
+    studies = commands.add_parser("study", help="a study: figures, tables and a conclusion")
+    names = studies.add_subparsers(required=True, metavar="NAME")
+    for name, study in STUDIES.items():
+        _add_study(names.add_parser(name, help=study.purpose), name, study)
 
     scenes = commands.add_parser("scenes", help="list the bundled scenes")
     scenes.set_defaults(command=_scenes)
     return parser
 
 
-def _progress(line: str) -> None:
-    """Stages on one line of a terminal as they go; elsewhere only as they end."""
-    if sys.stderr.isatty():
-        print(f"\r\033[K{line}", end="" if line.endswith("...") else "\n", file=sys.stderr, flush=True)
-    elif not line.endswith("..."):
-        print(line, file=sys.stderr)
+def _add_study(parser: argparse.ArgumentParser, name: str, study: Study) -> None:
+    parser.add_argument("scene", nargs="?", default=study.scene, help=f"a scene (default: {study.scene})")
+    parser.add_argument("--out", type=Path, default=None, help=f"directory for results (default: results/{name})")
+    parser.add_argument("--quick", action="store_true", help="a smaller version of the study")
+    for flag, settings in study.options:
+        parser.add_argument(flag, **settings)
+    parser.set_defaults(command=_study, study=name)
+
+
+class Terminal(logging.Handler):
+    """The log on standard error: on a terminal unfinished lines are written over; elsewhere only finished ones show."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        line = record.getMessage()
+        if sys.stderr.isatty():
+            print(f"\r\033[K{line}", end="" if line.endswith("...") else "\n", file=sys.stderr, flush=True)
+        elif not line.endswith("..."):
+            print(line, file=sys.stderr)
 
 
 def _directory(options: argparse.Namespace) -> Path:
@@ -85,7 +104,8 @@ def _directory(options: argparse.Namespace) -> Path:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from ringwear.studies.problem.scene import Scene
+    from ringwear.studies.crosscheck.run import run
+    from ringwear.studies.output import write
 
     scene = Scene.load(options.scene)
     if options.rtol is not None:
@@ -93,11 +113,8 @@ def _run(options: argparse.Namespace) -> int:
     if options.methods is not None:
         scene = scene.changed(methods=[name.strip() for name in options.methods.split(",") if name.strip()])
     out = _directory(options)
-    from ringwear.studies.crosscheck.output import write
-    from ringwear.studies.crosscheck.run import run
-
-    result = run(scene, _progress)
-    written = write(result, out, _progress)
+    result = run(scene)
+    written = write(result, out)
     _say_what(scene)
     _say_verdict(result)
     print(f"\n{len(written)} files in {out}: {', '.join(written)}")
@@ -117,20 +134,20 @@ def _say_what(scene: Scene) -> None:
 
 def _say_verdict(result: Result) -> None:
     print("\nMethod    unknowns   seconds   own error estimate (relative, of the indentation)")
-    for method, stages in result.stages.items():
-        unknowns = result.models[method].unknowns if method in result.models else 0
-        parts = ", ".join(f"{name} {value:.1e}" for name, value in result.parts[method].items())
-        print(f"{method:<9}{unknowns:>9}{sum(stages.seconds.values()):>10.3f}   {parts}")
+    for name, solution in result.solutions.items():
+        seconds = sum(result.stages[name].seconds.values())
+        parts = ", ".join(f"{part} {value:.1e}" for part, value in solution.parts.items())
+        print(f"{name:<9}{solution.unknowns:>9}{seconds:>10.3f}   {parts}")
     if result.agreement:
-        print("\nAgreement, relative           difference  uncertainty")
+        print("\nAgreement, relative             difference  uncertainty")
         for row in result.agreement:
             verdict = "" if row.agrees else "   DISAGREE"
-            pair = f"{row.methods[0]}-{row.methods[1]}"
-            print(f"  {row.quantity:<24}{pair:<12}{row.difference:8.1e}{row.uncertainty:10.1e}{verdict}")
+            pair = f"{row.methods[0]}, {row.methods[1]}"
+            print(f"  {row.quantity:<24}{pair:<14}{row.difference:8.1e}{row.uncertainty:10.1e}{verdict}")
         print("The methods agree within their stated uncertainty." if result.agrees else "THE METHODS DISAGREE.")
     for both in result.operators:
         print(
-            f"As operators, {both.methods[0]}-{both.methods[1]} differ by {both.rings:.1e} over all steady states and "
+            f"As operators, {both.methods[0]} and {both.methods[1]} differ by {both.rings:.1e} over all steady states and "
             f"{both.history:.1e} along this history; stability {both.stability:.2f}, residual {both.residual:.1e}"
         )
     for method, estimate in result.short_of.items():
@@ -144,7 +161,6 @@ def _say_verdict(result: Result) -> None:
 
 def _plan(options: argparse.Namespace) -> int:
     from ringwear.studies.crosscheck.scope import plan
-    from ringwear.studies.problem.scene import Scene
 
     scene = Scene.load(options.scene)
     _say_what(scene)
@@ -160,7 +176,7 @@ def _check(scene: Scene) -> None:
     """Stability of the finite elements' multipliers, against a compliance that resolves every pressure they have."""
     from ringwear.studies.crosscheck.run import run
 
-    for both in run(scene.changed(methods=["mdr", "fem"]), _progress).operators:
+    for both in run(scene.changed(methods=["mdr", "fem"])).operators:
         print(
             f"\nMultipliers: inf-sup constant {both.stability**0.5:.2f}, least ratio of energies {both.stability:.2f} "
             f"({both.methods[0]} over {both.methods[1]}); over all steady states they differ by {both.rings:.1e}"
@@ -168,15 +184,12 @@ def _check(scene: Scene) -> None:
 
 
 def _mesh(options: argparse.Namespace) -> int:
-    from ringwear.studies.problem.scene import Scene
-
-    scene = Scene.load(options.scene)
-    out = _directory(options)
     from ringwear.meshes.half_space import quality
-    from ringwear.studies.crosscheck.output import write_mesh
     from ringwear.studies.methods.fem import half_space_mesh
+    from ringwear.studies.output import write_mesh
 
-    meshed = half_space_mesh(scene.natural)
+    scene, out = Scene.load(options.scene), _directory(options)
+    meshed = half_space_mesh(scene.problem)
     written = write_mesh(scene, meshed, out)
     mesh, shape = meshed.mesh, quality(meshed.mesh)
     kind = {3: "triangles", 4: "quadrilaterals"}[len(mesh.t)]
@@ -189,13 +202,12 @@ def _mesh(options: argparse.Namespace) -> int:
 
 
 def _study(options: argparse.Namespace) -> int:
-    from ringwear.studies.crosscheck.output import whole
-    from ringwear.studies.problem.scene import Scene
+    from ringwear.studies.output import whole
 
     scene = Scene.load(options.scene)
     options.out = out = options.out or Path("results") / options.study
     with whole(_directory(options)) as hidden:
-        conclusions = STUDIES[options.study].conduct(scene, hidden, options, _progress)
+        conclusions = STUDIES[options.study].conduct(scene, hidden, options)
         written = sorted(file.name for file in hidden.iterdir())
     print("\n".join(conclusions))
     print(f"{len(written)} files in {out}: {', '.join(written)}")
@@ -203,8 +215,6 @@ def _study(options: argparse.Namespace) -> int:
 
 
 def _scenes(_: argparse.Namespace) -> int:
-    from ringwear.studies.problem.scene import Scene, bundled
-
     for name in bundled():
         print(f"{name:<14}{Scene.load(name).title}")
     return DONE

@@ -1,37 +1,37 @@
-"""Named stages of a run: timed for the summary, and shown while they last."""
+"""What happens, as it happens: the log, timed stages of a method, and progress through long work."""
 
 from __future__ import annotations
 
+import logging
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import TypeVar
 
-Report = Callable[[str], None]
-
-
-def silent(_: str) -> None:
-    """Report nothing."""
+T = TypeVar("T")
+LOG = logging.getLogger("ringwear")
 
 
 @dataclass
 class Stages:
-    """Seconds by stage of one method.
-
-    Parameters
-    ----------
-    name : the method, for messages
-    report : called with a line when a stage begins and when it ends
-    """
+    """Seconds by stage of one method; each stage is logged when it begins and when it ends."""
 
     name: str
-    report: Report = silent
     seconds: dict[str, float] = field(default_factory=dict)
 
     @contextmanager
     def __call__(self, stage: str) -> Iterator[None]:
-        self.report(f"{self.name:>7}  {stage} ...")
+        LOG.info("%8s  %s ...", self.name, stage)
         start = time.perf_counter()
         yield
         self.seconds[stage] = self.seconds.get(stage, 0.0) + time.perf_counter() - start
-        self.report(f"{self.name:>7}  {stage:<13} {self.seconds[stage]:8.3f} s")
+        LOG.info("%8s  %-13s %8.3f s", self.name, stage, self.seconds[stage])
+
+
+def progress(items: Sequence[T], of: str, label: Callable[[T], object] = str) -> Iterator[T]:
+    """The items one by one, each logged with its number and the time gone by."""
+    start = time.perf_counter()
+    for number, item in enumerate(items, 1):
+        LOG.info("%8s  %d of %d, %.0f s: %s ...", of, number, len(items), time.perf_counter() - start, label(item))
+        yield item

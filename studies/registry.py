@@ -1,28 +1,24 @@
-"""The studies by name: what each is for and the options it takes, told without importing any of them.
+"""The methods and the studies by name: where each is, and what a study takes. Nothing is imported until it is used.
 
-A study is a module with ``conduct(scene, out, options, report)``: it writes its figures and tables to the directory
-`out` and returns its conclusions, a line each; `INTERRUPTED` is among them if it was stopped.
+A method is a file with an object ``METHOD`` (`studies/methods/base.py`). A study is a file with a function
+``conduct(scene, out, options)``: it writes its figures and tables to the directory `out` and returns its conclusions, a
+line each; `INTERRUPTED` is among them if it was stopped.
 """
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.progress import Report
-
+METHODS = ("mdr", "mdr-grid", "bem", "direct", "fem")
 INTERRUPTED = "INTERRUPTED: tables and figures hold the rows that were finished."
-Conduct = Callable[[Scene, Path, argparse.Namespace, Report], list[str]]
 
 
 @dataclass(frozen=True)
 class Study:
-    """A named study: its module, its purpose, the scene it takes by default, and its own options."""
+    """A study: its file, its purpose, the scene it takes by default, and its own options."""
 
     module: str
     purpose: str
@@ -30,7 +26,7 @@ class Study:
     options: tuple[tuple[str, dict[str, Any]], ...] = ()
 
     @property
-    def conduct(self) -> Conduct:
+    def conduct(self) -> Callable[..., list[str]]:
         return import_module(f"ringwear.studies.{self.module}").conduct
 
 
@@ -40,12 +36,9 @@ STUDIES: dict[str, Study] = {
         "the whole paper again: Figs. 4 to 7 redrawn, every claim checked, and what it leaves open",
         options=(
             ("--fig", {"type": int, "choices": (4, 5, 6, 7), "help": "only this figure (default: all, and the tables)"}),
-            ("--bem3d", {"action": "store_true", "help": "also check in three dimensions (needs ringwear[bem3d])"}),
         ),
     ),
-    "convergence": Study(
-        "convergence.study", "orders of convergence in element size and degree, on graded and uniform meshes"
-    ),
+    "convergence": Study("convergence.study", "orders of convergence in element size and degree, graded and uniform"),
     "truncation": Study("truncation", "what the outer boundary costs, for every far field and Poisson's ratio"),
     "march": Study("time_steps", "orders of the time marches, and where the explicit one blows up"),
     "compare": Study("compare", "every method over one scene on one page"),
@@ -67,16 +60,3 @@ STUDIES: dict[str, Study] = {
     "tradeoff": Study("tradeoff", "error against seconds for every method and family of settings"),
     "benchmark": Study("benchmark.study", "seconds and errors against the paper's algorithm and plain finite elements"),
 }
-
-
-def add_studies(parser: argparse.ArgumentParser, command: Callable[[argparse.Namespace], int]) -> None:
-    """Give the parser of `ringwear study` a subcommand for every study."""
-    names = parser.add_subparsers(required=True, metavar="NAME")
-    for name, study in STUDIES.items():
-        one = names.add_parser(name, help=study.purpose)
-        one.add_argument("scene", nargs="?", default=study.scene, help=f"a scene (default: {study.scene})")
-        one.add_argument("--out", type=Path, default=None, help=f"directory for results (default: results/{name})")
-        one.add_argument("--quick", action="store_true", help="a smaller version of the study")
-        for flag, settings in study.options:
-            one.add_argument(flag, **settings)
-        one.set_defaults(command=command, study=name)

@@ -1,207 +1,154 @@
 """Steps in time: orders of the explicit and the implicit march against the modal one, and where the explicit blows up.
 
-All three march the same compliance, so that their difference is the step's alone. The limit of stability is found by
-bisection on whether a march blows up, and stands beside theory: twice the shortest relaxation time, or ``4/(pi n k)``
-for the uniform grid of the paper with n springs.
+All three march the same compliance, so that their difference is the step's alone. The limit of stability is bisected on
+whether a march blows up, and stands beside theory: twice the shortest relaxation time, or ``4/(pi n k)`` for the uniform
+grid of the paper with n springs.
 """
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-from ringwear.mdr.energy import compliance
-from ringwear.mdr.uniform_grid import PaperGrid
-from ringwear.meshes.errors import RingwearError
-from ringwear.meshes.radial import Array
-from ringwear.studies.convergence.levels import (
-    VERDICT,
-    Sequence,
-    Table,
-    draw_orders,
-    keeping_rows,
-    legend_below,
-    new_figure,
-    style,
-    write_markdown,
-)
-from ringwear.studies.methods.radial import mdr_space
-from ringwear.studies.problem.problem import NaturalScene
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.progress import Report
-from ringwear.studies.wear.archard import History, Wear
+from scipy.optimize import bisect
 from threadpoolctl import threadpool_limits
 
-TIME = 0.5  # of the errors, in natural units
+from ringwear.mdr.energy import compliance
+from ringwear.mdr.uniform_grid import UniformGrid
+from ringwear.meshes.radial import Array
+from ringwear.studies.convergence.orders import VERDICT, Sequence, draw_orders, verdicts
+from ringwear.studies.figures.style import curve, legend_below, new_figure
+from ringwear.studies.methods.mdr import radial_space
+from ringwear.studies.problem.problem import P0, Problem
+from ringwear.studies.problem.scene import Scene
+from ringwear.studies.progress import LOG, progress
+from ringwear.studies.tables import Table, keeping_rows, write_page
+from ringwear.studies.wear.archard import RunningIn
+
+TIME = 0.5  # of the errors, non-dimensional
 MODEST = {"degree": 2, "rim_size": 0.02, "ring_size": 0.02, "grading": 0.5}
-LEVELS, QUICK_LEVELS = 7, 4
-SPRINGS, QUICK_SPRINGS = (50, 100, 200, 400), (25, 50)
-STEPS = 1500  # enough for a step 1 % above the limit to grow by 1e13
-BLOWN_UP = 1e3  # times the mean pressure
-WITHIN = 0.004
-SHOWN = 100  # springs of the grid whose unstable march is drawn
-SHOWN_STEPS = (0.5, 1.06, 1.15)  # over the limit
-FIELDS = ("march", "step", "steps", "d_error", "profile_error", "remark")
-ORDER_FIELDS = (
-    "refined", "quantity", "expected order", "least squares", "last levels", VERDICT, "between levels", "finest error",
-)  # fmt: skip
-LIMIT_FIELDS = ("march", "unknowns", "theory", "limit by theory", "limit by bisection", "found over theory")
+SPRINGS = (25, 50, 100, 200, 400)
+STEPS, BLOWN_UP = 1500, 1e3 / np.pi  # enough steps for one 1 % above the limit to grow by 1e13; 1000 mean pressures
+SHOWN, SHOWN_STEPS, SHOWN_TIME = 100, (0.5, 1.06, 1.15), 120  # springs of the grid drawn; steps and time over its limit
+LEVEL_FIELDS = ("march", "step", "steps", "indentation error", "profile error")
+ORDER_FIELDS = ("refined", "quantity", "expected order", "least squares", "last levels", VERDICT, "between levels")
+LIMIT_FIELDS = ("march", "unknowns", "theory", "limit by theory", "by bisection", "ratio")
 
 
-class Unguarded(Wear):
+class Unguarded(RunningIn):
     """The same march without the check of its step."""
 
     def stability_limit(self) -> float:
         return np.inf
 
 
-def conduct(scene: Scene, out: Path, options: argparse.Namespace, report: Report) -> list[str]:
+def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     """Vary the step; writes `march.csv`, `orders.csv`, `limits.csv`, `march.md` and `march.png`."""
-    quick = bool(options.quick)
-    conclusions: list[str] = []
-    table, limits = Table(out / "march.csv", FIELDS), Table(out / "limits.csv", LIMIT_FIELDS)
-    orders = Table(out / "orders.csv", ORDER_FIELDS)
-    natural = scene.natural
-    sequences: list[Sequence] = []
+    problem, conclusions, sequences = scene.problem, list[str](), list[Sequence]()
+    levels, limits = Table(out / "march.csv", LEVEL_FIELDS), Table(out / "limits.csv", LIMIT_FIELDS)
     with threadpool_limits(1):
-        wear = Wear(compliance(mdr_space(natural, **MODEST)), natural.phases[1])
+        wear = RunningIn(compliance(radial_space(problem, **MODEST)), problem.merged.wear_coefficients)
         with keeping_rows(conclusions):
-            for name in ("explicit", "implicit"):
-                sequences += refine_step(wear, name, QUICK_LEVELS if quick else LEVELS, table, report)
-            find_limits(wear, natural, QUICK_SPRINGS if quick else SPRINGS, limits, report)
-        for sequence in sequences:
-            orders.add(**sequence.summary())
-        conclusions[:0] = conclude(sequences, limits)
-        report("  march  drawing ...")
-        draw(natural, sequences, out / "march.png")
+            for march in ("explicit", "implicit"):
+                sequences += refine_step(wear, march, 4 if options.quick else 7, levels)
+            find_limits(wear, problem, SPRINGS[:2] if options.quick else SPRINGS, limits)
+        orders = Table(out / "orders.csv", ORDER_FIELDS, (sequence.summary() for sequence in sequences))
+        LOG.info("   march  drawing ...")
+        draw(problem, sequences, out / "march.png")
+    conclusions[:0] = [f"{verdicts(sequences)} The modal march has no step."]
+    for theory in dict.fromkeys(row["theory"] for row in limits.rows):
+        ratios = [row["ratio"] for row in limits.rows if row["theory"] == theory]
+        conclusions.append(
+            f"The explicit march blows up at {min(ratios):.3f} to {max(ratios):.3f} times its limit by theory, {theory}."
+        )
     tables = {"Orders in the step": orders, "Limits of stability of the explicit march": limits}
-    write_markdown(out / "march.md", "Marching in time", conclusions, tables)
+    write_page(out / "march.md", "Marching in time", conclusions, tables)
     return [*conclusions, orders.markdown(), limits.markdown()]
 
 
-def refine_step(wear: Wear, name: str, levels: int, table: Table, report: Report) -> list[Sequence]:
+def refine_step(wear: RunningIn, march: str, levels: int, table: Table) -> list[Sequence]:
     """Errors at `TIME` by halved steps: of the indentation, and of the profile in the mean square over the area."""
     times = np.array([TIME])
     exact = wear.modal(times)
     mass = wear.compliance.space.mass(np.ones(len(wear.wear_coefficients)))
-
-    def height(profile: Array) -> float:
-        return float(np.sqrt(profile @ mass @ profile))
-
-    march = {"explicit": wear.explicit, "implicit": wear.implicit}[name]
     # the first explicit step is stable, the first implicit one far beyond that
-    first = 0.5 * wear.stability_limit() if name == "explicit" else TIME / 8
-    indentations, profiles = (Sequence(f"{name} march", what, 1.0, 1.0) for what in ("indentation", "profile"))
-    for level in range(levels):
-        steps = int(np.ceil(TIME / first)) * 2**level
-        step = TIME / steps
-        report(f"  march  {name}, step {step:.2g} ...")
-        try:
-            found: History = march(times, step)
-        except RingwearError as error:
-            table.add(march=name, step=step, steps=steps, remark=f"failed: {error}")
-            continue
-        d_error = float(found.indentation[0] / exact.indentation[0] - 1)
-        profile_error = height(found.profile[0] - exact.profile[0]) / height(exact.profile[0])
-        table.add(march=name, step=step, steps=steps, d_error=d_error, profile_error=profile_error)
-        indentations.add(step, 1 + d_error)
-        profiles.add(step, 1 + profile_error)
-    return [sequence for sequence in (indentations, profiles) if len(sequence.sizes)]
+    first = int(np.ceil(TIME / (0.5 * wear.stability_limit()))) if march == "explicit" else 8
+    sequences = [Sequence(f"{march} march", quantity, 1.0, exact=0.0) for quantity in LEVEL_FIELDS[3:]]
+    for steps in progress([first * 2**level for level in range(levels)], march):
+        history = wear.history(times, march, TIME / steps)
+        profile, wrong = exact.profile[0], history.profile[0] - exact.profile[0]
+        errors = {
+            "indentation error": float(history.indentation[0] / exact.indentation[0]) - 1,
+            "profile error": float(np.sqrt(wrong @ mass @ wrong / (profile @ mass @ profile))),
+        }
+        table.add(march=march, step=TIME / steps, steps=steps, **errors)
+        for sequence in sequences:
+            sequence.add(TIME / steps, errors[sequence.quantity])
+    return sequences
 
 
-def greatest_stable(blows_up: Callable[[float], bool], guess: float) -> float:
-    """Greatest step at which a march does not blow up, to `WITHIN`, by bisection around a guess."""
-    stable, unstable = guess / 4, guess * 4
-    while unstable / stable > 1 + WITHIN:
-        middle = float(np.sqrt(stable * unstable))
-        if blows_up(middle):
-            unstable = middle
-        else:
-            stable = middle
-    return stable
-
-
-def find_limits(wear: Wear, natural: NaturalScene, springs: tuple[int, ...], limits: Table, report: Report) -> None:
+def find_limits(wear: RunningIn, problem: Problem, springs: tuple[int, ...], limits: Table) -> None:
     """The explicit march on the compliance, then on uniform grids."""
     unguarded = Unguarded(wear.compliance, wear.wear_coefficients)
 
-    def on_compliance(step: float) -> bool:
-        with np.errstate(all="ignore"):
-            pressure = unguarded.explicit(np.array([STEPS * step]), step).pressure
-        return not np.abs(pressure).max() < BLOWN_UP / np.pi
+    def on_compliance(step: float) -> Array:
+        return unguarded.explicit(np.array([STEPS * step]), step).pressure
 
-    def add(march: str, unknowns: int, theory: str, limit: float, found: float) -> None:
-        values = (march, unknowns, theory, limit, found, found / limit)
-        limits.add(**dict(zip(LIMIT_FIELDS, values, strict=True)))
+    def add(march: str, unknowns: int, pressures: Callable[[float], Array], theories: dict[str, float]) -> None:
+        LOG.info("   march  limit of the explicit one %s, %d unknowns ...", march, unknowns)
+        limit = greatest_stable(pressures, next(iter(theories.values())))
+        for name, theory in theories.items():
+            row = (march, unknowns, name, theory, limit, limit / theory)
+            limits.add(**dict(zip(LIMIT_FIELDS, row, strict=True)))
 
-    report("  march  limit of the explicit march by bisection ...")
-    limit = wear.stability_limit()
-    found = greatest_stable(on_compliance, limit)
-    add("on a compliance", len(wear.relaxation_times) + 1, "2 tau_min", limit, found)
+    add("on a compliance", len(wear.relaxation_times) + 1, on_compliance, {"2 tau_min": wear.stability_limit()})
     for count in springs:
-        report(f"  march  limit of the paper's grid, n = {count} ...")
-        grid = PaperGrid(*natural.phases, count)
-
-        def on_grid(step: float, grid: PaperGrid = grid) -> bool:
-            return not np.abs(grid_march(grid, step, STEPS)[0][-1]).max() < BLOWN_UP / np.pi
-
-        found = greatest_stable(on_grid, grid.stability_limit())
-        add("the paper's grid", count, "4/(pi n k)", grid.stability_limit(), found)
-        greatest = 2 / float(np.abs(np.linalg.eigvals(grid.rate_matrix())).max())
-        add("the paper's grid", count, "2 / greatest rate", greatest, found)
+        grid = UniformGrid(*problem.merged, count)
+        greatest_rate = float(np.abs(np.linalg.eigvals(grid.rate_matrix())).max())
+        theories = {"4/(pi n k)": grid.stability_limit(), "2 / greatest rate": 2 / greatest_rate}
+        add("on the paper's grid", count, partial(grid_pressures, grid, STEPS), theories)
 
 
-def grid_march(grid: PaperGrid, step: float, steps: int) -> tuple[Array, Array]:
-    """Pressures (steps+1, n+1) and indentations after every explicit step, blown up or not; stops at overflow."""
-    profile = np.zeros(grid.count + 1)
-    pressures, indentations = [], []
+def greatest_stable(pressures: Callable[[float], Array], guess: float) -> float:
+    """Greatest step at which a march does not blow up, to 0.1 %; `pressures` of a step are rows over time."""
+
+    def stable(log_step: float) -> float:
+        with np.errstate(all="ignore"):
+            return 1.0 if np.abs(pressures(float(np.exp(log_step)))[-1]).max() < BLOWN_UP else -1.0
+
+    return float(np.exp(bisect(stable, np.log(guess / 4), np.log(guess * 4), xtol=1e-3)))
+
+
+def grid_pressures(grid: UniformGrid, steps: int, step: float) -> Array:
+    """(steps+1, n+1) pressures after every explicit step, blown up or not."""
+    profile, pressures = np.zeros(grid.count + 1), []
     for _ in range(steps + 1):
-        pressure, indentation = grid.contact(profile)
-        pressures.append(pressure)
-        indentations.append(indentation)
-        if not np.abs(pressure).max() < 1e12:
-            break
-        profile = profile + step * grid.wear * pressure
-    return np.array(pressures), np.array(indentations)
+        pressures.append(grid.contact(profile)[0])
+        profile = profile + step * grid.coefficients * pressures[-1]
+    return np.array(pressures)
 
 
-def conclude(sequences: list[Sequence], limits: Table) -> list[str]:
-    """Orders in a line, limits in another."""
-    orders = ", ".join(f"{s.name} {s.order:.2f} ({s.quantity})" for s in sequences)
-    lines = [f"Observed order in the step: {orders}; theory 1. The modal march has no step."]
-    for march in dict.fromkeys(str(row["march"]) for row in limits.rows):
-        ratios = [row["found over theory"] for row in limits.rows if row["march"] == march]
-        lines.append(
-            f"Explicit march, {march}: blows up at {min(ratios):.3f} to {max(ratios):.3f} times the limit by theory."
-        )
-    return lines
-
-
-def draw(natural: NaturalScene, sequences: list[Sequence], path: Path) -> None:
+def draw(problem: Problem, sequences: list[Sequence], path: Path) -> None:
     """Errors against the step, and what a step near the limit looks like on the paper's grid."""
     figure = new_figure(13, 5.2)
-    left, middle, right = figure.subplots(1, 3)
-    named = [Sequence(f"{s.name}, {s.quantity}", "", s.expected, s.exact, 0.0, s.sizes, s.values) for s in sequences]
-    draw_orders(left, named, r"step $\Delta t$ over $a/(E^*k_{max}v_0)$", f"relative error at $t$ = {TIME:g}")
-    left.set_title("against the modal march on the same compliance", fontsize=9)
-    grid = PaperGrid(*natural.phases, SHOWN)
-    steps = 120
+    errors, growth, pattern = figure.subplots(1, 3)
+    named = [replace(sequence, name=f"{sequence.name}, {sequence.quantity}") for sequence in sequences]
+    draw_orders(errors, named, r"step $\Delta t$ over $a/(E^*k_{max}v_0)$", f"relative error at $t$ = {TIME:g}")
+    grid = UniformGrid(*problem.merged, SHOWN)
     for number, ratio in enumerate(SHOWN_STEPS):
-        step = ratio * grid.stability_limit()
-        pressure, _ = grid_march(grid, step, steps * 20)
-        time = step * np.arange(len(pressure))
-        inner = np.abs(pressure[:, : SHOWN // 2]).max(axis=1) * 2 * np.pi
-        shown = time < steps * grid.stability_limit()
-        curve = style(number) | {"markevery": 8, "label": rf"$\Delta t$ = {ratio:g} of the limit"}
-        middle.semilogy(time[shown] / grid.stability_limit(), inner[shown], **curve)
-        state = min(int(np.searchsorted(time, steps / 2 * grid.stability_limit())), len(pressure) - 1)
-        right.plot(grid.radii[:-2], pressure[state, :-2] * 2 * np.pi, **curve)
-    middle.set(xlabel="time over the limit $4a/(\\pi n E^* k_{max} v_0)$", ylabel="greatest $|p|/p_0$ within $r < a/2$")
-    middle.set_title(f"the paper's grid, $n$ = {SHOWN}", fontsize=9)
-    right.set(xlabel="radius $r/a$", ylabel="pressure $p/p_0$", ylim=(-6, 10))
-    right.set_title(f"pressure at the time of {steps // 2} limits", fontsize=9)
-    for axes in (middle, right):
-        legend_below(axes)
+        pressures = grid_pressures(grid, int(SHOWN_TIME / ratio), ratio * grid.stability_limit()) / P0
+        look = curve(number) | {"markevery": 8, "label": rf"$\Delta t$ = {ratio:g} of the limit"}
+        growth.semilogy(ratio * np.arange(len(pressures)), np.abs(pressures[:, : SHOWN // 2]).max(axis=1), **look)
+        pattern.plot(grid.radii[:-2], pressures[len(pressures) // 2, :-2], **look)
+    growth.set(xlabel=r"time over the limit $4a/(\pi n E^* k_{max} v_0)$", ylabel="greatest $|p|/p_0$ within $r < a/2$")
+    pattern.set(xlabel="radius $r/a$", ylabel="pressure $p/p_0$", ylim=(-6, 10))
+    titles = ("against the modal march on the same compliance", f"the paper's grid, $n$ = {SHOWN}", "its pressure halfway")
+    for axes, title in zip((errors, growth, pattern), titles, strict=True):
+        axes.set_title(title, fontsize=9)
+    legend_below(growth)
+    legend_below(pattern)
     figure.savefig(path)

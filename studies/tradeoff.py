@@ -2,196 +2,144 @@
 
 Errors are those of the indentation over the scene's times, relative, against an MDR far more accurate than anything
 measured here; seconds are of one whole history (mesh, assembly, condensation, all times), the least of some repeats
-after a warm-up, on one thread. The error is not computed while the clock runs.
+after a warm-up, on one thread. Nothing is logged and no error is estimated while the clock runs.
 """
 
 from __future__ import annotations
 
 import argparse
-import csv
-import json
+import logging
 import os
 import platform
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from ringwear.meshes.errors import RingwearError
-from ringwear.meshes.radial import Array
-from ringwear.studies.benchmark.study import best, reference_indentation, silent_stages
-from ringwear.studies.crosscheck.dataset import versions
-from ringwear.studies.figures.run import _figure
-from ringwear.studies.methods.outcome import estimated
-from ringwear.studies.methods.radial import MODELS
-from ringwear.studies.problem.problem import NaturalScene
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.progress import Report
-from ringwear.studies.wear.archard import Wear
 from threadpoolctl import threadpool_limits
 
-FIELDS = ("method", "setting", "unknowns", "seconds", "error", "estimate")
-MARKERS = "os^Dv<>Pxh*"
+from ringwear.mdr.uniform_grid import UniformGrid
+from ringwear.meshes.errors import RingwearError
+from ringwear.meshes.radial import Array
+from ringwear.studies.benchmark.study import FINE, best
+from ringwear.studies.crosscheck.dataset import versions
+from ringwear.studies.figures.style import curve, legend_below, new_figure
+from ringwear.studies.methods.base import method
+from ringwear.studies.methods.by_compliance import ComplianceMethod
+from ringwear.studies.methods.quantities import array, error_name
+from ringwear.studies.problem.defaults import grid_step
+from ringwear.studies.problem.problem import Problem
+from ringwear.studies.problem.scene import Scene
+from ringwear.studies.problem.sections import FemAccuracy, MdrAccuracy
+from ringwear.studies.progress import LOG, Stages
+from ringwear.studies.tables import Table, keeping_rows, write_page
+from ringwear.studies.wear.archard import RunningIn
+
+Row = Mapping[str, Any]
+FIELDS = ("family", "setting", "unknowns", "seconds", "error", "estimate", "remark")
+DIALLED = ("fem quads", "mdr")  # the families of the dial
+RTOLS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+TRUNCATIONS, STEPS, GRIDS = (5, 20, 100, 1000), (0.1, 0.01, 0.001), (100, 200, 400)
+# the explicit march is only stable on a mesh that is not graded: the rim is left coarse for it
+MARCHED = {"implicit": MdrAccuracy(), "explicit": MdrAccuracy(degree=2, rim_size=0.02, ring_size=0.02)}
 
 
-@dataclass(frozen=True)
-class Point:
-    """One setting of one family; a failure has its reason as the setting and no numbers."""
-
-    method: str
-    setting: str
-    unknowns: int
-    seconds: float
-    error: float
-    estimate: float
-
-
-def conduct(scene: Scene, out: Path, options: argparse.Namespace, report: Report) -> list[str]:
-    """Measure every family; writes `tradeoff.csv`, `.png`, `.md` and what it ran on, `tradeoff.json`."""
-    if not any(scene.wear.times):
-        scene = scene.changed(wear__times=[0.01, 0.1, 1.0])
-    repeats = 1 if options.quick else 3
-    points: list[Point] = []
-    try:
-        with threadpool_limits(1):
-            exact = reference_indentation(scene.natural, scene.natural.times)
-            for method, setting, natural in families(scene, bool(options.quick)):
-                report(f"trade   {method} {setting} ...")
-                points.append(measure(method, setting, natural, exact, repeats))
-            report("trade   paper's algorithm ...")
-            points += paper_points(scene.natural, exact, (100, 200) if options.quick else (100, 200, 400, 800))
-    finally:
-        # what was measured before an interruption is kept
-        _write(points, out)
-    draw(points, scene, out / "tradeoff.png")
-    advice = recommend(points)
-    (out / "tradeoff.md").write_text(_markdown(advice), "utf-8")
-    (out / "tradeoff.json").write_text(json.dumps(machine(), indent=1) + "\n", "utf-8")
-    failures = [f"failed: {point.method} {point.setting}" for point in points if not np.isfinite(point.error)]
-    return [f"to get {tolerance:.0e} choose {point.method} ({point.setting}): {point.seconds:.3f} s, error {point.error:.1e}"
-            for tolerance, point in advice] + failures  # fmt: skip
+def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
+    """Measure every family; writes `tradeoff.csv`, `dial.csv`, `front*.csv`, `tradeoff.md` and `tradeoff.png`."""
+    quick = bool(options.quick)
+    problem = replace(scene.problem, march="modal", step=None)
+    if not problem.earliest:
+        problem = replace(problem, times=np.array([0.01, 0.1, 1.0]))
+    conclusions, table = list[str](), Table(out / "tradeoff.csv", FIELDS)
+    with keeping_rows(conclusions), threadpool_limits(1):
+        exact = indentation("mdr", replace(problem, rtol=1e-7, mdr=FINE))
+        for name, family, setting, asked in settings(problem, quick):
+            LOG.info("   trade  %s, %s ...", family, setting)
+            table.add(family=family, setting=setting, **measured(name, asked, exact, quick))
+    rows = [row for row in table.rows if "error" in row]
+    front, of_elements = pareto_front(rows), pareto_front(row for row in rows if row["family"].startswith("fem"))
+    LOG.info("   trade  drawing ...")
+    draw(rows, front, f"{scene.title}: what accuracy costs", out / "tradeoff.png")
+    conclusions += [f"Failed: {row['family']}, {row['setting']}: {row['remark']}" for row in table.rows if "remark" in row]
+    software = ", ".join(f"{name} {version}" for name, version in versions().items())
+    conclusions.append(f"Measured on {platform.platform()}, one thread of {os.cpu_count()}, with {software}.")
+    tables = {
+        "By the accuracy asked for": Table(out / "dial.csv", FIELDS, (row for row in rows if row["family"] in DIALLED)),
+        "Pareto front": Table(out / "front.csv", FIELDS, front),
+        "Pareto front of finite elements": Table(out / "front_fem.csv", FIELDS, of_elements),
+    }
+    write_page(out / "tradeoff.md", "What accuracy costs", conclusions, tables)
+    return [*conclusions, *(f"{heading}\n{part.markdown()}" for heading, part in tables.items())]
 
 
-def families(scene: Scene, quick: bool) -> Iterator[tuple[str, str, NaturalScene]]:
-    """Every (family, setting, scene) of the dial."""
-    dial = (1e-2, 1e-4) if quick else (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-    for rtol in dial:
-        for method in ("mdr", "bem"):
-            yield method, f"rtol {rtol:.0e}", scene.changed(methods=[method], accuracy__rtol=rtol).natural
-        yield "fem quads", f"rtol {rtol:.0e}", scene.changed(methods=["fem"], accuracy__rtol=rtol).natural
+def settings(problem: Problem, quick: bool) -> Iterator[tuple[str, str, str, Problem]]:
+    """Method, family, setting, and the problem that asks for it."""
+    few = 2 if quick else None
+    for rtol in RTOLS[:3:2] if quick else RTOLS:
+        asked = replace(problem, rtol=rtol)
+        for name in ("mdr", "bem"):
+            yield name, name, f"rtol {rtol:.0e}", asked
+        yield "fem", "fem quads", f"rtol {rtol:.0e}", replace(asked, fem=FemAccuracy(mesher="quads"))
         for degree in (2, 3, 4):
-            if degree == 2 and rtol < 1e-5:
-                continue
-            changed = scene.changed(methods=["fem"], accuracy__rtol=rtol, accuracy__fem={"mesher": "gmsh", "degree": degree})
-            yield f"fem P{degree}", f"rtol {rtol:.0e}", changed.natural
-    for truncation in (5, 20) if quick else (5, 20, 100, 1000):
-        fixed = {"far_field": "fixed", "truncation": float(truncation)}
-        yield "fem fixed", f"R = {truncation} a", scene.changed(methods=["fem"], accuracy__fem=fixed).natural
-    for march in ("implicit", "explicit"):
-        for step in (0.1, 0.01) if quick else (0.1, 0.03, 0.01, 0.003):
-            # the explicit march is only stable on a mesh that is not graded: the rim is left coarse for it
-            sizes = {"rim_size": 0.02, "ring_size": 0.02, "degree": 2} if march == "explicit" else {}
-            wear = {"march": march, "step": step * scene.natural.time, "times": scene.wear.times}
-            changed = scene.changed(methods=["mdr"], wear=wear, accuracy__mdr=sizes)
-            yield f"mdr {march}", f"step {step:g}", changed.natural
+            yield "fem", f"fem P{degree}", f"rtol {rtol:.0e}", replace(asked, fem=FemAccuracy(mesher="gmsh", degree=degree))
+    for radius in TRUNCATIONS[:few]:
+        fixed = FemAccuracy(far_field="fixed", truncation=radius)
+        yield "fem", "fem fixed", f"R = {radius} a", replace(problem, fem=fixed)
+    for march, sizes in MARCHED.items():
+        for step in STEPS[:few]:
+            yield "mdr", f"mdr {march}", f"step {step:g}", replace(problem, march=march, step=step, mdr=sizes)
+    for count in GRIDS[:few]:
+        yield "mdr-grid", "mdr-grid", f"n = {count}", replace(problem, mdr=MdrAccuracy(grid=count))
 
 
-def measure(method: str, setting: str, natural: NaturalScene, exact: Array, repeats: int) -> Point:
-    """Seconds, error and own estimate of one setting."""
-    name = natural.scene.methods[0]
-    asked = natural.scene.wear
+def indentation(name: str, problem: Problem) -> Array:
+    """The history by a method, without its estimate."""
+    one = method(name)
+    if not isinstance(one, ComplianceMethod):
+        grid = UniformGrid(*problem.merged, problem.mdr.grid)
+        return grid.march(problem.times, grid_step(problem, grid.stability_limit()))[2]
+    made = one.discretised(problem, Stages(name), pairs=False)
+    wear = RunningIn(made.compliance, problem.merged.wear_coefficients, problem.earliest)
+    return wear.history(problem.times, problem.march, problem.step).indentation
 
-    def history() -> Array:
-        model = MODELS[name](natural, silent_stages(), twins=False)
-        wear = Wear(model.compliance, natural.phases[1], natural.earliest)
-        return wear.history(natural.times, asked.march, natural.step).indentation
 
+def measured(name: str, problem: Problem, exact: Array, quick: bool) -> Row:
+    """Seconds, error and own estimate of one setting, or the reason why it failed."""
+    logging.disable(logging.INFO)
     try:
-        seconds = best(history, repeats)
-        error = float(np.abs(history() / exact - 1).max())
-        model = MODELS[name](natural, silent_stages())
-        _, errors, _, _ = estimated(natural, model)
-        return Point(method, setting, model.unknowns, seconds, error, float(errors.indentation.max()))
+        seconds = best(partial(indentation, name, problem), quick)
+        error = float(np.abs(indentation(name, problem) / exact - 1).max())
+        solution = method(name).solve(problem, Stages(name))
     except RingwearError as failure:
-        return Point(method, f"{setting}: {failure}", 0, np.nan, np.nan, np.nan)
+        return {"remark": str(failure)}
+    finally:
+        logging.disable(logging.NOTSET)
+    estimate = float(array(solution.results, error_name("indentation")).max())
+    return {"unknowns": solution.unknowns, "seconds": seconds, "error": error, "estimate": estimate}
 
 
-def paper_points(natural: NaturalScene, exact: Array, counts: tuple[int, ...]) -> list[Point]:
-    """The paper's algorithm at half its stability limit; its estimate is the difference to half the points."""
-    from ringwear.mdr.uniform_grid import PaperGrid
-
-    edges, wear = natural.phases
-    points, coarser = [], None
-    for count in counts:
-        step = PaperGrid(edges, wear, count).stability_limit() / 2
-        march: Callable[[], Array] = partial(_paper_history, edges, wear, count, natural.times, step)
-        found = march()
-        estimate = np.nan if coarser is None else float(np.abs(coarser / found - 1).max())
-        points.append(
-            Point("paper", f"n = {count}", count, best(march, 1), float(np.abs(found / exact - 1).max()), estimate)
-        )
-        coarser = found
-    return points
+def pareto_front(rows: Iterable[Row]) -> list[Row]:
+    """Rows than which none is faster and as accurate (to a tenth), the fastest first."""
+    front: list[Row] = []
+    for row in sorted(rows, key=lambda row: float(row["seconds"])):
+        if not front or row["error"] < 0.9 * front[-1]["error"]:
+            front.append(row)
+    return front
 
 
-def _paper_history(edges: Array, wear: Array, count: int, times: Array, step: float) -> Array:
-    from ringwear.mdr.uniform_grid import PaperGrid
-
-    return PaperGrid(edges, wear, count).march(times, step)[2]
-
-
-def recommend(points: list[Point]) -> list[tuple[float, Point]]:
-    """The cheapest setting that reached each power of ten."""
-    advice = []
-    for power in range(2, 11):
-        reached = [point for point in points if point.error <= 10.0**-power]
-        if reached:
-            advice.append((10.0**-power, min(reached, key=lambda point: point.seconds)))
-        fem = [point for point in reached if point.method.startswith("fem")]
-        if fem:
-            advice.append((10.0**-power, min(fem, key=lambda point: point.seconds)))
-    return list(dict.fromkeys(advice))
-
-
-def _markdown(advice: list[tuple[float, Point]]) -> str:
-    lines = [
-        "| to get | choose | setting | it costs | its error | its own estimate |",
-        "| --- | --- | --- | --- | --- | --- |",
-    ]
-    lines += [
-        f"| {tolerance:.0e} | {p.method} | {p.setting} | {p.seconds:.3f} s | {p.error:.1e} | {p.estimate:.1e} |"
-        for tolerance, p in advice
-    ]
-    return "\n".join([*lines, "", "Relative error of the indentation over all times; the cheapest of all, and of FEM.", ""])
-
-
-def machine() -> dict[str, Any]:
-    """What the seconds were measured on."""
-    return {"machine": platform.machine(), "system": platform.platform(), "python": platform.python_version(),
-            "cores": os.cpu_count(), "threads": 1, "versions": versions()}  # fmt: skip
-
-
-def _write(points: list[Point], out: Path) -> None:
-    with (out / "tradeoff.csv").open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(FIELDS)
-        writer.writerows([getattr(point, name) for name in FIELDS] for point in points)
-
-
-def draw(points: list[Point], scene: Scene, path: Path) -> None:
-    """Work against precision, a line for each family."""
-    figure = _figure(7.5, 5.2)
+def draw(rows: list[Row], front: list[Row], title: str, path: Path) -> None:
+    """Work against precision, a line for each family, and the Pareto front behind."""
+    figure = new_figure(7.5, 5.6)
     axes = figure.subplots()
-    names = list(dict.fromkeys(point.method for point in points))
-    for name, marker in zip(names, MARKERS, strict=False):
-        line = [point for point in points if point.method == name and np.isfinite(point.error)]
-        axes.loglog([p.error for p in line], [p.seconds for p in line], marker=marker, markersize=4, linewidth=1, label=name)
+    for number, family in enumerate(["Pareto front", *dict.fromkeys(row["family"] for row in rows)]):
+        points = [row for row in rows if row["family"] == family] if number else front
+        look = curve(number) if number else {"color": "0.85", "linewidth": 5}
+        axes.loglog([row["error"] for row in points], [row["seconds"] for row in points], label=family, **look)
     axes.invert_xaxis()
-    axes.set_xlabel("relative error of the indentation over all times")
-    axes.set_ylabel("seconds for the whole history, one thread")
+    axes.set(xlabel="relative error of the indentation over all times", ylabel="seconds for the whole history, one thread")
     axes.grid(which="major", color="0.9")
-    axes.legend(frameon=False, fontsize=8, ncols=2)
-    figure.suptitle(f"{scene.title}: what accuracy costs", fontsize=10)
+    legend_below(axes, ncols=4)
+    figure.suptitle(title, fontsize=10)
     figure.savefig(path)

@@ -11,35 +11,35 @@ from typing import Any
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
+
+from ringwear import Scene
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.gmsh_session import unavailable
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array
-from ringwear.studies.methods.model import Model
-from ringwear.studies.methods.radial import MODELS
-from ringwear.studies.problem.problem import NaturalScene
+from ringwear.studies.methods.base import method as named
+from ringwear.studies.methods.by_compliance import ComplianceMethod, Discretised
+from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
-from ringwear.studies.wear.archard import Wear
-from threadpoolctl import threadpool_limits
-
-from ringwear import Scene
+from ringwear.studies.wear.archard import RunningIn
 
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
     """One method, ready for a scene."""
 
-    natural: NaturalScene
-    model: Model
-    wear: Wear
+    problem: Problem
+    made: Discretised
+    wear: RunningIn
 
     @property
     def compliance(self) -> Compliance:
-        return self.model.compliance
+        return self.made.compliance
 
     @property
     def space(self) -> PressureSpace:
-        return self.model.compliance.space
+        return self.made.compliance.space
 
     @property
     def everywhere(self) -> Array:
@@ -79,17 +79,18 @@ def _one_thread() -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def prepare() -> Prepare:
-    """``prepare(scene, name, **changes)``: a method by its name in `METHODS`."""
+    """``prepare(scene, name, **changes)``: a method by its name in `METHODS`, or by its own."""
 
     @cache
     def make(scene: str, name: str, changes: tuple[tuple[str, Any], ...]) -> Prepared:
         if WITHOUT_GMSH and name in NEED_GMSH:
             pytest.skip(WITHOUT_GMSH)
-        method, own = METHODS[name]
+        method, own = METHODS.get(name, (name, {}))
         listed = {name: list(value) if isinstance(value, tuple) else value for name, value in changes}
-        natural = Scene.load(scene).changed(**own, **listed).natural
-        model = MODELS[method](natural, Stages(method))
-        return Prepared(natural, model, Wear(model.compliance, natural.phases[1]))
+        problem, one = Scene.load(scene).changed(**own, **listed).problem, named(method)
+        assert isinstance(one, ComplianceMethod)
+        made = one.discretised(problem, Stages(method))
+        return Prepared(problem, made, RunningIn(made.compliance, problem.merged.wear_coefficients))
 
     return lambda scene, name, **changes: make(scene, name, tuple(changes.items()))
 

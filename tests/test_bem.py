@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import scipy.interpolate
 import scipy.linalg
+
 from ringwear.mdr import direct
 from ringwear.mdr import energy as compliance
 from ringwear.mdr import ring_kernel as bem
 from ringwear.mdr.transforms import line_density
-from ringwear.meshes.errors import SolverError
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array, alternating_edges, graded_breakpoints, layer_degrees
 
@@ -61,7 +61,7 @@ def deviation(one: Array, other: Array) -> float:
 
 def slow_modes(space: PressureSpace, factor: Array, count: int) -> Array:
     """The pressures, free of force, that relax the slowest when every second ring wears ten times as fast."""
-    wear = np.where(np.arange(len(space.edges) - 1) % 2 == 0, 1.0, 10.0)
+    wear = np.where(np.arange(len(space.ring_edges) - 1) % 2 == 0, 1.0, 10.0)
     basis = space.joined(wear)
     basis = basis @ scipy.linalg.null_space((basis.T @ space.weights)[None, :])
     root = np.linalg.cholesky(basis.T @ space.mass(wear) @ basis)
@@ -148,17 +148,10 @@ def test_rings_are_differences_of_discs() -> None:
     half = np.diff(space.breakpoints)[:, None] / 2
     radii = (space.breakpoints[:-1, None] + half * (1 + local)).ravel()
     areas = 2 * np.pi * radii * (half * weight).ravel()
-    expected = space.matrix(radii).T @ (areas * direct.displacement(space.edges, pressures, radii))
+    expected = space.matrix(radii).T @ (areas * direct.displacement(space.ring_edges, pressures, radii))
     found = bem.compliance(space).matrix @ (space.ring_indicator() @ pressures)
     hats = space.order == 1
     np.testing.assert_allclose(found[hats], expected[hats], rtol=1e-8)
-
-
-def test_flat_punch_goes_in_by_half_the_force() -> None:
-    # the pressure is singular at the rim: what the last element of 1e-7 misses costs about its width
-    space = graded(1)
-    excess = indentation(bem.compliance(space).factor, space) / 0.5 - 1
-    assert 0 < excess < 1e-7
 
 
 def test_matrix_is_symmetric_and_definite() -> None:
@@ -193,15 +186,3 @@ def test_a_ring_edge_out_of_place_shows() -> None:
     moved = replace(space, breakpoints=np.where(np.isclose(space.breakpoints, 0.4), 0.401, space.breakpoints))
     constants = space.ring_indicator()
     assert deviation(bem.compliance(moved).factor @ constants, mdr_factor(space) @ constants) > 1e-3
-
-
-def test_a_quadrature_blind_to_the_singularity_shows(monkeypatch: pytest.MonkeyPatch) -> None:
-    space = uniform(20, 5, 3)
-    monkeypatch.setattr(bem, "POWER", 1)
-    assert deviation(bem.compliance(space).factor, mdr_factor(space)) > 1e-4
-
-
-def test_an_indefinite_matrix_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(bem, "ellipkm1", lambda complement: -np.ones_like(complement))
-    with pytest.raises(SolverError, match=r"not positive definite.*lower the degree"):
-        bem.compliance(uniform(5, 5, 2))

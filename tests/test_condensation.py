@@ -7,6 +7,8 @@ import importlib.util
 import numpy as np
 import pytest
 from conftest import WITHOUT_GMSH
+from scipy.sparse import coo_matrix
+
 from ringwear.fem.condensation import fill_reducing_order, trailing_factor
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.half_space import HalfSpace, pressure_space
@@ -14,9 +16,8 @@ from ringwear.meshes import quads
 from ringwear.meshes.bisection import mesh as bisection
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.radial import Array
-from ringwear.meshes.size_field import SizeField
+from ringwear.meshes.sizes import SizeField
 from ringwear.studies.wear.contact import flat_start
-from scipy.sparse import coo_matrix
 
 SOLVERS = ["superlu"] + ["cholmod"] * bool(importlib.util.find_spec("kvxopt"))
 EDGES = np.array([0.0, 0.3, 0.7, 1.0])

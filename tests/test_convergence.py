@@ -1,4 +1,4 @@
-"""Observed orders, each with an absolute cap: in the elements, in the radial mesh, and in time."""
+"""Observed orders, each with an absolute cap: in the radial mesh and in time."""
 
 from __future__ import annotations
 
@@ -6,14 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from ringwear.fem.elasticity import AxisymmetricElasticity
-from ringwear.fem.half_space import HalfSpace, pressure_space
+from scipy.linalg import expm
+
 from ringwear.mdr.energy import compliance
-from ringwear.mdr.uniform_grid import PaperGrid
-from ringwear.meshes import bisection
+from ringwear.mdr.uniform_grid import UniformGrid
+from ringwear.meshes.errors import SceneError
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array, alternating_edges
-from ringwear.meshes.size_field import SizeField
 from ringwear.studies.wear.contact import flat_start
 
 FLAT = np.array([0.0, 1.0])
@@ -22,18 +21,6 @@ FLAT = np.array([0.0, 1.0])
 def order(sizes: Array, errors: Array) -> float:
     """Between the two finest."""
     return float(np.log(errors[-2] / errors[-1]) / np.log(sizes[-2] / sizes[-1]))
-
-
-@pytest.mark.parametrize(("degree", "growth", "expected", "cap"), [(2, 0.6, 4, 3e-5), (3, 0.6, 4, 1e-6), (4, 0.9, 6, 3e-8)])
-def test_indentation_on_refined_triangles(degree: int, growth: float, expected: int, cap: float) -> None:
-    """Graded, then every triangle in four: at least these orders, of twice the degree in the end."""
-    mesh, errors = bisection.mesh(SizeField((0.0, 1.0), 1e-8, 1e-8, growth, 5.0)), []
-    for refinement in range(3):
-        solid = AxisymmetricElasticity(mesh.refined(refinement) if refinement else mesh, degree, 0.3)
-        half_space = HalfSpace(solid, pressure_space(solid, FLAT), (0, 2, 4, 6))
-        errors.append(abs(flat_start(half_space.compliance()).indentation / 0.5 - 1))
-    assert order(np.array([4.0, 2.0, 1.0]), np.array(errors)) >= expected - 0.5
-    assert errors[-1] <= cap
 
 
 @pytest.mark.parametrize(("exponent", "cap"), [(1, 2e-3), (3, 2e-6)])
@@ -61,33 +48,31 @@ def test_marches_tend_to_the_modes(prepare: Any, march: str, cap: float) -> None
     exact = wear.modal(times)
     errors = []
     for step in steps:
-        found = wear.history(times, march, step)
-        errors.append(np.abs(found.indentation - exact.indentation))
+        marched = wear.history(times, march, step)
+        errors.append(np.abs(marched.indentation - exact.indentation))
         # Euler's sums leave the balance of forces alone
-        assert np.abs(found.pressure @ wear.compliance.space.weights - 1).max() <= 1e-12
+        assert np.abs(marched.pressure @ wear.compliance.space.weights - 1).max() <= 1e-12
     for single in np.array(errors).T:
         assert order(steps, single) == pytest.approx(1, abs=0.05)
     assert errors[-1].max() <= cap
 
 
-def paper_grid(count: int) -> PaperGrid:
-    return PaperGrid(alternating_edges(5), np.array([0.1, 1, 0.1, 1, 0.1]), count)
+def paper_grid(count: int) -> UniformGrid:
+    return UniformGrid(alternating_edges(5), np.array([0.1, 1, 0.1, 1, 0.1]), count)
 
 
 def test_the_papers_march_is_first_order_in_time() -> None:
     """Against the exact solution of the same grid, by its matrix exponential."""
-    from scipy.linalg import expm
-
     grid, time = paper_grid(40), 1.0
     count = len(grid.radii)
     # df/dt = M f + c as one homogeneous system
     system = np.zeros((count + 1, count + 1))
-    system[:-1, :-1], system[:-1, -1] = grid.rate_matrix(), grid.wear * grid.contact(np.zeros(count))[0]
+    system[:-1, :-1], system[:-1, -1] = grid.rate_matrix(), grid.coefficients * grid.contact(np.zeros(count))[0]
     profile = expm(system * time)[:-1, -1]
     steps = grid.stability_limit() * np.array([0.4, 0.2, 0.1])
     marched = [grid.march(np.array([time]), step) for step in steps]
     heights = np.array([abs(indentation[0] - grid.contact(profile)[1]) for *_, indentation in marched])
-    profiles = np.array([np.abs(found[0] - profile).max() for _, found, _ in marched])
+    profiles = np.array([np.abs(worn[0] - profile).max() for _, worn, _ in marched])
     for errors in (heights, profiles):
         assert order(steps, errors) == pytest.approx(1, abs=0.05)
     assert heights[-1] <= 1e-5
@@ -106,8 +91,6 @@ def test_the_papers_stability_limit(count: int) -> None:
 
 @pytest.mark.parametrize("count", [50, 100])
 def test_the_papers_march_blows_up_above_its_limit_only(count: int) -> None:
-    from ringwear.meshes.errors import SceneError
-
     grid = paper_grid(count)
     limit = 2 / np.abs(np.linalg.eigvals(grid.rate_matrix())).max()
     until = np.array([1000 * limit])
@@ -122,7 +105,7 @@ def test_the_papers_grid_is_first_order(reference: dict[str, Any]) -> None:
     (state,) = [state for state in reference["states"] if state["time"] == 0.1]
     counts, errors = np.array([50, 100, 200]), []
     for count in counts:
-        grid = PaperGrid(np.array(reference["ring_edges"]), np.array(reference["wear_coefficients"]) / 10, count)
+        grid = UniformGrid(np.array(reference["ring_edges"]), np.array(reference["wear_coefficients"]) / 10, count)
         _, profile, indentation = grid.march(np.array([1.0]), 0.5 * grid.stability_limit())
         errors.append(abs(2 * (indentation[0] - profile[0, 0]) / state["displacement_centre"] - 1))
     assert order(1 / counts, np.array(errors)) >= 0.7

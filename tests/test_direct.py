@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from conftest import Prepare
 from mpmath import mp
+
 from ringwear.mdr import direct
 from ringwear.meshes.radial import ring_areas
 
@@ -132,7 +133,7 @@ def test_marches_tend_to_it(prepare: Prepare, method: str) -> None:
     """After forty relaxation times: the pressures of direct integration, and the method's own limiting profile."""
     punch = prepare("five_rings", method)
     last, steady = punch.wear.history(40 * punch.wear.relaxation_times[:1]), punch.wear.steady
-    edges, wear = punch.natural.phases
+    edges, wear = punch.problem.merged
     pressures = direct.steady_pressures(edges, wear)
     np.testing.assert_allclose(last.pressure[0], punch.space.ring_indicator() @ pressures, atol=1e-12)
     values = punch.space.matrix(punch.everywhere)

@@ -6,16 +6,17 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from scipy.sparse import coo_matrix, tril
+from scipy.sparse.linalg import spsolve
+from skfem import Basis, Element, ElementQuad2, ElementQuadS2, ElementTriP2B, Mesh, MeshQuad, MeshTri
+
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.far_field import poles
 from ringwear.fem.weak_form import axial_axial, element_of_degree, moduli, radial_axial, radial_radial, stiffness
 from ringwear.meshes.bisection import mesh as bisection
 from ringwear.meshes.half_space import LOWER, turned
 from ringwear.meshes.radial import Array
-from ringwear.meshes.size_field import SizeField
-from scipy.sparse import coo_matrix, tril
-from scipy.sparse.linalg import spsolve
-from skfem import Basis, Element, ElementQuad2, ElementQuadS2, ElementTriP2B, Mesh, MeshQuad, MeshTri
+from ringwear.meshes.sizes import SizeField
 
 # kind of mesh and degree of the displacement; of `layers`, degrees differ from element to element
 SOLIDS = [

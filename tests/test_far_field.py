@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 from mpmath import mp
+from scipy.sparse.linalg import splu
+
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.far_field import enough_poles, exterior_stiffness, poles
 from ringwear.fem.half_space import HalfSpace, pressure_space
@@ -14,9 +16,8 @@ from ringwear.fem.stresses import displacements
 from ringwear.fem.weak_form import moduli
 from ringwear.meshes.bisection import mesh as bisection
 from ringwear.meshes.radial import Array
-from ringwear.meshes.size_field import SizeField
+from ringwear.meshes.sizes import SizeField
 from ringwear.studies.wear.contact import flat_start
-from scipy.sparse.linalg import splu
 
 ORDERS = [0, 2, 4, 6]
 RATIOS = [-0.3, 0.0, 0.3, 0.5]

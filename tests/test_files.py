@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import xarray
 from conftest import WITHOUT_GMSH
-from ringwear.studies.cli import main
 
 from ringwear import Scene, run
+from ringwear.studies.cli import main
 
 VARIABLES = {
     "pressure": ("method", "time", "radius"),
@@ -31,9 +31,8 @@ VARIABLES = {
     "steady_displacement_max": ("method",),
     "steady_rms_slope": ("method",),
     "steady_wear_rate": ("method",),
-    "indentation_error": ("method", "time"),
-    "steady_rms_slope_error": ("method",),
 }
+VARIABLES |= {f"{name}_error": dims for name, dims in VARIABLES.items()}
 FILES = {"results.nc", "summary.json", "half_space.vtu"}
 
 
@@ -134,7 +133,6 @@ def test_figures(done: Path) -> None:
     figures = {file.name: file for file in done.glob("*.png")}
     assert {"profiles_and_pressures.png", "history.png", "steady_state.png", "mesh.png"} <= set(figures)
     for file in figures.values():
-        assert file.stat().st_size > 10_000
         assert file.read_bytes().startswith(b"\x89PNG")
     assert {file.name for file in done.iterdir()} == FILES | set(figures)
 
@@ -187,7 +185,7 @@ def test_methods_that_disagree_end_in_status_3(tmp_path: Path, capsys: pytest.Ca
 @pytest.mark.parametrize(
     ("stage", "raised"),
     [
-        ("ringwear.studies.crosscheck.run._evaluate", KeyboardInterrupt()),
+        ("ringwear.studies.crosscheck.run.solved_to_accuracy", KeyboardInterrupt()),
         ("ringwear.studies.crosscheck.interior.write_half_space", KeyboardInterrupt()),
         ("ringwear.studies.figures.run.draw_steady", KeyboardInterrupt()),
         ("ringwear.studies.figures.run.draw_steady", OSError(28, "No space left on device")),

@@ -84,10 +84,15 @@ def test_steady_state(
     solve: Solve, reference: Reference, scene: dict[str, Any], heights: float, slopes: float, average: str
 ) -> None:
     found, steady = solve(**scene, output__gradient_average=average), reference["steady"]
-    assert worst(found.steady_pressure, np.array(steady["ring_pressures"])) <= 1e-12
-    assert worst(found.steady_wear_rate, np.array(steady["wear_rate"])) <= 1e-12
     assert worst(found.steady_displacement_max, np.array(steady["displacement_centre"])) <= heights
     assert worst(found.steady_rms_slope, np.array(steady[f"rms_slope_{average}"])) <= slopes
+
+
+def test_steady_pressures_in_closed_form(solve: Solve, reference: Reference) -> None:
+    """Of the closed form only: the others are handed what Eq. 24 gives."""
+    found, steady = solve(methods=("direct",)), reference["steady"]
+    assert worst(found.steady_pressure, np.array(steady["ring_pressures"])) <= 1e-12
+    assert worst(found.steady_wear_rate, np.array(steady["wear_rate"])) <= 1e-12
 
 
 @pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-8])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from conftest import Prepare
+
 from ringwear.studies.wear.contact import flat_start
 
 
@@ -22,9 +23,10 @@ def test_indentation_on_quadrilaterals(prepare: Prepare, poisson_ratio: float) -
     assert abs(flat_start(fem.compliance).indentation / 0.5 - 1) <= 2e-8
 
 
+@pytest.mark.parametrize("name", ["mdr", "bem"])
 @pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-8])
-def test_indentation_by_mdr(prepare: Prepare, rtol: float) -> None:
-    assert abs(flat_start(prepare("flat_punch", "mdr", accuracy__rtol=rtol).compliance).indentation / 0.5 - 1) <= rtol
+def test_indentation_on_radial_meshes(prepare: Prepare, rtol: float, name: str) -> None:
+    assert abs(flat_start(prepare("flat_punch", name, accuracy__rtol=rtol).compliance).indentation / 0.5 - 1) <= rtol
 
 
 def test_pressure(prepare: Prepare, method: str) -> None:

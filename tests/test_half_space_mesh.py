@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from skfem import Mesh, MeshQuad, MeshTri
+
 from ringwear.meshes import bisection, gmsh_session, quads, triangles
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.half_space import LOWER, areas, contact_radii, half_space, quality, segments, truncation
-from ringwear.meshes.patches import patch_widths
 from ringwear.meshes.radial import Array, alternating_edges
-from ringwear.meshes.size_field import SizeField
-from skfem import Mesh, MeshQuad, MeshTri
+from ringwear.meshes.sizes import SizeField, patch_widths
 
 FIELDS = {
     "flat": SizeField((0.0, 1.0), 1e-6, 1e-2, 0.6, 5.0),
@@ -28,7 +28,7 @@ FIELDS = {
 class Layers:
     """Quadrilaterals in geometric layers: sizes at ring edges and rim, and the factor from layer to layer."""
 
-    edges: Array
+    ring_edges: Array
     sizes: Array | float
     rim_size: float
     factor: float = 0.25
@@ -36,7 +36,7 @@ class Layers:
 
     @property
     def graded(self) -> quads.GradedQuads:
-        return quads.graded(self.edges, self.sizes, self.rim_size, self.factor, 0.8, self.truncation)
+        return quads.graded(self.ring_edges, self.sizes, self.rim_size, self.factor, 0.8, self.truncation)
 
 
 LAYERS = {
@@ -68,9 +68,9 @@ def made(request: pytest.FixtureRequest) -> Made:
     """A mesh, its ring edges and the truncation radius asked for."""
     mesher, name = request.param
     if mesher == "quads":
-        return LAYERS[name].graded.mesh, LAYERS[name].edges, LAYERS[name].truncation
+        return LAYERS[name].graded.mesh, LAYERS[name].ring_edges, LAYERS[name].truncation
     mesh = {"gmsh": triangles.mesh, "bisection": bisection.mesh}[mesher]
-    return mesh(FIELDS[name]), np.array(FIELDS[name].edges), FIELDS[name].truncation
+    return mesh(FIELDS[name]), np.array(FIELDS[name].ring_edges), FIELDS[name].truncation
 
 
 def test_boundaries(made: Made) -> None:
@@ -118,7 +118,7 @@ def test_triangles_follow_the_size_field(mesher: Callable[[SizeField], MeshTri],
     widths = np.diff(contact_radii(mesh))
     # a mesher's size is that of a triangle, which the field lets grow with its distance
     assert widths[-1] <= 4 * field.rim_size
-    for edge, size in zip(field.edges[1:-1], field.ring_sizes, strict=True):
+    for edge, size in zip(field.ring_edges[1:-1], field.ring_sizes, strict=True):
         at = np.searchsorted(contact_radii(mesh), edge - 1e-12)
         assert max(widths[at - 1], widths[at]) <= 4 * size
 
@@ -130,11 +130,11 @@ def test_layers_shrink_to_the_wanted_size(name: str) -> None:
     mesh, radii = asked.graded.mesh, contact_radii(asked.graded.mesh)
     assert isinstance(mesh, MeshQuad)
     assert quality(mesh).min() >= 0.025
-    wanted = np.append(np.broadcast_to(asked.sizes, len(asked.edges) - 2), asked.rim_size)
-    inside = asked.edges[1:] - radii[np.searchsorted(radii, asked.edges[1:]) - 1]
+    wanted = np.append(np.broadcast_to(asked.sizes, len(asked.ring_edges) - 2), asked.rim_size)
+    inside = asked.ring_edges[1:] - radii[np.searchsorted(radii, asked.ring_edges[1:]) - 1]
     assert (inside <= wanted * (1 + 1e-6) + 1e-15).all()
     # smaller by the last factor only, and at least one layer
-    assert (inside >= 0.6 * asked.factor * np.minimum(wanted, patch_widths(asked.edges).min(axis=1))).all()
+    assert (inside >= 0.6 * asked.factor * np.minimum(wanted, patch_widths(asked.ring_edges).min(axis=1))).all()
 
 
 @pytest.mark.gmsh
@@ -144,7 +144,7 @@ def test_degrees_fall_towards_the_singular_points() -> None:
     parts = {int(name.removeprefix(LOWER)): elements for name, elements in mesh.subdomains.items()}
     assert set(parts) == set(range(1, 1 + max(graded.layers[0], int(0.6 * graded.layers[-1]))))
     r, z = mesh.p[:, mesh.t].mean(axis=1)
-    distance = np.hypot(r[:, None] - graded.edges[1:], z[:, None]).min(axis=1)
+    distance = np.hypot(r[:, None] - graded.ring_edges[1:], z[:, None]).min(axis=1)
     means = [distance[parts[k]].max() for k in sorted(parts)]
     assert (np.diff(means) < 0).all()
 
@@ -200,7 +200,7 @@ def good() -> MeshTri:
     return bisection.mesh(FIELDS["rings"])
 
 
-EDGES = np.array(FIELDS["rings"].edges)
+EDGES = np.array(FIELDS["rings"].ring_edges)
 
 
 def test_orphans_are_dropped(good: MeshTri) -> None:

@@ -10,9 +10,9 @@ import xarray
 from conftest import Prepare
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from ringwear.meshes.radial import Array
 
 from ringwear import Scene, run
+from ringwear.meshes.radial import Array
 
 # from far inside the fastest relaxation that is resolved to the steady state
 TIMES = np.concatenate([[0.0], np.geomspace(1e-4, 1e2, 25)])
@@ -24,10 +24,8 @@ def test_forces_balance(prepare: Prepare, scene: str, method: str) -> None:
     punch = prepare(scene, method)
     pressure = punch.wear.history(TIMES).pressure
     assert np.abs(pressure @ punch.space.weights - 1).max() <= 1e-12
-    assert (
-        np.abs(pressure @ punch.space.ring_forces(punch.natural.edges).T @ np.ones(len(punch.natural.wear)) - 1).max()
-        <= 1e-12
-    )
+    on_rings = pressure @ punch.space.ring_forces(punch.problem.ring_edges).T
+    np.testing.assert_allclose(on_rings.sum(axis=1), 1, rtol=1e-12)
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -50,7 +48,7 @@ def test_profile_only_grows(prepare: Prepare, scene: str, method: str) -> None:
 def test_wear_rate_is_continuous_across_ring_edges(prepare: Prepare, scene: str, method: str) -> None:
     """A jump of df/dt would tear the profile; the pressure jumps by the ratio of the wear coefficients."""
     punch = prepare(scene, method)
-    edges, wear = punch.natural.phases
+    edges, wear = punch.problem.merged
     pressure = punch.wear.history(TIMES[1:]).pressure
     inside = punch.space.matrix(np.nextafter(edges[1:-1], 0)) @ pressure.T * wear[:-1, None]
     outside = punch.space.matrix(edges[1:-1]) @ pressure.T * wear[1:, None]
@@ -60,7 +58,7 @@ def test_wear_rate_is_continuous_across_ring_edges(prepare: Prepare, scene: str,
 @pytest.mark.parametrize("scene", ["five_rings", "many_rings"])
 def test_pressure_is_continuous_at_the_start(prepare: Prepare, scene: str, method: str) -> None:
     punch = prepare(scene, method)
-    edges = punch.space.edges[1:-1]
+    edges = punch.space.ring_edges[1:-1]
     pressure = punch.wear.history(TIMES[:1]).pressure[0]
     inside, outside = (punch.space.matrix(radii) @ pressure for radii in (np.nextafter(edges, 0), edges))
     np.testing.assert_allclose(inside, outside, rtol=1e-9)
@@ -74,7 +72,7 @@ def test_wear_is_the_integral_of_the_wear_rate(prepare: Prepare, method: str) ->
     history = punch.wear.history(np.concatenate([[begin, end], begin + (end - begin) * (1 + node) / 2]))
     radii = np.array([0.05, 0.15, 0.3, 0.5, 0.7, 0.85, 0.95])
     values = punch.space.matrix(radii)
-    wear = punch.natural.wear[np.searchsorted(punch.natural.edges, radii) - 1]
+    wear = punch.problem.wear_coefficients[np.searchsorted(punch.problem.ring_edges, radii) - 1]
     worn = wear * ((end - begin) / 2 * weight @ (history.pressure[2:] @ values.T))
     np.testing.assert_allclose(values @ (history.profile[1] - history.profile[0]), worn, rtol=1e-10)
 
@@ -82,7 +80,7 @@ def test_wear_is_the_integral_of_the_wear_rate(prepare: Prepare, method: str) ->
 def test_rings_of_equal_wear_are_no_rings(prepare: Prepare, method: str) -> None:
     flat = prepare("flat_punch", method)
     ringed = prepare("five_rings", method, punch__wear_coefficients=(3.0, 3.0))
-    np.testing.assert_array_equal(ringed.natural.phases[0], [0.0, 1.0])
+    np.testing.assert_array_equal(ringed.problem.merged.ring_edges, [0.0, 1.0])
     for name in ("pressure", "profile", "indentation"):
         one, other = (getattr(punch.wear.history(TIMES), name) for punch in (flat, ringed))
         np.testing.assert_array_equal(one, other)
@@ -90,8 +88,8 @@ def test_rings_of_equal_wear_are_no_rings(prepare: Prepare, method: str) -> None
 
 def test_neighbours_of_equal_wear_are_one_ring(prepare: Prepare, method: str) -> None:
     split = prepare("five_rings", method, punch__wear_coefficients=(1.0, 1.0, 10.0, 10.0, 1.0))
-    np.testing.assert_allclose(split.natural.phases[0], [0, 0.4, 0.8, 1.0], rtol=1e-15)
-    np.testing.assert_array_equal(split.natural.phases[1], [0.1, 1.0, 0.1])
+    np.testing.assert_allclose(split.problem.merged.ring_edges, [0, 0.4, 0.8, 1.0], rtol=1e-15)
+    np.testing.assert_array_equal(split.problem.merged.wear_coefficients, [0.1, 1.0, 0.1])
 
 
 @pytest.mark.parametrize("factor", [0.5, 7.0, 1e-6])

@@ -7,35 +7,37 @@ from functools import cache
 
 import numpy as np
 import pytest
-from ringwear.fem.far_field import exterior_stiffness, poles
-from ringwear.meshes.half_space import areas, contact_radii, quality, truncation
-from ringwear.meshes.radial import Array
-from ringwear.meshes.size_field import SizeField
-from ringwear.studies.convergence.cases import (
-    FLAT,
-    TRUNCATION,
-    Quantities,
-    punch_by_elements,
-    punch_by_mdr,
-    punch_by_quads,
-    smooth_by_mdr,
-)
-from ringwear.studies.convergence.levels import WITHIN, Sequence
-from ringwear.studies.convergence.study import (
-    FACTOR,
-    PUNCH_GRADINGS,
-    PUNCH_SIZES,
-    QUAD_DEGREES,
-    SMOOTH,
-    UNIFORM_SIZES,
-    UNIFORM_TRUNCATION,
-)
-from ringwear.studies.refinement.subdivision import CORE, base_mesh, boxed, coarse_field, layered
-from ringwear.studies.truncation import FAR_FIELDS, SHAPES, indentations
 from scipy.special import spherical_jn
 from skfem import MeshTri
 
 from ringwear import Scene
+from ringwear.fem.far_field import exterior_stiffness, poles
+from ringwear.meshes.compliance import Compliance
+from ringwear.meshes.half_space import areas, contact_radii, quality, truncation
+from ringwear.meshes.radial import Array
+from ringwear.studies.convergence.cases import (
+    ELEMENTS,
+    FLAT,
+    GRADINGS,
+    PUNCH_MESH,
+    PUNCH_RIM,
+    QUAD_DEGREES,
+    RING_EDGE,
+    SMOOTH,
+    UNIFORM_MESH,
+    by_mdr,
+    by_quads,
+    by_triangles,
+    ellipses,
+    equal_by_mdr,
+    flat_d0,
+    lost_energy,
+    of_rings,
+)
+from ringwear.studies.convergence.meshes import CORE, base_mesh, boxed, layered
+from ringwear.studies.convergence.orders import WITHIN, Sequence
+from ringwear.studies.convergence.study import GAIN
+from ringwear.studies.truncation import FAR_FIELDS, SHAPES, outwards
 
 
 def sequence(sizes: Array, errors: Array) -> Sequence:
@@ -44,14 +46,19 @@ def sequence(sizes: Array, errors: Array) -> Sequence:
 
 def assert_order(sizes: Array, errors: Array, expected: float, cap: float) -> None:
     """By least squares and between the last levels, as the tables of the studies have it."""
-    found = sequence(sizes, errors)
-    assert found.order == pytest.approx(expected, abs=WITHIN)
-    assert found.last_order == pytest.approx(expected, abs=WITHIN)
-    assert found.errors[-1] <= cap
+    levels = sequence(sizes, errors)
+    assert levels.order == pytest.approx(expected, abs=WITHIN)
+    assert levels.last_order == pytest.approx(expected, abs=WITHIN)
+    assert levels.errors[-1] <= cap
+
+
+def d0_error(discretised: tuple[Compliance, int]) -> float:
+    """Relative error of the flat start."""
+    return flat_d0(discretised[0])["d0"] / 0.5 - 1
 
 
 def lost_of_a_wave(degree: int, wave: float) -> float:
-    """Share of the energy, of symbol 1/|k|, of ``exp(ikx)`` that continuous polynomials on unit elements lose."""
+    """Fraction of the energy, of symbol 1/|k|, of ``exp(ikx)`` that continuous polynomials on unit elements lose."""
     aliases = wave + 2 * np.pi * np.arange(-400, 401)
     # Legendre polynomials on an element in Fourier space, and from them hats and bubbles
     bessel = [spherical_jn(n, np.abs(aliases) / 2) * np.sign(aliases) ** n for n in range(degree + 1)]
@@ -66,8 +73,7 @@ def lost_of_a_wave(degree: int, wave: float) -> float:
 def test_order_of_a_compliance_by_fourier_analysis(degree: int, observed: float) -> None:
     """Twice the degree and 3: even degrees come up to it as waves get long, odd ones down."""
     waves = np.array([0.8, 0.6]) if degree > 2 else np.array([0.8, 0.6, 0.3, 0.2])
-    found = sequence(waves, np.array([lost_of_a_wave(degree, wave) for wave in waves]))
-    orders = np.diff(np.log(found.errors)) / np.diff(np.log(waves))
+    orders = sequence(waves, np.array([lost_of_a_wave(degree, wave) for wave in waves])).orders
     assert orders[0] == pytest.approx(observed, abs=0.01)
     theory = 2 * degree + 3
     assert np.sign(observed - theory) == (-1) ** (degree + 1)
@@ -77,29 +83,27 @@ def test_order_of_a_compliance_by_fourier_analysis(degree: int, observed: float)
 
 @pytest.mark.parametrize(("degree", "cap"), [(1, 1e-10), (2, 4e-14), (3, 3e-19), (4, 3e-23)])
 def test_energy_of_a_smooth_pressure_by_mdr(degree: int, cap: float) -> None:
-    errors = [smooth_by_mdr(degree, count)[0].popitem()[1] for count in SMOOTH]
-    assert_order(1 / np.array(SMOOTH), np.array(errors), 2 * degree + 3, cap)
+    errors = [lost_energy(degree, equal_by_mdr(degree, count)[0])[SMOOTH] for count in ELEMENTS]
+    assert_order(1 / np.array(ELEMENTS), np.array(errors), 2 * degree + 3, cap)
 
 
 @pytest.mark.parametrize(("degree", "cap"), [(1, 2e-8), (2, 2e-12), (3, 5e-11), (4, 2e-13)])
 def test_indentation_by_mdr_on_meshes_graded_to_the_rim(degree: int, cap: float) -> None:
     """Degree 4 is on its way to 11 when roundoff ends it."""
-    roots = np.sqrt(PUNCH_GRADINGS[degree])
-    errors = np.array([punch_by_mdr(degree, grading)[0]["d0"] / 0.5 - 1 for grading in PUNCH_GRADINGS[degree]])
+    sizes = np.array(list(ellipses(GRADINGS[degree]).values()))
+    errors = np.array([d0_error(by_mdr(FLAT, PUNCH_RIM, degree, grading)) for grading in GRADINGS[degree]])
     assert errors.min() > 0
-    sizes = (1 - roots) / (1 + roots)
     if degree < 4:
         assert_order(sizes, errors, 2 * degree + 3, cap)
     else:
-        orders = np.diff(np.log(errors)) / np.diff(np.log(sizes))
+        orders = sequence(sizes, errors).orders
         assert 10.5 < orders[0] < orders[1] < orders[2] < 11
         assert errors[-1] <= cap
 
 
 @cache
 def punch_base(graded: bool) -> MeshTri:
-    sizes, outer = (PUNCH_SIZES, TRUNCATION) if graded else (UNIFORM_SIZES, UNIFORM_TRUNCATION)
-    return base_mesh(coarse_field(FLAT, sizes, outer))
+    return base_mesh(FLAT, *(PUNCH_MESH if graded else UNIFORM_MESH))
 
 
 @pytest.mark.parametrize(
@@ -115,21 +119,21 @@ def punch_base(graded: bool) -> MeshTri:
 )
 def test_indentation_by_subdivided_elements(degree: int, graded: bool, counts: tuple[int, ...], cap: float) -> None:
     tips = FLAT[1:] if graded else FLAT[:0]
-    values = [punch_by_elements(punch_base(graded), tips, degree, 0.3, count)[0]["d0"] for count in counts]
-    assert_order(1 / np.array(counts), np.abs(np.array(values) / 0.5 - 1), 2 * degree if graded else 1, cap)
+    errors = [d0_error(by_triangles(punch_base(graded), FLAT, tips, degree, 0.3, count)) for count in counts]
+    assert_order(1 / np.array(counts), np.abs(errors), 2 * degree if graded else 1, cap)
 
 
 def assert_factor(errors: Array, cap: float) -> None:
     """Exponential: with every two degrees, and over all of them nearly as much as theory has for one degree everywhere."""
     assert (errors[:-2] / errors[2:]).min() >= 20
-    assert (errors[0] / errors[-1]) ** (1 / (len(errors) - 1)) >= 0.7 * FACTOR
+    assert (errors[0] / errors[-1]) ** (1 / (len(errors) - 1)) >= 0.7 * GAIN
     assert errors[-1] <= cap
 
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize(("ratio", "cap"), [(0.0, 3e-12), (0.3, 3e-12), (0.45, 5e-12)])
 def test_indentation_on_quadrilaterals_by_the_degree(ratio: float, cap: float) -> None:
-    errors = [punch_by_quads(ratio, degree)[0]["d0"] / 0.5 - 1 for degree in QUAD_DEGREES if degree > 4]
+    errors = [d0_error(by_quads(FLAT, 0.0, ratio, degree)) for degree in QUAD_DEGREES if degree > 4]
     # too stiff a solid, always
     assert max(errors) < 0
     assert_factor(np.abs(errors), cap)
@@ -138,40 +142,41 @@ def test_indentation_on_quadrilaterals_by_the_degree(ratio: float, cap: float) -
 @pytest.mark.gmsh
 def test_rings_on_quadrilaterals_by_the_degree() -> None:
     """The finer degrees, up to roundoff, are for the study."""
-    quantities = Quantities(Scene.load("five_rings").natural)
-    found = [quantities.by_quads(0.3, degree)[0] for degree in range(4, 9)]
+    problem = Scene.load("five_rings").problem
+    exact = of_rings(problem, by_mdr(problem.ring_edges, RING_EDGE, 10, 0.15)[0])
+    levels = [of_rings(problem, by_quads(problem.ring_edges, RING_EDGE, 0.3, degree)[0]) for degree in range(4, 9)]
     for name in ("d(1)", "slowest relaxation time", "mean steady displacement"):
-        assert_factor(np.array([abs(values[name] / quantities.exact[name] - 1) for values in found]), 2e-9)
+        assert_factor(np.array([abs(values[name] / exact[name] - 1) for values in levels]), 2e-9)
     # from both sides
     name = "force on the outer ring at 1"
-    assert abs(found[-1][name] / quantities.exact[name] - 1) <= 1e-8
+    assert abs(levels[-1][name] / exact[name] - 1) <= 1e-8
 
 
 @cache
-def cores() -> MeshTri:
-    return base_mesh(SizeField((0.0, 1.0), 1e-5, 1e-5, 0.35, CORE))
+def core() -> MeshTri:
+    return base_mesh(FLAT, 1e-5, 0.35, CORE, CORE / 8)
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.3, 0.5])
 @pytest.mark.parametrize("shape", SHAPES)
 def test_truncation_by_every_far_field(shape: str, ratio: float) -> None:
     """From R = 4 a on, against six poles on the same mesh."""
-    meshes = [layered(cores(), count) for count in (4, 5, 6, 7)]
-    found = np.array([indentations(SHAPES[shape](mesh), ratio)[0] for mesh in meshes])
-    sizes = 1 / np.array([truncation(mesh) for mesh in meshes])
+    refinement = outwards(core(), ratio, shape, (4, 5, 6, 7))
+    values = [refinement.quantities(refinement.discretise(count)[0]) for count in refinement.levels]
+    sizes = np.array(list(refinement.levels.values()))
     caps = {"fixed": 0.3, "1 pole": 7e-5, "2 poles": 3e-8, "3 poles": 2e-11}
-    for column, (name, expected) in enumerate(FAR_FIELDS.items()):
+    for name, expected in FAR_FIELDS.items():
         # near incompressibility quartic triangles leave 4e-12, which hides this order
         if (name, ratio) != ("3 poles", 0.5):
-            assert_order(sizes, np.abs(found[:, column] / found[:, -1] - 1), expected, caps[name])
+            assert_order(sizes, np.abs([value[name] - 1 for value in values]), expected, caps[name])
     # a box holds the disc that it is around
-    assert truncation(SHAPES[shape](meshes[0])) == pytest.approx(4)
+    assert [truncation(SHAPES[shape](layered(core(), count))) for count in (4, 7)] == pytest.approx(1 / sizes[[0, -1]])
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 5])
 @pytest.mark.parametrize("shape", SHAPES)
 def test_layers_and_boxes_are_valid_meshes(shape: str, count: int) -> None:
-    disc = layered(cores(), count)
+    disc = layered(core(), count)
     mesh = SHAPES[shape](disc)
     assert areas(mesh).min() > 0
     assert quality(mesh).min() > 0.1
@@ -184,7 +189,7 @@ def test_layers_and_boxes_are_valid_meshes(shape: str, count: int) -> None:
 
 
 def test_a_box_leaves_what_is_near_the_contact_alone() -> None:
-    disc = layered(cores(), 3)
+    disc = layered(core(), 3)
     near = np.hypot(*disc.p) <= 1.4
     np.testing.assert_allclose(boxed(disc).p[:, near], disc.p[:, near], rtol=0, atol=1e-15)
 

@@ -10,15 +10,15 @@ from typing import Any
 import meshio
 import numpy as np
 import pytest
+from skfem import MeshQuad, MeshTri
+
+from ringwear import Scene
 from ringwear.meshes import bisection, quads
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.files import read
 from ringwear.meshes.half_space import areas, contact_radii, truncation
-from ringwear.meshes.size_field import SizeField
+from ringwear.meshes.sizes import SizeField
 from ringwear.studies.cli import main
-from skfem import MeshQuad, MeshTri
-
-from ringwear import Scene
 
 EDGES = np.array([0.0, 0.5, 1.0])
 Change = Callable[[meshio.Mesh], None]
@@ -95,7 +95,7 @@ def test_a_file_of_scikit_fem_gives_the_same_mesh_back(tmp_path: Path, ours: Mes
 def test_what_ringwear_mesh_writes_is_read_back(tmp_path: Path) -> None:
     scene = Scene.load("rubber")
     assert main(["mesh", "rubber", "--out", str(tmp_path)]) == 0
-    edges, _ = scene.natural.phases
+    edges, _ = scene.problem.merged
     mesh, remark = read(tmp_path / "mesh.vtu", edges, scene.punch.radius)
     assert not remark
     written = MeshQuad.load(tmp_path / "mesh.vtu")

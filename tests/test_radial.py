@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from ringwear.meshes.pressure_space import PressureSpace, shape_slopes, shapes
 from ringwear.meshes.radial import alternating_edges, graded_breakpoints, layer_degrees, ring_areas
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+from ringwear import Scene
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import BAD_INPUT, main
 from ringwear.studies.problem.scene import bundled
-
-from ringwear import Scene
 
 GOOD = """\
 title = "A scene"
@@ -224,27 +224,27 @@ def test_two_ways_to_say_one_thing() -> None:
     edges = Scene.from_toml(GOOD.replace("rings = 3", f"ring_edges = {[2 / 3, 4 / 3, 2.0]}"))
     each = Scene.from_toml(GOOD.replace("[1.0, 10.0]", "[1.0, 10.0, 1.0]"))
     for other in (edges, each):
-        np.testing.assert_allclose(other.natural.edges, scene.natural.edges, rtol=1e-15)
-        np.testing.assert_array_equal(other.natural.wear, scene.natural.wear)
+        np.testing.assert_allclose(other.problem.ring_edges, scene.problem.ring_edges, rtol=1e-15)
+        np.testing.assert_array_equal(other.problem.wear_coefficients, scene.problem.wear_coefficients)
     young = Scene.from_toml(GOOD.replace("plane_strain_modulus = 1.0", f"youngs_modulus = {1 - 0.3**2}"))
-    assert young.natural.modulus == pytest.approx(1, rel=1e-15)
+    assert young.problem.units.modulus == pytest.approx(1, rel=1e-15)
     mean = Scene.from_toml(GOOD.replace("normal_force = 2.0", f"mean_pressure = {2 / (4 * np.pi)}"))
-    assert mean.natural.force == pytest.approx(2, rel=1e-15)
+    assert mean.problem.units.force == pytest.approx(2, rel=1e-15)
 
 
 @pytest.mark.parametrize(("ratio", "count"), [(1.0, 1), (1.0, 5), (3.0, 4), (0.25, 7)])
 def test_ring_widths(ratio: float, count: int) -> None:
     scene = Scene.from_toml(GOOD.replace("rings = 3", f"rings = {count}\nwidth_ratio = {ratio}"))
-    widths = np.diff(scene.natural.edges)
-    assert scene.natural.edges[[0, -1]].tolist() == [0.0, 1.0]
+    widths = np.diff(scene.problem.ring_edges)
+    assert scene.problem.ring_edges[[0, -1]].tolist() == [0.0, 1.0]
     np.testing.assert_allclose(widths[2:], widths[:-2], rtol=1e-12)
     if count > 1:
         assert widths[1] / widths[0] == pytest.approx(ratio, rel=1e-12)
 
 
 def test_output_radii_show_every_ring_and_touch_no_edge() -> None:
-    natural = Scene.load("many_rings").natural
-    radii, edges = natural.radii, natural.edges
+    problem = Scene.load("many_rings").problem
+    radii, edges = problem.radii, problem.ring_edges
     assert radii[0] == 0
     assert (np.diff(radii) > 0).all()
     assert not np.isin(radii, edges[1:]).any()

@@ -7,6 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 from conftest import WITHOUT_GMSH
+from skfem import Mesh
+
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.half_space import HalfSpace, pressure_space
 from ringwear.fem.stresses import displacements, sampled, von_mises
@@ -14,8 +16,7 @@ from ringwear.mdr.direct import displacement as exact_displacement
 from ringwear.meshes import bisection, quads, triangles
 from ringwear.meshes.half_space import areas
 from ringwear.meshes.radial import Array, Indices
-from ringwear.meshes.size_field import SizeField
-from skfem import Mesh
+from ringwear.meshes.sizes import SizeField
 
 EDGES = np.array([0.0, 0.5, 1.0])
 FIELD = SizeField((0.0, 0.5, 1.0), 1e-6, 1e-3, 0.4, 5.0)

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from conftest import Prepare
 from mpmath import mp
+from scipy.integrate import quad
+
 from ringwear.mdr import direct
 from ringwear.mdr.energy import compliance
 from ringwear.mdr.transforms import line_density, panel_quadrature, pressure_transform, profile_transform
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import graded_breakpoints, layer_degrees, ring_areas
 from ringwear.studies.wear.contact import flat_start
-from scipy.integrate import quad
 
 EDGES = np.array([0.0, 0.3, 0.45, 0.9, 1.0])
 

@@ -6,12 +6,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from ringwear.meshes import triangles
-from ringwear.meshes.errors import MeshError
-from ringwear.meshes.size_field import SizeField
-from ringwear.studies.cli import main
 
 from ringwear import Scene, run
+from ringwear.meshes import triangles
+from ringwear.meshes.errors import MeshError
+from ringwear.meshes.sizes import SizeField
+from ringwear.studies.cli import main
 
 PACKAGES = ["libgl1", "libglu1-mesa", "libgomp1", "libxrender1", "libxcursor1", "libxft2", "libxinerama1"]
 
@@ -28,9 +28,9 @@ def test_same_answer_by_bisection(monkeypatch: pytest.MonkeyPatch) -> None:
     assert with_gmsh.notes == ()
     monkeypatch.setitem(sys.modules, "gmsh", None)
     without = run(scene)
-    one, other = (result.outcomes["fem"].indentation for result in (with_gmsh, without))
+    one, other = (result.solutions["fem"].results.indentation for result in (with_gmsh, without))
     assert abs(one / other - 1).max() <= 1e-3
-    assert without.models["fem"].settings["mesher"] == "bisection"
+    assert without.solutions["fem"].settings["mesher"] == "bisection"
     (note,) = without.notes
     assert all(package in note for package in PACKAGES)
     assert without.summary["notes"] == [note]

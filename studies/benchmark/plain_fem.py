@@ -1,4 +1,4 @@
-"""The yardstick: scikit-fem as its examples use it, no more. Uniform P2 mesh of a box, clamped at 20 a, vector form,
+"""For comparison: scikit-fem as its examples use it, no more. Uniform P2 mesh of a box, clamped at 20 a, vector form,
 the whole contact system solved again at every step of an implicit march.
 """
 
@@ -8,10 +8,11 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-from ringwear.meshes.radial import Array
-from ringwear.studies.problem.problem import NaturalScene
 from scipy.sparse import bmat, csc_matrix, csr_matrix
 from scipy.sparse.linalg import spsolve
+
+from ringwear.meshes.radial import Array, ring_of
+from ringwear.studies.problem.problem import Problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,18 +25,16 @@ class PlainHistory:
     seconds_per_step: float
 
 
-def plain_history(natural: NaturalScene, unknowns: int, times: Array, size: float = 20.0) -> PlainHistory:
-    """March the wear of a scene in implicit steps that end at `times`; natural units, force 1."""
+def plain_history(problem: Problem, unknowns: int, times: Array, size: float = 20.0) -> PlainHistory:
+    """March in implicit steps that end at `times`; non-dimensional, force 1."""
     from skfem import Basis, BilinearForm, ElementTriP2, ElementVector, MeshTri
     from skfem.helpers import ddot, sym_grad, trace
 
     start = time.perf_counter()
     # a multiple of the size, so that the rim is a vertex
-    cells = round(size) * max(1, round(np.sqrt(unknowns / 8) / size))
-    grid = np.linspace(0, size, cells + 1)
-    mesh = MeshTri.init_tensor(grid, grid)
-    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=6)
-    nu = natural.scene.half_space.poisson_ratio
+    grid = np.linspace(0, size, round(size) * max(1, round(np.sqrt(unknowns / 8) / size)) + 1)
+    basis = Basis(MeshTri.init_tensor(grid, grid), ElementVector(ElementTriP2()), intorder=6)
+    nu = problem.poisson_ratio
     shear = (1 - nu) / 2
     lame = 2 * shear * nu / (1 - 2 * nu)
 
@@ -49,40 +48,25 @@ def plain_history(natural: NaturalScene, unknowns: int, times: Array, size: floa
 
     matrix = stiffness.assemble(basis)
     # pressure and profile at the surface nodes of the punch; a node outside it carries none
-    on_surface = basis.get_dofs(lambda x: (x[1] == 0) & (x[0] <= 1 + 1e-9)).all(["u^2"])
-    radii = basis.doflocs[0, on_surface]
-    order = np.argsort(radii)
-    on_surface, radii = on_surface[order], radii[order]
-    borders = np.concatenate([[0.0], (radii[1:] + radii[:-1]) / 2, [1.0]])
-    area = np.pi * np.diff(borders**2)
-    edges, wear = natural.phases
-    coefficient = wear[np.clip(np.searchsorted(edges, radii, side="right") - 1, 0, len(wear) - 1)]
-    held = np.unique(
-        np.concatenate([
-            basis.get_dofs(lambda x: x[0] == 0).all(["u^1"]),
-            basis.get_dofs(lambda x: (x[0] == size) | (x[1] == size)).all(),
-        ])
-    )  # fmt: skip
-    free = np.setdiff1d(np.arange(matrix.shape[0]), held)
-    position = np.full(matrix.shape[0], -1)
-    position[free] = np.arange(len(free))
-    count = len(radii)
-    coupling = csr_matrix((area, (position[on_surface], np.arange(count))), shape=(len(free), count))
-    weights = csr_matrix(area[None])
-    before = time.perf_counter() - start
-    start, now, profile, indentations = time.perf_counter(), 0.0, np.zeros(count), []
+    contact = basis.get_dofs(lambda x: (x[1] == 0) & (x[0] <= 1 + 1e-9)).all(["u^2"])
+    contact = contact[np.argsort(basis.doflocs[0, contact])]
+    radii = basis.doflocs[0, contact]
+    area = np.pi * np.diff(np.concatenate([[0.0], (radii[1:] + radii[:-1]) / 2, [1.0]]) ** 2)
+    coefficient = problem.merged.wear_coefficients[ring_of(problem.merged.ring_edges, radii)]
+    axis = basis.get_dofs(lambda x: x[0] == 0).all(["u^1"])
+    outside = basis.get_dofs(lambda x: (x[0] == size) | (x[1] == size)).all()
+    free = np.setdiff1d(np.arange(matrix.shape[0]), np.union1d(axis, outside))
+    rows = np.searchsorted(free, contact)
+    coupling = csr_matrix((area, (rows, np.arange(len(radii)))), shape=(len(free), len(radii)))
+    inside, weights = matrix[free][:, free], csr_matrix(area[None])
+    before, start = time.perf_counter() - start, time.perf_counter()
+    now, profile, indentations = 0.0, np.zeros(len(radii)), []
     for instant in times:
         # u = d - f - dt k p at every contact node, weighted by its area
         softness = csc_matrix(np.diag(-(instant - now) * coefficient * area))
-        system = bmat(
-            [[matrix[free][:, free], -coupling, None], [-coupling.T, softness, weights.T], [None, weights, None]],
-            format="csc",
-        )
-        right = np.concatenate([np.zeros(len(free)), area * profile, [1.0]])
-        solution = spsolve(system, right)
-        pressure = solution[len(free) : -1]
-        profile = profile + (instant - now) * coefficient * pressure
+        system = bmat([[inside, -coupling, None], [-coupling.T, softness, weights.T], [None, weights, None]], format="csc")
+        solution = spsolve(system, np.concatenate([np.zeros(len(free)), area * profile, [1.0]]))
+        profile = profile + (instant - now) * coefficient * solution[len(free) : -1]
         now = instant
         indentations.append(solution[-1])
-    per_step = (time.perf_counter() - start) / len(times)
-    return PlainHistory(np.array(indentations), matrix.shape[0], before, per_step)
+    return PlainHistory(np.array(indentations), matrix.shape[0], before, (time.perf_counter() - start) / len(times))

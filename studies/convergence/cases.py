@@ -1,174 +1,169 @@
-"""Levels of the study of convergence: what is computed on each, and how levels make sequences and a table."""
+"""What the study of convergence refines, and how a level of it is computed."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import numpy as np
-from ringwear.mdr import direct
-from ringwear.mdr.energy import compliance as mdr_compliance
+from skfem import Mesh, MeshTri
+
+from ringwear.fem.elasticity import AxisymmetricElasticity
+from ringwear.fem.half_space import HalfSpace, pressure_space
+from ringwear.mdr import direct, energy
 from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.errors import RingwearError
 from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.meshes.quads import graded
 from ringwear.meshes.radial import Array, graded_breakpoints
-from ringwear.studies.convergence.levels import Sequence, Table
-from ringwear.studies.methods.quads import FACTOR, GROWTH
-from ringwear.studies.methods.radial import edge_weight
-from ringwear.studies.problem.problem import NaturalScene
-from ringwear.studies.progress import Report
-from ringwear.studies.refinement.subdivision import condensed, subdivided
-from ringwear.studies.wear.archard import Wear
+from ringwear.studies.convergence.meshes import base_mesh, subdivided
+from ringwear.studies.convergence.orders import Refinement, Sequence
+from ringwear.studies.methods.sampler import Evaluation
+from ringwear.studies.problem.defaults import FACTOR, GROWTH
+from ringwear.studies.problem.problem import D0, Problem
 from ringwear.studies.wear.contact import flat_start
-from skfem import MeshTri
+
+Discretised = tuple[Compliance, int]  # with the number of unknowns
 
 FLAT = np.array([0.0, 1.0])
-TRUNCATION = 1e4
-QUADS_TRUNCATION, QUADS_POLES = 2.5, tuple(range(0, 16, 2))
-TIME = 1.0  # of the history, in natural units
-SMOOTH_QUANTITY = "energy of a smooth pressure"
+TIME = 1.0  # of the history
+SMOOTH, SLOPE, STEADY = "energy of a smooth pressure", "RMS gradient", "mean steady displacement"
+DIGITS = ", digits per degree"  # ends the names of what is raised in degree
 # sizes of the smallest elements: by MDR at the rim of the flat punch; at edges and rim of rings
 PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
-LEVEL_FIELDS = ("refined", "quantity", "size", "degree", "unknowns", "value", "error", "remark")
-Level = tuple[dict[str, float], int]  # quantities, unknowns
-Orders = Mapping[str, float]
+QUAD_TRUNCATION, QUAD_POLES = 2.5, tuple(range(0, 16, 2))
+# of the base meshes on triangles: size at rim and ring edges, growth, truncation, size at the centre
+PUNCH_MESH, RING_MESH, UNIFORM_MESH = (4e-9, 0.7, 1e4, 1e4), (1e-7, 0.7, 1e4, 1e4), (0.35, 0.0, 4.0, 4.0)
+# their subdivisions by degree: of the flat punch on a graded and on a uniform mesh, of the scene's rings
+PUNCH = {2: (2, 3, 4, 6, 8), 3: (2, 3, 4, 5), 4: (1, 2, 3, 4)}
+UNIFORM = {2: (3, 4, 6, 8, 12), 3: (2, 3, 4, 6), 4: (2, 3, 4)}
+RINGS = {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}
+QUICK = {2: (2, 3, 4), 3: (2, 3), 4: (2, 3)}
+# MDR: elements under a smooth pressure; by degree, ratios of neighbouring sizes of the mesh graded to the rim
+ELEMENTS = (12, 16, 24, 32)
+GRADINGS = {1: (0.5, 0.6, 0.7, 0.8), 2: (0.7, 0.78, 0.84, 0.88), 3: (0.3, 0.4, 0.5, 0.6), 4: (0.4, 0.5, 0.6, 0.65)}
+# degree 1 on the scene's rings: with higher ones errors cross zero or meet roundoff before orders settle
+RING_GRADINGS = (0.6, 0.7, 0.78, 0.84)
+RAISED_GRADING, RAISED_DEGREES, QUAD_DEGREES = 0.2, range(1, 7), range(4, 12)
+# relative errors below which roundoff or the innermost elements count: their part of d0 is 0.06 of their size
+ROUNDOFF, RIM_FLOOR, RING_FLOOR = 1e-13, 0.06 * PUNCH_MESH[0], 2e-10
 
 
-class Recorder:
-    """Levels into sequences, and into the table as they come; a level that fails is a row, too.
+def refinements(problem: Problem, quick: bool) -> Iterator[Refinement]:
+    """MDR under a smooth pressure, the flat start and rings; finite elements on triangles; and degrees raised on one mesh.
 
-    Parameters
-    ----------
-    table : with `LEVEL_FIELDS`
-    exact : value of each quantity
+    The size of a raised degree is ``10^-degree``, so that its order is the digits that a degree gains.
     """
-
-    def __init__(self, table: Table, exact: dict[str, float], report: Report) -> None:
-        self.table, self.exact, self.report = table, exact, report
-        self.sequences: dict[tuple[str, str], Sequence] = {}
-
-    def level(
-        self,
-        refined: str,
-        size: float,
-        orders: Orders,
-        compute: Callable[[], Level],
-        floors: Orders,
-        degree: int | None = None,
-    ) -> None:
-        """Compute one level; `orders` are expected, below `floors` errors do not count; those of "" are for all others.
-
-        Where the degree is raised, it stands in the table for the size.
-        """
-        told = {"size": size} if degree is None else {"degree": degree}
-        self.report(f"  level  {refined}, {', '.join(f'{name} {value:.3g}' for name, value in told.items())} ...")
-        try:
-            values, unknowns = compute()
-        except RingwearError as error:
-            self.table.add(refined=refined, **told, remark=f"failed: {error}")
-            return
-        for quantity, value in values.items():
-            exact = self.exact[quantity]
-            order, floor = (known.get(quantity, known[""]) for known in (orders, floors))
-            sequence = self.sequences.setdefault((refined, quantity), Sequence(refined, quantity, order, exact, floor))
-            sequence.add(size, value)
-            row = {"refined": refined, "quantity": quantity, "unknowns": unknowns, "value": value, **told}
-            self.table.add(**row, error=(value - exact) / (exact or 1.0))
-
-    def of(self, quantity: str, *names: str) -> Iterator[Sequence]:
-        """Sequences of a quantity whose name begins with one of the names."""
-        return (s for (refined, what), s in self.sequences.items() if what == quantity and refined.startswith(names))
+    edges, ratio, rings = problem.merged.ring_edges, problem.poisson_ratio, partial(of_rings, problem)
+    # exact values: of rings by a fine MDR, and their gradient in closed form
+    flat, worn = {"d0": D0}, rings(by_mdr(edges, RING_EDGE, 10, 0.15)[0])
+    worn[SLOPE] = direct.rms_slope(edges, direct.steady_pressures(*problem.merged))
+    for degree in (1, 2) if quick else (1, 2, 3, 4):
+        smooth = sequences(f"MDR degree {degree}, uniform", {SMOOTH: 0.0}, 2 * degree + 3)
+        yield Refinement(smooth, {n: 1 / n for n in ELEMENTS}, partial(equal_by_mdr, degree), partial(lost_energy, degree))
+        punch = sequences(f"MDR degree {degree}, graded", flat, 2 * degree + 3, ROUNDOFF)
+        yield Refinement(punch, ellipses(GRADINGS[degree]), partial(by_mdr, FLAT, PUNCH_RIM, degree), flat_d0)
+    # by MDR the energy of the known steady pressures has no error
+    history = sequences("MDR degree 1, rings", {name: worn[name] for name in worn if name != STEADY}, 4, RING_FLOOR)
+    gradings = ellipses(RING_GRADINGS[: 3 if quick else None])
+    yield Refinement(history, gradings, partial(by_mdr, edges, RING_EDGE, 1), rings)
+    families: list[tuple[Any, ...]] = [
+        ("graded", PUNCH_MESH, FLAT, FLAT[1:], PUNCH, flat, flat_d0, RIM_FLOOR),
+        ("uniform", UNIFORM_MESH, FLAT, FLAT[:0], UNIFORM, flat, flat_d0, RIM_FLOOR),
+        ("rings, graded", RING_MESH, edges, edges[1:], RINGS, worn, rings, RING_FLOOR),
+    ]
+    for name, sizes, radii, tips, counts, exact, quantities, floor in families[: 2 if quick else None]:
+        base = base_mesh(radii, *sizes)
+        for degree, divided in (QUICK if quick else counts).items():
+            own = sequences(f"FEM P{degree}, {name}", exact, 2 * degree if len(tips) else 1, floor)
+            triangles = partial(by_triangles, base, radii, tips, degree, ratio)
+            yield Refinement(own, {n: 1 / n for n in divided}, triangles, quantities)
+    raised, levels = sequences("MDR" + DIGITS, flat), {k: 0.1**k for k in RAISED_DEGREES}
+    yield Refinement(raised, levels, lambda degree: by_mdr(FLAT, PUNCH_RIM, degree, RAISED_GRADING), flat_d0)
+    raised, levels = sequences("FEM quads" + DIGITS, flat, floor=ROUNDOFF), {k: 0.1**k for k in QUAD_DEGREES}
+    yield Refinement(raised, levels, partial(by_quads, FLAT, 0.0, ratio), flat_d0)
+    if not quick:
+        raised = sequences("FEM quads, rings" + DIGITS, worn, floor=ROUNDOFF)
+        yield Refinement(raised, levels, partial(by_quads, edges, RING_EDGE, ratio), rings)
 
 
-class Quantities:
-    """The quantities of a scene that are refined, and their exact values: closed form, or a fine MDR."""
-
-    def __init__(self, natural: NaturalScene) -> None:
-        self.edges, self.wear = natural.phases
-        slope = direct.rms_slope(self.edges, direct.steady_pressures(self.edges, self.wear))
-        known = {"d0": 0.5, SMOOTH_QUANTITY: 0.0, "RMS gradient": slope}
-        self.exact = self(by_mdr(self.edges, RING_EDGE, 10, 0.15)) | known
-
-    def __call__(self, compliance: Compliance) -> dict[str, float]:
-        """Every quantity of a compliance, in natural units."""
-        wear, space = Wear(compliance, self.wear, TIME), compliance.space
-        state, history = wear.steady, wear.modal(np.array([TIME]))
-        slopes = space.slope_gram(edge_weight(space, "line"))
-        steady = compliance.factor @ state.pressure
-        return {
-            f"d({TIME:g})": float(history.indentation[0]),
-            "slowest relaxation time": float(wear.relaxation_times[0]),
-            f"force on the outer ring at {TIME:g}": float(space.ring_forces(self.edges)[-1] @ history.pressure[0]),
-            "mean steady displacement": float(steady @ steady),
-            "RMS gradient": float(np.sqrt(state.displacement @ slopes @ state.displacement)),
-        }
-
-    def by_mdr(self, degree: int, grading: float) -> Level:
-        """The quantities by MDR on a radial mesh whose neighbouring sizes have the ratio `grading`."""
-        found = by_mdr(self.edges, RING_EDGE, degree, grading)
-        values = self(found)
-        # the factor holds q exactly: the energy of a known pressure has no error to refine
-        del values["mean steady displacement"]
-        return values, found.space.size
-
-    def by_elements(self, base: MeshTri, degree: int, poisson_ratio: float, count: int) -> Level:
-        """The quantities by finite elements on a subdivided mesh."""
-        found, unknowns = condensed(subdivided(base, count, self.edges[1:]), self.edges, degree, poisson_ratio)
-        return self(found), unknowns
-
-    def by_quads(self, poisson_ratio: float, degree: int) -> Level:
-        """The quantities by finite elements on quadrilaterals.
-
-        What is worn is blunt: the smallest elements cost the square of their size, and still smaller ones would have
-        gradients of roundoff.
-        """
-        found, unknowns = by_quads(self.edges, max(0.1 ** (degree + 1), RING_EDGE), degree, poisson_ratio)
-        return self(found), unknowns
+def sequences(name: str, exact: dict[str, float], order: float = np.nan, floor: float = 0.0) -> list[Sequence]:
+    """A sequence for each quantity; slopes are of two orders less, and feel the smallest elements more."""
+    judged = dict.fromkeys(exact, (order, floor)) | {SLOPE: (order - 2, RING_EDGE)}
+    return [Sequence(name, one, judged[one][0], exact[one], judged[one][1]) for one in exact]
 
 
-def by_quads(edges: Array, smallest: float, degree: int, poisson_ratio: float) -> tuple[Compliance, int]:
-    """Compliance and number of unknowns of the finite-element half-space on quadrilaterals down to one size."""
-    from ringwear.meshes.quads import graded
-
-    mesh = graded(edges, smallest, smallest, FACTOR, GROWTH, QUADS_TRUNCATION).mesh
-    return condensed(mesh, edges, degree, poisson_ratio, QUADS_POLES)
+def ellipses(gradings: Iterable[float]) -> dict[float, float]:
+    """By the ratio of neighbouring sizes: how fast polynomials converge if singular one element away (Bernstein)."""
+    return {ratio: (1 - ratio**0.5) / (1 + ratio**0.5) for ratio in gradings}
 
 
-def by_mdr(edges: Array, size: float, degree: int, grading: float) -> Compliance:
-    """Compliance by MDR on a radial mesh graded to `size` at ring edges and rim."""
-    breakpoints = graded_breakpoints(edges, size, size, grading)
-    return mdr_compliance(PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), edges))
+def equal_by_mdr(degree: int, count: int) -> Discretised:
+    """Equal elements of a degree that holds every digit of a smooth pressure, and the unknowns of the lower `degree`."""
+    space = PressureSpace(np.linspace(0, 1, count + 1), np.full(count, degree + 6), FLAT)
+    return energy.compliance(space), count * degree + 1
 
 
-def punch_by_mdr(degree: int, grading: float) -> Level:
-    """The flat start, singular at the rim, on a mesh graded to it."""
-    found = by_mdr(FLAT, PUNCH_RIM, degree, grading)
-    return {"d0": flat_start(found).indentation}, found.space.size
+def by_mdr(ring_edges: Array, smallest: float, degree: int, grading: float) -> Discretised:
+    """One degree on a radial mesh graded to one size at ring edges and rim."""
+    breakpoints = graded_breakpoints(ring_edges, smallest, smallest, grading)
+    space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), ring_edges)
+    return energy.compliance(space), space.size
 
 
-def smooth_by_mdr(degree: int, count: int) -> Level:
-    """Share of the energy of the pressure ``exp(-2 r^2)`` that equal elements cannot hold.
+def by_triangles(
+    base: MeshTri, ring_edges: Array, tips: Array, degree: int, poisson_ratio: float, count: int
+) -> Discretised:
+    """Finite elements on a subdivided mesh."""
+    return condensed(subdivided(base, count, tips), ring_edges, degree, poisson_ratio, (0, 2, 4))
 
-    Galerkin's error is at right angles to what the space holds, so the share is a sum of squares and meets no roundoff.
+
+def by_quads(ring_edges: Array, least: float, poisson_ratio: float, degree: int) -> Discretised:
+    """Finite elements on quadrilaterals, the smallest shrinking tenfold with each degree down to `least`.
+
+    Of d0 they cost about 0.06 of their size, some per cent of what the degree does. What is worn is blunt: there they cost
+    the square of their size, and still smaller ones would have gradients of roundoff.
     """
-    fine = mdr_compliance(PressureSpace(np.linspace(0, 1, count + 1), np.full(count, degree + 6), FLAT))
-    radii = (np.arange(16 * count) + 0.5) / (16 * count)
+    smallest = max(0.1 ** (degree + 1), least)
+    mesh = graded(ring_edges, smallest, smallest, FACTOR, GROWTH, QUAD_TRUNCATION).mesh
+    return condensed(mesh, ring_edges, degree, poisson_ratio, QUAD_POLES)
+
+
+def condensed(mesh: Mesh, ring_edges: Array, degree: int, poisson_ratio: float, poles: tuple[int, ...]) -> Discretised:
+    """The finite-element half-space on a mesh."""
+    solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)
+    half_space = HalfSpace(solid, pressure_space(solid, ring_edges), poles)
+    return half_space.compliance(), half_space.unknowns
+
+
+def flat_d0(compliance: Compliance) -> dict[str, float]:
+    """Indentation of the flat start, singular at the rim."""
+    return {"d0": flat_start(compliance).indentation}
+
+
+def lost_energy(degree: int, fine: Compliance) -> dict[str, float]:
+    """Fraction of the energy of the pressure ``exp(-2 r^2)`` that a degree cannot hold.
+
+    Galerkin's error is at right angles to what the space holds, so it is a sum of squares and meets no roundoff.
+    """
+    count = 16 * len(fine.space.degrees)
+    radii = (np.arange(count) + 0.5) / count
     pressure, *_ = np.linalg.lstsq(fine.space.matrix(radii).toarray(), np.exp(-2 * radii**2), rcond=None)
-    energy, held = fine.factor @ pressure, fine.factor[:, fine.space.order <= degree]
-    best, *_ = np.linalg.lstsq(held, energy, rcond=None)
-    return {SMOOTH_QUANTITY: float(np.sum((energy - held @ best) ** 2) / np.sum(energy**2))}, held.shape[1]
+    whole, held = fine.factor @ pressure, fine.factor[:, fine.space.order <= degree]
+    best, *_ = np.linalg.lstsq(held, whole, rcond=None)
+    return {SMOOTH: float(np.sum((whole - held @ best) ** 2) / np.sum(whole**2))}
 
 
-def punch_by_elements(base: MeshTri, tips: Array, degree: int, poisson_ratio: float, count: int) -> Level:
-    """The flat start by finite elements on a subdivided mesh."""
-    found, unknowns = condensed(subdivided(base, count, tips), FLAT, degree, poisson_ratio)
-    return {"d0": flat_start(found).indentation}, unknowns
-
-
-def punch_by_quads(poisson_ratio: float, degree: int) -> Level:
-    """The flat start by finite elements on quadrilaterals.
-
-    Of d0 the smallest elements cost about 0.06 of their size: some per cent of what the degree does, if it
-    shrinks tenfold with each.
-    """
-    found, unknowns = by_quads(FLAT, 0.1 ** (degree + 1), degree, poisson_ratio)
-    return {"d0": flat_start(found).indentation}, unknowns
+def of_rings(problem: Problem, compliance: Compliance) -> dict[str, float]:
+    """The quantities of the scene's rings."""
+    wanted = replace(problem, times=np.array([TIME]), steady=True, march="modal", gradient_average="line")
+    evaluated = Evaluation(wanted, compliance)
+    steady = compliance.factor @ evaluated.wear.steady.pressure
+    return {
+        f"d({TIME:g})": float(evaluated.results["indentation"][0]),
+        "slowest relaxation time": float(evaluated.results["relaxation_time"][0]),
+        f"force on the outer ring at {TIME:g}": float(evaluated.results["ring_force"][0, -1]),
+        STEADY: float(steady @ steady),
+        SLOPE: float(evaluated.results["steady_rms_slope"]),
+    }

@@ -3,90 +3,72 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from ringwear.meshes.radial import Array
-from ringwear.studies.crosscheck.scope import left_out, modelled
-from ringwear.studies.methods.outcome import Outcome
+import xarray
 
-if TYPE_CHECKING:
-    import xarray
-    from ringwear.studies.crosscheck.run import Result
+from ringwear.meshes.radial import Array
+from ringwear.studies.crosscheck.agreement import Agreement
+from ringwear.studies.crosscheck.operators import OperatorDifference
+from ringwear.studies.crosscheck.scope import left_out, modelled
+from ringwear.studies.methods.base import Solution
+from ringwear.studies.methods.quantities import QUANTITIES, array, error_name
+from ringwear.studies.problem.scene import Scene
+from ringwear.studies.progress import Stages
 
 MODES = 20
-
-# name: dimensions after `method`, unit (of NaturalScene), definition
-VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
-    "pressure": (("time", "radius"), "pressure", "contact pressure p(r, t)"),
-    "profile": (("time", "radius"), "displacement", "worn height f(r, t) of the punch, material gone"),
-    "displacement": (("time", "radius"), "displacement", "displacement u_z = d - f of the half-space under the punch"),
-    "indentation": (("time",), "displacement", "indentation d(t) of the unworn face plane of the punch"),
-    "displacement_centre": (("time",), "displacement", "u_z at the centre"),
-    "displacement_max": (("time",), "displacement", "greatest u_z under the punch"),
-    "rms_slope": (("time",), "slope", "root mean square of df/dr (Eq. 18), average: see gradient_average"),
-    "ring_force": (("time", "ring"), "force", "normal force on each ring, from the centre"),
-    "relaxation_time": (("mode",), "time", "relaxation times of the wear modes, slowest first"),
-    "steady_pressure": (("radius",), "pressure", "contact pressure in the steady state (Eq. 24)"),
-    "steady_profile": (("radius",), "displacement", "limiting profile, its minimum at zero (Eq. 27)"),
-    "steady_displacement_max": ((), "displacement", "greatest u_z in the steady state, u_max of Eq. 27"),
-    "steady_rms_slope": ((), "slope", "root mean square slope of the limiting profile (Eq. 18)"),
-    "steady_wear_rate": ((), "wear_rate", "df/dt in the steady state (Eq. 23)"),
-}
-ERRORS = {
-    "indentation_error": ("indentation", "relative error of the indentation, the method's own estimate"),
-    "steady_rms_slope_error": ("steady_rms_slope", "relative error of steady_rms_slope, the method's own estimate"),
-}
+ERROR = "relative error of {}, the method's own estimate"
 
 
-def dataset(result: Result) -> xarray.Dataset:
-    """All outcomes over dimensions method, time, radius, ring and mode; NaN where a method does not give a quantity."""
-    import xarray
-
-    natural = result.scene.natural
-    methods = list(result.outcomes)
-    sizes = {"time": len(natural.times), "radius": len(natural.radii), "ring": len(natural.wear), "mode": MODES}
-    unit = {name: getattr(natural, name) for name in ("pressure", "displacement", "force", "time", "wear_rate")}
-    unit["slope"] = natural.displacement / natural.length
-    stated = result.scene.units or "the scene's own consistent units"
-
-    def gathered(outcomes: dict[str, Outcome], name: str, dims: tuple[str, ...]) -> Array:
-        shape = tuple(sizes[dim] for dim in dims)
-        return np.stack([_filled(getattr(outcomes[method], name), shape) for method in methods])
-
+def dataset(scene: Scene, solutions: Mapping[str, Solution]) -> xarray.Dataset:
+    """All results over dimensions method, time, radius, ring and mode; NaN where a method does not give a quantity."""
+    problem = scene.problem
+    stated = scene.units or "the scene's own consistent units"
+    sizes = {"time": len(problem.times), "radius": len(problem.radii), "ring": len(problem.wear_coefficients), "mode": MODES}
+    every = [solution.results for solution in solutions.values()]
     variables: dict[str, Any] = {}
-    for name, (dims, kind, definition) in VARIABLES.items():
-        values = gathered(result.outcomes, name, dims) * unit[kind]
-        variables[name] = (("method", *dims), values, {"long_name": definition, "units": stated if kind != "slope" else "1"})
-    for name, (of, definition) in ERRORS.items():
-        dims = VARIABLES[of][0]
-        variables[name] = (("method", *dims), gathered(result.errors, of, dims), {"long_name": definition, "units": "1"})
+    for name, quantity in QUANTITIES.items():
+        shape = tuple(sizes[dim] for dim in quantity.dims)
+        about = {"long_name": quantity.definition, "units": "1" if quantity.unit == "slope" else stated}
+        scaled = _gathered(every, name, shape) * getattr(problem.units, quantity.unit)
+        variables[name] = (("method", *quantity.dims), scaled, about)
+        about = {"long_name": ERROR.format(name), "units": "1"}
+        variables[error_name(name)] = (("method", *quantity.dims), _gathered(every, error_name(name), shape), about)
+    time, radius = problem.times * problem.units.time, problem.radii * problem.units.length
     coordinates = {
-        "method": methods,
-        "time": ("time", natural.times * natural.time, {"long_name": "time of sliding", "units": stated}),
-        "radius": ("radius", natural.radii * natural.length, {"long_name": "distance from the axis", "units": stated}),
+        "method": list(solutions),
+        "time": ("time", time, {"long_name": "time of sliding", "units": stated}),
+        "radius": ("radius", radius, {"long_name": "distance from the axis", "units": stated}),
         "ring": ("ring", np.arange(1, sizes["ring"] + 1), {"long_name": "ring, counted from the centre"}),
         "mode": ("mode", np.arange(1, MODES + 1), {"long_name": "wear mode, slowest first"}),
     }
-    attributes = {
-        "title": result.scene.title,
-        "units": stated,
-        "definitions": "positive profile: material gone; in contact u_z = d - f; means over the radius (line) or area",
-        "gradient_average": result.scene.output.gradient_average,
-        "versions": json.dumps(versions()),
-        "scene": result.scene.to_toml(),
-    }
-    return xarray.Dataset(variables, coordinates, attributes)
+    return xarray.Dataset(variables, coordinates, _attributes(scene, stated))
 
 
-def _filled(values: Array, shape: tuple[int, ...]) -> Array:
-    out = np.full(shape, np.nan)
-    if values.size:
-        values = values.reshape(shape) if shape == () else values
-        common = tuple(slice(0, min(a, b)) for a, b in zip(values.shape, shape, strict=True))
-        out[common] = values[common]
+def _gathered(every: list[xarray.Dataset], name: str, shape: tuple[int, ...]) -> Array:
+    """(methods, *shape) values, NaN where a method has none."""
+    out = np.full((len(every), *shape), np.nan)
+    for row, results in enumerate(every):
+        if name in results:
+            values = array(results, name)
+            known: tuple[Any, ...] = tuple(slice(0, min(sizes)) for sizes in zip(values.shape, shape, strict=True))
+            out[(row, *known)] = values[known]
     return out
+
+
+def _attributes(scene: Scene, units: str) -> dict[str, str]:
+    return {
+        "title": scene.title,
+        "units": units,
+        "definitions": "positive profile: material gone; in contact u_z = d - f; means over the radius (line) or area",
+        "gradient_average": scene.output.gradient_average,
+        "versions": json.dumps(versions()),
+        "scene": scene.to_toml(),
+    }
 
 
 def versions() -> dict[str, str]:
@@ -100,42 +82,36 @@ def versions() -> dict[str, str]:
     return found
 
 
-def summary(result: Result) -> dict[str, Any]:
+def summary(
+    scene: Scene,
+    solutions: Mapping[str, Solution],
+    stages: Mapping[str, Stages],
+    agreement: Sequence[Agreement],
+    operators: Sequence[OperatorDifference],
+) -> dict[str, Any]:
     """The run in a page: cost, error estimates, agreement, what was modelled and what was left out."""
+    rtol = scene.accuracy.rtol
     methods = {
         name: {
-            "seconds": {stage: round(value, 6) for stage, value in stages.seconds.items()},
-            "unknowns": result.models[name].unknowns if name in result.models else 0,
-            "settings": result.models[name].settings if name in result.models else {},
-            "rtol_asked": result.scene.accuracy.rtol,
-            "error_estimate": result.estimates[name],
-            "reaches_rtol": name not in result.short_of,
-            "error_estimate_parts": result.parts[name],
+            "seconds": {stage: round(value, 6) for stage, value in stages[name].seconds.items()},
+            "unknowns": solution.unknowns,
+            "settings": solution.settings,
+            "rtol_asked": rtol,
+            "error_estimate": solution.error_estimate,
+            "reaches_rtol": solution.error_estimate <= rtol,
+            "error_estimate_parts": solution.parts,
         }
-        for name, stages in result.stages.items()
+        for name, solution in solutions.items()
     }
-    agreement = [
-        {"quantity": row.quantity, "methods": list(row.methods), "difference": row.difference,
-         "uncertainty": row.uncertainty, "agrees": row.agrees}
-        for row in result.agreement
-    ]  # fmt: skip
+    numbers = ("rings", "history", "space", "worst_radius", "stability", "residual")
     return {
-        "title": result.scene.title,
-        "units": result.scene.units,
+        "title": scene.title,
+        "units": scene.units,
         "methods": methods,
-        "agreement": agreement,
-        "agrees": result.agrees,
+        "agreement": [asdict(row) | {"agrees": row.agrees} for row in agreement],
+        "agrees": all(row.agrees for row in agreement),
         "operator_difference": [
-            {
-                "methods": list(row.methods),
-                "rings": row.rings,
-                "history": row.history,
-                "space": row.space,
-                "worst_radius": row.worst_radius,
-                "stability": row.stability,
-                "residual": row.residual,
-            }
-            for row in result.operators
+            {"methods": list(row.methods)} | {name: getattr(row, name) for name in numbers} for row in operators
         ],
         "definitions": {
             "difference": "|a - b| / |b| where it is greatest against the uncertainty; of fields, the greatest over r",
@@ -146,8 +122,8 @@ def summary(result: Result) -> dict[str, Any]:
             "first method's pressures put into the second, against the worn profile, in the energy norm",
             "error_estimate": "relative, of the indentation, over all times",
         },
-        "modelled": modelled(result.scene),
-        "left_out": left_out(result.scene),
-        "notes": list(result.notes),
+        "modelled": modelled(scene),
+        "left_out": left_out(scene),
+        "notes": [note for solution in solutions.values() for note in solution.notes],
         "versions": versions(),
     }

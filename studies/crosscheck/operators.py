@@ -8,18 +8,16 @@ never resolved. Beside them stands a residual: the pressures of one method, put 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import eigh, solve_triangular
+
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SolverError
-from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array
-from ringwear.studies.methods.radial import radial_compliance
-from ringwear.studies.problem.problem import NaturalScene
-from ringwear.studies.wear.archard import Wear
-from scipy.linalg import eigh, solve_triangular
+from ringwear.studies.problem.problem import Problem
+from ringwear.studies.wear.archard import RunningIn
 
 # below this share of the energy of a pressure, the multipliers no longer see the displacement: a checkerboard
 LEAST_STABLE = 0.05
@@ -52,42 +50,38 @@ class OperatorDifference:
     wavelengths: Array
     differences: Array
 
+    def check_multipliers(self) -> None:
+        """Refuse multipliers of the first method that no longer see the displacement.
 
-def on_space_of(method: str) -> Callable[[PressureSpace], Compliance] | None:
-    """The method as a compliance on any pressure space; None if it has its own only."""
-    if method in ("mdr", "bem"):
-        return radial_compliance(method)
-    return None
+        Raises
+        ------
+        SolverError
+            if pressures exist that it gives next to no energy
+        """
+        if self.stability < LEAST_STABLE:
+            raise SolverError(
+                f"the multipliers of {self.methods[0]} are unstable on this mesh: some pressures have {self.stability:.1e} "
+                "of their energy; choose another degree"
+            )
 
 
-def difference(natural: NaturalScene, methods: tuple[str, str], first: Wear, second: Wear) -> OperatorDifference:
-    """Compare two compliances, each with the wear on it, on the same pressure space.
-
-    Raises
-    ------
-    SolverError
-        if the first is unstable: pressures exist that it gives next to no energy
-    """
+def difference(problem: Problem, methods: tuple[str, str], first: RunningIn, second: RunningIn) -> OperatorDifference:
+    """Compare two compliances, each with the running-in on it, on the same pressure space."""
     one, other = first.compliance, second.compliance
     ratios, shapes = _pencil(one.matrix, other.matrix)
     worst = int(np.abs(ratios - 1).argmax())
     fine = np.linspace(0, 1, 2001)
     pressure = one.space.matrix(fine) @ shapes[:, worst]
-    if ratios.min() < LEAST_STABLE:
-        raise SolverError(
-            f"the multipliers of {methods[0]} are unstable on this mesh: some pressures have {ratios.min():.1e} of their "
-            "energy; choose another degree"
-        )
     wavelengths, by_mode = _spectrum(one, other)
     return OperatorDifference(
         methods=methods,
         rings=_greatest(one, other, one.space.ring_indicator()),
-        history=_along_history(natural.times, first, second),
+        history=_along_history(problem.times, first, second),
         space=float(np.abs(ratios[worst] - 1)),
-        worst_radius=float(fine[np.abs(pressure).argmax()]) * natural.length,
+        worst_radius=float(fine[np.abs(pressure).argmax()]) * problem.units.length,
         stability=float(ratios.min()),
-        residual=_residual(natural.times, first, other),
-        wavelengths=wavelengths * natural.length,
+        residual=_residual(problem.times, first, other),
+        wavelengths=wavelengths * problem.units.length,
         differences=by_mode,
     )
 
@@ -107,7 +101,7 @@ def _greatest(first: Compliance, second: Compliance, pressures: Array) -> float:
     return float(np.abs(np.linalg.svd(image, compute_uv=False) ** 2 - 1).max()) if basis.size else 0.0
 
 
-def _along_history(times: Array, first: Wear, second: Wear) -> float:
+def _along_history(times: Array, first: RunningIn, second: RunningIn) -> float:
     """Energies of the same pressures by both methods, along the histories of both.
 
     The span of the modes would not do: it holds short waves that the history hardly touches, and no method resolves.
@@ -125,20 +119,20 @@ def _spectrum(first: Compliance, second: Compliance) -> tuple[Array, Array]:
 
     On a long wave of length L a half-space gives ``u = p L / pi``, which defines the length of any mode.
     """
-    values, shapes = eigh(second.matrix, second.space.mass(np.ones(len(second.space.edges) - 1)).toarray())
+    values, shapes = eigh(second.matrix, second.space.mass(np.ones(len(second.space.ring_edges) - 1)).toarray())
     own = np.sum((first.factor @ shapes) ** 2, axis=0)
     other = np.sum((second.factor @ shapes) ** 2, axis=0)
     return np.pi * np.abs(values[::-1]), np.abs(own / other - 1)[::-1]
 
 
-def _residual(times: Array, first: Wear, second: Compliance) -> float:
+def _residual(times: Array, first: RunningIn, second: Compliance) -> float:
     """Energy norm of ``u_second[p_first] + f - d`` over that of the pressure: the greatest over the times."""
     later = times[times > 0]
     if not len(later):
         return 0.0
     history = first.modal(later)
     space = second.space
-    gap = history.indentation[:, None] * space.weights - history.profile @ space.mass(np.ones(len(space.edges) - 1))
+    gap = history.indentation[:, None] * space.weights - history.profile @ space.mass(np.ones(len(space.ring_edges) - 1))
     # tested with the pressures that the history lives in
     test = space.joined(first.wear_coefficients)
     triangle = np.linalg.qr(second.factor @ test, mode="r")

@@ -1,10 +1,10 @@
-"""A map of the limits: every method at parameters far from the usual ones, each result against an independent oracle.
+"""A map of the limits: every method at parameters far from the usual ones, each result against a reference solution.
 
-A cell is one scene by one method, through the public door. Its verdict is the worst of its quantities:
+A cell is one scene by one method. Its verdict is the worst of its quantities:
 
     within      the error is within the method's own estimate
-    degraded    the estimate tells of an error above ten times the accuracy asked, or falls short of the error by less
-                than `FACTOR`, or the error is at least within the accuracy asked
+    degraded    the estimate states an error above ten times the accuracy asked for, or falls short of the error by less
+                than `FACTOR`, or the error is at least within the accuracy asked for
     refused     a RingwearError says why not
     wrong       the error is beyond both, and nothing says so: a defect
     crashed     any other exception or a RuntimeWarning: a defect
@@ -16,242 +16,163 @@ import argparse
 import json
 import time
 import warnings
-from collections import Counter, OrderedDict
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
-from ringwear.meshes.errors import RingwearError
-from ringwear.meshes.radial import Array
-from ringwear.studies.convergence.levels import Table, keeping_rows, write_markdown
-from ringwear.studies.crosscheck.run import run
-from ringwear.studies.extremes.cells import Cell, all_cells
-from ringwear.studies.extremes.map import draw, groups
-from ringwear.studies.extremes.reference import Rings, units
-from ringwear.studies.methods.model import Model
-from ringwear.studies.methods.outcome import Outcome, estimated, from_direct_integration
-from ringwear.studies.methods.radial import MODELS
-from ringwear.studies.problem.problem import NaturalScene
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.progress import Report, Stages
-from ringwear.studies.wear.archard import Wear
+import xarray
 from threadpoolctl import threadpool_limits
 
+from ringwear.meshes.errors import RingwearError
+from ringwear.meshes.radial import Array
+from ringwear.studies.crosscheck.run import run
+from ringwear.studies.extremes.cells import DIRECT, FEM, MDR, Cell, all_cells
+from ringwear.studies.extremes.map import LOOKS, draw, limits
+from ringwear.studies.extremes.reference import Reference
+from ringwear.studies.methods.base import method
+from ringwear.studies.methods.by_compliance import ComplianceMethod, Discretised
+from ringwear.studies.methods.estimate import estimated
+from ringwear.studies.methods.quantities import array, error_name
+from ringwear.studies.problem.problem import D0, Problem
+from ringwear.studies.problem.scene import Scene
+from ringwear.studies.problem.sections import FemAccuracy, MdrAccuracy
+from ringwear.studies.progress import LOG, Stages, progress
+from ringwear.studies.tables import Table, keeping_rows, write_page
+from ringwear.studies.wear.archard import RunningIn
+
+T = TypeVar("T")
 FACTOR = 3.0
-# relative accuracy of the oracle: of its quadratures, of slopes beside a ring by its width
-ORACLE = 2e-10
-PER_WIDTH = 3e-15
+# relative accuracy of the reference solution: of its quadratures, and of slopes beside a ring by its width
+REFERENCE, PER_WIDTH = 2e-10, 3e-15
 CANCELLED = 5e-15  # times what cancels in its displacements, discs over narrow rings; against 60 digits: up to 3.6e-15
-CROSS = 5e-7  # of the other method
-RINGS_OF_SLOPES = 64  # with more of them the oracle's quadrature would take longer than the study
-LATE = 50.0  # slowest relaxation times, about 0.4/k_min, after which only the steady state is left
-MODAL: dict[str, Any] = {"march": "modal", "step": None}
-VERDICTS = ("within", "degraded", "refused", "wrong", "crashed")
-DEFECTS = ("wrong", "crashed")
-FIELDS = (
-    "family", "method", "x", "y", "verdict", "quantity", "error", "estimate", "rtol", "seconds", "message", "parameters",
-)  # fmt: skip
+OTHER_METHOD, OTHER_RTOL = 5e-7, 1e-6  # of the other method, and what is asked of it
+BALANCE = 1e-9  # of the forces on the rings, whatever the discretisation
+RINGS_OF_SLOPES = 64  # with more of them the quadrature of the reference would take longer than the study
+LATE = 50 * 0.4  # over k_min: fifty of the slowest relaxation times, after which only the steady state is left
+FIELDS = ("family", "method", "x", "y", "verdict", "quantity", "error", "estimate", "rtol", "seconds", "message",
+          "parameters")  # fmt: skip
 
 
-def conduct(scene: Scene, out: Path, options: argparse.Namespace, report: Report) -> list[str]:
-    """Judge every cell; writes `extremes.csv`, `extremes.md` and `extremes.png`. Scales are those of the scene."""
-    table = Table(out / "extremes.csv", FIELDS)
-    conclusions: list[str] = []
-    judge = Judge()
-    family, start = "", time.perf_counter()
+def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
+    """Judge every cell; writes `extremes.csv`, `extremes.md` and `extremes.png`. Of the scene, Poisson's ratio is taken."""
+    table, conclusions = Table(out / "extremes.csv", FIELDS), list[str]()
     with threadpool_limits(1), keeping_rows(conclusions):
-        for cell in all_cells(scene, bool(options.quick)):
-            if cell.family != family:
-                family = cell.family
-                report(f"extremes: {family} (cell {len(table.rows)}, {time.perf_counter() - start:.0f} s) ...")
-            table.add(**judge.row(cell))
+        cells = list(all_cells(scene.half_space.poisson_ratio, options.quick))
+        for cell in progress(cells, "extremes", lambda cell: f"{cell.family} by {cell.method}"):
+            table.add(**row(cell))
     if table.rows:
         draw(table.rows, out / "extremes.png")
-    conclusions += conclude(table.rows)
-    write_markdown(out / "extremes.md", "Limits of the methods", conclusions, {"Limits": _limits(table.rows, out)})
+    counts = Counter(row["verdict"] for row in table.rows)
+    conclusions.append(f"{len(table.rows)} cells: " + ", ".join(f"{counts[verdict]} {verdict}" for verdict in LOOKS))
+    page = {"Limits": limits(table.rows, out / "extremes_limits.csv")}
+    write_page(out / "extremes.md", "Limits of the methods", conclusions, page)
     return conclusions
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """One quantity of a cell: its verdict, its relative error and the method's estimate of that."""
-
-    verdict: str
-    quantity: str
-    error: float
-    estimate: float
-
-
-@dataclass
-class Judge:
-    """Evaluates cells; keeps the last compliances and oracles, which many neighbouring cells share."""
-
-    models: OrderedDict[str, Model] = field(default_factory=OrderedDict)
-    rings: OrderedDict[bytes, Rings] = field(default_factory=OrderedDict)
-
-    def row(self, cell: Cell) -> dict[str, Any]:
-        """The cell as a row of the table."""
-        start = time.perf_counter()
-        message = ""
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("error", RuntimeWarning)
-                scene = Scene.from_table(cell.table)
-                found = self.judgements(scene, cell)
-            worst = max(found, key=lambda one: (VERDICTS.index(one.verdict), one.error / max(one.estimate, 1e-300)))
-        except RingwearError as error:
-            worst, message = Judgement("refused", "", np.nan, np.nan), str(error)
-        except KeyboardInterrupt:
-            raise
-        except Exception as error:  # whatever else comes out is the finding
-            worst, message = Judgement("crashed", "", np.nan, np.nan), f"{type(error).__name__}: {error}"
-        return {
-            "family": cell.family, "method": cell.method, "x": cell.x, "y": cell.y, "verdict": worst.verdict,
-            "quantity": worst.quantity, "error": worst.error, "estimate": worst.estimate,
-            "rtol": cell.table["accuracy"]["rtol"], "seconds": round(time.perf_counter() - start, 4),
-            "message": message, "parameters": json.dumps(cell.table),
-        }  # fmt: skip
-
-    def judgements(self, scene: Scene, cell: Cell) -> list[Judgement]:
-        """Every quantity of the scene that the oracle knows."""
-        natural = scene.natural
-        if cell.scaled:
-            return _scaled(scene, self.oracle(natural))
-        if cell.method == "direct":
-            result, errors = from_direct_integration(natural)
-        else:
-            result, errors, *_ = estimated(natural, self.model(natural, cell.method))
-        known = self.known(natural, cell.method)
-        return [
-            _judged(name, getattr(result, name), exact, getattr(errors, name) + slack, scene.accuracy.rtol)
-            for name, (exact, slack) in known.items()
-            if getattr(result, name).size
-        ] + _forces(result)
-
-    def known(self, natural: NaturalScene, method: str) -> dict[str, tuple[Array, float | Array]]:
-        """What the results must be, and how accurately the oracle knows that."""
-        oracle, wear = self.oracle(natural), natural.wear
-        pressures, greatest = oracle.pressures(wear), oracle.greatest_displacement(wear)
-        # at every ring edge but the last a disc of one pressure less the other ends, at the rim one of its own pressure
-        cancelled = (np.ptp(pressures) * natural.edges[:-1].sum() + pressures.max()) / greatest
-        exact: dict[str, tuple[Array, float | Array]] = {
-            "steady_wear_rate": (wear[:1] * pressures[:1], ORACLE),
-            "steady_displacement_max": (np.array([greatest]), ORACLE + CANCELLED * cancelled),
-        }
-        if len(wear) <= RINGS_OF_SLOPES:
-            slope = oracle.rms_slope(wear, natural.scene.output.gradient_average)
-            exact["steady_rms_slope"] = np.array([slope]), ORACLE + PER_WIDTH / float(np.diff(natural.edges).min())
-        times = natural.times
-        if len(times):
-            late = times > LATE * 0.4 / wear.min()
-            between = ~late & (times > 0)
-            indentation = np.where(late, oracle.late_indentation(wear, times), 0.5)
-            if between.any():
-                other = natural.scene.changed(accuracy={"rtol": 1e-6}, wear=natural.scene.table()["wear"] | MODAL).natural
-                twin = self.model(other, "fem" if method == "mdr" else "mdr")
-                indentation[between] = Wear(twin.compliance, natural.phases[1]).modal(times[between]).indentation
-            exact["indentation"] = indentation, np.where(between, CROSS, ORACLE)
-        return exact
-
-    def oracle(self, natural: NaturalScene) -> Rings:
-        key = natural.edges.tobytes()
-        return _kept(self.rings, key, lambda: Rings(natural.edges))
-
-    def model(self, natural: NaturalScene, method: str) -> Model:
-        """The method made ready; the compliance depends on ring edges, solid, accuracy and times, not on the wear."""
-        scene = natural.scene
-        accuracy = scene.accuracy.model_dump_json()
-        key = f"{method} {natural.phases[0].tolist()} {scene.half_space.poisson_ratio} {natural.times.tolist()} {accuracy}"
-        return _kept(self.models, key, lambda: MODELS[method](natural, Stages(method)))
+def row(cell: Cell) -> dict[str, Any]:
+    """The cell as a row of the table, by the worst of its quantities."""
+    start = time.perf_counter()
+    LOG.disabled = True  # stages of single cells are too many
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", RuntimeWarning)
+            verdicts = list(LOOKS)
+            worst = max(judgements(cell), key=lambda one: (verdicts.index(one["verdict"]), one["error"] / one["estimate"]))
+    except RingwearError as error:
+        worst = {"verdict": "refused", "message": str(error)}
+    except Exception as error:  # whatever else comes out is what the study looks for
+        worst = {"verdict": "crashed", "message": f"{type(error).__name__}: {error}"}
+    finally:
+        LOG.disabled = False
+    about = {"rtol": cell.scene.accuracy.rtol, "parameters": json.dumps(cell.scene.table())}
+    return cell._asdict() | worst | about | {"seconds": round(time.perf_counter() - start, 4)}
 
 
-def _kept(store: OrderedDict, key: Any, make: Callable[[], Any]) -> Any:
-    if key not in store:
-        store[key] = make()
-        if len(store) > 12:
-            store.popitem(last=False)
-    return store[key]
+def judgements(cell: Cell) -> Iterator[dict[str, Any]]:
+    """Every number that the reference solution has, and the balance of forces."""
+    problem = cell.scene.problem
+    results = in_units(cell.scene) if cell.scaled else solved(problem, cell.method)
+    for name, (exact, accuracy) in known(problem, cell.method).items():
+        errors = np.abs(results[name].values / exact - 1)
+        for error, estimate in np.nditer([errors, results[error_name(name)].values + accuracy]):
+            yield judged(name, float(error), float(estimate), problem.rtol)
+    for forces in array(results, "ring_force"):
+        yield judged("force balance", abs(float(forces.sum()) - 1), BALANCE, BALANCE)
 
 
-def _judged(name: str, value: Array, exact: Array, estimate: Array, rtol: float) -> Judgement:
-    """The worst entry of a result against what it must be."""
-    error = np.abs(value - exact) / np.abs(exact)
-    allowed = np.asarray(estimate)
-    if not np.isfinite(error).all():
-        return Judgement("wrong", name, np.inf, float(np.nan_to_num(allowed, nan=np.inf).max()))
-    worst = int(np.argmax(error / allowed))
-    return Judgement(
-        verdict(float(error[worst]), float(allowed[worst]), rtol), name, float(error[worst]), float(allowed[worst])
-    )
-
-
-def verdict(error: float, estimate: float, rtol: float) -> str:
-    """See the module's own words."""
+def judged(quantity: str, error: float, estimate: float, rtol: float) -> dict[str, Any]:
+    """A number with its verdict, in the module's own words."""
     if error <= estimate:
-        return "within" if error <= 10 * rtol else "degraded"
-    return "degraded" if error <= max(rtol, FACTOR * estimate) else "wrong"
+        verdict = "within" if error <= 10 * rtol else "degraded"
+    else:
+        verdict = "degraded" if error <= max(rtol, FACTOR * estimate) else "wrong"
+    return {"verdict": verdict, "quantity": quantity, "error": error, "estimate": estimate}
 
 
-def _forces(result: Outcome) -> list[Judgement]:
-    """The forces on the rings must add to the load at every time, whatever the discretisation."""
-    if not result.ring_force.size:
-        return []
-    error = float(np.abs(result.ring_force.sum(axis=1) - 1).max())
-    return [Judgement(verdict(error, 1e-9, 1e-9), "force balance", error, 1e-9)]
+def solved(problem: Problem, name: str) -> xarray.Dataset:
+    """The results of a method."""
+    if name == DIRECT:
+        return method(name).solve(problem, Stages(name)).results
+    ready = discretised(problem, name)
+    return estimated(problem, ready.compliance, ready.pairs, ready.half_space)[1]
 
 
-def _scaled(scene: Scene, oracle: Rings) -> list[Judgement]:
-    """A whole run in the scene's own units, to its dataset."""
-    known, unit = oracle, units(scene)
-    result = run(scene)
-    data, wear, rtol = result.dataset, scene.natural.wear, scene.accuracy.rtol
-    p = known.pressures(wear)
-    exact = {
-        "steady_displacement_max": known.greatest_displacement(wear) * unit["displacement"],
-        "steady_rms_slope": known.rms_slope(wear, scene.output.gradient_average) * unit["slope"],
-        "steady_wear_rate": float(wear[0] * p[0]) * unit["wear_rate"],
+def in_units(scene: Scene) -> xarray.Dataset:
+    """The results of a whole run, from its dataset in the scene's own units."""
+    result, load, radius = run(scene), scene.load_, scene.punch.radius
+    force, modulus = load.normal_force or np.nan, scene.half_space.plane_strain_modulus or np.nan
+    displacement, fastest = force / radius / modulus, max(scene.punch.wear_coefficients) * load.sliding_speed
+    units = {"steady_displacement_max": displacement, "indentation": displacement, "steady_rms_slope": displacement / radius,
+             "steady_wear_rate": force / radius**2 * fastest}  # fmt: skip
+    (solution,), dataset = result.solutions.values(), result.dataset
+    return solution.results.assign({name: dataset[name].variable[0] / unit for name, unit in units.items()})
+
+
+def known(problem: Problem, name: str) -> dict[str, tuple[Array | float, Array | float]]:
+    """What the results of a method must be, and how accurately that is known."""
+    exact = kept(tuple(problem.ring_edges), lambda: Reference(problem.ring_edges))
+    wear_coefficients, times = problem.wear_coefficients, problem.times
+    pressures = exact.pressures(wear_coefficients)
+    rate, greatest = float(wear_coefficients[0] * pressures[0]), exact.greatest_displacement(pressures)
+    # at every ring edge but the last a disc of one pressure less the other ends, at the rim one of its own pressure
+    cancelled = (np.ptp(pressures) * problem.ring_edges[:-1].sum() + pressures.max()) / greatest
+    values: dict[str, tuple[Array | float, Array | float]] = {
+        "steady_wear_rate": (rate, REFERENCE),
+        "steady_displacement_max": (greatest, REFERENCE + CANCELLED * cancelled),
     }
-    method = scene.methods[0]
-    found = []
-    for name, value in exact.items():
-        exactly, estimate = np.array([value]), getattr(result.errors[method], name) + ORACLE
-        found.append(_judged(name, data[name].values, exactly, estimate, rtol))
-    if result.outcomes[method].indentation.size:
-        start = np.array([unit["displacement"] / 2])
-        given, told = data["indentation"].values[0, :1], result.errors[method].indentation[:1]
-        found.append(_judged("indentation", given, start, told + ORACLE, rtol))
-    return found
+    if len(wear_coefficients) <= RINGS_OF_SLOPES:
+        slope = np.sqrt(pressures @ exact.grams[0] @ pressures)
+        values["steady_rms_slope"] = slope, REFERENCE + PER_WIDTH / problem.rings.widths.min()
+    if len(times) and name != DIRECT:
+        late = times > LATE / wear_coefficients.min()
+        between = ~late & (times > 0)
+        indentation = np.where(late, rate * times + pressures @ exact.grams[1] @ pressures, D0)
+        if between.any():
+            other = replace(problem, rtol=OTHER_RTOL, fem=FemAccuracy(), mdr=MdrAccuracy())
+            compliance = discretised(other, FEM if name == MDR else MDR, pairs=False).compliance
+            indentation[between] = RunningIn(compliance, problem.merged.wear_coefficients).modal(times[between]).indentation
+        values["indentation"] = indentation, np.where(between, OTHER_METHOD, REFERENCE)
+    return values
 
 
-def conclude(rows: list[dict[str, Any]]) -> list[str]:
-    """Counts by verdict, and the defects by family and method."""
-    counts = Counter(row["verdict"] for row in rows)
-    lines = [f"{len(rows)} cells: " + ", ".join(f"{counts[name]} {name}" for name in VERDICTS)]
-    found = Counter((r["family"], r["method"], r["verdict"], r["quantity"] or r["message"][:60])
-                     for r in rows if r["verdict"] in DEFECTS)  # fmt: skip
-    lines += [f"defect: {family}, {method}: {n} cells {kind} ({what})" for (family, method, kind, what), n in found.items()]
-    return lines
+def discretised(problem: Problem, name: str, pairs: bool = True) -> Discretised:
+    """A method prepared, which depends neither on the wear nor on later times."""
+    one, edges = method(name), tuple(problem.merged.ring_edges)
+    assert isinstance(one, ComplianceMethod)
+    key = name, edges, problem.earliest, problem.poisson_ratio, problem.rtol, problem.fem, problem.mdr, pairs
+    return kept(key, lambda: one.discretised(problem, Stages(name), pairs))
 
 
-def _limits(rows: list[dict[str, Any]], out: Path) -> Table:
-    """For each family and method: how many of each verdict, and between which values every cell is well."""
-    table = Table(out / "extremes_limits.csv", ("family", "method", *VERDICTS, "x all well", "y all well", "greatest error"))
-    for family, method, own in groups(rows):
-        counts = Counter(row["verdict"] for row in own)
-        errors = [row["error"] for row in own if np.isfinite(row["error"])]
-        spans = {f"{axis} all well": _span(own, axis) for axis in ("x", "y")}
-        greatest = f"{max(errors):.1e}" if errors else ""
-        numbers = {name: counts[name] for name in VERDICTS}
-        table.add(family=family, method=method, **numbers, **spans, **{"greatest error": greatest})
-    return table
+KEPT: dict[object, Any] = {}  # the last few compliances and reference solutions
 
 
-def _span(rows: list[dict[str, Any]], axis: str) -> str:
-    """Values of one parameter at which no cell is worse than within."""
-    values = list(dict.fromkeys(row[axis] for row in rows))
-    well = [v for v in values if all(row["verdict"] == "within" for row in rows if row[axis] == v)]
-    if len(well) == len(values):
-        return "all"
-    return " ".join(v if isinstance(v, str) else f"{v:.3g}" for v in well) or "none"
+def kept(key: object, compute: Callable[[], T]) -> T:
+    """What neighbouring cells have in common is computed once."""
+    if key not in KEPT:
+        KEPT[key] = compute()
+        if len(KEPT) > 16:
+            KEPT.pop(next(iter(KEPT)))
+    return KEPT[key]

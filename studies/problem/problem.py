@@ -1,57 +1,161 @@
-"""A scene in natural units: punch radius, plane strain modulus, force and ``a / (E* k_max v0)`` are 1.
+"""The non-dimensional problem: punch radius, plane strain modulus, force and ``a / (E* k_max v0)`` are 1.
 
-Everything is computed in these and scaled at the door only; the size of each unit in the scene's own is told here.
+Everything is computed in these units and scaled at the door only; their sizes in the scene's own units are kept here.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import NamedTuple, Self
 
 import numpy as np
-from ringwear.meshes.radial import Array, alternating_edges
 
-if TYPE_CHECKING:
-    from ringwear.studies.problem.scene import Scene
+from ringwear.meshes.radial import Array, alternating_edges
+from ringwear.studies.problem.sections import (
+    AccuracySection,
+    FemAccuracy,
+    HalfSpaceSection,
+    LoadSection,
+    MdrAccuracy,
+    OutputSection,
+    PunchSection,
+    WearSection,
+)
+
+D0, P0 = 0.5, 1 / (2 * np.pi)  # the paper's d0 = F/(2 a E*) and p0 = F/(2 pi a^2), non-dimensional
+
+
+class Rings(NamedTuple):
+    """Rings of a punch: (N+1,) edges from 0 to 1, and (N,) wear coefficients over the greatest."""
+
+    ring_edges: Array
+    wear_coefficients: Array
+
+    @classmethod
+    def alternating(cls, count: int, width_ratio: float, wear_ratio: float) -> Rings:
+        """Two materials in turn from the centre, by ``h2/h1`` and ``k2/k1``."""
+        coefficients = np.where(np.arange(count) % 2, wear_ratio, 1.0)
+        return cls(alternating_edges(count, width_ratio), coefficients / coefficients.max())
+
+    @property
+    def widths(self) -> Array:
+        return np.diff(self.ring_edges)
+
+    @property
+    def narrower(self) -> Array:
+        """(N-1,) width of the narrower ring beside each edge between centre and rim."""
+        return np.minimum(self.widths[:-1], self.widths[1:])
+
+    def merged(self) -> Rings:
+        """Neighbouring rings of equal wear made one: what has to be modelled."""
+        kept = np.flatnonzero(np.diff(self.wear_coefficients) != 0) + 1
+        return Rings(self.ring_edges[[0, *kept, -1]], self.wear_coefficients[[0, *kept]])
 
 
 @dataclass(frozen=True)
-class NaturalScene:
-    """A scene in natural units, and the size of each unit in the scene's own."""
+class Units:
+    """Sizes of the non-dimensional units in the scene's own."""
 
-    scene: Scene
+    length: float = 1.0
+    modulus: float = 1.0
+    force: float = 1.0
+    time: float = 1.0
 
-    @cached_property
-    def edges(self) -> Array:
-        """(N+1,) ring edges from 0 to 1."""
-        punch = self.scene.punch
+    @property
+    def pressure(self) -> float:
+        """F / a^2."""
+        return self.force / self.length / self.length
+
+    @property
+    def displacement(self) -> float:
+        """Of displacement and of worn height, F / (a E*)."""
+        return self.force / self.length / self.modulus
+
+    @property
+    def slope(self) -> float:
+        return self.displacement / self.length
+
+    @property
+    def wear_rate(self) -> float:
+        """Of df/dt."""
+        return self.displacement / self.time
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What the methods solve. Change it by `dataclasses.replace`.
+
+    Parameters
+    ----------
+    rings : as the scene gives them; `merged` is what has to be modelled
+    times : (T,) increasing; empty if no history is wanted
+    steady : whether the steady state is wanted
+    poisson_ratio : of the half-space
+    rtol : relative accuracy wanted
+    march, step : how to go through time; `step` is None for the modal march
+    gradient_average : `line` or `area`, of Eq. 18
+    output_radii : None for a grid that shows every ring
+    fem, mdr : sizes that the user has given
+    units : sizes of the units
+    """
+
+    rings: Rings
+    times: Array = field(default_factory=lambda: np.empty(0))
+    steady: bool = True
+    poisson_ratio: float = 0.3
+    rtol: float = 1e-4
+    march: str = "modal"
+    step: float | None = None
+    gradient_average: str = "line"
+    output_radii: Array | None = None
+    fem: FemAccuracy = field(default_factory=FemAccuracy)
+    mdr: MdrAccuracy = field(default_factory=MdrAccuracy)
+    units: Units = Units()
+
+    @classmethod
+    def posed(
+        cls, punch: PunchSection, half_space: HalfSpaceSection, load: LoadSection, wear: WearSection,
+        accuracy: AccuracySection, output: OutputSection,
+    ) -> Self:  # fmt: skip
+        """The problem that the tables of a scene pose."""
+        length = punch.radius
         if punch.ring_edges is None:
-            return alternating_edges(punch.rings or 1, punch.width_ratio)
-        edges = np.array([0.0, *punch.ring_edges]) / punch.radius
-        edges[-1] = 1.0
-        return edges
+            ring_edges = alternating_edges(punch.rings or 1, punch.width_ratio)
+        else:
+            ring_edges = np.array([0.0, *punch.ring_edges]) / length
+            ring_edges[-1] = 1.0
+        count, given = len(ring_edges) - 1, np.array(punch.wear_coefficients)
+        coefficients = given if len(given) == count else given[np.arange(count) % 2]
+        modulus = half_space.plane_strain_modulus or (half_space.youngs_modulus or 0.0) / (1 - half_space.poisson_ratio**2)
+        force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * length**2
+        time = length / modulus / float(coefficients.max()) / load.sliding_speed
+        return cls(
+            rings=Rings(ring_edges, coefficients / coefficients.max()),
+            times=np.array(wear.times) / time,
+            steady=wear.steady,
+            poisson_ratio=half_space.poisson_ratio,
+            rtol=accuracy.rtol,
+            march=wear.march,
+            step=None if wear.step is None else wear.step / time,
+            gradient_average=output.gradient_average,
+            output_radii=None if output.radii is None else np.array(output.radii) / length,
+            fem=accuracy.fem,
+            mdr=accuracy.mdr,
+            units=Units(length, modulus, force, time),
+        )
 
     @cached_property
-    def _coefficients(self) -> Array:
-        count = len(self.edges) - 1
-        given = np.array(self.scene.punch.wear_coefficients)
-        return given if len(given) == count else given[np.arange(count) % 2]
+    def merged(self) -> Rings:
+        return self.rings.merged()
 
-    @cached_property
-    def wear(self) -> Array:
-        """(N,) wear coefficient of each ring over the greatest."""
-        return self._coefficients / self._coefficients.max()
+    @property
+    def ring_edges(self) -> Array:
+        return self.rings.ring_edges
 
-    @cached_property
-    def phases(self) -> tuple[Array, Array]:
-        """Ring edges and wear coefficients with neighbouring rings of equal wear made one: what has to be modelled."""
-        kept = np.flatnonzero(np.diff(self.wear) != 0) + 1
-        return self.edges[[0, *kept, -1]], self.wear[[0, *kept]]
-
-    @cached_property
-    def times(self) -> Array:
-        return np.array(self.scene.wear.times) / self.time
+    @property
+    def wear_coefficients(self) -> Array:
+        return self.rings.wear_coefficients
 
     @property
     def earliest(self) -> float:
@@ -59,49 +163,11 @@ class NaturalScene:
         return float(min(self.times[self.times > 0], default=0.0))
 
     @cached_property
-    def step(self) -> float | None:
-        return None if self.scene.wear.step is None else self.scene.wear.step / self.time
-
-    @cached_property
     def radii(self) -> Array:
         """Radii of the output: the user's, or a grid that crowds at every ring edge without touching it."""
-        if self.scene.output.radii is not None:
-            return np.array(self.scene.output.radii) / self.scene.punch.radius
-        count = max(8, 320 // (len(self.edges) - 1))
+        if self.output_radii is not None:
+            return self.output_radii
+        count = max(8, 320 // len(self.wear_coefficients))
         within = (1 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2
-        inner, outer = self.edges[:-1, None], self.edges[1:, None]
+        inner, outer = self.ring_edges[:-1, None], self.ring_edges[1:, None]
         return np.concatenate([[0.0], (inner + (outer - inner) * within).ravel()])
-
-    @property
-    def length(self) -> float:
-        return self.scene.punch.radius
-
-    @property
-    def force(self) -> float:
-        load = self.scene.load_
-        return load.normal_force or (load.mean_pressure or 0.0) * np.pi * self.length**2
-
-    @property
-    def modulus(self) -> float:
-        solid = self.scene.half_space
-        return solid.plane_strain_modulus or (solid.youngs_modulus or 0.0) / (1 - solid.poisson_ratio**2)
-
-    @property
-    def pressure(self) -> float:
-        """Unit of pressure, F / a^2."""
-        return self.force / self.length / self.length
-
-    @property
-    def displacement(self) -> float:
-        """Unit of displacement and of worn height, F / (a E*)."""
-        return self.force / self.length / self.modulus
-
-    @property
-    def time(self) -> float:
-        """Unit of time, a / (E* k_max v0)."""
-        return self.length / self.modulus / float(self._coefficients.max()) / self.scene.load_.sliding_speed
-
-    @property
-    def wear_rate(self) -> float:
-        """Unit of the wear rate df/dt."""
-        return self.displacement / self.time

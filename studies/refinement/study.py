@@ -1,4 +1,4 @@
-"""Refining the mesh, each way against what is known: uniformly, graded by the recipe, in the degree, and by an indicator.
+"""Refining the mesh, each way against what is known: uniformly, graded by default sizes, in the degree, and by an indicator.
 
 Errors are those of the flat punch's indentation (Eq. 10), of the indentation over the whole history against the MDR at
 rtol 1e-7, and of the steady displacement in closed form. A mesh file of the user's is one more row, tested the same way.
@@ -11,284 +11,239 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from ringwear.mdr.direct import greatest_displacement, steady_pressures
-from ringwear.meshes.errors import MeshError, RingwearError
-from ringwear.meshes.gmsh_session import unavailable
-from ringwear.meshes.half_space import quality
-from ringwear.meshes.radial import Array
-from ringwear.studies.convergence.levels import Table, keeping_rows, write_markdown
-from ringwear.studies.methods import quads
-from ringwear.studies.methods.outcome import Sampler
-from ringwear.studies.methods.radial import mdr_model
-from ringwear.studies.methods.triangles import TRUNCATION, triangle_mesh
-from ringwear.studies.problem.problem import NaturalScene
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.progress import Report, Stages
-from ringwear.studies.refinement import adaptive
-from ringwear.studies.refinement.figures import ERRORS, draw_errors, draw_meshes, draw_quality
-from ringwear.studies.wear.archard import Wear
-from ringwear.studies.wear.contact import flat_start
 from skfem import Mesh, MeshQuad
 from threadpoolctl import threadpool_limits
 
+from ringwear.mdr.direct import greatest_displacement, steady_pressures
+from ringwear.meshes import files
+from ringwear.meshes.errors import MeshError
+from ringwear.meshes.half_space import quality, truncation
+from ringwear.meshes.radial import Array
+from ringwear.studies.figures.mesh import mesh_panel
+from ringwear.studies.figures.style import FAINT, curve, new_figure
+from ringwear.studies.methods.base import method
+from ringwear.studies.methods.fem import half_space_mesh
+from ringwear.studies.methods.quantities import array
+from ringwear.studies.methods.sampler import Sampler
+from ringwear.studies.problem.defaults import WIDER_TRUNCATION, triangle_degree
+from ringwear.studies.problem.problem import D0, Problem, Rings
+from ringwear.studies.problem.scene import Scene
+from ringwear.studies.problem.sections import FemAccuracy
+from ringwear.studies.progress import LOG, Stages
+from ringwear.studies.refinement.adaptive import DEGREE, Solved, adapted, solved, uniform
+from ringwear.studies.tables import Table, keeping_rows, write_page
+
 GOAL = 1e-5
 NARROW = 1e-3
-START = 1.0  # element size of the uniform mesh that adaptation starts from
 TIMES = np.geomspace(1e-3, 20, 12)
-# of the displacement, where the degree is not what is refined
-DEGREE = {"triangles": 4, "quadrilaterals": 6}
+QUAD_DEGREE = 6  # of the displacement on quadrilaterals from a file
+ERRORS = {"d0": "of $d_0$", "history": "of $d(t)$, greatest", "steady": "of steady $u_{z,max}$"}
 FIELDS = (
     "case", "mesh", "refined", "degree", "unknowns", "elements", "multipliers", *ERRORS, "greatest", "estimate",
-    "least quality", "median quality", "seconds", "remark",
+    "least quality", "median quality", "seconds",
 )  # fmt: skip
 
+Row = dict[str, Any]  # of the table, and with the mesh itself as `geometry`
+Family = Iterable[tuple[str, Solved]]  # how far each mesh is refined, and what it gives
 
-def conduct(scene: Scene, out: Path, options: argparse.Namespace, report: Report) -> list[str]:
-    """Refine three ways on each case; writes `refinement.csv`, `refinement.md` and the figures."""
-    table = Table(out / "refinement.csv", FIELDS)
-    conclusions: list[str] = []
-    best: dict[tuple[str, str], Mesh] = {}
-    cases = _cases(scene)
+
+def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
+    """Refine each way on each case; writes `refinement.csv`, `refinement.md` and the figures."""
+    table, every = Table(out / "refinement.csv", FIELDS), cases(scene.problem)
+    conclusions, results = list[str](), dict[Case, dict[str, list[Row]]]()
+
+    def record(case: Case, name: str, family: Family) -> None:
+        LOG.info("refinement  %s: %s ...", case.name, name)
+        start = time.perf_counter()
+        for refined, one in family:
+            seconds = round(time.perf_counter() - start, 3)
+            row = {"case": case.name, "mesh": name, "refined": refined, "seconds": seconds, **case.row(one)}
+            table.add(**row)
+            results.setdefault(case, {}).setdefault(name, []).append(row)
+            start = time.perf_counter()
+
     with threadpool_limits(1), keeping_rows(conclusions):
-        for case in cases[::2] if options.quick else cases:
-            for family, meshes in _families(case, options).items():
-                report(f"refinement {case.name}: {family} ...")
-                for row, mesh in meshes:
-                    table.add(**row)
-                    best[case.name, family] = mesh
-            conclusions.append(_conclusion(case, table.rows))
-        _file_rows(cases, options, table, best)
-    conclusions += [_file_line(row) for row in table.rows if row["mesh"] == "file"]
-    report("refinement figures ...")
-    if best:
-        draw_errors(table.rows, GOAL, out / "error_against_unknowns.png")
-        draw_quality(best, out / "quality.png")
-    for case in cases:
-        shown = {family: mesh for (name, family), mesh in best.items() if name == case.name}
-        if shown:
-            draw_meshes(case.name, case.phases[0], shown, out / f"meshes_{case.name.replace(' ', '_')}.png")
-    write_markdown(out / "refinement.md", "Refinement of the mesh", conclusions, {"Rows": table})
+        for case in every if options.mesh else ():
+            try:
+                record(case, "file", own_mesh(case.problem, options.mesh))
+                conclusions.append(f"{case.name}: {described(results[case]['file'][0])}")
+            except MeshError as error:
+                if case is every[0]:  # what does not fit the flat punch fits nothing
+                    raise
+                conclusions.append(f"{case.name}: refused: {error}")
+        for case in every[::2] if options.quick else every:
+            for name, family in families(case.problem, options.quick).items():
+                record(case, name, family)
+            conclusions.append(f"{case.name}: {concluded(results[case])}")
+    LOG.info("refinement  figures ...")
+    if results:
+        draw_errors(results, out / "error_against_unknowns.png")
+        draw_quality(results, out / "quality.png")
+    for case, rows in results.items():
+        draw_meshes(case, rows, out / f"meshes_{case.name.replace(' ', '_')}.png")
+    write_page(out / "refinement.md", "Refinement of the mesh", conclusions, {"Rows": table})
     return conclusions
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A scene with what is known of it.
-
-    Parameters
-    ----------
-    name : for tables and file names
-    scene : the scene
-    """
+    """A problem with what is known of it."""
 
     name: str
-    scene: Scene
-
-    @property
-    def phases(self) -> tuple[Array, Array]:
-        return self.scene.natural.phases
+    problem: Problem
 
     @cached_property
     def history(self) -> Array:
         """Indentation at `TIMES` by the MDR at rtol 1e-7."""
-        fine = self.scene.changed(accuracy__rtol=1e-7).natural
-        return Wear(mdr_model(fine, Stages("mdr"), twins=False).compliance, self.phases[1]).modal(TIMES).indentation
+        fine = replace(self.problem, rtol=1e-7, times=TIMES, march="modal")
+        return array(method("mdr").solve(fine, Stages("mdr")).results, "indentation")
 
-    @cached_property
-    def steady(self) -> float:
-        edges, wear = self.phases
-        return greatest_displacement(edges, steady_pressures(edges, wear))
-
-    def errors(self, solved: adaptive.Round) -> dict[str, float]:
-        """Relative errors by the name of the quantity."""
-        wear = Wear(solved.compliance, self.phases[1])
-        sampled = Sampler(self.scene.natural, solved.compliance.space).steady(wear)["steady_displacement_max"]
-        found = {
-            "d0": abs(flat_start(solved.compliance).indentation / 0.5 - 1),
+    def row(self, one: Solved) -> Row:
+        """What a mesh costs and gives: relative errors by the name of the quantity, and their estimate."""
+        rings, wear, solid = self.problem.merged, one.wear, one.half_space.solid
+        space, shape = wear.compliance.space, quality(solid.mesh)
+        steady = float(Sampler(self.problem, space).steady(wear)["steady_displacement_max"])
+        errors = {
+            "d0": abs(wear.flat.indentation / D0 - 1),
             "history": float(np.abs(wear.modal(TIMES).indentation / self.history - 1).max()),
-            "steady": abs(float(sampled[0]) / self.steady - 1),
+            "steady": abs(steady / greatest_displacement(rings.ring_edges, steady_pressures(*rings)) - 1),
         }
-        return found | {"greatest": max(found.values())}
-
-    def measured(self, mesh: Mesh, family: str, refined: float | str, degree: int, start: float) -> dict[str, Any]:
-        """Solve on a mesh and compare."""
-        solved = adaptive.solved(mesh, *self.phases, self.scene.half_space.poisson_ratio, degree)
-        return self.row(solved, family, refined, start)
-
-    def row(self, solved: adaptive.Round, family: str, refined: float | str, start: float) -> dict[str, Any]:
-        """A row of the table, timed from `start`."""
-        seconds = time.perf_counter() - start
-        shape = quality(solved.mesh)
-        return {
-            "case": self.name, "mesh": family, "refined": refined, "degree": solved.solid.degree,
-            "unknowns": solved.half_space.unknowns, "elements": solved.mesh.nelements,
-            "multipliers": solved.compliance.space.size, **self.errors(solved), "estimate": solved.estimate,
-            "least quality": float(shape.min()), "median quality": float(np.median(shape)),
-            "seconds": round(seconds, 3), "remark": "",
+        return errors | {
+            "degree": solid.degree, "unknowns": one.half_space.unknowns, "elements": solid.mesh.nelements,
+            "multipliers": space.size, "greatest": max(errors.values()), "estimate": one.estimate,
+            "least quality": float(shape.min()), "median quality": float(np.median(shape)), "geometry": solid.mesh,
         }  # fmt: skip
 
 
-def _cases(scene: Scene) -> list[Case]:
-    """The flat punch, the scene, and the scene with a ring made narrow."""
-    table = scene.table()
-    radius = scene.punch.radius
-    flat = {"radius": radius, "rings": 1, "wear_coefficients": [scene.punch.wear_coefficients[0]]}
-    cases = [Case("flat punch", Scene.from_table(table | {"punch": flat}))]
-    edges = scene.natural.edges.copy()
-    if len(edges) == 2:
-        return cases
-    cases.append(Case("scene", scene))
-    middle = (len(edges) - 1) // 2
-    if edges[middle + 1] - edges[middle] > NARROW:
-        edges[middle + 1] = edges[middle] + NARROW
-    outer = [*(float(edge) * radius for edge in edges[1:-1]), radius]
-    narrow = {"radius": radius, "ring_edges": outer, "wear_coefficients": list(scene.punch.wear_coefficients)}
-    return [*cases, Case("narrow ring", Scene.from_table(table | {"punch": narrow}))]
+def cases(problem: Problem) -> list[Case]:
+    """The flat punch, the problem, and the problem with its middle ring narrow."""
+    flat = Case("flat punch", replace(problem, rings=Rings(np.array([0.0, 1.0]), np.ones(1))))
+    ring_edges, wear_coefficients = problem.rings
+    if len(wear_coefficients) == 1:
+        return [flat]
+    narrow, middle = ring_edges.copy(), (len(wear_coefficients) - 1) // 2
+    narrow[middle + 1] = min(narrow[middle + 1], narrow[middle] + NARROW)
+    narrowed = replace(problem, rings=Rings(narrow, wear_coefficients))
+    return [flat, Case("scene", problem), Case("narrow ring", narrowed)]
 
 
-Rows = Iterator[tuple[dict[str, Any], Mesh]]
+def families(problem: Problem, quick: bool) -> dict[str, Family]:
+    """Each way to refine a mesh, from coarse to fine; solved one by one as they are asked for."""
 
+    def meshed(rtol: float, fem: FemAccuracy) -> Mesh:
+        return half_space_mesh(replace(problem, rtol=rtol, fem=fem)).mesh
 
-def _families(case: Case, options: argparse.Namespace) -> dict[str, Rows]:
-    quick = bool(options.quick)
-    levels = 3 if quick else 4
-    coarse = adaptive.uniform(case.phases[0], TRUNCATION, START)
-    families = {
-        "h, triangles": _refined(case, "h, triangles", coarse.mesh, DEGREE["triangles"], levels),
-        "p, triangles": _degrees(case, "p, triangles", triangle_mesh(_at(case, GOAL))[0], range(2, 5)),
-        "graded triangles": _graded(case, (1e-2, 1e-5) if quick else (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)),
-        "adaptive triangles": _adaptive(case, coarse, GOAL / 2 if quick else GOAL / 10),
+    def in_size(mesh: Mesh) -> Family:
+        return ((f"{times} times", solved(problem, mesh.refined(times), DEGREE)) for times in range(3 if quick else 4))
+
+    def in_degree(mesh: Mesh, degrees: range) -> Family:
+        return ((f"degree {degree}", solved(problem, mesh, degree)) for degree in degrees)
+
+    triangles, quads = FemAccuracy(mesher="gmsh"), FemAccuracy(mesher="quads")
+    few = FemAccuracy(mesher="quads", rim_size=0.5, ring_size=0.5, truncation=WIDER_TRUNCATION)
+    tolerances = (1e-2, GOAL) if quick else (1e-1, 1e-2, 1e-3, 1e-4, GOAL, 1e-6)
+    coarse = uniform(problem.merged.ring_edges)
+    rounds = enumerate(adapted(problem, coarse, GOAL / 2 if quick else GOAL / 10))
+    out: dict[str, Family] = {
+        "h, triangles": in_size(coarse),
+        "p, triangles": in_degree(meshed(GOAL, triangles), range(2, 5)),
+        "graded triangles": ((f"rtol {rtol:g}", solved(problem, meshed(rtol, triangles), DEGREE)) for rtol in tolerances),
+        "adaptive triangles": ((f"round {number}", one) for number, one in rounds),
     }
-    if not unavailable():
-        name = "quadrilaterals"
-        families[f"h, {name}"] = _refined(case, f"h, {name}", _coarse_quads(case), DEGREE["triangles"], levels)
-        families[f"p, {name}"] = _degrees(case, f"p, {name}", _quads(case, 1e-7), range(4, 8 if quick else 10))
-    return families
+    layered = meshed(1e-7, quads)
+    if isinstance(layered, MeshQuad):  # triangles take their place where gmsh cannot be used
+        # without subdomains of lower degree
+        out["h, quadrilaterals"] = in_size(replace(meshed(GOAL, few), _subdomains=None))
+        out["p, quadrilaterals"] = in_degree(layered, range(4, 8 if quick else 10))
+    return out
 
 
-def _at(case: Case, rtol: float) -> NaturalScene:
-    return case.scene.changed(accuracy__rtol=rtol).natural
+def own_mesh(problem: Problem, path: str) -> Family:
+    """The user's mesh; refused if a ring edge is not a vertex of it, or if it is no mesh of a half-space."""
+    mesh, remark = files.read(path, problem.merged.ring_edges, problem.units.length)
+    degree = (problem.fem.degree or QUAD_DEGREE) if isinstance(mesh, MeshQuad) else triangle_degree(problem)
+    yield Path(path).name + (f" ({remark})" if remark else ""), solved(problem, mesh, degree)
 
 
-def _quads(case: Case, rtol: float) -> MeshQuad:
-    """Quadrilaterals in geometric layers, as the recipe has them at an accuracy."""
-    return quads.graded_quads(_at(case, rtol)).mesh
+def described(row: Row) -> str:
+    """The errors on one mesh."""
+    errors = ", ".join(f"{quantity} {row[quantity]:.1e}" for quantity in (*ERRORS, "estimate"))
+    return f"{row['refined']}, {row['elements']} elements of degree {row['degree']}, errors: {errors}"
 
 
-def _coarse_quads(case: Case) -> MeshQuad:
-    """As few quadrilaterals as there can be, all of the same degree."""
-    from ringwear.meshes.quads import graded
-
-    mesh = graded(case.phases[0], 1.0, 1.0, quads.FACTOR, quads.GROWTH, TRUNCATION).mesh
-    return replace(mesh, _subdomains=None)
-
-
-def _refined(case: Case, family: str, mesh: Mesh, degree: int, levels: int) -> Rows:
-    """Every element refined into four by scikit-fem, those at the contact among them, again and again."""
-    for level in range(levels):
-        start = time.perf_counter()
-        finer = mesh.refined(level) if level else mesh
-        yield case.measured(finer, family, f"{level} times", degree, start), finer
-
-
-def _degrees(case: Case, family: str, mesh: Mesh, degrees: range) -> Rows:
-    for degree in degrees:
-        yield case.measured(mesh, family, f"degree {degree}", degree, time.perf_counter()), mesh
-
-
-def _graded(case: Case, tolerances: tuple[float, ...]) -> Rows:
-    for rtol in tolerances:
-        start = time.perf_counter()
-        mesh, *_ = triangle_mesh(_at(case, rtol))
-        yield case.measured(mesh, "graded triangles", rtol, DEGREE["triangles"], start), mesh
-
-
-def _adaptive(case: Case, coarse: adaptive.Nested, tolerance: float) -> Rows:
-    """Rounds from a coarse uniform mesh; seconds are those of all rounds so far, kept apart from the comparing."""
-    nu = case.scene.half_space.poisson_ratio
-    rounds = adaptive.adapted(coarse, case.phases[1], nu, tolerance, degree=DEGREE["triangles"])
-    spent, start = 0.0, time.perf_counter()
-    for number, now in enumerate(rounds):
-        spent += time.perf_counter() - start
-        yield case.row(now, "adaptive triangles", f"round {number}", time.perf_counter() - spent), now.mesh
-        start = time.perf_counter()
-
-
-def _file_rows(cases: list[Case], options: argparse.Namespace, table: Table, best: dict[tuple[str, str], Mesh]) -> None:
-    """The user's mesh on every case whose ring edges it has; one that fits none of them is refused."""
-    if not getattr(options, "mesh", None):
-        return
-    from ringwear.meshes.files import read
-
-    fitting = 0
-    for case in cases:
-        start = time.perf_counter()
-        try:
-            mesh, remark = read(options.mesh, case.phases[0], case.scene.punch.radius)
-            degree = (
-                case.scene.accuracy.fem.degree or DEGREE["quadrilaterals" if isinstance(mesh, MeshQuad) else "triangles"]
-            )
-            row = case.measured(mesh, "file", Path(options.mesh).name, degree, start) | {"remark": remark}
-        except RingwearError as error:
-            refusal = error
-            row = {"case": case.name, "mesh": "file", "refined": Path(options.mesh).name, "remark": f"refused: {error}"}
-        else:
-            fitting += 1
-            best[case.name, "file"] = mesh
-        table.add(**row)
-    if not fitting:
-        raise MeshError(str(refusal))
-
-
-def _file_line(row: dict[str, Any]) -> str:
-    if "greatest" not in row:
-        return f"{row['case']}: {row['remark']}"
-    values = ", ".join(f"{name} {row[name]:.1e}" for name in ERRORS)
-    turned = f" ({row['remark']})" if row["remark"] else ""
+def concluded(rows: dict[str, list[Row]]) -> str:
+    """Observed orders beside theory, and the unknowns with which each way reaches the goal in every quantity."""
+    orders, factors, unknowns = [], [], []
+    for name, own in rows.items():
+        way, _, kind = name.partition(", ")
+        d0 = np.array([row["d0"] for row in own])
+        if way == "h":
+            orders.append(f"{np.log2(d0[-2] / d0[-1]):.2f} on {kind}")
+        if way == "p":
+            factors.append(f"{(d0[0] / d0.min()) ** (1 / (len(d0) - 1)):.1f} on {kind}")
+        reaching = [f"{row['unknowns']} ({row['refined']})" for row in own if row["greatest"] <= GOAL]
+        unknowns.append(f"{name} {reaching[0] if reaching else 'do not reach it'}")
     return (
-        f"{row['case']}: {row['refined']}{turned}, {row['elements']} elements of degree {row['degree']}, errs by {values} "
-        f"(estimate {row['estimate']:.1e})"
+        f"d0 by uniform refinement (h) is of order {' and '.join(orders)} (theory 1); each degree (p) takes its error down "
+        f"by {' and '.join(factors)} (theory on quadrilaterals 9); unknowns to {GOAL:g} in every quantity: "
+        f"{'; '.join(unknowns)}"
     )
 
 
-def _conclusion(case: Case, rows: list[dict[str, Any]]) -> str:
-    """One line: observed orders beside theory, and unknowns to the goal in every quantity, adaptive against graded."""
-    own = [row for row in rows if row["case"] == case.name]
+def draw_errors(results: dict[Case, dict[str, list[Row]]], path: Path) -> None:
+    """Errors against unknowns: a column for each case, a row for each quantity."""
+    figure = new_figure(0.6 + 3.2 * len(results), 8.2)
+    panels = figure.subplots(len(ERRORS), len(results), sharex="col", sharey=True, squeeze=False)
+    kinds = dict.fromkeys(kind for rows in results.values() for kind in rows)
+    for line, (quantity, label) in zip(panels, ERRORS.items(), strict=True):
+        for axes, (case, rows) in zip(line, results.items(), strict=True):
+            for number, kind in enumerate(kinds):
+                unknowns, errors = ([row[column] for row in rows.get(kind, ())] for column in ("unknowns", quantity))
+                axes.loglog(unknowns, errors, label=kind, **curve(number))
+            axes.axhline(GOAL, **FAINT)
+            axes.grid(True, color="0.9", linewidth=0.6)
+            axes.set(title=case.name, xlabel="unknowns", ylabel=f"relative error\n{label}")
+            axes.label_outer()
+    known = panels[0, 0].get_legend_handles_labels()
+    figure.legend(*known, loc="outside lower center", ncols=1 + len(results), frameon=False, fontsize=9)
+    figure.suptitle(f"refinement in size (h), in degree (p),\ngraded and adaptive (goal {GOAL:g}: dotted)", fontsize=10)
+    figure.savefig(path)
 
-    def order(family: str) -> float:
-        coarser, finer = [row["d0"] for row in own if row["mesh"] == family][-2:]
-        return float(np.log2(coarser / finer))
 
-    def gained(family: str) -> float:
-        errors = [row["d0"] for row in own if row["mesh"] == family]
-        return float((errors[0] / min(errors)) ** (1 / (len(errors) - 1)))
+def draw_quality(results: dict[Case, dict[str, list[Row]]], path: Path) -> None:
+    """Fraction of elements below each quality, finest mesh of each kind."""
+    figure = new_figure(0.6 + 3.2 * len(results), 3.4)
+    for axes, (case, rows) in zip(figure.subplots(1, len(results), squeeze=False)[0], results.items(), strict=True):
+        for number, (kind, (*_, finest)) in enumerate(rows.items()):
+            axes.ecdf(quality(finest["geometry"]), label=kind, **curve(number) | {"marker": ""})
+        axes.set(xlim=(0, 1), ylim=(0, 1), xlabel="least sine of the corners", title=case.name)
+        axes.set_ylabel("fraction of elements below")
+        axes.legend(loc="upper left", frameon=False, fontsize=8)
+    figure.savefig(path)
 
-    def fewest(family: str, quantity: str) -> int | None:
-        return min((r["unknowns"] for r in own if r["mesh"] == family and r[quantity] <= GOAL), default=None)
 
-    kinds = [kind for kind in DEGREE if any(row["mesh"] == f"h, {kind}" for row in own)]
-    by_size = " and ".join(f"{order('h, ' + kind):.2f} on {kind}" for kind in kinds)
-    by_degree = " and ".join(f"{gained('p, ' + kind):.1f} on {kind}" for kind in kinds)
-    orders = (
-        f"d0 by uniform refinement (h) is of order {by_size} (theory 1); each degree (p) takes its error down by "
-        f"{by_degree} (theory on quadrilaterals 9)"
-    )
-    reached = fewest("adaptive triangles", "greatest")
-    if reached is None:
-        return f"{case.name}: {orders}; adaptation did not reach {GOAL:g}"
-    recipe = next(row for row in own if row["mesh"] == "graded triangles" and row["refined"] == GOAL)
-    row = next(row for row in own if row["mesh"] == "adaptive triangles" and row["unknowns"] == reached)
-    values = ", ".join(f"{name} {row[name]:.1e}" for name in ERRORS)
-    on_quads = fewest("p, quadrilaterals", "greatest")
-    return (
-        f"{case.name}: {orders}; adaptation from a uniform mesh reaches {GOAL:g} ({values}) with {reached} unknowns in "
-        f"{row['refined']} and {row['seconds']:.1f} s, {reached / recipe['unknowns']:.2f} x those of graded triangles "
-        f"at rtol {GOAL:g} ({recipe['unknowns']})" + (f", quadrilaterals with {on_quads}" if on_quads else "")
-    )
+def draw_meshes(case: Case, rows: dict[str, list[Row]], path: Path) -> None:
+    """The finest mesh of each kind: whole, under the punch, at the narrowest ring, at the rim."""
+    rings = case.problem.merged
+    views = [("under the punch", (0.0, 1.15), 0.0, "$r/a$"), ("at the rim", (-2e-2, 2e-2), 1.0, "$(r-a)/a$")]
+    if len(rings.widths) > 1:
+        narrowest = int(rings.widths.argmin())
+        reach, middle = min(2 * rings.widths.min(), 0.4), float(rings.ring_edges[narrowest : narrowest + 2].mean())
+        views.insert(1, ("narrowest ring", (-reach, reach), middle, rf"$r/a - {middle:.4g}$"))
+    figure = new_figure(3.2 * (1 + len(views)), 3.5 * len(rows))
+    panels = figure.subplots(len(rows), 1 + len(views), squeeze=False)
+    for line, (kind, (*_, finest)) in zip(panels, rows.items(), strict=True):
+        mesh = finest["geometry"]
+        mesh_panel(line[0], mesh, (0, truncation(mesh)), "whole", "$r/a$")
+        for axes, (name, view, centre, label) in zip(line[1:], views, strict=True):
+            mesh_panel(axes, mesh, view, name, label, centre)
+        line[0].set_ylabel(f"{kind}: depth $z/a$")
+    figure.suptitle(f"{case.name}: the finest mesh of each kind; the bar above is the punch", fontsize=10)
+    figure.savefig(path)

@@ -13,14 +13,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+from scipy.sparse import csr_matrix
+
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.radial import Array
 from ringwear.studies.wear.banded import BandedCholesky
 from ringwear.studies.wear.contact import FlatStart, SteadyState, flat_start, steady_state
 from ringwear.studies.wear.modes import LARGE, Modes, every_mode, excited_modes
-from scipy.linalg import cho_factor, cho_solve
-from scipy.sparse import csr_matrix
 
 MOST_STEPS = 2_000_000
 # smallest element above which eigenvalues are as good as singular values, at a quarter of the time (measured: no
@@ -43,7 +44,7 @@ class History:
 
 
 @dataclass(frozen=True, eq=False)
-class Wear:
+class RunningIn:
     """A punch from its flat start to its steady state: condensed once, evaluated at any time.
 
     Parameters
@@ -168,8 +169,10 @@ class Wear:
         """
         limit = self.stability_limit()
         if step > limit:
-            raise SceneError(f"the explicit march is unstable: its step is {step / limit:.3g} times the stability limit; "
-                             "give a smaller wear.step, or march = 'modal' (exact in time, no step)")  # fmt: skip
+            raise SceneError(
+                f"the explicit march is unstable: its step is {step / limit:.3g} times the stability limit; give a smaller "
+                "wear.step, march = 'modal' (exact in time, no step), or the method mdr-grid, whose grid is coarse"
+            )
         energy = cho_factor(self._energy)
         by_weights = cho_solve(energy, self._weights)
         rate = -cho_solve(energy, self._mass.toarray())

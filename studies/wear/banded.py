@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from ringwear.meshes.errors import SolverError
-from ringwear.meshes.radial import Array
 from scipy.linalg import LinAlgError, cholesky_banded
 from scipy.linalg.lapack import dtbtrs
 from scipy.sparse import csr_matrix, tril
+
+from ringwear.meshes.errors import SolverError
+from ringwear.meshes.radial import Array
 
 
 class BandedCholesky:

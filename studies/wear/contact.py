@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
 from ringwear.mdr.direct import steady_pressures
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.radial import Array
 from ringwear.studies.wear.banded import BandedCholesky
-from scipy.linalg import cho_factor, cho_solve
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +25,7 @@ class FlatStart:
 def flat_start(compliance: Compliance) -> FlatStart:
     """Contact of the unworn punch: ``A p = d b``, ``b . p = 1``, with the pressure continuous across ring edges."""
     space = compliance.space
-    continuous = space.joined(np.ones(len(space.edges) - 1))
+    continuous = space.joined(np.ones(len(space.ring_edges) - 1))
     weights = continuous.T @ space.weights
     try:
         solution = cho_solve(cho_factor(continuous.T @ compliance.matrix @ continuous), weights)
@@ -56,7 +57,7 @@ class SteadyState:
 def steady_state(compliance: Compliance, wear_coefficients: Array) -> SteadyState:
     """No march and no solve: the pressures are closed form, their displacement is projected on the space."""
     space = compliance.space
-    ring_pressures = steady_pressures(space.edges, wear_coefficients)
+    ring_pressures = steady_pressures(space.ring_edges, wear_coefficients)
     pressure = space.ring_indicator() @ ring_pressures
     moments = compliance.factor.T @ (compliance.factor @ pressure)
     worn, continuous = space.joined(wear_coefficients), space.joined(np.ones_like(wear_coefficients))

@@ -11,11 +11,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import eigh, eigh_tridiagonal, svd
+from scipy.linalg.blas import dsymv
+
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.radial import Array
 from ringwear.studies.wear.banded import BandedCholesky
-from scipy.linalg import eigh, eigh_tridiagonal, svd
-from scipy.linalg.blas import dsymv
 
 # beyond this size singular values would take minutes
 LARGE = 700

@@ -1,0 +1,147 @@
+"""What every method is: an object that knows its sizes at an accuracy, solves a problem, and says how good the result is.
+
+Before it solves, it says what it will cost: unknowns by counting, seconds and memory by measured rates. These are a small
+table in the package, `costs.json`, which `python -m ringwear.studies.benchmark.rates` measures again.
+"""
+
+from __future__ import annotations
+
+import json
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field, replace
+from importlib import import_module
+from importlib.resources import files
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+import xarray
+
+from ringwear.meshes.compliance import Compliance
+from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.meshes.radial import Array
+from ringwear.studies.problem.problem import Problem
+from ringwear.studies.progress import Stages
+from ringwear.studies.wear.archard import RunningIn
+
+if TYPE_CHECKING:
+    from ringwear.fem.half_space import HalfSpace
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What a method says of a problem.
+
+    Parameters
+    ----------
+    results : its quantities, each with its relative error beside it; non-dimensional
+    parts : relative error of the indentation, by what causes it
+    unknowns, settings, notes : of what was solved
+    wear : the running-in on the method's compliance, if it has one
+    half_space : the finite-element half-space, if there is one
+    """
+
+    results: xarray.Dataset
+    parts: dict[str, float]
+    unknowns: int = 0
+    settings: dict[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    wear: RunningIn | None = None
+    half_space: HalfSpace | None = None
+
+    @property
+    def error_estimate(self) -> float:
+        """The method's own estimate of its relative error, of the indentation over all times."""
+        return float(sum(self.parts.values()))
+
+    @property
+    def error_of_sizes(self) -> float:
+        """The part of it that finer sizes would mend: not the time step, the far field or roundoff."""
+        return float(sum(self.parts.get(part, 0.0) for part in ("pressure space", "discretisation")))
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Predicted cost of one method: unknowns, pressures among them, seconds on one thread and GiB.
+
+    `error` is what its own estimate of the indentation will be about; nan where that is not known, because the user gave
+    the sizes or nobody has measured it.
+    """
+
+    unknowns: int
+    pressures: int
+    seconds: float
+    memory: float
+    error: float
+
+
+def terms(unknowns: int, pressures: int) -> Array:
+    """What seconds are proportional to: a start, the mesh and its matrix, its factor, and dense algebra."""
+    return np.array([1.0, unknowns, unknowns**1.5, pressures**2, pressures**3], dtype=float)
+
+
+def by_rates(kind: str, unknowns: int, pressures: int, rtol: float) -> Cost:
+    """Cost by the rates measured for a kind of method; seconds and error are nan where there are none."""
+    # the factor, and a dozen dense matrices of the pressures
+    memory = 0.15 + (400.0 * unknowns * np.log2(max(unknowns, 2)) / 8 + 12 * 8.0 * pressures**2) / 2**30
+    rates = json.loads((files("ringwear.studies") / "costs.json").read_text("utf-8")).get(kind)
+    if rates is None:
+        return Cost(unknowns, pressures, np.nan, memory, np.nan)
+    error = float(10 ** np.polyval(rates["error"], np.log10(rtol)))
+    return Cost(unknowns, pressures, float(np.dot(rates["seconds"], terms(unknowns, pressures))), memory, error)
+
+
+def method(name: str) -> Method:
+    """The method of that name; its file is imported only now."""
+    return import_module(f"ringwear.studies.methods.{name.replace('-', '_')}").METHOD
+
+
+class Method(ABC):
+    """A way to solve the problem. Subclasses say what they are, and give an instance as ``METHOD``.
+
+    Attributes
+    ----------
+    name : as scenes call it
+    what : what it is, for people
+    look : its curve in figures, as matplotlib takes it
+    lacks : `history` or `steady state`, if it does not give that, and why
+    any_space : whether its compliance can be had on any pressure space, not on one of its own only
+    """
+
+    name: ClassVar[str]
+    what: ClassVar[str]
+    look: ClassVar[dict[str, Any]]
+    lacks: ClassVar[dict[str, str]] = {}
+    any_space: ClassVar[bool] = False
+
+    @abstractmethod
+    def described(self, problem: Problem) -> str:
+        """What it will be made of."""
+
+    @abstractmethod
+    def counted(self, problem: Problem) -> tuple[int, int]:
+        """Unknowns, and pressures among them, without making any."""
+
+    @abstractmethod
+    def solve(self, problem: Problem, stages: Stages) -> Solution:
+        """Everything that the problem asks for."""
+
+    def refusal(self, problem: Problem) -> str:
+        """Why it cannot solve the problem at all, with the remedy; empty if it can."""
+        return ""
+
+    def kind(self, problem: Problem) -> str:
+        """Its name in the table of measured costs."""
+        return self.name
+
+    def cost(self, problem: Problem) -> Cost:
+        """What it will cost, and how accurate it will be."""
+        cost = by_rates(self.kind(problem), *self.counted(problem), problem.rtol)
+        return replace(cost, error=np.nan) if self.sizes_given(problem) else cost
+
+    def sizes_given(self, problem: Problem) -> bool:
+        """Whether the user has given its sizes, which then stay as they are."""
+        return False
+
+    def compliance(self, space: PressureSpace) -> Compliance:
+        """Its compliance on any pressure space, if it has `any_space`."""
+        raise NotImplementedError

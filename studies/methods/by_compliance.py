@@ -1,0 +1,60 @@
+"""Methods that yield a compliance: contact, wear, steady states and estimates are written once, over that."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from ringwear.meshes.compliance import Compliance
+from ringwear.studies.methods.base import Method, Solution, method
+from ringwear.studies.methods.estimate import Pair, estimated
+from ringwear.studies.problem.problem import Problem
+from ringwear.studies.progress import Stages
+
+if TYPE_CHECKING:
+    from ringwear.fem.half_space import HalfSpace
+
+
+@dataclass(frozen=True, eq=False)
+class Discretised:
+    """A method made ready for a problem.
+
+    Parameters
+    ----------
+    compliance : on the method's own pressure space
+    pairs : finer and coarser computations, for the error estimate
+    unknowns : size of the system behind the compliance
+    settings : the sizes chosen, for the summary
+    half_space : the finite-element half-space, if there is one
+    notes : what the user should know, such as a mesher replaced
+    """
+
+    compliance: Compliance
+    pairs: tuple[Pair, ...]
+    unknowns: int
+    settings: dict[str, Any]
+    half_space: HalfSpace | None = None
+    notes: tuple[str, ...] = ()
+
+
+def compliance_method(name: str) -> ComplianceMethod:
+    """The method of that name, which must yield a compliance."""
+    found = method(name)
+    assert isinstance(found, ComplianceMethod)
+    return found
+
+
+class ComplianceMethod(Method):
+    """A method that yields a compliance on a pressure space."""
+
+    @abstractmethod
+    def discretised(self, problem: Problem, stages: Stages, pairs: bool = True) -> Discretised:
+        """The method made ready for a problem; without `pairs`, its error cannot be estimated."""
+
+    def solve(self, problem: Problem, stages: Stages) -> Solution:
+        """Discretise, wear, sample and estimate."""
+        made = self.discretised(problem, stages)
+        with stages("marching" if len(problem.times) else "steady state"):
+            result, results, parts = estimated(problem, made.compliance, made.pairs, made.half_space)
+        return Solution(results, parts, made.unknowns, made.settings, made.notes, result.wear, made.half_space)

@@ -1,0 +1,54 @@
+"""Direct integration: the steady state in closed form (Eqs. 21 to 27)."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ringwear.mdr import direct
+from ringwear.meshes.radial import ring_of
+from ringwear.studies.methods.base import Cost, Method, Solution
+from ringwear.studies.methods.quantities import labelled, with_errors
+from ringwear.studies.problem.problem import Problem
+from ringwear.studies.progress import Stages
+
+
+class Direct(Method):
+    """The steady state, to roundoff."""
+
+    name = "direct"
+    what = "the steady state by direct integration, in closed form"
+    look: ClassVar[dict[str, Any]] = {"color": "black", "linestyle": ":", "linewidth": 1.4, "marker": "x", "markersize": 3.5}
+    lacks: ClassVar[dict[str, str]] = {"history": "direct integration knows the steady state only"}
+
+    def described(self, problem: Problem) -> str:
+        return "closed form, nothing to resolve"
+
+    def counted(self, problem: Problem) -> tuple[int, int]:
+        return 0, len(problem.merged.wear_coefficients)
+
+    def cost(self, problem: Problem) -> Cost:
+        rings = len(problem.merged.wear_coefficients)
+        return Cost(0, rings, 1e-3 + 4e-6 * rings**2, 0.1, 1e-12)
+
+    def solve(self, problem: Problem, stages: Stages) -> Solution:
+        ring_edges, wear_coefficients = problem.merged
+        with stages("integrating"):
+            pressures = direct.steady_pressures(ring_edges, wear_coefficients)
+            greatest = direct.greatest_displacement(ring_edges, pressures)
+            values = {
+                "steady_pressure": pressures[ring_of(ring_edges, problem.radii)],
+                "steady_profile": np.maximum(greatest - direct.displacement(ring_edges, pressures, problem.radii), 0.0),
+                "steady_displacement_max": np.asarray(greatest),
+                "steady_rms_slope": np.asarray(direct.rms_slope(ring_edges, pressures, problem.gradient_average)),
+                "steady_wear_rate": wear_coefficients[0] * pressures[0],
+            }
+        # a narrow ring of high pressure is the small difference of two discs
+        steps = np.abs(direct.pressure_steps(pressures))
+        roundoff = 1e-12 + 4 * np.finfo(float).eps * float(steps @ ring_edges[1:]) / greatest
+        errors = {name: np.full(np.shape(value), roundoff) for name, value in values.items()}
+        return Solution(with_errors(labelled(values), errors), {"roundoff": roundoff})
+
+
+METHOD = Direct()

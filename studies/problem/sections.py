@@ -1,0 +1,161 @@
+"""The tables of the scene file: every key declared once, with its check and the remedy that an error message gives."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+# degrees of the displacement that each mesher's elements can have; on triangles alone the highest is the default
+DEGREES = {"quads": range(4, 13), "gmsh": range(2, 5), "bisection": range(2, 5)}
+
+
+class Section(BaseModel):
+    """A table of the scene file: frozen, strictly typed, no unknown keys."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
+
+
+class PunchSection(Section):
+    radius: Positive = Field(description="the punch radius, a positive length")
+    rings: int | None = Field(default=None, ge=1, le=100_000, description="the number of rings, 1 or more")
+    width_ratio: Positive = Field(default=1.0, description="the width of even rings over that of odd rings, h2/h1")
+    ring_edges: list[Positive] | None = Field(
+        default=None, description="the outer radius of each ring, increasing, the last equal to punch.radius"
+    )
+    wear_coefficients: list[Positive] = Field(
+        description="positive numbers: two, alternating from the centre, or one for each ring"
+    )
+
+    @model_validator(mode="after")
+    def _rings_are_given_once(self) -> Self:
+        if (self.rings is None) == (self.ring_edges is None):
+            raise ValueError("give either rings (with width_ratio) or ring_edges, and not both")
+        if self.ring_edges is not None:
+            if "width_ratio" in self.model_fields_set:
+                raise ValueError("width_ratio goes with rings; with ring_edges leave it out")
+            if any(b <= a for a, b in pairwise(self.ring_edges)):
+                raise ValueError(f"ring_edges = {self.ring_edges} must increase from ring to ring, without repeats")
+            if not self.ring_edges or abs(self.ring_edges[-1] / self.radius - 1) > 1e-9:
+                raise ValueError(f"ring_edges = {self.ring_edges} must end at punch.radius = {self.radius}")
+        count = self.rings or len(self.ring_edges or [])
+        given = len(self.wear_coefficients)
+        if given not in (2, count):
+            raise ValueError(
+                f"wear_coefficients has {given} values for {count} rings: "
+                f"give {count}, or two, which alternate from the centre"
+            )
+        return self
+
+
+class HalfSpaceSection(Section):
+    plane_strain_modulus: Positive | None = Field(default=None, description="E* = E/(1 - nu^2), a positive pressure")
+    youngs_modulus: Positive | None = Field(default=None, description="Young's modulus E, a positive pressure")
+    poisson_ratio: float = Field(
+        default=0.3, gt=-1, le=0.5, allow_inf_nan=False,
+        description="a number above -1 and at most 0.5",
+    )  # fmt: skip
+
+    @model_validator(mode="after")
+    def _one_modulus(self) -> Self:
+        if (self.plane_strain_modulus is None) == (self.youngs_modulus is None):
+            raise ValueError("give either plane_strain_modulus or youngs_modulus, and not both")
+        return self
+
+
+class LoadSection(Section):
+    normal_force: Positive | None = Field(default=None, description="the normal force F, positive")
+    mean_pressure: Positive | None = Field(default=None, description="F / (pi a^2), positive")
+    sliding_speed: Positive = Field(default=1.0, description="the sliding speed, positive")
+
+    @model_validator(mode="after")
+    def _one_load(self) -> Self:
+        if (self.normal_force is None) == (self.mean_pressure is None):
+            raise ValueError("give either normal_force or mean_pressure, and not both")
+        return self
+
+
+class WearSection(Section):
+    times: list[NotNegative] = Field(default=[], description="increasing times, 0 or later; none for no history")
+    steady: bool = Field(default=True, description="true or false")
+    march: Literal["modal", "implicit", "explicit"] = Field(default="modal", description="modal, implicit or explicit")
+    step: Positive | None = Field(default=None, description="the time step of the implicit or explicit march")
+
+    @model_validator(mode="after")
+    def _times_and_steps(self) -> Self:
+        if any(b <= a for a, b in pairwise(self.times)):
+            raise ValueError("times must increase, without repeats")
+        if self.march == "modal" and self.step is not None:
+            raise ValueError("step goes with march = 'implicit' or 'explicit': the modal march has none")
+        if self.march != "modal" and self.step is None and any(self.times):
+            raise ValueError(f"march = '{self.march}' needs a step; march = 'modal' is exact in time and needs none")
+        if not self.times and not self.steady:
+            raise ValueError("nothing to compute: give times, or steady = true")
+        return self
+
+
+class Sizes(Section):
+    """Sizes of one kind of discretisation."""
+
+    @property
+    def given(self) -> bool:
+        """Whether the user has given sizes or degrees, which then stay as they are."""
+        return bool(self.model_fields_set & {"rim_size", "ring_size", "growth", "grading", "degree"})
+
+
+class FemAccuracy(Sizes):
+    mesher: Literal["quads", "gmsh", "bisection"] | None = Field(
+        default=None,
+        description="quads (quadrilaterals; once called stars), gmsh or bisection (triangles of degree 2 to 4)",
+    )
+    far_field: Literal["boussinesq", "fixed"] = Field(default="boussinesq", description="boussinesq or fixed")
+    poles: int | None = Field(default=None, ge=1, le=8, description="Boussinesq poles tied to the outer boundary, 1 to 8")
+    truncation: float | None = Field(default=None, ge=2, le=1e6, description="radius of the half-space in a, 2 to 1e6")
+    degree: int | None = Field(
+        default=None,
+        ge=2,
+        le=12,
+        description="degree of the displacement: 2 to 4 on triangles, 4 to 12 on quadrilaterals",
+    )
+    rim_size: float | None = Field(default=None, ge=1e-12, le=0.5, description="element size at the rim in a, 1e-12 to 0.5")
+    ring_size: float | None = Field(
+        default=None, ge=1e-12, le=0.5, description="element size at ring edges in a, 1e-12 to 0.5"
+    )
+    growth: float | None = Field(default=None, ge=0.05, le=2, description="growth of the size with distance, 0.05 to 2")
+
+    @model_validator(mode="after")
+    def _degree_goes_with_the_mesher(self) -> Self:
+        if self.degree is not None and self.mesher is not None and (self.degree not in DEGREES[self.mesher]):
+            lowest, highest = DEGREES[self.mesher][0], DEGREES[self.mesher][-1]
+            raise ValueError(f"degree = {self.degree} does not go with mesher = '{self.mesher}': give {lowest} to {highest}")
+        return self
+
+    @property
+    def meshed_by(self) -> str:
+        """The mesher: the one asked for, or the one that goes with the other keys."""
+        return self.mesher or ("quads" if self.degree is None or self.degree in DEGREES["quads"] else "gmsh")
+
+
+class MdrAccuracy(Sizes):
+    degree: int | None = Field(default=None, ge=1, le=16, description="highest degree of the pressure, 1 to 16")
+    rim_size: float | None = Field(default=None, ge=1e-12, le=0.5, description="element size at the rim in a")
+    ring_size: float | None = Field(default=None, ge=1e-12, le=0.5, description="element size at ring edges in a")
+    grading: float | None = Field(default=None, ge=0.05, le=0.8, description="ratio of neighbouring sizes, 0.05 to 0.8")
+    grid: int = Field(default=400, ge=4, le=20_000, description="points of the uniform grid of mdr-grid, 4 to 20000")
+
+
+class AccuracySection(Section):
+    rtol: float = Field(default=1e-4, ge=1e-9, le=0.1, description="the relative accuracy wanted, 1e-9 to 0.1")
+    fem: FemAccuracy = FemAccuracy()
+    mdr: MdrAccuracy = MdrAccuracy()
+
+
+class OutputSection(Section):
+    radii: list[NotNegative] | None = Field(default=None, description="radii from 0 to punch.radius, increasing")
+    field_times: list[NotNegative] | None = Field(
+        default=None, description="times at which the inside of the half-space is written, increasing"
+    )
+    gradient_average: Literal["line", "area"] = Field(default="line", description="line or area")

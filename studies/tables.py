@@ -1,0 +1,64 @@
+"""Tables of studies: on disk row by row as CSV, and at the end as a page in Markdown."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ringwear.studies.registry import INTERRUPTED
+
+Row = Mapping[str, Any]
+
+
+class Table:
+    """Rows that are on disk as CSV as soon as they are known; columns that a row does not name stay empty."""
+
+    def __init__(self, path: Path, fields: Iterable[str], rows: Iterable[Row | tuple[Any, ...]] = ()) -> None:
+        self.path, self.fields = path, tuple(fields)
+        self.rows: list[Row] = []
+        self._append("w", self.fields)
+        for row in rows:
+            self.add(*row) if isinstance(row, tuple) else self.add(**row)
+
+    def add(self, *values: Any, **named: Any) -> None:
+        """Add a row: values in the order of the columns, or by their names."""
+        row = dict(zip(self.fields, values, strict=True)) if values else named
+        self.rows.append(row)
+        self._append("a", (row.get(name, "") for name in self.fields))
+
+    def _append(self, mode: str, values: Iterable[Any]) -> None:
+        with self.path.open(mode, newline="", encoding="utf-8") as file:
+            csv.writer(file, lineterminator="\n").writerow(list(values))
+
+    def markdown(self) -> str:
+        """The rows as a Markdown table; numbers to four digits."""
+        lines = [self.fields, ["---"] * len(self.fields)]
+        lines += [[_cell(row.get(name, "")) for name in self.fields] for row in self.rows]
+        return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.4g}" if np.isfinite(value) else ""
+    return str(value).replace("|", "\\|")
+
+
+def write_page(path: Path, title: str, conclusions: Iterable[str], tables: Mapping[str, Table]) -> None:
+    """A page in Markdown: the conclusions first, then each table under its heading."""
+    text = [f"# {title}\n", *(f"{line}\n" for line in conclusions)]
+    text += [f"## {heading}\n\n{table.markdown()}" for heading, table in tables.items()]
+    path.write_text("\n".join(text), "utf-8")
+
+
+@contextmanager
+def keeping_rows(conclusions: list[str]) -> Iterator[None]:
+    """Ctrl-C ends the computing, not the study: what is finished is still tabulated, drawn and named incomplete."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        conclusions.append(INTERRUPTED)
