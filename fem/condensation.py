@@ -5,8 +5,6 @@ the inside: one factorisation, no solve per kept unknown. CHOLMOD (from `kvxopt`
 is installed, SuperLU (from scipy) everywhere else.
 """
 
-from __future__ import annotations
-
 import importlib.util
 from typing import Any
 
@@ -84,25 +82,20 @@ def trailing_factor(lower: coo_matrix, inside: int, name: str = "") -> Array:
     return factor
 
 
-def _check_pivots(pivots: Array) -> None:
-    if not (pivots > 0).all():
-        raise SolverError("the stiffness of the half-space is not positive definite")
-
-
 def _cholmod(lower: coo_matrix, inside: int) -> Array:
     import kvxopt
     from kvxopt import cholmod
 
     matrix = cholmod_matrix(lower)
-    # the order is ours, down to the last unknown: CHOLMOD must not improve on it
-    ours = {"supernodal": 2, "postorder": False, "nmethods": 1}
     before = dict(cholmod.options)
-    cholmod.options.update(ours)
+    # the order is ours, down to the last unknown: CHOLMOD must not improve on it
+    cholmod.options.update({"supernodal": 2, "postorder": False, "nmethods": 1})
     try:
         factor = cholmod.symbolic(matrix, p=kvxopt.matrix(np.arange(lower.shape[0])))
         cholmod.numeric(matrix, factor)
         # a factorisation that met a pivot that is not positive stops without a word
-        _check_pivots(np.array(cholmod.diag(factor)))
+        if not (np.array(cholmod.diag(factor)) > 0).all():
+            raise ArithmeticError("it is not positive definite")
         # all of the factor is many times as large as what is wanted of it: one copy, and room for it
         del matrix
         trailing = cholmod.getfactor(factor)[inside:, inside:]
@@ -114,9 +107,8 @@ def _cholmod(lower: coo_matrix, inside: int) -> Array:
 
 def _superlu(lower: coo_matrix, inside: int) -> Array:
     factor = splu(symmetric(lower), permc_spec="NATURAL", **SYMMETRIC)
-    natural = np.arange(lower.shape[0])
-    if not (np.array_equal(factor.perm_r, natural) and np.array_equal(factor.perm_c, natural)):
-        raise SolverError("the stiffness of the half-space needed pivoting: it is not positive definite")
-    _check_pivots(factor.U.diagonal())
+    pivoted = np.any(np.array([factor.perm_r, factor.perm_c]) != np.arange(lower.shape[0]))
+    if pivoted or not (factor.U.diagonal() > 0).all():
+        raise ArithmeticError("it is not positive definite")
     schur = (factor.L[inside:, inside:] @ factor.U[inside:, inside:]).toarray()
     return np.linalg.cholesky((schur + schur.T) / 2)

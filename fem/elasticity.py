@@ -3,8 +3,6 @@
 Functions inside elements are condensed, all elements of one degree at once, before anything is assembled.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -17,18 +15,9 @@ from skfem.assembly import Dofs
 
 from ringwear.fem.condensation import symmetric
 from ringwear.fem.weak_form import element_of_degree, stiffness, tables
-from ringwear.meshes.half_space import LOWER, facet_ends, points_on
+from ringwear.meshes.half_space import LOWER, facet_ends, segments
 from ringwear.meshes.radial import Array, Indices
 from ringwear.meshes.sizes import LOWEST
-
-# an incompressible solid is modelled as this one: with the plane strain modulus given, pressures and displacements on
-# the contact do not depend on Poisson's ratio, and closer to 1/2 roundoff costs more than it gains
-LEAST_COMPRESSIBLE = 0.49999
-# functions inside quadrilaterals whose two degrees sum to more than this above the degree cost more than they give, but
-# near incompressibility, where stresses need them
-SERENDIPITY, NEARLY_INCOMPRESSIBLE = 2, 0.45
-# elements are assembled so many at once that their matrices hold this many numbers
-AT_ONCE = 2**20
 
 
 @lru_cache(maxsize=1024)
@@ -86,17 +75,20 @@ class AxisymmetricElasticity:
 
     @property
     def poisson_ratio(self) -> float:
-        """Poisson's ratio that is modelled."""
-        return min(self.given_ratio, LEAST_COMPRESSIBLE)
+        """Poisson's ratio that is modelled: a little less than 1/2 for an incompressible solid.
 
-    @cached_property
+        With the plane strain modulus given, pressures and displacements on the contact do not depend on it, and closer to
+        1/2 roundoff costs more than it gains.
+        """
+        return min(self.given_ratio, 0.49999)
+
+    @property
     def element(self) -> Element:
         """scikit-fem's element of the highest degree, whose `Dofs` number the functions of all."""
-        return self._element(self.degree)
+        return self.own_element or element_of_degree(self.mesh, self.degree)
 
     def _element(self, degree: int) -> Element:
-        own = self.own_element if degree == self.degree else None
-        return own or element_of_degree(self.mesh, degree)
+        return self.element if degree == self.degree else element_of_degree(self.mesh, degree)
 
     @cached_property
     def dofs(self) -> Dofs:
@@ -160,9 +152,10 @@ class AxisymmetricElasticity:
         inside = np.arange(int(element.interior_dofs))
         among_highest = inside
         if isinstance(element, ElementQuadP):
-            # products of bubbles, and where they stand among those of the highest degree
+            # products of bubbles, and where they stand among those of the highest degree. If their two degrees sum to more
+            # than 2 above the degree they cost more than they give, but near incompressibility, where stresses need them
             one, other = np.divmod(inside, degree - 1)
-            used = (one + other + 4 <= degree + SERENDIPITY) | (self.given_ratio > NEARLY_INCOMPRESSIBLE)
+            used = (one + other + 4 <= degree + 2) | (self.given_ratio > 0.45)
             inside, among_highest = inside[used], (one * (self.degree - 1) + other)[used]
         # the functions of a facet come by degree
         on_sides = np.arange(sides)[:, None] * int(self.element.facet_dofs) + np.arange(int(element.facet_dofs))
@@ -182,12 +175,13 @@ class AxisymmetricElasticity:
         (m, b), i = batch.unknowns.shape, 2 * batch.inside.shape[1]
         n = b // 2
         boundary, from_boundary = np.empty((m, b, b)), np.empty((m, i, b))
-        at_once = max(1, AT_ONCE // (9 * len(batch.functions) ** 2))
+        # so many at once that their matrices hold a million numbers
+        at_once = max(1, 2**20 // (9 * len(batch.functions) ** 2))
         for start in range(0, m, at_once):
             few = slice(start, start + at_once)
             elements = batch.elements[few]
-            k = len(elements)
             whole = stiffness(self.mesh, batch.element, batch.functions, elements, batch.degree, self.poisson_ratio)
+            k = len(whole)
             across = whole[:, :, n:, :, :n].reshape(k, i, b)
             inside = whole[:, :, n:, :, n:].reshape(k, i, i)
             from_boundary[few] = -np.linalg.solve(inside, across)
@@ -203,8 +197,7 @@ class AxisymmetricElasticity:
         known = np.concatenate([displacement[..., 0], displacement[..., 1], np.zeros((states, 1))], axis=1)
         for batch, (_, from_boundary) in zip(self.batches, self.condensed, strict=True):
             inside = np.einsum("mib,smb->smi", from_boundary, known[:, batch.unknowns], optimize=True)
-            radial, axial = np.split(inside, 2, axis=2)
-            out[:, batch.inside] = np.stack([radial, axial], axis=-1)
+            out[:, batch.inside] = np.stack(np.split(inside, 2, axis=2), axis=-1)
         return out
 
     def lower_triangle(self, position: Indices) -> coo_matrix:
@@ -214,20 +207,19 @@ class AxisymmetricElasticity:
         ----------
         position : (2 nodes,) row of each unknown; that of an unknown held at zero is negative
         """
-        places = np.append(position, -1).astype(np.int32)
-        rows, columns, values = [], [], []
+        row = np.append(position, -1).astype(np.int32)
+        entries = []
         for batch, (local, _) in zip(self.batches, self.condensed, strict=True):
             width = local.shape[1]
             one, other = np.tril_indices(width)
-            own = places[batch.unknowns]
+            own = row[batch.unknowns]
             first, second = own.take(one, axis=1), own.take(other, axis=1)
             column = np.minimum(first, second)
             free = column >= 0
-            rows.append(np.maximum(first, second)[free])
-            columns.append(column[free])
-            values.append(local.reshape(-1, width**2).take(one * width + other, axis=1)[free])
-        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-        return coo_matrix(entries, shape=(position.max() + 1,) * 2)
+            values = local.reshape(-1, width**2).take(one * width + other, axis=1)[free]
+            entries.append((values, np.maximum(first, second)[free], column[free]))
+        values, *places = (np.concatenate(parts) for parts in zip(*entries, strict=True))
+        return coo_matrix((values, places), shape=(position.max() + 1,) * 2)
 
     @cached_property
     def stiffness(self) -> csc_matrix:
@@ -259,13 +251,13 @@ class AxisymmetricElasticity:
     def interpolate(self, name: str, fields: Callable[[Array], Array]) -> Array:
         """(functions, ...) coefficients of fields on a named boundary, in its order, by values (n, ...) at (n, 2) points.
 
-        Interpolated at as many points of each facet as it has functions, both ends among them.
+        Least squares at as many points of each facet as it has functions, both ends among them: an interpolation.
         """
         facets = self.mesh.boundaries[name]
         local = (1 - np.cos(np.pi * np.arange(self.degree + 1) / self.degree)) / 2
         basis = self.trace(facets, local)[:, self.boundary(name)]
-        # as many points as functions: the least squares are an interpolation
-        values = fields(points_on(self.mesh, facets, local).reshape(-1, 2))
+        start, end = segments(self.mesh, facets)[:, :, None].swapaxes(0, 1)
+        values = fields((start + local[:, None] * (end - start)).reshape(-1, 2))
         found = splu((basis.T @ basis).tocsc()).solve(basis.T @ values.reshape(len(values), -1))
         return np.asarray(found.reshape(-1, *values.shape[1:]))
 
@@ -280,19 +272,16 @@ class AxisymmetricElasticity:
         side = (mesh.t2f[:, element] == facets).argmax(axis=0)
         ends = mesh.t[np.array(self.element.refdom.facets)[side].T, element]
         outwards = ends[0] == facet_ends(mesh, facets)[0]
-        length = np.linalg.norm(mesh.p[:, ends[1]] - mesh.p[:, ends[0]], axis=0)
-        rows, columns, values = [], [], []
+        scale = 1 / np.linalg.norm(mesh.p[:, ends[1]] - mesh.p[:, ends[0]], axis=0) if slope else np.ones(len(facets))
+        entries = []
         kinds, kind = np.unique(np.stack([side, outwards, self.facet_degrees[facets]]), axis=1, return_inverse=True)
-        for number, (one_side, outward, degree) in enumerate(kinds.T):
-            chosen, count = np.flatnonzero(kind == number), int(degree) - 1
-            table = _side_table(self._element(int(degree)), int(one_side), bool(outward), local.tobytes(), slope)
-            scale = 1 / length[chosen] if slope else np.ones(len(chosen))
-            on_facets = self.facet_dofs[:count, facets[chosen]]
-            functions = np.concatenate([self.dofs.nodal_dofs[0, ends[:, chosen]], on_facets])
-            shape = (len(chosen), len(local), len(functions))
-            places = chosen[:, None, None] * len(local) + np.arange(len(local))[:, None]
-            rows.append(np.broadcast_to(places, shape).ravel())
-            columns.append(np.broadcast_to(functions.T[:, None, :], shape).ravel())
-            values.append((scale[:, None, None] * table.T).ravel())
-        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-        return csr_matrix(entries, shape=(len(facets) * len(local), self.nodes))
+        for number, (one_side, outward, degree) in enumerate(kinds.T.tolist()):
+            chosen = np.flatnonzero(kind == number)
+            table = _side_table(self._element(degree), one_side, bool(outward), local.tobytes(), slope)
+            on_facets = self.facet_dofs[: degree - 1, facets[chosen]]
+            columns = np.concatenate([self.dofs.nodal_dofs[0, ends[:, chosen]], on_facets]).T[:, None]
+            rows = chosen[:, None, None] * len(local) + np.arange(len(local))[:, None]
+            parts = np.broadcast_arrays(scale[chosen, None, None] * table.T, rows, columns)
+            entries.append([part.ravel() for part in parts])
+        values, *places = (np.concatenate(parts) for parts in zip(*entries, strict=True))
+        return csr_matrix((values, places), shape=(len(facets) * len(local), self.nodes))

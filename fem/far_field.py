@@ -11,8 +11,6 @@ with z the depth, ``rho`` and ``t`` the spherical radius and the angle from the 
 but for the origin. The fields and their stresses are finite for every Poisson's ratio up to and including 1/2.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -86,11 +84,10 @@ def exterior_stiffness(segments: Array, orders: tuple[int, ...], poisson_ratio: 
     # normal times length; it points out of the meshed polygon, away from the origin
     normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
     normal *= np.sign(np.sum(normal * start, axis=1))[:, None]
-    normals = np.repeat(normal, len(node), axis=0)
+    n_r, n_z = np.repeat(normal, len(node), axis=0).T
     weights = 2 * np.pi * points[:, 0] * np.tile(weight / 2, len(segments))
     displacement, stress = poles(points, orders, poisson_ratio, shear_modulus)
     rr, zz, rz, _ = np.moveaxis(stress, -1, 0)
-    n_r, n_z = normals.T
     traction = np.stack([rr * n_r + rz * n_z, rz * n_r + zz * n_z], axis=-1)
     stiffness = -np.einsum("ipx,p,jpx->ij", traction, weights, displacement, optimize=True)
     return (stiffness + stiffness.T) / 2

@@ -9,8 +9,6 @@ indentation `d`. With the coupling ``N_ij = int v_i phi_j dA`` of contact displa
 contact, wear and steady states ever need.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -29,24 +27,22 @@ from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.half_space import contact_facets, contact_radii, segments
 from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import Array, Indices, layer_degrees, snapped
-
-# multipliers on the contact facets, continuous inside rings. On quadrilaterals two degrees below the displacement: one
-# degree below, near incompressibility, some pressures would have but 2 per cent of their energy. On triangles the highest
-# degree that is stable, reached within a few facets of a ring edge or the rim, where a low degree is as accurate
-BELOW_ON_QUADRILATERALS, BELOW_ON_TRIANGLES = 2, 1
-RISE = 0.5
-COLUMNS_AT_ONCE = 256
+from ringwear.meshes.radial import Array, Indices, layer_degrees
 
 
 def pressure_space(solid: AxisymmetricElasticity, ring_edges: Array) -> PressureSpace:
     """The pressure space on the contact facets of a solid that goes with its displacements."""
-    breakpoints = snapped(contact_radii(solid.mesh), ring_edges)
+    breakpoints = contact_radii(solid.mesh)
+    # ring edges exactly as they are
+    breakpoints[np.abs(breakpoints[:, None] - ring_edges).argmin(axis=0)] = ring_edges
     if isinstance(solid.mesh, MeshQuad):
-        degrees = solid.facet_degrees[contact_facets(solid.mesh)] - BELOW_ON_QUADRILATERALS
-        return PressureSpace(breakpoints, np.maximum(degrees, 1), ring_edges)
-    highest = solid.degree - BELOW_ON_TRIANGLES
-    return PressureSpace(breakpoints, layer_degrees(breakpoints, ring_edges, highest, RISE, max(1, highest - 1)), ring_edges)
+        # one degree below the displacement, near incompressibility, some pressures would have but 2 per cent of their energy
+        degrees = np.maximum(solid.facet_degrees[contact_facets(solid.mesh)] - 2, 1)
+    else:
+        # the highest that is stable, reached within a few facets of a ring edge or the rim, where a low one is as accurate
+        highest = solid.degree - 1
+        degrees = layer_degrees(breakpoints, ring_edges, highest, rise=0.5, lowest=max(1, highest - 1))
+    return PressureSpace(breakpoints, degrees, ring_edges)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +67,8 @@ class HalfSpace:
         return self.solid.unknowns + len(self.poles)
 
     @cached_property
-    def _numbering(self) -> tuple[Indices, Indices]:
-        """Unknowns inside the half-space in the order of elimination, and axial ones on the contact by radius."""
+    def _order(self) -> Indices:
+        """Unknowns inside the half-space in the order of elimination, then axial ones on the contact by radius."""
         solid, n = self.solid, self.solid.nodes
         free = np.stack([~solid.held, ~solid.held])
         far, contact = solid.boundary("far"), solid.boundary("contact")
@@ -84,7 +80,7 @@ class HalfSpace:
         rank = np.argsort(fill_reducing_order(neighbours, self.solver))
         order = np.argsort(rank[part], kind="stable")
         unknowns = np.stack([order, order + n], axis=1)
-        return unknowns[free.T[order]], contact + n
+        return np.concatenate([unknowns[free.T[order]], contact + n])
 
     @cached_property
     def _far_fields(self) -> Array:
@@ -92,30 +88,25 @@ class HalfSpace:
         solid, far = self.solid, self.solid.boundary("far")
         if not self.poles:
             return np.zeros((2 * solid.nodes, 0))
-        _, shear = moduli(solid.poisson_ratio)
-
-        def fields(points: Array) -> Array:
-            return np.moveaxis(poles(points, self.poles, solid.poisson_ratio, shear)[0], 0, -1)
-
+        nu, (_, shear) = solid.poisson_ratio, moduli(solid.poisson_ratio)
+        found = solid.interpolate("far", lambda points: np.moveaxis(poles(points, self.poles, nu, shear)[0], 0, -1))
         out = np.zeros((2 * solid.nodes, len(self.poles)))
-        out[far], out[far + solid.nodes] = solid.interpolate("far", fields).swapaxes(0, 1)
+        out[far], out[far + solid.nodes] = found.swapaxes(0, 1)
         return out
 
     @cached_property
     def lower_triangle(self) -> coo_matrix:
         """Lower triangle of `system`, its entries at one place not summed yet: all that condensing takes."""
-        order = np.concatenate(self._numbering)
         position = np.full(2 * self.solid.nodes, -1)
-        position[order] = np.arange(len(order))
+        position[self._order] = np.arange(len(self._order))
         free = self.solid.lower_triangle(position)
         if not self.poles:
             return free
         border = self.solid.forces(self._far_fields)
-        _, shear = moduli(self.solid.poisson_ratio)
-        mesh = self.solid.mesh
-        exterior = exterior_stiffness(segments(mesh, mesh.boundaries["far"]), self.poles, self.solid.poisson_ratio, shear)
+        mesh, nu, (_, shear) = self.solid.mesh, self.solid.poisson_ratio, moduli(self.solid.poisson_ratio)
+        exterior = exterior_stiffness(segments(mesh, mesh.boundaries["far"]), self.poles, nu, shear)
         corner = self._far_fields.T @ border + exterior
-        edge, end = coo_matrix(border[order].T), coo_matrix(np.tril((corner + corner.T) / 2))
+        edge, end = coo_matrix(border[self._order].T), coo_matrix(np.tril((corner + corner.T) / 2))
         return bmat([[free, None], [edge, end]], format="coo")
 
     @cached_property
@@ -135,15 +126,13 @@ class HalfSpace:
 
     def _trace(self, local: Array, slope: bool = False) -> csr_matrix:
         """(facets x points, contact nodes) contact displacements, or their slopes, at local coordinates of every facet."""
-        solid = self.solid
-        return solid.trace(contact_facets(solid.mesh), local, slope)[:, solid.boundary("contact")]
+        return self.solid.trace(contact_facets(self.solid.mesh), local, slope)[:, self.solid.boundary("contact")]
 
     def expand(self, solution: Array) -> Array:
         """(m, nodes, 2) displacements by the (unknowns of `system`, m) solutions."""
-        inside, contact = self._numbering
-        free = len(inside) + len(contact)
+        free = len(self._order)
         out = self._far_fields @ solution[free:]
-        out[np.concatenate([inside, contact])] = solution[:free]
+        out[self._order] = solution[:free]
         return np.stack([out[: self.solid.nodes].T, out[self.solid.nodes :].T], axis=-1)
 
     def compliance(self) -> Compliance:
@@ -154,8 +143,8 @@ class HalfSpace:
         """
         factor = np.zeros_like(self.coupling)
         # both run along the radius: a pressure has nothing to do with contact nodes closer to the axis
-        for start in range(0, self.space.size, COLUMNS_AT_ONCE):
-            columns = slice(start, start + COLUMNS_AT_ONCE)
+        for start in range(0, self.space.size, 256):
+            columns = slice(start, start + 256)
             rows = slice(np.flatnonzero(self.coupling[:, columns].any(axis=1))[0], None)
             factor[rows, columns] = solve_triangular(self._factor[rows, rows], self.coupling[rows, columns], lower=True)
         return Compliance(self.space, factor)
@@ -163,8 +152,7 @@ class HalfSpace:
     @cached_property
     def _factor(self) -> Array:
         """Cholesky factor of the stiffness condensed to contact nodes and poles."""
-        inside, _ = self._numbering
-        return trailing_factor(self.lower_triangle, len(inside), self.solver)
+        return trailing_factor(self.lower_triangle, self.lower_triangle.shape[0] - len(self.coupling), self.solver)
 
     def contact_displacement(self, pressure: Array, local: Array) -> tuple[Array, Array, Array]:
         """Radii, axial displacements and slopes (facets, q) at local coordinates, under pressure coefficients (size,)."""
@@ -179,17 +167,11 @@ class HalfSpace:
         The pressure is sought among those continuous across ring edges. This is the plain reference that
         `compliance` is tested against.
         """
-        inside, _ = self._numbering
         continuous = self.space.joined(np.ones(len(self.space.ring_edges) - 1))
-        coupling = np.zeros((self.system.shape[0], continuous.shape[1]))
-        coupling[len(inside) :] = self.coupling @ continuous
-        weights = csc_matrix(continuous.T @ self.space.weights)
-        block = csc_matrix(coupling)
+        weights, loads = csc_matrix(continuous.T @ self.space.weights), self.coupling @ continuous
+        block = csc_matrix(np.pad(loads, ((self.system.shape[0] - len(loads), 0), (0, 0))))
         whole = bmat([[self.system, -block, None], [-block.T, None, weights.T], [None, weights, None]], format="csc")
-        right = np.zeros(whole.shape[0])
-        right[-1] = force
-        solution = splu(whole).solve(right)
+        solution = splu(whole).solve(np.append(np.zeros(whole.shape[0] - 1), force))
         if not np.isfinite(solution).all():
             raise SolverError("the contact system is singular")
-        pressure = solution[self.system.shape[0] : -1]
-        return continuous @ pressure, float(solution[-1])
+        return continuous @ solution[self.system.shape[0] : -1], float(solution[-1])

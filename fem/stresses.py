@@ -1,15 +1,14 @@
 """Displacements and stresses inside the half-space, recovered from contact pressures and interpolated by scikit-fem."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.sparse.linalg import splu
 from skfem import CellBasis, MeshQuad
+from skfem.quadrature import get_quadrature
 
 from ringwear.fem.condensation import SYMMETRIC
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.half_space import HalfSpace
-from ringwear.fem.weak_form import element_of_degree, moduli, projection, rule
+from ringwear.fem.weak_form import element_of_degree, moduli, projection
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.radial import Array, Indices
 
@@ -22,9 +21,8 @@ def displacements(half_space: HalfSpace, pressures: Array) -> Array:
     SolverError
         if the stiffness of the half-space is singular
     """
-    system, size = half_space.system, half_space.coupling.shape[0]
-    right = np.zeros((system.shape[0], len(pressures)))
-    right[-size:] = half_space.coupling @ pressures.T
+    system, loads = half_space.system, half_space.coupling @ pressures.T
+    right = np.pad(loads, ((system.shape[0] - len(loads), 0), (0, 0)))
     solution = splu(system, permc_spec="MMD_AT_PLUS_A", **SYMMETRIC).solve(right)
     if not np.isfinite(solution).all():
         raise SolverError("the stiffness of the half-space is singular: no displacement can be recovered")
@@ -38,7 +36,7 @@ def stresses(solid: AxisymmetricElasticity, displacement: Array, elements: Indic
     lower degree: the dilatation is projected on that.
     """
     degree = int(solid.degrees[elements[0]])
-    quadrature, weights = rule(solid.element, 2 * degree + 1)
+    quadrature, weights = get_quadrature(solid.element, 2 * degree + 1)
     lower = element_of_degree(solid.mesh, max(degree - (2 if isinstance(solid.mesh, MeshQuad) else 1), 1))
     _, (rr, zz, _, hoop) = _strains(solid, displacement, elements, quadrature)
     dilatation = (rr + zz + hoop) @ projection(lower, quadrature, weights, points)
@@ -82,16 +80,15 @@ def sampled(half_space: HalfSpace, pressures: Array, refinements: int) -> tuple[
     found = displacements(half_space, pressures)
     reference = type(solid.mesh).init_refdom().refined(refinements)
     small = (reference.to_meshtri() if isinstance(reference, MeshQuad) else reference).t
-    points, triangles, moved, stress, count = [], [], [], [], 0
+    starts = reference.nvertices * np.arange(solid.mesh.nelements)
+    triangles = (small[:, None] + starts[:, None]).reshape(3, -1)
+    points, moved, stress = [], [], []
     for batch in solid.batches:
         shift, tension = stresses(solid, found, batch.elements, reference.p)
         points.append(solid.mesh.mapping().F(reference.p, batch.elements).reshape(2, -1))
-        starts = count + reference.nvertices * np.arange(len(batch.elements))
-        triangles.append((small[:, None, :] + starts[:, None]).reshape(3, -1))
         moved.append(shift.reshape(len(found), -1, 2))
         stress.append(tension.reshape(len(found), -1, 4))
-        count += reference.nvertices * len(batch.elements)
-    return np.concatenate(points, 1), np.concatenate(triangles, 1), np.concatenate(moved, 1), np.concatenate(stress, 1)
+    return np.concatenate(points, 1), triangles, np.concatenate(moved, 1), np.concatenate(stress, 1)
 
 
 def von_mises(stress: Array) -> Array:

@@ -6,26 +6,11 @@ Radial and axial displacement are two scalar fields on one basis, so the weak fo
 assembles them pair by pair of functions, which is slow in high degrees; `stiffness` gives the same numbers in one product.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np
-from skfem import (
-    BilinearForm,
-    Element,
-    ElementQuad0,
-    ElementQuad1,
-    ElementQuad2,
-    ElementQuadP,
-    ElementTriP0,
-    ElementTriP1,
-    ElementTriP2,
-    ElementTriP3,
-    ElementTriP4,
-    Mesh,
-    MeshQuad,
-)
+import skfem
+from skfem import BilinearForm, Element, Mesh, MeshQuad
 from skfem.quadrature import get_quadrature
 
 from ringwear.meshes.radial import Array, Indices
@@ -55,8 +40,7 @@ def radial_axial(u, v, w):  # type: ignore[no-untyped-def]
 @BilinearForm
 def axial_axial(u, v, w):  # type: ignore[no-untyped-def]
     """Energy of axial displacements `u` and `v`."""
-    r = w.x[0]
-    return 2 * np.pi * r * ((w.lame + 2 * w.shear) * u.grad[1] * v.grad[1] + w.shear * u.grad[0] * v.grad[0])
+    return 2 * np.pi * w.x[0] * ((w.lame + 2 * w.shear) * u.grad[1] * v.grad[1] + w.shear * u.grad[0] * v.grad[0])
 
 
 def element_of_degree(mesh: Mesh, degree: int) -> Element:
@@ -67,8 +51,9 @@ def element_of_degree(mesh: Mesh, degree: int) -> Element:
 @lru_cache(maxsize=64)
 def _element(on_quadrilaterals: bool, degree: int) -> Element:
     if on_quadrilaterals:
-        return (ElementQuad0, ElementQuad1, ElementQuad2)[degree]() if degree < 3 else ElementQuadP(degree)
-    return (ElementTriP0, ElementTriP1, ElementTriP2, ElementTriP3, ElementTriP4)[degree]()
+        low = skfem.ElementQuad0, skfem.ElementQuad1, skfem.ElementQuad2
+        return low[degree]() if degree < len(low) else skfem.ElementQuadP(degree)
+    return (skfem.ElementTriP0, skfem.ElementTriP1, skfem.ElementTriP2, skfem.ElementTriP3, skfem.ElementTriP4)[degree]()
 
 
 def stiffness(
@@ -105,15 +90,9 @@ def stiffness(
 
 
 @lru_cache(maxsize=64)
-def rule(element: Element, order: int) -> tuple[Array, Array]:
-    """Points (2, q) and weights (q,) of scikit-fem's quadrature of an order."""
-    return get_quadrature(element, order)
-
-
-@lru_cache(maxsize=64)
 def _at_rule(element: Element, order: int) -> tuple[Array, Array, Array, Array]:
-    """Points and weights of a rule, and the element's `tables` there."""
-    points, weights = rule(element, order)
+    """Points and weights of scikit-fem's quadrature of an order, and the element's `tables` there."""
+    points, weights = get_quadrature(element, order)
     return points, weights, *tables(element, points)
 
 

@@ -12,16 +12,13 @@ are integrated by a substitution that removes them (Eq. 18). Natural units: punc
 Eq. 25 of the paper integrates over the angle twice, beside its factor 2 pi; Eq. 26 is right.
 """
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 from scipy.special import ellipe, ellipkm1
 
-from ringwear.mdr.quadrature import unit_gauss
-from ringwear.meshes.radial import Array, ring_areas
+from ringwear.meshes.radial import Array, ring_areas, unit_gauss
 
 # measured: 4e-14 in the RMS gradient for rings of any width ratio from 0.1 to 10
 EDGE_NODES = 24
@@ -112,13 +109,13 @@ def greatest_displacement(ring_edges: Array, pressures: Array) -> float:
     if best == 0:
         return float(values[0])
     bounds = (radii[best - 1], radii[best + 1] if best + 1 < len(radii) else 1.0)
-    found = minimize_scalar(
+    optimum = minimize_scalar(
         lambda r: -displacement(ring_edges, pressures, np.array([r]))[0],
         bounds=bounds,
         method="bounded",
         options={"xatol": 1e-9},
     )
-    return float(max(-found.fun, values[best]))
+    return float(max(-optimum.fun, values[best]))
 
 
 def limiting_profile(ring_edges: Array, pressures: Array, radii: Array) -> Array:

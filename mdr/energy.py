@@ -1,7 +1,5 @@
 """The compliance by the MDR energy, ``int u p dA = (2/E*) int_0^a q^2 dx``: a Gram matrix, definite by construction."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ringwear.mdr.transforms import line_density, panel_quadrature

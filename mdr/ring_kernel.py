@@ -7,8 +7,6 @@ many Gauss points as the nearest singularity demands. Distances are sums of part
 radii, so that elements may be tiny. Natural units: punch radius 1, modulus 1.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -17,11 +15,10 @@ import numpy as np
 from scipy.linalg import cholesky
 from scipy.special import ellipkm1
 
-from ringwear.mdr.quadrature import unit_gauss
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.pressure_space import PressureSpace, shapes
-from ringwear.meshes.radial import Array, Indices
+from ringwear.meshes.radial import Array, Indices, unit_gauss
 
 # x = w^POWER: logarithms of x, times the slope of the power, are smooth enough at w = 0 for Gauss points in w
 POWER = 6

@@ -6,13 +6,10 @@ includes the jump of `q` at ``x = a``, which the print does not show: it yields 
 ``q(a) / (pi sqrt(a^2 - r^2))``, the whole pressure of a flat punch.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
-from ringwear.mdr.quadrature import gauss, unit_gauss
 from ringwear.meshes.pressure_space import PressureSpace, shapes
-from ringwear.meshes.radial import Array, Indices
+from ringwear.meshes.radial import Array, Indices, gauss, unit_gauss
 
 ROUNDOFF = 1e-17
 POSITIONS_AT_ONCE = 512

@@ -5,8 +5,6 @@ taken half a cell inside. First order in the grid and in the step, and stable on
 force 1.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -4,8 +4,6 @@ Natural units: punch radius 1, plane strain modulus 1. The compliance knows noth
 ring edges are, not on what the rings are made of, so that one condensation serves every set of wear coefficients.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,8 +12,6 @@ import numpy as np
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array
-
-ROWS_AT_ONCE = 512
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,15 +38,14 @@ class Compliance:
         """(size, size) the compliance `A` itself."""
         out = np.zeros((self.space.size,) * 2)
         # rows and columns both run along the radius, and every method's factor is zero on one side: a third of the work
-        for start in range(0, len(self.factor), ROWS_AT_ONCE):
-            rows = self.factor[start : start + ROWS_AT_ONCE]
+        for rows in np.split(self.factor, range(512, len(self.factor), 512)):
             used = np.flatnonzero(rows.any(axis=0))
             if len(used):
                 span = slice(used[0], used[-1] + 1)
                 out[span, span] += rows[:, span].T @ rows[:, span]
         return out
 
-    def coarser(self) -> Compliance:
+    def coarser(self) -> "Compliance":
         """The same operator on the space without each element's highest bubble: for error estimates."""
         space = self.space
         kept = space.order < np.maximum(space.degree_of_function, 2)

@@ -4,8 +4,6 @@ No names are needed: what is contact, free surface, axis and far boundary is tol
 the mesh is refused here, with what and where; lengths in messages are those of the file.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 from dataclasses import replace
@@ -22,7 +20,6 @@ from ringwear.meshes.radial import Array
 
 # relative: how far a coordinate may be from where it belongs, so that files with nine digits are welcome
 SLACK = 1e-8
-FIRST_ORDER = "in gmsh set Mesh.ElementOrder = 1; the displacement's degree is accuracy.fem.degree, not the mesh's"
 
 
 def read(path: str | Path, ring_edges: Array, radius: float = 1.0) -> tuple[Mesh, str]:
@@ -54,7 +51,8 @@ def _mesh(path: Path) -> Mesh:
     higher = sorted(kind for kind in kinds if kind.startswith(("line", "triangle", "quad")) and kind[-1].isdigit())
     if higher:
         raise MeshError(f"it holds cells of second or higher order ({', '.join(higher)}): export straight cells of first "
-                        f"order; {FIRST_ORDER}")  # fmt: skip
+                        "order; in gmsh set Mesh.ElementOrder = 1; the displacement's degree is accuracy.fem.degree, not "
+                        "the mesh's")  # fmt: skip
     strange = sorted(kinds - {"vertex", "line", "triangle", "quad"})
     if strange:
         raise MeshError(f"it holds cells of kind {', '.join(strange)}: mesh in two dimensions")
@@ -81,9 +79,7 @@ def _content(path: Path) -> Any:
         # meshio prints its complaints, and leaves by SystemExit where no reader understands a file
         with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
             return meshio.read(path)
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:
+    except (Exception, SystemExit) as error:
         reason = str(error) if isinstance(error, Exception) and str(error) else "no reader of meshio understands it"
         raise MeshError(f"not a mesh that meshio can read ({reason}): give a .msh of gmsh, a .vtu, ...") from error
 
@@ -102,9 +98,8 @@ def _upright(mesh: Mesh) -> tuple[Mesh, str]:
         r, z = stray[:, np.abs(stray[1]).argmax()]
         raise MeshError(f"{below.shape[1]} vertices have a positive depth and {above.shape[1]} a negative one, among the "
                         f"fewer ({r:.6g}, {z:.6g}); the half-space must lie on one side of depth 0")  # fmt: skip
-    turned = bool(above.size)
-    points = np.stack([mesh.p[0], np.abs(mesh.p[1])])
-    return replace(mesh, doflocs=points), "turned over: its second coordinate points out of the half-space" if turned else ""
+    remark = "turned over: its second coordinate points out of the half-space" if above.size else ""
+    return replace(mesh, doflocs=np.stack([mesh.p[0], np.abs(mesh.p[1])])), remark
 
 
 def _snapped(mesh: Mesh, ring_edges: Array, radius: float) -> Mesh:
@@ -115,20 +110,16 @@ def _snapped(mesh: Mesh, ring_edges: Array, radius: float) -> Mesh:
     if not len(surface):
         raise MeshError(f"no vertex lies at depth 0, the least depth is {mesh.p[1, used].min():.6g}: shift the mesh")
     on_surface = mesh.p[0, surface]
-    lost: Array = np.empty(0)
-    for scale in dict.fromkeys((radius, 1.0)):
+    for scale in (radius, 1.0):
         distance = np.abs(on_surface[:, None] / scale - ring_edges)
-        if (distance.min(axis=0) < SLACK).all():
-            break
         lost = ring_edges[distance.min(axis=0) >= SLACK]
+        if not len(lost):
+            break
     else:
-        raise MeshError(
-            f"no vertex of the mesh lies on the ring edge at r = {lost[0]:.9g} a on the surface: put a point of the "
-            "geometry there; the first coordinate must be the radius, the second the depth"
-        )
+        raise MeshError(f"no vertex of the mesh lies on the ring edge at r = {lost[0]:.9g} a on the surface: put a point of "
+                        "the geometry there; the first coordinate must be the radius, the second the depth")  # fmt: skip
     points = mesh.p / scale
-    points[0, points[0] < SLACK] = 0.0
-    points[1, points[1] < SLACK] = 0.0
+    points[points < SLACK] = 0.0
     points[0, surface[distance.argmin(axis=0)]] = ring_edges
     outer, rho = points[0, used].max(), np.hypot(*points)
     arc = np.abs(rho / outer - 1) < SLACK

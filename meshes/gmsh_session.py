@@ -1,8 +1,6 @@
 """gmsh, started and ended properly: one thread, the same mesh every time, sizes by one background field."""
 
-from __future__ import annotations
-
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -41,8 +39,7 @@ def session() -> Iterator[Any]:
     MeshError
         if gmsh cannot be loaded or fails
     """
-    reason = unavailable()
-    if reason:
+    if reason := unavailable():
         raise MeshError(reason)
     import gmsh
 
@@ -57,13 +54,13 @@ def session() -> Iterator[Any]:
         gmsh.finalize()
 
 
-def set_sizes(gmsh: Any, groups: Iterable[tuple[Iterable[int], float]], growth: float, largest: float) -> None:
-    """Element sizes of the model: of each group its own at its points, growing with the distance to the largest."""
+def set_sizes(gmsh: Any, points: Indices, sizes: Array, growth: float, largest: float) -> None:
+    """Element sizes of the model: (N,) sizes at (N, ...) points of it, growing with the distance to the largest."""
     fields = gmsh.model.mesh.field
     ramps = []
-    for points, size in groups:
+    for size in np.unique(sizes):
         distance, threshold = fields.add("Distance"), fields.add("Threshold")
-        fields.setNumbers(distance, "PointsList", points)
+        fields.setNumbers(distance, "PointsList", points[sizes == size].ravel())
         reach = max(largest - size, 0.0) / growth
         ramp = {"InField": distance, "DistMin": 0, "DistMax": reach, "SizeMin": size, "SizeMax": largest}
         for name, value in ramp.items():

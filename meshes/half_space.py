@@ -5,8 +5,6 @@ Natural units: the punch has radius 1. Depth is positive into the half-space; th
 quadrilaterals (`MeshQuad`) are welcome alike; the latter are turned so that elements of any degree conform on them.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +15,6 @@ from skfem import Mesh, MeshQuad
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.radial import Array, Indices
 
-LOWEST_QUALITY = 0.02
 # subdomains `degree -1`, `degree -2`, ... of a mesh: where the degree of the displacement may be so much lower
 LOWER = "degree -"
 
@@ -43,7 +40,12 @@ def half_space(mesh: Mesh, ring_edges: Array) -> Mesh:
         mesh = turned(mesh)
     if np.bincount(mesh.t2f.ravel()).max() > 2:
         raise MeshError("the mesh is not a surface: a facet has more than two elements")
-    mesh = mesh.with_boundaries(_named(mesh))
+    outer = mesh.boundary_facets()
+    r, z = mesh.p[:, mesh.facets[:, outer]]
+    surface, axis = (z == 0).all(axis=0), (r == 0).all(axis=0)
+    inside = r.mean(axis=0) < 1  # however small the facets beside the rim
+    names = {"contact": surface & inside, "free": surface & ~inside, "axis": axis, "far": ~surface & ~axis}
+    mesh = mesh.with_boundaries({name: outer[mask] for name, mask in names.items()})
     _check(mesh, np.asarray(ring_edges))
     return mesh
 
@@ -56,9 +58,8 @@ def turned(mesh: MeshQuad) -> MeshQuad:
     the plane can always be had (Agelek, Anderson, Bangerth, Barth, ACM Trans. Math. Softw. 44, 2017). Opposite sides
     are linked into strips; a strip has two directions, of which one is chosen.
     """
-    low = mesh.facets[0]
     # does a side, as the reference element runs it (0-1, 1-2, 3-2, 0-3), start at its lower vertex?
-    along = np.stack([low[mesh.t2f[i]] == mesh.t[start] for i, start in enumerate((0, 1, 3, 0))])
+    along = np.stack([mesh.facets[0, mesh.t2f[i]] == mesh.t[start] for i, start in enumerate((0, 1, 3, 0))])
     first, opposite = mesh.t2f[:2].ravel(), mesh.t2f[2:].ravel()
     swapped = (along[:2] != along[2:]).ravel()
     count = mesh.nfacets
@@ -77,43 +78,27 @@ def turned(mesh: MeshQuad) -> MeshQuad:
     return replace(mesh, t=np.take_along_axis(mesh.t, corners, axis=0))
 
 
-def _named(mesh: Mesh) -> dict[str, Indices]:
-    outer = mesh.boundary_facets()
-    r, z = mesh.p[:, mesh.facets[:, outer]]
-    surface, axis = (z == 0).all(axis=0), (r == 0).all(axis=0)
-    inside = r.mean(axis=0) < 1  # however small the facets beside the rim
-    names = {"contact": surface & inside, "free": surface & ~inside, "axis": axis, "far": ~surface & ~axis}
-    return {name: outer[mask] for name, mask in names.items()}
-
-
 def _check(mesh: Mesh, ring_edges: Array) -> None:
     outer = truncation(mesh)
     for name, expected in {"contact": 1.0, "free": outer - 1, "axis": outer}.items():
-        start, end = segments(mesh, mesh.boundaries[name]).transpose(1, 0, 2)
-        length = float(np.linalg.norm(end - start, axis=1).sum())
+        length = np.linalg.norm(np.diff(segments(mesh, mesh.boundaries[name]), axis=1), axis=2).sum()
         if abs(length - expected) > 1e-9 * outer:
             raise MeshError(f"the {name} boundary is {length:.9g} a long and should be {expected:.9g} a")
-    if np.abs(np.linalg.norm(segments(mesh, mesh.boundaries["far"]), axis=2) / outer - 1).max(initial=0.0) > 1e-9:
-        raise MeshError(
-            "the mesh has a hole or a gap: boundary points lie inside, where no boundary should be; merge vertices that are "
-            "there twice (in gmsh: Coherence Mesh)"
-        )
     ends = segments(mesh, mesh.boundaries["far"])
-    enclosed = np.abs(ends[:, 0, 0] * ends[:, 1, 1] - ends[:, 0, 1] * ends[:, 1, 0]).sum() / 2
+    if np.abs(np.linalg.norm(ends, axis=2) / outer - 1).max(initial=0.0) > 1e-9:
+        raise MeshError("the mesh has a hole or a gap: boundary points lie inside, where no boundary should be; merge "
+                        "vertices that are there twice (in gmsh: Coherence Mesh)")  # fmt: skip
+    enclosed = np.abs(np.linalg.det(ends)).sum() / 2
     if abs(areas(mesh).sum() / enclosed - 1) > 1e-9:
         raise MeshError("elements overlap: the mesh is folded over itself")
     missing = [edge for edge in ring_edges if np.abs(contact_radii(mesh) - edge).min() > 1e-12]
     if missing:
-        raise MeshError(
-            f"no vertex of the mesh lies on the ring edge at r = {missing[0]:.9g} a: ask for a smaller ring_size"
-        )
+        raise MeshError(f"no vertex of the mesh lies on the ring edge at r = {missing[0]:.9g} a: use a smaller ring_size")
     shape = quality(mesh)
-    if shape.min() < LOWEST_QUALITY:
+    if shape.min() < 0.02:
         r, z = mesh.p[:, mesh.t[:, shape.argmin()]].mean(axis=1)
-        raise MeshError(
-            f"an element at r = {r:.3g} a, depth {z:.3g} a is degenerate (quality {shape.min():.1e}): "
-            "ask for less extreme sizes"
-        )
+        raise MeshError(f"an element at r = {r:.3g} a, depth {z:.3g} a is degenerate (quality {shape.min():.1e}): "
+                        "ask for less extreme sizes")  # fmt: skip
 
 
 def truncation(mesh: Mesh) -> float:
@@ -141,12 +126,6 @@ def facet_ends(mesh: Mesh, facets: Indices) -> Indices:
 def segments(mesh: Mesh, facets: Indices) -> Array:
     """(k, 2, 2) end points (radius, depth) of facets, those nearer to the axis first."""
     return mesh.p[:, facet_ends(mesh, facets)].transpose(2, 1, 0)
-
-
-def points_on(mesh: Mesh, facets: Indices, local: Array) -> Array:
-    """(k, q, 2) points (radius, depth) on facets at local coordinates (q,): from 0, nearer to the axis, to 1."""
-    ends = segments(mesh, facets)
-    return ends[:, None, 0] + local[:, None] * (ends[:, None, 1] - ends[:, None, 0])
 
 
 def areas(mesh: Mesh) -> Array:

@@ -6,11 +6,9 @@ patches touch in the middle of a ring where their sizes allow it; the outline of
 each side as two. Outside the patches everything is smooth, and a few large quadrilaterals of high degree are enough.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,28 +22,18 @@ from ringwear.meshes.half_space import LOWER, half_space, quality
 from ringwear.meshes.radial import Array, Indices
 from ringwear.meshes.sizes import LARGEST, beside, falls, patch_layers, patch_widths
 
-# a ring narrower than this is lost to roundoff, layers and all
-NARROWEST = 1e-10
 # corners of a layer of half-width 1, from the surface inside the singular point to that outside it; and of the outermost
 LAYER = np.array([[-1.0, 0.0], [-0.75, 0.75], [0.0, 1.0], [0.75, 0.75], [1.0, 0.0]])
 OUTLINE = np.array([[-1.0, 0.0], [-0.5, 0.5], [0.0, 1.0], [0.5, 0.5], [1.0, 0.0]])
 
 
-@dataclass(frozen=True)
-class Way:
-    """A way in which gmsh makes quadrilaterals.
+class Way(NamedTuple):
+    """A way in which gmsh makes quadrilaterals."""
 
-    Parameters
-    ----------
-    algorithm, recombination : gmsh's numbers of its algorithms
-    divided : whether a mesh of triangles and quadrilaterals is divided at last, each element into quadrilaterals
-    coarser : sizes asked for over those wanted
-    """
-
-    algorithm: int
+    algorithm: int  # this and the next: gmsh's numbers
     recombination: int
-    divided: bool = False
-    coarser: float = 1.0
+    divided: bool = False  # at last each triangle and quadrilateral is divided into smaller quadrilaterals
+    coarser: float = 1.0  # sizes asked for over those wanted
 
 
 # full-quad recombination has the fewest elements, but leaves a triangle, folds the mesh, or forgets to refine now and then,
@@ -94,7 +82,7 @@ class GradedQuads:
         mesh = MeshQuad(np.concatenate([known, points[:, ~same]], axis=1), cells).with_subdomains(parts)
         return half_space(mesh, self.ring_edges)
 
-    def coarser(self) -> GradedQuads:
+    def coarser(self) -> "GradedQuads":
         """The same without the innermost layer of every patch that has more than one."""
         return replace(self, layers=np.maximum(self.layers - 1, 1))
 
@@ -138,36 +126,29 @@ def graded(
         if a ring is too narrow, or gmsh cannot be loaded, or fails in every way
     """
     ring_edges = np.asarray(ring_edges, dtype=float)
-    if np.diff(ring_edges).min() < NARROWEST:
-        raise MeshError(f"a ring is narrower than {NARROWEST:g} a: merge it with a neighbour")
+    # it would be lost to roundoff, layers and all
+    if np.diff(ring_edges).min() < 1e-10:
+        raise MeshError("a ring is narrower than 1e-10 a: merge it with a neighbour")
     widths = patch_widths(ring_edges)
     layers = patch_layers(widths, np.append(np.broadcast_to(sizes, len(ring_edges) - 2), rim_size), factor)
-    missing = gmsh_session.unavailable()
-    if missing:
+    if missing := gmsh_session.unavailable():
         raise MeshError(missing)
     made = []
     for way in WAYS:
         try:
             graded = GradedQuads(ring_edges, widths, layers, factor, _between(ring_edges[1:], widths, growth, outer, way))
             made.append((float(quality(graded.mesh).min()), graded))
-        except MeshError as error:
-            reason = error
-        else:
             if made[-1][0] >= GOOD:
                 break
+        except MeshError as error:
+            reason = error
     if not made:
         raise MeshError(f"no quadrilaterals fit between the rings ({reason}): ask for mesher = 'gmsh' (triangles)")
     return max(made, key=lambda one: one[0])[1]
 
 
 def _between(centres: Array, widths: Array, growth: float, outer: float, way: Way) -> tuple[Array, Indices]:
-    """Points and quadrilaterals between the patches and the arc.
-
-    Raises
-    ------
-    MeshError
-        if gmsh cannot be loaded, fails, or leaves a triangle
-    """
+    """Points and quadrilaterals between the patches and the arc; MeshError if gmsh fails or leaves a triangle."""
     with session() as gmsh:
         gmsh.option.setNumber("Mesh.RecombineAll", 1)
         gmsh.option.setNumber("Mesh.Algorithm", way.algorithm)
@@ -207,6 +188,5 @@ def _geometry(gmsh: Any, centres: Array, widths: Array, growth: float, outer: fl
     curves += [geometry.addCircleArc(surface_end, origin, axis_end), geometry.addLine(axis_end, origin)]
     geometry.addPlaneSurface([geometry.addCurveLoop(curves)])
     geometry.synchronize()
-    sizes, points = way.coarser * beside(widths), np.array(at_patches)
-    groups = [(points[sizes == size].ravel(), size) for size in np.unique(sizes)]
-    set_sizes(gmsh, groups, way.coarser * growth, way.coarser * LARGEST * outer)
+    sizes, largest = way.coarser * beside(widths), way.coarser * LARGEST * outer
+    set_sizes(gmsh, np.array(at_patches), sizes, way.coarser * growth, largest)

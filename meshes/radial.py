@@ -1,8 +1,7 @@
-"""Ring edges and the graded radial mesh between them (radius of the punch = 1)."""
-
-from __future__ import annotations
+"""Ring edges, the graded radial mesh between them (radius of the punch = 1), and Gauss rules on its elements."""
 
 import itertools
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,13 +28,6 @@ def ring_of(ring_edges: Array, radii: ArrayLike) -> Indices:
     return np.clip(np.searchsorted(ring_edges, radii, side="right") - 1, 0, len(ring_edges) - 2)
 
 
-def snapped(radii: Array, ring_edges: Array) -> Array:
-    """The radii, with the nearest to each edge moved onto it."""
-    out = radii.copy()
-    out[np.abs(radii[:, None] - ring_edges).argmin(axis=0)] = ring_edges
-    return out
-
-
 def graded_breakpoints(ring_edges: ArrayLike, edge_size: ArrayLike, rim_size: float, factor: float) -> Array:
     """Element boundaries that shrink by `factor` per element towards every ring edge and the rim.
 
@@ -44,14 +36,13 @@ def graded_breakpoints(ring_edges: ArrayLike, edge_size: ArrayLike, rim_size: fl
     """
     ring_edges = np.asarray(ring_edges, dtype=float)
     sizes = np.append(np.broadcast_to(np.asarray(edge_size, dtype=float), len(ring_edges) - 2), rim_size)
-    pieces = []
-    for i, (inner, outer) in enumerate(itertools.pairwise(ring_edges)):
-        width = outer - inner
-        span = width if i == 0 else width / 2
-        towards_outer = outer - _layers(span, sizes[i], factor)
-        towards_inner = inner + _layers(span, sizes[i - 1], factor)[::-1] if i else np.empty(0)
+    # the innermost ring is refined towards its outer edge only
+    pieces = [[0.0], ring_edges[1] - _layers(ring_edges[1], sizes[0], factor)[1:]]
+    for i, (inner, outer) in enumerate(itertools.pairwise(ring_edges[1:])):
         # the two families meet at mid-ring, and share that point
-        pieces.append(np.concatenate([[inner], towards_inner[:-1], towards_outer if i else towards_outer[1:]]))
+        half = (outer - inner) / 2
+        towards_inner = inner + _layers(half, sizes[i], factor)[:0:-1]
+        pieces += [[inner], towards_inner, outer - _layers(half, sizes[i + 1], factor)]
     return np.concatenate([*pieces, ring_edges[-1:]])
 
 
@@ -63,10 +54,22 @@ def _layers(span: float, smallest: float, factor: float) -> Array:
 
 def layer_degrees(breakpoints: Array, ring_edges: ArrayLike, degree: int, rise: float, lowest: int = 1) -> Indices:
     """Degree of each element: `lowest` at ring edges and rim, rising by `rise` per element to `degree`."""
-    marks = np.searchsorted(breakpoints, np.asarray(ring_edges, dtype=float)[1:])
     index = np.arange(len(breakpoints) - 1)
+    # the first stands for the axis, which is no mark: far from every element
+    marks = np.append(-len(index), np.searchsorted(breakpoints, np.asarray(ring_edges, dtype=float)[1:]))
     after = np.searchsorted(marks, index, side="right")
-    to_outer = marks[np.minimum(after, len(marks) - 1)] - 1 - index
-    to_inner = np.where(after > 0, index - marks[np.maximum(after - 1, 0)], len(index))
-    layer = np.minimum(to_outer, to_inner)
+    layer = np.minimum(marks[after] - 1 - index, index - marks[after - 1])
     return np.minimum(degree, lowest + np.floor(rise * layer).astype(np.int64))
+
+
+@cache
+def gauss(count: int) -> tuple[Array, Array]:
+    """Gauss points and weights on (-1, 1); not to be written to."""
+    node, weight = np.polynomial.legendre.leggauss(count)
+    return node, weight
+
+
+def unit_gauss(count: int) -> tuple[Array, Array]:
+    """Gauss points and weights on (0, 1), where singularities are substituted away at one end."""
+    node, weight = gauss(count)
+    return (1 + node) / 2, weight / 2

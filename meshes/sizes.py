@@ -6,21 +6,16 @@ singular point, in numbers that grow only with the logarithm of the smallest siz
 geometric layers round ring edges and rim, and in few large ones between.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
 
 from ringwear.meshes.radial import Array, Indices
 
-# neighbouring patches are widened up to this to meet in the middle of a ring
-WIDENED = 1.6
-# greatest elements between the patches, over the truncation; those beside a patch, over its depth
-LARGEST, BESIDE = 0.4, 1.4
-# how far the degree of the displacement may fall from layer to layer, as there is ever less energy to lose (the rim's
-# singularity is stronger), down to the least that goes with a stable linear pressure
-FALL, FALL_AT_RIM, LOWEST = 1.0, 0.6, 3
+# greatest quadrilaterals between the patches, over the truncation
+LARGEST = 0.4
+# least degree that the displacement may fall to towards a ring edge or the rim: it goes with a stable linear pressure
+LOWEST = 3
 
 
 @dataclass(frozen=True)
@@ -48,8 +43,8 @@ class SizeField:
 
     def __call__(self, points: Array) -> Array:
         """(n,) sizes at (n, 2) points."""
-        size = np.minimum(self.largest, self.rim_size + self.growth * np.hypot(points[:, 0] - 1, points[:, 1]))
-        for edge, smallest in zip(self.ring_edges[:-1], (self.centre_size, *self.ring_sizes), strict=True):
+        size = np.full(len(points), self.largest)
+        for edge, smallest in zip(self.ring_edges, (self.centre_size, *self.ring_sizes, self.rim_size), strict=True):
             size = np.minimum(size, smallest + self.growth * np.hypot(points[:, 0] - edge, points[:, 1]))
         return size
 
@@ -61,8 +56,7 @@ class SizeField:
     @property
     def ring_sizes(self) -> tuple[float, ...]:
         """Size at each ring edge between the centre and the rim."""
-        count = len(self.ring_edges) - 2
-        return self.ring_size if isinstance(self.ring_size, tuple) else (self.ring_size,) * count
+        return tuple(np.broadcast_to(self.ring_size, len(self.ring_edges) - 2).tolist())
 
 
 def patch_widths(ring_edges: Array) -> Array:
@@ -70,9 +64,9 @@ def patch_widths(ring_edges: Array) -> Array:
     rings = np.diff(ring_edges)
     half = np.minimum(rings, np.append(rings[1:], np.inf)) / 2
     widths = np.stack([half, half], axis=1)
-    # in the rings between two patches
+    # neighbours are widened to meet in the middle of the ring between them, where a little is enough
     stretch = rings[1:] / (half[:-1] + half[1:])
-    stretch[stretch > WIDENED] = 1.0
+    stretch[stretch > 1.6] = 1.0
     widths[:-1, 1] *= stretch
     widths[1:, 0] *= stretch
     return widths
@@ -85,10 +79,11 @@ def patch_layers(widths: Array, sizes: Array, factor: float) -> Indices:
 
 def falls(layers: Indices) -> list[Indices]:
     """For each patch (layers + 1,) how much lower the degree may be in each layer and, last, in the middle."""
-    rates = np.append(np.full(len(layers) - 1, FALL), FALL_AT_RIM)
+    # there is ever less energy to lose; the rim's singularity is stronger
+    rates = np.append(np.ones(len(layers) - 1), 0.6)
     return [(rate * np.arange(count + 1)).astype(np.int64) for rate, count in zip(rates, layers, strict=True)]
 
 
 def beside(widths: Array) -> Array:
     """(N,) size of the elements beside each patch, in few distinct values, which is what a mesher digests."""
-    return np.asarray(2.0 ** (np.round(4 * np.log2(BESIDE * widths.mean(axis=1))) / 4))
+    return np.asarray(2.0 ** (np.round(4 * np.log2(1.4 * widths.mean(axis=1))) / 4))

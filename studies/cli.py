@@ -4,8 +4,6 @@ Exit status: 0 done and the methods agree within their stated uncertainty; 3 don
 the accuracy asked for; 2 bad input; 1 anything else, and when stopped by Ctrl-C (the finished rows of a study are kept).
 """
 
-from __future__ import annotations
-
 import argparse
 import logging
 import sys
@@ -132,7 +130,7 @@ def _say_what(scene: Scene) -> None:
         print(f"  {what}: {why}")
 
 
-def _say_verdict(result: Result) -> None:
+def _say_verdict(result: "Result") -> None:
     print("\nMethod    unknowns   seconds   own error estimate (relative, of the indentation)")
     for name, solution in result.solutions.items():
         seconds = sum(result.stages[name].seconds.values())

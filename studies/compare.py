@@ -3,8 +3,6 @@
 Differences are from the MDR, over the median at that time. Every method joins that can solve the scene, asked for or not.
 """
 
-from __future__ import annotations
-
 import argparse
 from itertools import groupby
 from operator import itemgetter
@@ -20,21 +18,19 @@ from ringwear.studies.methods.base import method
 from ringwear.studies.methods.quantities import array
 from ringwear.studies.problem.problem import D0, P0
 from ringwear.studies.problem.scene import Scene
-from ringwear.studies.progress import LOG
 from ringwear.studies.registry import METHODS
 from ringwear.studies.tables import Table, write_page
 
 FIELDS = ("quantity", "methods", "difference", "uncertainty", "agrees")
 OPERATOR_FIELDS = ("methods", "rings", "history", "space", "stability", "residual")
-QUICK = {"accuracy__rtol": 1e-3, "accuracy__mdr__grid": 100}
-STATES, RINGS = 4, 5  # shown at most
 LEAST = 1e-16  # a difference drawn where there is none
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     """Run the scene by every method; writes `compare.csv`, `operators.csv`, `compare.md` and `compare.png`."""
+    quick = {"accuracy__rtol": 1e-3, "accuracy__mdr__grid": 100} if options.quick else {}
     others = [name for name in METHODS if name not in scene.methods and not method(name).refusal(scene.problem)]
-    scene = scene.changed(methods=[*scene.methods, *others], **(QUICK if options.quick else {}))
+    scene = scene.changed(methods=[*scene.methods, *others], **quick)
     result = run(scene)
     agreement = [vars(row) | {"methods": " - ".join(row.methods), "agrees": row.agrees} for row in result.agreement]
     operators = [vars(pair) | {"methods": " - ".join(pair.methods)} for pair in result.operators]
@@ -42,34 +38,25 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
         "Greatest differences, relative": Table(out / "compare.csv", FIELDS, agreement),
         "As operators, relative": Table(out / "operators.csv", OPERATOR_FIELDS, operators),
     }
-    conclusions = conclude(agreement)
+    conclusions = []
+    for methods, group in groupby(agreement, key=itemgetter("methods")):
+        rows = list(group)
+        worst = max(rows, key=itemgetter("difference"))
+        difference = f"{worst['difference']:.1e} ({worst['quantity']})"
+        verdict = "within" if all(row["agrees"] for row in rows) else "BEYOND"
+        conclusions.append(f"{methods}: differ by at most {difference}, {verdict} their stated uncertainty.")
     write_page(out / "compare.md", f"The methods side by side: {scene.title}", conclusions, tables)
-    LOG.info(" compare  drawing ...")
     draw(result, out / "compare.png")
     return [*conclusions, *(table.markdown() for table in tables.values())]
-
-
-def conclude(rows: list[dict[str, Any]]) -> list[str]:
-    """The greatest difference of each pair of methods, and whether they agree."""
-    lines = []
-    for methods, group in groupby(rows, key=itemgetter("methods")):
-        pair = list(group)
-        worst = max(pair, key=itemgetter("difference"))
-        verdict = "within" if all(row["agrees"] for row in pair) else "BEYOND"
-        difference = f"{worst['difference']:.1e} ({worst['quantity']})"
-        lines.append(f"{methods}: differ by at most {difference}, {verdict} their stated uncertainty.")
-    return lines
 
 
 def draw(result: Result, path: Path) -> None:
     """One page: states above their differences, then ring forces, operators and relaxation times."""
     figure = new_figure(13, 13)
     parts: Any = figure.subfigures(2, 1, height_ratios=[2.3, 1])
-    upper, lower = parts
-    legend_of(figure, draw_states(result, upper))
-    forces, operators, relaxation = lower.subplots(1, 3)
-    if result.scene.wear.times:
-        draw_ring_forces(result, forces)
+    legend_of(figure, draw_states(result, parts[0]))
+    forces, operators, relaxation = parts[1].subplots(1, 3)
+    draw_ring_forces(result, forces)
     for number, pair in enumerate(result.operators):
         label = f"{pair.methods[0].upper()} against {pair.methods[1].upper()}"
         look = curve(number) | {"linestyle": "none", "markersize": 3, "label": label}
@@ -82,8 +69,6 @@ def draw(result: Result, path: Path) -> None:
             times = solution.wear.relaxation_times
             relaxation.loglog(np.arange(1, len(times) + 1), times, **method_curve(name, len(times)))
     relaxation.set(xlabel="mode, slowest first", ylabel=r"relaxation time $\tau$ over $a/(E^*k_{max}v_0)$")
-    for axes, what in ((forces, "ring forces"), (operators, "as operators"), (relaxation, "relaxation spectrum")):
-        axes.set_title(what, fontsize=9)
     figure.suptitle(titled(result.scene.title, "the methods side by side; shaded rings wear faster"), fontsize=11)
     figure.savefig(path)
 
@@ -92,7 +77,7 @@ def draw_states(result: Result, figure: Any) -> Array:
     """Profiles and pressures at some times and in the steady state, below each the differences; returns the panels."""
     problem, radii = result.scene.problem, result.scene.problem.radii
     count, every = len(problem.times), max(len(radii) // 24, len(result.solutions))
-    shown = np.linspace(0, count - 1, min(count, STATES), dtype=int)
+    shown = np.linspace(0, count - 1, min(count, 4), dtype=int)
     states: list[tuple[str, str, Any]] = [(f"$t$ = {result.scene.wear.times[time]:.4g}", "", time) for time in shown]
     if problem.steady:
         states.append(("steady state", "steady_", ...))
@@ -126,14 +111,16 @@ def draw_states(result: Result, figure: Any) -> Array:
 
 def draw_ring_forces(result: Result, axes: Any) -> None:
     """Force on each ring over time by every method."""
-    problem, times = result.scene.problem, np.array(result.scene.wear.times)
+    problem, times = result.scene.problem, result.scene.wear.times
     count = len(problem.wear_coefficients)
-    rings = np.linspace(0, count - 1, min(count, RINGS), dtype=int)
+    rings = np.linspace(0, count - 1, min(count, 5), dtype=int)
     for name, solution in result.solutions.items():
         if "ring_force" in solution.results:
-            axes.plot(times, array(solution.results, "ring_force")[:, rings], **method_curve(name))
-    for ring in rings:
-        axes.text(times[0], array(result.solutions["mdr"].results, "ring_force")[0, ring], f"{ring + 1}", va="bottom")
+            forces = array(solution.results, "ring_force")[:, rings]
+            axes.plot(times, forces, **method_curve(name))
+            if name == "mdr":
+                for ring, force in zip(rings, forces[0], strict=True):
+                    axes.text(times[0], force, f"{ring + 1}", va="bottom")
     if problem.earliest:
         axes.set_xscale("symlog", linthresh=problem.earliest * problem.units.time, linscale=0.4)
     axes.set(xlabel="time $t$ (scene units)", ylabel="force on a ring over $F$ (ring numbers from the centre)")

@@ -1,7 +1,5 @@
 """All files of a run, written whole or not at all: into a hidden directory first, then moved into place."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil
@@ -36,7 +34,7 @@ def whole(out: Path) -> Iterator[Path]:
         shutil.rmtree(hidden, ignore_errors=True)
 
 
-def write(result: Result, out: Path) -> list[str]:
+def write(result: "Result", out: Path) -> list[str]:
     """Write results, summary, half-space and figures to `out`; returns the names of the files."""
     from ringwear.studies.crosscheck.interior import interior, write_half_space
     from ringwear.studies.figures import mesh, run
@@ -61,7 +59,7 @@ def write(result: Result, out: Path) -> list[str]:
         return sorted(file.name for file in hidden.iterdir())
 
 
-def write_mesh(scene: Scene, meshed: Meshed, out: Path) -> list[str]:
+def write_mesh(scene: Scene, meshed: "Meshed", out: Path) -> list[str]:
     """Write the mesh as scikit-fem does, in the scene's units and with its boundaries, and its figure.
 
     The file can be read back: by `skfem.Mesh.load`, and as a mesh of one's own by `ringwear study refinement --mesh`.

@@ -1,7 +1,5 @@
 """What happens, as it happens: the log, timed stages of a method, and progress through long work."""
 
-from __future__ import annotations
-
 import logging
 import time
 from collections.abc import Callable, Iterator, Sequence

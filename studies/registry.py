@@ -5,8 +5,6 @@ A method is a file with an object ``METHOD`` (`studies/methods/base.py`). A stud
 line each; `INTERRUPTED` is among them if it was stopped.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
@@ -58,5 +56,5 @@ STUDIES: dict[str, Study] = {
         ),
     ),
     "tradeoff": Study("tradeoff", "error against seconds for every method and family of settings"),
-    "benchmark": Study("benchmark.study", "seconds and errors against the paper's algorithm and plain finite elements"),
+    "benchmark": Study("benchmark.study", "seconds and errors against the paper's algorithm and a bare factorisation"),
 }

@@ -1,7 +1,5 @@
 """Tables of studies: on disk row by row as CSV, and at the end as a page in Markdown."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager

@@ -8,8 +8,7 @@ from scipy.sparse import csr_matrix
 
 from ringwear.meshes.errors import SceneError, SolverError
 from ringwear.studies.methods.quantities import relative_difference
-from ringwear.studies.wear.banded import BandedCholesky
-from ringwear.studies.wear.modes import every_mode, excited_modes
+from ringwear.studies.wear.modes import BandedCholesky, every_mode, excited_modes
 
 
 def pencil(wear: Any) -> tuple[Any, ...]:

@@ -1,1 +1,1 @@
-"""Seconds and errors against the paper's algorithm and plain finite elements."""
+"""Seconds and errors against the paper's algorithm and a bare factorisation."""

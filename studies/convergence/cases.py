@@ -1,14 +1,12 @@
 """What the study of convergence refines, and how a level of it is computed."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
-from skfem import Mesh, MeshTri
+from skfem import Mesh
 
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.half_space import HalfSpace, pressure_space
@@ -17,7 +15,8 @@ from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.quads import graded
 from ringwear.meshes.radial import Array, graded_breakpoints
-from ringwear.studies.convergence.meshes import base_mesh, subdivided
+from ringwear.meshes.sizes import SizeField
+from ringwear.studies.convergence.meshes import subdivided, triangulated
 from ringwear.studies.convergence.orders import Refinement, Sequence
 from ringwear.studies.methods.sampler import Evaluation
 from ringwear.studies.problem.defaults import FACTOR, GROWTH
@@ -27,15 +26,13 @@ from ringwear.studies.wear.contact import flat_start
 Discretised = tuple[Compliance, int]  # with the number of unknowns
 
 FLAT = np.array([0.0, 1.0])
-TIME = 1.0  # of the history
 SMOOTH, SLOPE, STEADY = "energy of a smooth pressure", "RMS gradient", "mean steady displacement"
 DIGITS = ", digits per degree"  # ends the names of what is raised in degree
 # sizes of the smallest elements: by MDR at the rim of the flat punch; at edges and rim of rings
 PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
-QUAD_TRUNCATION, QUAD_POLES = 2.5, tuple(range(0, 16, 2))
-# of the base meshes on triangles: size at rim and ring edges, growth, truncation, size at the centre
-PUNCH_MESH, RING_MESH, UNIFORM_MESH = (4e-9, 0.7, 1e4, 1e4), (1e-7, 0.7, 1e4, 1e4), (0.35, 0.0, 4.0, 4.0)
-# their subdivisions by degree: of the flat punch on a graded and on a uniform mesh, of the scene's rings
+# base meshes of triangles, and their subdivisions by degree: of the flat punch, graded and uniform, and of the scene's rings
+PUNCH_MESH = SizeField((0.0, 1.0), 4e-9, 4e-9, growth=0.7, truncation=1e4, centre_size=1e4)
+UNIFORM_MESH = SizeField((0.0, 1.0), 0.35, 0.35, growth=0.0, truncation=4.0, centre_size=4.0)
 PUNCH = {2: (2, 3, 4, 6, 8), 3: (2, 3, 4, 5), 4: (1, 2, 3, 4)}
 UNIFORM = {2: (3, 4, 6, 8, 12), 3: (2, 3, 4, 6), 4: (2, 3, 4)}
 RINGS = {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}
@@ -43,11 +40,9 @@ QUICK = {2: (2, 3, 4), 3: (2, 3), 4: (2, 3)}
 # MDR: elements under a smooth pressure; by degree, ratios of neighbouring sizes of the mesh graded to the rim
 ELEMENTS = (12, 16, 24, 32)
 GRADINGS = {1: (0.5, 0.6, 0.7, 0.8), 2: (0.7, 0.78, 0.84, 0.88), 3: (0.3, 0.4, 0.5, 0.6), 4: (0.4, 0.5, 0.6, 0.65)}
-# degree 1 on the scene's rings: with higher ones errors cross zero or meet roundoff before orders settle
-RING_GRADINGS = (0.6, 0.7, 0.78, 0.84)
-RAISED_GRADING, RAISED_DEGREES, QUAD_DEGREES = 0.2, range(1, 7), range(4, 12)
+QUAD_DEGREES = range(4, 12)
 # relative errors below which roundoff or the innermost elements count: their part of d0 is 0.06 of their size
-ROUNDOFF, RIM_FLOOR, RING_FLOOR = 1e-13, 0.06 * PUNCH_MESH[0], 2e-10
+ROUNDOFF, RIM_FLOOR, RING_FLOOR = 1e-13, 0.06 * PUNCH_MESH.rim_size, 2e-10
 
 
 def refinements(problem: Problem, quick: bool) -> Iterator[Refinement]:
@@ -64,23 +59,22 @@ def refinements(problem: Problem, quick: bool) -> Iterator[Refinement]:
         yield Refinement(smooth, {n: 1 / n for n in ELEMENTS}, partial(equal_by_mdr, degree), partial(lost_energy, degree))
         punch = sequences(f"MDR degree {degree}, graded", flat, 2 * degree + 3, ROUNDOFF)
         yield Refinement(punch, ellipses(GRADINGS[degree]), partial(by_mdr, FLAT, PUNCH_RIM, degree), flat_d0)
-    # by MDR the energy of the known steady pressures has no error
+    # by MDR the energy of the known steady pressures has no error; degrees above 1 meet zeros or roundoff too early
     history = sequences("MDR degree 1, rings", {name: worn[name] for name in worn if name != STEADY}, 4, RING_FLOOR)
-    gradings = ellipses(RING_GRADINGS[: 3 if quick else None])
-    yield Refinement(history, gradings, partial(by_mdr, edges, RING_EDGE, 1), rings)
+    gradings = (0.6, 0.7, 0.78) if quick else (0.6, 0.7, 0.78, 0.84)
+    yield Refinement(history, ellipses(gradings), partial(by_mdr, edges, RING_EDGE, 1), rings)
+    ring_mesh = replace(PUNCH_MESH, ring_edges=tuple(edges.tolist()), rim_size=RING_EDGE, ring_size=RING_EDGE)
     families: list[tuple[Any, ...]] = [
-        ("graded", PUNCH_MESH, FLAT, FLAT[1:], PUNCH, flat, flat_d0, RIM_FLOOR),
-        ("uniform", UNIFORM_MESH, FLAT, FLAT[:0], UNIFORM, flat, flat_d0, RIM_FLOOR),
-        ("rings, graded", RING_MESH, edges, edges[1:], RINGS, worn, rings, RING_FLOOR),
+        ("graded", PUNCH_MESH, PUNCH, flat, flat_d0, RIM_FLOOR),
+        ("uniform", UNIFORM_MESH, UNIFORM, flat, flat_d0, RIM_FLOOR),
+        ("rings, graded", ring_mesh, RINGS, worn, rings, RING_FLOOR),
     ]
-    for name, sizes, radii, tips, counts, exact, quantities, floor in families[: 2 if quick else None]:
-        base = base_mesh(radii, *sizes)
+    for name, field, counts, exact, quantities, floor in families[: 2 if quick else None]:
         for degree, divided in (QUICK if quick else counts).items():
-            own = sequences(f"FEM P{degree}, {name}", exact, 2 * degree if len(tips) else 1, floor)
-            triangles = partial(by_triangles, base, radii, tips, degree, ratio)
-            yield Refinement(own, {n: 1 / n for n in divided}, triangles, quantities)
-    raised, levels = sequences("MDR" + DIGITS, flat), {k: 0.1**k for k in RAISED_DEGREES}
-    yield Refinement(raised, levels, lambda degree: by_mdr(FLAT, PUNCH_RIM, degree, RAISED_GRADING), flat_d0)
+            own = sequences(f"FEM P{degree}, {name}", exact, 2 * degree if field.growth else 1, floor)
+            yield Refinement(own, {n: 1 / n for n in divided}, partial(by_triangles, field, degree, ratio), quantities)
+    raised, levels = sequences("MDR" + DIGITS, flat), {k: 0.1**k for k in range(1, 7)}
+    yield Refinement(raised, levels, lambda degree: by_mdr(FLAT, PUNCH_RIM, degree, 0.2), flat_d0)
     raised, levels = sequences("FEM quads" + DIGITS, flat, floor=ROUNDOFF), {k: 0.1**k for k in QUAD_DEGREES}
     yield Refinement(raised, levels, partial(by_quads, FLAT, 0.0, ratio), flat_d0)
     if not quick:
@@ -112,11 +106,11 @@ def by_mdr(ring_edges: Array, smallest: float, degree: int, grading: float) -> D
     return energy.compliance(space), space.size
 
 
-def by_triangles(
-    base: MeshTri, ring_edges: Array, tips: Array, degree: int, poisson_ratio: float, count: int
-) -> Discretised:
-    """Finite elements on a subdivided mesh."""
-    return condensed(subdivided(base, count, tips), ring_edges, degree, poisson_ratio, (0, 2, 4))
+def by_triangles(field: SizeField, degree: int, poisson_ratio: float, count: int) -> Discretised:
+    """Finite elements on a mesh subdivided, in log-polar coordinates about the ring edges that it is graded to."""
+    ring_edges = np.array(field.ring_edges)
+    mesh = subdivided(triangulated(field), count, ring_edges[1:] if field.growth else ring_edges[:0])
+    return condensed(mesh, ring_edges, degree, poisson_ratio, (0, 2, 4))
 
 
 def by_quads(ring_edges: Array, least: float, poisson_ratio: float, degree: int) -> Discretised:
@@ -126,8 +120,8 @@ def by_quads(ring_edges: Array, least: float, poisson_ratio: float, degree: int)
     the square of their size, and still smaller ones would have gradients of roundoff.
     """
     smallest = max(0.1 ** (degree + 1), least)
-    mesh = graded(ring_edges, smallest, smallest, FACTOR, GROWTH, QUAD_TRUNCATION).mesh
-    return condensed(mesh, ring_edges, degree, poisson_ratio, QUAD_POLES)
+    mesh = graded(ring_edges, smallest, smallest, FACTOR, GROWTH, outer=2.5).mesh
+    return condensed(mesh, ring_edges, degree, poisson_ratio, tuple(range(0, 16, 2)))
 
 
 def condensed(mesh: Mesh, ring_edges: Array, degree: int, poisson_ratio: float, poles: tuple[int, ...]) -> Discretised:
@@ -157,13 +151,13 @@ def lost_energy(degree: int, fine: Compliance) -> dict[str, float]:
 
 def of_rings(problem: Problem, compliance: Compliance) -> dict[str, float]:
     """The quantities of the scene's rings."""
-    wanted = replace(problem, times=np.array([TIME]), steady=True, march="modal", gradient_average="line")
+    wanted = replace(problem, times=np.array([1.0]), steady=True, march="modal", gradient_average="line")
     evaluated = Evaluation(wanted, compliance)
     steady = compliance.factor @ evaluated.wear.steady.pressure
     return {
-        f"d({TIME:g})": float(evaluated.results["indentation"][0]),
+        "d(1)": float(evaluated.results["indentation"][0]),
         "slowest relaxation time": float(evaluated.results["relaxation_time"][0]),
-        f"force on the outer ring at {TIME:g}": float(evaluated.results["ring_force"][0, -1]),
+        "force on the outer ring at 1": float(evaluated.results["ring_force"][0, -1]),
         STEADY: float(steady @ steady),
         SLOPE: float(evaluated.results["steady_rms_slope"]),
     }

@@ -2,11 +2,8 @@
 
 A level is one computation with one size: of the elements, of the step, or of ``a/R``. The observed order is the slope
 of ``log error`` over ``log size``: between neighbouring levels, and by least squares over all that lie above the floor
-where roundoff or another error takes over. Richardson's extrapolation of the three finest levels and the grid convergence
-index (GCI) ``SAFETY |v1 - v2| / (r^p - 1)``, with the order p observed on the three, need no exact value.
+where roundoff or another error takes over.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -16,7 +13,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 from threadpoolctl import threadpool_limits
 
 from ringwear.meshes.compliance import Compliance
@@ -26,34 +22,18 @@ from ringwear.studies.figures.style import curve, legend_below, plain_numbers
 from ringwear.studies.progress import LOG
 from ringwear.studies.tables import Table, keeping_rows
 
-SAFETY = 1.25  # of the GCI with three or more levels (Roache)
-LOWEST, HIGHEST = 1e-3, 20.0  # orders that three levels may have
 WITHIN = 0.15  # how far observed orders may be from theory's, by least squares and between the last levels
 VERDICT = f"within {WITHIN}"  # the column that says so
 LEVEL_FIELDS = ("refined", "quantity", "level", "size", "unknowns", "value", "error", "remark")
 ORDER_FIELDS = (
     "refined", "quantity", "levels", "expected order", "least squares", "last levels", VERDICT, "between levels",
-    "finest error", "Richardson value", "order of three", "GCI",
+    "finest error",
 )  # fmt: skip
 
 
 def least_squares(sizes: Array, errors: Array) -> float:
     """Observed order over all levels; NaN of fewer than two."""
     return float(np.polyfit(np.log(sizes), np.log(errors), 1)[0]) if len(sizes) > 1 else np.nan
-
-
-def extrapolated(sizes: Array, values: Array) -> tuple[float, float, float]:
-    """Richardson's value, the order and the relative GCI of the three finest levels; NaN if they have no order."""
-    steps, refined = np.diff(values[-3:]), -np.diff(np.log(sizes[-3:]))
-
-    def mismatch(order: float) -> float:
-        return float(np.log(np.expm1(order * refined[0]) / -np.expm1(-order * refined[1])) - np.log(steps[0] / steps[1]))
-
-    if len(steps) < 2 or steps[0] * steps[1] <= 0 or mismatch(LOWEST) * mismatch(HIGHEST) > 0:
-        return float(values[-1]), np.nan, np.nan
-    order = brentq(mismatch, LOWEST, HIGHEST)
-    left = steps[1] / np.expm1(order * refined[1])
-    return float(values[-1] + left), order, float(SAFETY * abs(left / values[-1]))
 
 
 @dataclass
@@ -127,7 +107,6 @@ class Sequence:
     def summary(self) -> dict[str, Any]:
         """A row for a table of orders; in brackets between levels of which one does not count."""
         both = self.counted[1:] & self.counted[:-1]
-        value, order, gci = extrapolated(self.sizes, self.values)
         return {
             "refined": self.name,
             "quantity": self.quantity,
@@ -137,12 +116,9 @@ class Sequence:
             "last levels": self.last_order,
             VERDICT: self.verdict,
             "between levels": " ".join(
-                f"{p:.2f}" if counts else f"({p:.2f})" for p, counts in zip(self.orders, both, strict=True)
+                f"{p:.2f}" if own else f"({p:.2f})" for p, own in zip(self.orders, both, strict=True)
             ),
             "finest error": f"{self.errors[-1]:.1e}",
-            "Richardson value": f"{value:.12g}" if self.exact else "",
-            "order of three": order,
-            "GCI": gci if self.exact else np.nan,
         }
 
 
@@ -183,11 +159,10 @@ def refined(refinements: Iterable[Refinement], path: Path, conclusions: list[str
 
 def verdicts(sequences: Iterable[Sequence]) -> str:
     """How many observed orders are those of theory, and which are not, in a sentence."""
-    judged = [(one, one.verdict) for one in sequences if one.verdict]
-    off = [f"{one.name}, {one.quantity} ({verdict})" for one, verdict in judged if verdict != "yes"]
-    line = (
-        f"{len(judged) - len(off)} of {len(judged)} orders are within {WITHIN} of theory, fitted and between the last levels"
-    )
+    judged = [one for one in sequences if one.verdict]
+    off = [f"{one.name}, {one.quantity} ({one.verdict})" for one in judged if one.verdict != "yes"]
+    agree = f"{len(judged) - len(off)} of {len(judged)} orders are within {WITHIN} of theory"
+    line = f"{agree}, fitted and between the last levels"
     return f"{line}; but {'; '.join(off)}." if off else f"{line}."
 
 
@@ -206,7 +181,9 @@ def draw_orders(axes: Any, sequences: Iterable[Sequence], size_label: str, error
     draw_errors(axes, curves, xlabel=size_label, ylabel=error_label, title=title)
     axes.set_xscale("log")
     if curves:  # there are none after an early interruption
-        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if axes.get_xlim()[1] < 30 * axes.get_xlim()[0] else (1,)))
+        low, high = axes.get_xlim()
+        axes.xaxis.set(
+            major_locator=LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,)), minor_formatter=NullFormatter()
+        )
         plain_numbers(axes.xaxis)
-        axes.xaxis.set_minor_formatter(NullFormatter())
         legend_below(axes, title="observed order")

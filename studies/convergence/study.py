@@ -15,8 +15,6 @@ and energies as ``r^2k``: a factor of 9 per degree for q = 1/4. Layers further i
 they take some of the factor, and powers of k make it greater at first.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
@@ -82,8 +80,8 @@ def draw(sequences: list[Sequence], path: Path) -> None:
     legend_below(unknowns, ncols=2)
     for axes, what in ((punch, "flat start"), (rings, "rings on quadrilaterals")):
         raised = [one for one in sequences if one.name.endswith(DIGITS) and (one.quantity == "d0") == (axes is punch)]
-        labels = (f"{one.name.split(',')[0]}, {one.quantity}: {10**one.order:.1f} per degree" for one in raised)
-        curves = {label: (-np.log10(one.sizes), one.errors) for label, one in zip(labels, raised, strict=True)}
+        names = [f"{one.name.split(',')[0]}, {one.quantity}: {10**one.order:.1f} per degree" for one in raised]
+        curves = {name: (-np.log10(one.sizes), one.errors) for name, one in zip(names, raised, strict=True)}
         draw_errors(axes, curves, xlabel="polynomial degree $k$", ylabel="relative error", title=f"degree raised, {what}")
         theory, label = 1e-5 * GAIN ** (4.0 - np.array(QUAD_DEGREES)), f"theory for quads: {GAIN:.0f} per degree"
         axes.semilogy(QUAD_DEGREES, theory, color="0.8", linewidth=4, zorder=0, label=label)

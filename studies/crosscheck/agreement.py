@@ -1,7 +1,5 @@
 """How far two methods agree: every quantity that both give, against the sum of what each says of its own error."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Results as an xarray Dataset (netCDF-4) and a summary (JSON), in the scene's units."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -73,13 +71,13 @@ def _attributes(scene: Scene, units: str) -> dict[str, str]:
 
 def versions() -> dict[str, str]:
     """Versions of ringwear and of what it computes with."""
-    found = {}
+    known = {}
     for name in ("ringwear", "numpy", "scipy", "scikit-fem", "gmsh", "meshio", "xarray"):
         try:
-            found[name] = version(name)
+            known[name] = version(name)
         except PackageNotFoundError:
-            found[name] = "not installed"
-    return found
+            known[name] = "not installed"
+    return known
 
 
 def summary(

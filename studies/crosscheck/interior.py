@@ -1,7 +1,5 @@
 """What happens inside the half-space: displacements and stresses of the finite elements at chosen times."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from pathlib import Path
 

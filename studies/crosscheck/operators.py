@@ -6,8 +6,6 @@ over the pressures that the scene's history passes through, and over the whole s
 never resolved. Beside them stands a residual: the pressures of one method, put into the other.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,12 +1,11 @@
 """Run a scene: every method, its own error estimate, and the verdict on how far they agree."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import xarray
 from threadpoolctl import threadpool_limits
 
 from ringwear.meshes.errors import SceneError
@@ -16,9 +15,6 @@ from ringwear.studies.methods.base import Method, Solution, method
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.progress import LOG, Stages
-
-if TYPE_CHECKING:
-    import xarray
 
 MOST_REFINEMENTS = 2
 FINEST = 1e-9

@@ -1,7 +1,5 @@
 """What a scene requires, and what it does not: said before a run by `plan`, and after it in the summary."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ringwear.studies.methods.base import method

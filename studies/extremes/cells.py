@@ -1,8 +1,6 @@
 """The cells of the map of limits: families of scenes over two parameters, each by the methods that they concern."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -11,7 +9,7 @@ import numpy as np
 from ringwear.studies.problem.scene import Scene
 
 Changes = dict[str, Any]  # of a scene, as `Scene.changed` takes them
-Axis = Mapping[Any, Changes]  # what each value of a parameter changes
+Axis = dict[Any, Changes]  # what each value of a parameter changes
 
 METHODS = DIRECT, MDR, FEM = "direct", "mdr", "fem"
 RTOL = {DIRECT: 1e-4, MDR: 1e-3, FEM: 1e-2}
@@ -40,6 +38,16 @@ def fem(**settings: Any) -> Changes:
     return {f"accuracy__fem__{key}": value for key, value in settings.items()}
 
 
+def span(low: float, high: float, count: int) -> list[float]:
+    """Values in equal ratios."""
+    return [float(f"{value:.9g}") for value in np.geomspace(low, high, count)]
+
+
+def wear(high: float, count: int) -> Axis:
+    """Ratios of wear coefficients, as far below 1 as above."""
+    return axis("punch__wear_coefficients", span(1 / high, high, count), lambda ratio: [1.0, ratio])
+
+
 def all_cells(poisson_ratio: float, quick: bool) -> Iterator[Cell]:
     """Every cell; some values of each parameter when quick. Cells that differ in y alone follow one another."""
     punch = {"radius": 1.0, "rings": 3, "wear_coefficients": [1.0, 10.0]}
@@ -50,27 +58,17 @@ def all_cells(poisson_ratio: float, quick: bool) -> Iterator[Cell]:
         name: str, methods: Iterable[str], xs: Axis, ys: Axis, fixed: Changes, scaled: bool = False
     ) -> Iterator[Cell]:
         """Scenes over two parameters, ``x × y``; `fixed` is changed in all of them."""
+        if quick:  # every fourth value, and the last
+            xs, ys = ({one: values[one] for one in (*list(values)[::4], list(values)[-1])} for values in (xs, ys))
         for x, method, y in product(xs, methods, ys):
             changes = {"methods": [method], "accuracy__rtol": RTOL[method]} | fixed | xs[x] | ys[y]
             yield Cell(name, method, x, y, usual.changed(**changes), scaled)
 
-    def span(low: float, high: float, count: int) -> list[float]:
-        """Values in equal ratios, the ends always among them."""
-        count = max(3, (count + 3) // 4) if quick else count
-        return [float(f"{value:.9g}") for value in np.geomspace(low, high, count)]
-
-    def some(*values: Any) -> list[Any]:
-        """The values; when quick, every third, and the last."""
-        return list(dict.fromkeys([*values[::3], values[-1]])) if quick else list(values)
-
-    def wear(high: float, count: int) -> Axis:
-        return axis("punch__wear_coefficients", span(1 / high, high, count), lambda ratio: [1.0, ratio])
-
     few, ratios, many = wear(1e8, 3), wear(1e8, 9), wear(1e8, 17)
     late = {ratio: change | {"wear__times": [0.0, 100 / min(1, ratio)]} for ratio, change in many.items()}
     name, key = "rings × k2/k1", "punch__rings"
-    yield from family(name, METHODS, axis(key, (1, 5) if quick else (1, 2, 3, 5, 8)), late, {})
-    yield from family(name, METHODS, axis(key, [32] if quick else [16, 32, 64]), many, {})
+    yield from family(name, METHODS, axis(key, (1, 2, 3, 5, 8)), late, {})
+    yield from family(name, METHODS, axis(key, (16, 32, 64)), many, {})
     if not quick:  # more rings are slow, not the less certain for it
         yield from family(name, [DIRECT], axis(key, (128, 256, 1024)), few, {})
         yield from family(name, [MDR, FEM], axis(key, [128]), many, {"accuracy__rtol": 0.1})
@@ -86,29 +84,25 @@ def all_cells(poisson_ratio: float, quick: bool) -> Iterator[Cell]:
     yield from family("ring width/a × ring at", METHODS, at_axis, {"axis": {}}, by_edges)
     yield from family("ring width/a × ring at", METHODS, at_rim, {"rim": {}}, by_edges)
 
-    poisson = some(-0.9, -0.7, -0.5, -0.2, 0.0, 0.2, 0.3, 0.4, 0.45, 0.49, 0.499, 0.4999, 0.49999, 0.4999999, 0.5)
-    truncations = some(2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 20.0, 50.0, 100.0, 1e3, 1e4, 1e5, 1e6)
-    triangles = {f"P{degree}": fem(degree=degree) for degree in some(2, 3, 4)}
-    meshers = product(triangles.items(), ("gmsh", "bisection"))
-    elements: Axis = {"default": {}} | {
-        f"{name} {mesher}": degree | fem(mesher=mesher) for (name, degree), mesher in meshers
-    }
-    far_fields = {
-        "default": {}, "default, fixed": fem(far_field="fixed"),
-        "P2": fem(degree=2), "P3": fem(degree=3), "P4": fem(degree=4), "P4, 1 pole": fem(degree=4, poles=1),
-        "P4, 6 poles": fem(degree=4, poles=6), "P4 bisection": fem(mesher="bisection"),
-        "P4, fixed": fem(degree=4, far_field="fixed"),
+    poisson = -0.9, -0.7, -0.5, -0.2, 0.0, 0.2, 0.3, 0.4, 0.45, 0.49, 0.499, 0.4999, 0.49999, 0.4999999, 0.5
+    truncations = 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 20.0, 50.0, 100.0, 1e3, 1e4, 1e5, 1e6
+    triangles = {f"P{degree}": fem(degree=degree) for degree in (2, 3, 4)}
+    kinds = product((2, 3, 4), ("gmsh", "bisection"))
+    default: Axis = {"default": {}}
+    elements = default | {f"P{degree} {mesher}": fem(degree=degree, mesher=mesher) for degree, mesher in kinds}
+    far_fields = default | {"default, fixed": fem(far_field="fixed")} | triangles | {
+        "P4, 1 pole": fem(degree=4, poles=1), "P4, 6 poles": fem(degree=4, poles=6),
+        "P4 bisection": fem(mesher="bisection"), "P4, fixed": fem(degree=4, far_field="fixed"),
     }  # fmt: skip
     yield from family("Poisson's ratio × elements", [FEM], axis("half_space__poisson_ratio", poisson), elements, RUNNING)
     yield from family("R/a × far field", [FEM], axis("accuracy__fem__truncation", truncations), far_fields, RUNNING | START)
 
-    degrees, sizes = axis("accuracy__mdr__degree", some(1, 2, 4, 8, 12, 16)), span(1e-12, 0.5, 13)
+    degrees, sizes = axis("accuracy__mdr__degree", (1, 2, 4, 8, 12, 16)), span(1e-12, 0.5, 13)
     for where in ("rim_size", "ring_size"):
         yield from family(f"{where}/a × degree", [MDR], axis(f"accuracy__mdr__{where}", sizes), degrees, RUNNING)
         yield from family(f"{where}/a × elements", [FEM], axis(f"accuracy__fem__{where}", sizes), elements, RUNNING)
     gradings, growths = axis("accuracy__mdr__grading", span(0.05, 0.8, 9)), axis("accuracy__fem__growth", span(0.12, 2.0, 9))
-    low = {degree: degrees[degree] for degree in degrees if degree < 16 or not quick}  # else thousands of unknowns
-    yield from family("grading × degree", [MDR], gradings, low, RUNNING)
+    yield from family("grading × degree", [MDR], gradings, degrees, RUNNING)
     yield from family("growth × degree", [FEM], growths, triangles, RUNNING)
     rtols, rings = axis("accuracy__rtol", span(1e-9, 0.1, 9)), axis(key, (1, 2, 3))
     yield from family("rtol × rings", [MDR], rtols, rings, RUNNING)

@@ -1,29 +1,23 @@
-"""The map of limits: a panel for each family and method with a symbol for each cell, and a table of what is within."""
+"""The map of limits: a panel for each family and method with a symbol for each cell, and a table of how many are within."""
 
-from __future__ import annotations
-
-import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ringwear.studies.figures.style import GREYS, RED, legend_of, new_figure
-from ringwear.studies.tables import Table
+from ringwear.studies.tables import Row, Table
 
-Row = Mapping[str, Any]
-Panels = dict[tuple[str, str], list[Row]]  # rows by family and method
 # marker, shade and size of each verdict, from the best to the worst; only defects are red
 LOOKS = {"within": ("s", "0.8", 20), "degraded": ("^", GREYS[4], 24), "refused": ("_", GREYS[0], 28),
          "wrong": ("X", RED, 40), "crashed": ("*", RED, 60)}  # fmt: skip
 COLUMNS = 5
 
 
-def panels(rows: Sequence[Row]) -> Panels:
+def panels(rows: Sequence[Row]) -> dict[tuple[str, str], list[Row]]:
     """Rows by family and method."""
-    grouped: Panels = {}
+    grouped: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
         grouped.setdefault((row["family"], row["method"]), []).append(row)
     return grouped
@@ -44,28 +38,18 @@ def draw(rows: Sequence[Row], path: Path) -> None:
             axes.scatter(*at, s=size, color=shade, marker=marker, label=verdict)
         for axis, values, most in ((axes.xaxis, xs, 3), (axes.yaxis, ys, 9)):
             places = np.linspace(0, len(values) - 1, min(len(values), most)).round().astype(int)
-            axis.set_ticks(places, [_shown(values[place]) for place in places])
+            shown = (values[place] for place in places)
+            axis.set_ticks(places, [f"{value:.3g}" if isinstance(value, float) else value for value in shown])
         axes.margins(0.1)
     legend_of(figure, figure.axes[:1])
     figure.savefig(path)
 
 
 def limits(rows: Sequence[Row], path: Path) -> Table:
-    """For each family and method: how many of each verdict, and at which values every cell is within."""
-    table = Table(path, ("family", "method", *LOOKS, "x all within", "y all within", "greatest error"))
-    for (family, method), own in panels(rows).items():
+    """For each family and method: how many of each verdict, and the greatest error; at which values is for the map."""
+    table = Table(path, ("family", "method", *LOOKS, "greatest error"))
+    for place, own in panels(rows).items():
         counts = Counter(row["verdict"] for row in own)
         greatest = max((row["error"] for row in own if np.isfinite(row.get("error", np.nan))), default=np.nan)
-        numbers = {verdict: counts[verdict] for verdict in LOOKS} | {"greatest error": f"{greatest:.1e}"}
-        table.add(family=family, method=method, **numbers, **{f"{axis} all within": _all_within(own, axis) for axis in "xy"})
+        table.add(*place, *(counts[verdict] for verdict in LOOKS), f"{greatest:.1e}")
     return table
-
-
-def _all_within(rows: Sequence[Row], axis: str) -> str:
-    others = {row[axis] for row in rows if row["verdict"] != "within"}
-    values = dict.fromkeys(row[axis] for row in rows if row[axis] not in others)
-    return (" ".join(map(_shown, values)) or "none") if others else "all"
-
-
-def _shown(value: float | str) -> str:
-    return re.sub(r"e\+?(-?)0?", r"e\1", f"{value:.3g}") if isinstance(value, float) else str(value)

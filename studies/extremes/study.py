@@ -10,17 +10,16 @@ A cell is one scene by one method. Its verdict is the worst of its quantities:
     crashed     any other exception or a RuntimeWarning: a defect
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import time
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import xarray
@@ -33,25 +32,19 @@ from ringwear.studies.extremes.cells import DIRECT, FEM, MDR, Cell, all_cells
 from ringwear.studies.extremes.map import LOOKS, draw, limits
 from ringwear.studies.extremes.reference import Reference
 from ringwear.studies.methods.base import method
-from ringwear.studies.methods.by_compliance import ComplianceMethod, Discretised
+from ringwear.studies.methods.by_compliance import Discretised, compliance_method
 from ringwear.studies.methods.estimate import estimated
-from ringwear.studies.methods.quantities import array, error_name
-from ringwear.studies.problem.problem import D0, Problem
+from ringwear.studies.methods.quantities import QUANTITIES, array, error_name
+from ringwear.studies.problem.problem import D0, Problem, Rings
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.sections import FemAccuracy, MdrAccuracy
 from ringwear.studies.progress import LOG, Stages, progress
 from ringwear.studies.tables import Table, keeping_rows, write_page
 from ringwear.studies.wear.archard import RunningIn
 
-T = TypeVar("T")
 FACTOR = 3.0
-# relative accuracy of the reference solution: of its quadratures, and of slopes beside a ring by its width
-REFERENCE, PER_WIDTH = 2e-10, 3e-15
-CANCELLED = 5e-15  # times what cancels in its displacements, discs over narrow rings; against 60 digits: up to 3.6e-15
-OTHER_METHOD, OTHER_RTOL = 5e-7, 1e-6  # of the other method, and what is asked of it
-BALANCE = 1e-9  # of the forces on the rings, whatever the discretisation
+REFERENCE = 2e-10  # relative accuracy of the quadratures of the reference solution
 RINGS_OF_SLOPES = 64  # with more of them the quadrature of the reference would take longer than the study
-LATE = 50 * 0.4  # over k_min: fifty of the slowest relaxation times, after which only the steady state is left
 FIELDS = ("family", "method", "x", "y", "verdict", "quantity", "error", "estimate", "rtol", "seconds", "message",
           "parameters")  # fmt: skip
 
@@ -94,13 +87,14 @@ def row(cell: Cell) -> dict[str, Any]:
 def judgements(cell: Cell) -> Iterator[dict[str, Any]]:
     """Every number that the reference solution has, and the balance of forces."""
     problem = cell.scene.problem
-    results = in_units(cell.scene) if cell.scaled else solved(problem, cell.method)
-    for name, (exact, accuracy) in known(problem, cell.method).items():
+    expected = known(problem, cell.method)
+    results = in_units(cell.scene, expected) if cell.scaled else solved(problem, cell.method)
+    for name, (exact, accuracy) in expected.items():
         errors = np.abs(results[name].values / exact - 1)
         for error, estimate in np.nditer([errors, results[error_name(name)].values + accuracy]):
             yield judged(name, float(error), float(estimate), problem.rtol)
     for forces in array(results, "ring_force"):
-        yield judged("force balance", abs(float(forces.sum()) - 1), BALANCE, BALANCE)
+        yield judged("force balance", abs(float(forces.sum()) - 1), 1e-9, 1e-9)  # whatever the discretisation
 
 
 def judged(quantity: str, error: float, estimate: float, rtol: float) -> dict[str, Any]:
@@ -120,20 +114,17 @@ def solved(problem: Problem, name: str) -> xarray.Dataset:
     return estimated(problem, ready.compliance, ready.pairs, ready.half_space)[1]
 
 
-def in_units(scene: Scene) -> xarray.Dataset:
-    """The results of a whole run, from its dataset in the scene's own units."""
-    result, load, radius = run(scene), scene.load_, scene.punch.radius
-    force, modulus = load.normal_force or np.nan, scene.half_space.plane_strain_modulus or np.nan
-    displacement, fastest = force / radius / modulus, max(scene.punch.wear_coefficients) * load.sliding_speed
-    units = {"steady_displacement_max": displacement, "indentation": displacement, "steady_rms_slope": displacement / radius,
-             "steady_wear_rate": force / radius**2 * fastest}  # fmt: skip
-    (solution,), dataset = result.solutions.values(), result.dataset
-    return solution.results.assign({name: dataset[name].variable[0] / unit for name, unit in units.items()})
+def in_units(scene: Scene, names: Iterable[str]) -> xarray.Dataset:
+    """The results of a whole run, some of them from its dataset in the scene's own units."""
+    result, units = run(scene), scene.problem.units
+    (solution,) = result.solutions.values()
+    sizes = {name: getattr(units, QUANTITIES[name].unit) for name in names}
+    return solution.results.assign({name: result.dataset[name].variable[0] / size for name, size in sizes.items()})
 
 
 def known(problem: Problem, name: str) -> dict[str, tuple[Array | float, Array | float]]:
     """What the results of a method must be, and how accurately that is known."""
-    exact = kept(tuple(problem.ring_edges), lambda: Reference(problem.ring_edges))
+    exact = reference(tuple(problem.ring_edges))
     wear_coefficients, times = problem.wear_coefficients, problem.times
     pressures = exact.pressures(wear_coefficients)
     rate, greatest = float(wear_coefficients[0] * pressures[0]), exact.greatest_displacement(pressures)
@@ -141,38 +132,36 @@ def known(problem: Problem, name: str) -> dict[str, tuple[Array | float, Array |
     cancelled = (np.ptp(pressures) * problem.ring_edges[:-1].sum() + pressures.max()) / greatest
     values: dict[str, tuple[Array | float, Array | float]] = {
         "steady_wear_rate": (rate, REFERENCE),
-        "steady_displacement_max": (greatest, REFERENCE + CANCELLED * cancelled),
+        # against 60 digits: up to 3.6e-15 of what cancels
+        "steady_displacement_max": (greatest, REFERENCE + 5e-15 * cancelled),
     }
     if len(wear_coefficients) <= RINGS_OF_SLOPES:
         slope = np.sqrt(pressures @ exact.grams[0] @ pressures)
-        values["steady_rms_slope"] = slope, REFERENCE + PER_WIDTH / problem.rings.widths.min()
+        values["steady_rms_slope"] = slope, REFERENCE + 3e-15 / problem.rings.widths.min()
     if len(times) and name != DIRECT:
-        late = times > LATE / wear_coefficients.min()
+        # after fifty of the slowest relaxation times, 0.4 / k_min, only the steady state is left
+        late = times > 50 * 0.4 / wear_coefficients.min()
         between = ~late & (times > 0)
         indentation = np.where(late, rate * times + pressures @ exact.grams[1] @ pressures, D0)
         if between.any():
-            other = replace(problem, rtol=OTHER_RTOL, fem=FemAccuracy(), mdr=MdrAccuracy())
+            other = replace(problem, rtol=1e-6, fem=FemAccuracy(), mdr=MdrAccuracy())
             compliance = discretised(other, FEM if name == MDR else MDR, pairs=False).compliance
             indentation[between] = RunningIn(compliance, problem.merged.wear_coefficients).modal(times[between]).indentation
-        values["indentation"] = indentation, np.where(between, OTHER_METHOD, REFERENCE)
+        values["indentation"] = indentation, np.where(between, 5e-7, REFERENCE)
     return values
+
+
+# neighbouring cells have them in common
+reference = lru_cache(maxsize=16)(lambda ring_edges: Reference(np.array(ring_edges)))
 
 
 def discretised(problem: Problem, name: str, pairs: bool = True) -> Discretised:
     """A method prepared, which depends neither on the wear nor on later times."""
-    one, edges = method(name), tuple(problem.merged.ring_edges)
-    assert isinstance(one, ComplianceMethod)
-    key = name, edges, problem.earliest, problem.poisson_ratio, problem.rtol, problem.fem, problem.mdr, pairs
-    return kept(key, lambda: one.discretised(problem, Stages(name), pairs))
+    settings = {setting: getattr(problem, setting) for setting in ("poisson_ratio", "rtol", "fem", "mdr")}
+    return _discretised(name, pairs, tuple(problem.merged.ring_edges), problem.earliest, **settings)
 
 
-KEPT: dict[object, Any] = {}  # the last few compliances and reference solutions
-
-
-def kept(key: object, compute: Callable[[], T]) -> T:
-    """What neighbouring cells have in common is computed once."""
-    if key not in KEPT:
-        KEPT[key] = compute()
-        if len(KEPT) > 16:
-            KEPT.pop(next(iter(KEPT)))
-    return KEPT[key]
+@lru_cache(maxsize=16)
+def _discretised(name: str, pairs: bool, ring_edges: tuple[float, ...], earliest: float, **settings: Any) -> Discretised:
+    rings = Rings(np.array(ring_edges), np.resize([0.5, 1.0], len(ring_edges) - 1))
+    return compliance_method(name).discretised(Problem(rings, np.array([earliest]), **settings), Stages(name), pairs)

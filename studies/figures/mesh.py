@@ -1,21 +1,17 @@
 """Figures of the half-space: its mesh, and the stresses in it."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.ticker import MaxNLocator
 
 from ringwear.meshes.radial import Array
+from ringwear.studies.crosscheck.interior import Interior
 from ringwear.studies.figures.style import RED, new_figure, titled
 from ringwear.studies.problem.problem import P0
-
-if TYPE_CHECKING:
-    from ringwear.studies.crosscheck.interior import Interior
-    from ringwear.studies.problem.scene import Scene
+from ringwear.studies.problem.scene import Scene
 
 
 def draw_stress(scene: Scene, fields: Interior, path: Path) -> None:

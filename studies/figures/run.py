@@ -3,25 +3,20 @@
 Normalised as in the paper: heights by ``d0 = F/(2 a E*)``, pressures by ``p0 = F/(2 pi a^2)``, lengths by `a`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
 
 from ringwear.meshes.radial import Array
+from ringwear.studies.crosscheck.operators import OperatorDifference
 from ringwear.studies.figures.style import FAINT, broken_at, legend_of, method_curve, new_figure, shade_rings, titled
+from ringwear.studies.methods.base import Solution
 from ringwear.studies.methods.quantities import array
 from ringwear.studies.problem.problem import D0, P0
-
-if TYPE_CHECKING:
-    import xarray
-
-    from ringwear.studies.crosscheck.operators import OperatorDifference
-    from ringwear.studies.methods.base import Solution
-    from ringwear.studies.problem.scene import Scene
+from ringwear.studies.problem.scene import Scene
 
 MOST_STATES = 6
 

@@ -1,6 +1,4 @@
-"""One style for every figure: drawn without a display, told apart in grey and in print."""
-
-from __future__ import annotations
+"""One style for every figure: drawn without a display, readable in grey and in print."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -27,7 +25,7 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def curve(number: int) -> dict[str, Any]:
-    """Marker, line and grey of the n-th curve: told apart without colour."""
+    """Marker, line and grey of the n-th curve: distinct without colour."""
     return {
         "marker": MARKERS[number % len(MARKERS)],
         "linestyle": LINES[number % len(LINES)],
@@ -78,6 +76,6 @@ def legend_below(axes: Any, **settings: Any) -> None:
 
 def legend_of(figure: Figure, axes: Iterable[Any]) -> None:
     """One legend for the whole figure: every label of some axes, once."""
-    found = {label: handle for one in axes for handle, label in zip(*one.get_legend_handles_labels(), strict=True)}
-    place = {"loc": "outside lower center", "ncols": min(len(found), round(figure.get_figwidth() / 1.4))}
-    figure.legend(found.values(), found.keys(), **place, frameon=False, fontsize=9)
+    handles = {label: handle for one in axes for handle, label in zip(*one.get_legend_handles_labels(), strict=True)}
+    place = {"loc": "outside lower center", "ncols": min(len(handles), round(figure.get_figwidth() / 1.4))}
+    figure.legend(handles.values(), handles.keys(), **place, frameon=False, fontsize=9)

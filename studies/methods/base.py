@@ -4,8 +4,6 @@ Before it solves, it says what it will cost: unknowns by counting, seconds and m
 table in the package, `costs.json`, which `python -m ringwear.studies.benchmark.rates` measures again.
 """
 
-from __future__ import annotations
-
 import json
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, replace
@@ -46,7 +44,7 @@ class Solution:
     settings: dict[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     wear: RunningIn | None = None
-    half_space: HalfSpace | None = None
+    half_space: "HalfSpace | None" = None
 
     @property
     def error_estimate(self) -> float:
@@ -90,7 +88,7 @@ def by_rates(kind: str, unknowns: int, pressures: int, rtol: float) -> Cost:
     return Cost(unknowns, pressures, float(np.dot(rates["seconds"], terms(unknowns, pressures))), memory, error)
 
 
-def method(name: str) -> Method:
+def method(name: str) -> "Method":
     """The method of that name; its file is imported only now."""
     return import_module(f"ringwear.studies.methods.{name.replace('-', '_')}").METHOD
 

@@ -1,7 +1,5 @@
 """Boundary elements: the ring kernel of Eq. 19 on the radial mesh of the MDR, and no identity of the MDR in it."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 from ringwear.mdr import ring_kernel

@@ -1,7 +1,5 @@
 """Methods that yield a compliance: contact, wear, steady states and estimates are written once, over that."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -34,15 +32,15 @@ class Discretised:
     pairs: tuple[Pair, ...]
     unknowns: int
     settings: dict[str, Any]
-    half_space: HalfSpace | None = None
+    half_space: "HalfSpace | None" = None
     notes: tuple[str, ...] = ()
 
 
-def compliance_method(name: str) -> ComplianceMethod:
+def compliance_method(name: str) -> "ComplianceMethod":
     """The method of that name, which must yield a compliance."""
-    found = method(name)
-    assert isinstance(found, ComplianceMethod)
-    return found
+    one = method(name)
+    assert isinstance(one, ComplianceMethod)
+    return one
 
 
 class ComplianceMethod(Method):
@@ -54,7 +52,7 @@ class ComplianceMethod(Method):
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Discretise, wear, sample and estimate."""
-        made = self.discretised(problem, stages)
+        one = self.discretised(problem, stages)
         with stages("marching" if len(problem.times) else "steady state"):
-            result, results, parts = estimated(problem, made.compliance, made.pairs, made.half_space)
-        return Solution(results, parts, made.unknowns, made.settings, made.notes, result.wear, made.half_space)
+            result, results, parts = estimated(problem, one.compliance, one.pairs, one.half_space)
+        return Solution(results, parts, one.unknowns, one.settings, one.notes, result.wear, one.half_space)

@@ -1,7 +1,5 @@
 """Direct integration: the steady state in closed form (Eqs. 21 to 27)."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import numpy as np

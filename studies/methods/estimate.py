@@ -6,8 +6,6 @@ relative error. Safety factors below one stand where the coarser computation is 
 finer. `ringwear study estimates` compares true errors with estimates on scenes drawn at random.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
@@ -91,7 +89,7 @@ class Pair:
 
 
 def estimated(
-    problem: Problem, compliance: Compliance, pairs: Iterable[Pair], half_space: HalfSpace | None = None
+    problem: Problem, compliance: Compliance, pairs: Iterable[Pair], half_space: "HalfSpace | None" = None
 ) -> tuple[Evaluation, xarray.Dataset, dict[str, float]]:
     """Evaluate a compliance; its results with errors beside them, and the error of the indentation by part."""
     cache: dict[int, Evaluation] = {}
@@ -116,8 +114,8 @@ def estimated(
         exact = result.sampler.history(result.wear.modal(problem.times))
         for name, value in exact.items():
             errors[name] += relative_difference(name, array(result.results, name), value)
-        found = array(result.results, "indentation")
-        parts["time step"] = float(relative_difference("indentation", found, exact["indentation"]).max())
+        stepped = array(result.results, "indentation")
+        parts["time step"] = float(relative_difference("indentation", stepped, exact["indentation"]).max())
     if problem.steady and not any(pair.other_mesh for pair in pairs):
         errors["steady_rms_slope"] = np.maximum(errors["steady_rms_slope"], _missing_slope(result))
         if half_space is not None:
@@ -187,20 +185,21 @@ def _no_better_than_fields(errors: dict[str, Array]) -> None:
             errors[single] = np.maximum(errors[single], 0.1 * errors[whole].max(axis=-1))
 
 
-def _add_projection_loss(errors: dict[str, Array], result: Evaluation, half_space: HalfSpace) -> None:
-    """Add what the pressure space loses of the contact displacement that the elements found, and of its slope."""
+def _add_projection_loss(errors: dict[str, Array], result: Evaluation, half_space: "HalfSpace") -> None:
+    """Add what the pressure space loses of the elements' contact displacement, and of its slope."""
     steady, space = result.wear.steady, result.sampler.space
     ends = np.linspace(0, 1, space.top + 2)
-    radii, found, _ = half_space.contact_displacement(steady.pressure, ends)
+    radii, displacement, _ = half_space.contact_displacement(steady.pressure, ends)
     held = (space.on_elements(2 * ends - 1) @ steady.displacement).reshape(radii.shape)
-    errors["steady_displacement_max"] = errors["steady_displacement_max"] + np.abs(found - held).max() / found.max()
+    lost = np.abs(displacement - held).max() / displacement.max()
+    errors["steady_displacement_max"] = errors["steady_displacement_max"] + lost
     local, weight = leggauss(space.top + 2)
     radii, _, slopes = half_space.contact_displacement(steady.pressure, (1 + local) / 2)
     average = 1.0 if result.problem.gradient_average == "line" else 2 * radii
     weights = np.diff(space.breakpoints)[:, None] * weight / 2 * average
     trace = np.sqrt(np.sum(weights * slopes**2))
-    lost = np.abs(trace / array(result.results, "steady_rms_slope") - 1)
-    errors["steady_rms_slope"] = errors["steady_rms_slope"] + lost
+    slope = float(array(result.results, "steady_rms_slope"))
+    errors["steady_rms_slope"] = errors["steady_rms_slope"] + abs(trace / slope - 1)
 
 
 def over_neighbours(name: str, difference: Array) -> Array:

@@ -1,7 +1,5 @@
 """The finite-element half-space at a wanted accuracy, on the mesh that is asked for or that suits it best."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -42,7 +40,7 @@ class Meshed:
 
     mesh: Any
     mesher: str
-    graded: GradedQuads | None = None
+    graded: "GradedQuads | None" = None
     notes: tuple[str, ...] = ()
 
 
@@ -72,13 +70,13 @@ def _meshed(problem: Problem, mesher: str) -> Meshed:
     if mesher == "quads":
         sizes = defaults.quad_sizes(problem)
         between = sizes.factor, sizes.growth, sizes.truncation
-        made = graded(problem.merged.ring_edges, sizes.ring_sizes, sizes.rim_size, *between)
-        return Meshed(made.mesh, mesher, made)
+        layered = graded(problem.merged.ring_edges, sizes.ring_sizes, sizes.rim_size, *between)
+        return Meshed(layered.mesh, mesher, layered)
     field = defaults.triangle_sizes(problem)
     return Meshed(triangles.mesh(field) if mesher == "gmsh" else bisection.mesh(field), mesher)
 
 
-def half_space_on(problem: Problem, meshed: Meshed) -> HalfSpace:
+def half_space_on(problem: Problem, meshed: Meshed) -> "HalfSpace":
     """The half-space on a mesh, with scikit-fem's elements of the degree that goes with it."""
     from ringwear.fem.elasticity import AxisymmetricElasticity
     from ringwear.fem.half_space import HalfSpace, pressure_space
@@ -137,12 +135,12 @@ class Fem(ComplianceMethod):
             # the last rows of the factor belong to the poles: without them the outer boundary is clamped
             fine = replace(tied, factor=tied.factor[: -len(half_space.poles)]) if fixed else tied
         outer = truncation(meshed.mesh)
-        made: tuple[Pair, ...] = ()
+        every: tuple[Pair, ...] = ()
         if pairs:
             with stages("estimating"):
                 clamped = fine if fixed else replace(tied, factor=tied.factor[:-1])
                 far = Pair("truncation", tied, clamped, of_truncation(problem.fem, outer))
-                made = (*coarser_pairs(problem, meshed, half_space, tied), far)
+                every = (*coarser_pairs(problem, meshed, half_space, tied), far)
         settings = {
             "mesher": meshed.mesher, "elements": meshed.mesh.nelements, "degree": half_space.solid.degree,
             "multipliers": fine.space.size, "far_field": problem.fem.far_field,
@@ -151,14 +149,14 @@ class Fem(ComplianceMethod):
         if fixed:
             # displacements and stresses inside are those of the clamped half-space, too
             half_space = replace(half_space, poles=())
-        return Discretised(fine, made, half_space.unknowns, settings, half_space, meshed.notes)
+        return Discretised(fine, every, half_space.unknowns, settings, half_space, meshed.notes)
 
 
-def coarser_pairs(problem: Problem, meshed: Meshed, whole: HalfSpace, fine: Compliance) -> tuple[Pair, ...]:
+def coarser_pairs(problem: Problem, meshed: Meshed, whole: "HalfSpace", fine: "Compliance") -> tuple[Pair, ...]:
     """The half-space with one degree (and one layer) less, and with the pressure alone one degree lower."""
     from ringwear.fem.half_space import pressure_space
 
-    def with_degree(degree: int, mesh: Any) -> HalfSpace:
+    def with_degree(degree: int, mesh: Any) -> "HalfSpace":
         solid = replace(whole.solid, degree=degree, mesh=mesh)
         return replace(whole, solid=solid, space=pressure_space(solid, problem.merged.ring_edges))
 

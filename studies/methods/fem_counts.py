@@ -4,8 +4,6 @@ Where neighbouring fields meet, and elements come whole, the factors below were 
 that `ringwear study estimates` draws.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from ringwear.meshes.radial import Array

@@ -1,7 +1,5 @@
 """The method of dimensionality reduction: its energy on a graded radial mesh. Its sizes serve boundary elements, too."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import numpy as np
@@ -57,11 +55,10 @@ class Mdr(ComplianceMethod):
         sizes = mdr_sizes(problem)
         with stages("assembling"):
             fine = self.compliance(radial_space(problem, **sizes))
-        made: tuple[Pair, ...] = ()
-        if pairs:
-            with stages("estimating"):
-                made = (self._pair(problem, fine),)
-        return Discretised(fine, made, fine.space.size, dict(sizes))
+        if not pairs:
+            return Discretised(fine, (), fine.space.size, dict(sizes))
+        with stages("estimating"):
+            return Discretised(fine, (self._pair(problem, fine),), fine.space.size, dict(sizes))
 
     def _pair(self, problem: Problem, fine: Compliance) -> Pair:
         """One layer less at every singular point, and one degree less."""

@@ -1,7 +1,5 @@
 """The paper's own algorithm beside the others: springs on a uniform grid, explicit steps in time, no steady state."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import numpy as np

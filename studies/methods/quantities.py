@@ -1,7 +1,5 @@
 """What is computed: each quantity with its dimensions, unit and definition, and how two values of it are compared."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import NamedTuple
 

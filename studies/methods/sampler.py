@@ -1,7 +1,5 @@
 """From coefficients on a pressure space to the quantities that are asked for, labelled. Non-dimensional."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

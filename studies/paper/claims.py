@@ -1,7 +1,5 @@
 """The paper's claims beside our values: a table whose every number and verdict is computed."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Figs. 4 to 7 of the paper, redrawn, and the relaxation times."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -31,18 +29,15 @@ PROFILES = {
 
 
 def draw_states(five: FiveRings, path: Path) -> None:
-    """Fig. 4: worn surface, profile, one-dimensional profile and pressure at seven states."""
+    """Fig. 4: profile, one-dimensional profile and pressure at seven states."""
     problem, reference = five.reference.problem, five.states["mdr"]
     radii, columns = problem.radii, len(SHARES)
-    figure = new_figure(2.05 * columns, 9.4)
-    parts: Any = figure.subfigures(2, 1, height_ratios=[1, 3])
-    surfaces = parts[0].subplots(1, columns, subplot_kw={"projection": "3d"})
-    panels = parts[1].subplots(3, columns, sharex=True, sharey="row")
+    figure = new_figure(2.05 * columns, 7.4)
+    panels = figure.subplots(3, columns, sharex=True, sharey="row")
     for state, share in enumerate(SHARES):
-        draw_surface(surfaces[state], radii, reference.profile[state], float(reference.profile.max()))
         when = f"$t$ = {100 * five.times[state] / five.stationary:.3g} % of $t_{{stat}}$\n"
         worn = f"$f_{{min}}$ = {reference.least_wear[state]:.3g} $d_0$"
-        surfaces[state].set_title(f"{100 * share:.0f} %\n" + (when + worn if share < 1 else "steady state\n"), fontsize=8.5)
+        panels[0, state].set_title(f"{100 * share:.0f} %\n" + (when + worn if share < 1 else "steady state\n"), fontsize=8.5)
         for quantity, axes in zip(QUANTITIES, panels[:, state], strict=True):
             for order, (name, states) in enumerate(five.states.items()):
                 # markers of different methods on different points
@@ -67,19 +62,6 @@ def draw_states(five: FiveRings, path: Path) -> None:
         fontsize=10,
     )
     figure.savefig(path)
-
-
-def draw_surface(axes: Any, radii: Array, profile: Array, depth: float) -> None:
-    """The face of the punch turned up, heights drawn larger than they are."""
-    angle = np.linspace(0, 2 * np.pi, 49)
-    every = slice(None, None, 6)
-    x, y = np.outer(radii[every], np.cos(angle)), np.outer(radii[every], np.sin(angle))
-    height = np.outer(-profile[every], np.ones_like(angle))
-    axes.plot_surface(x, y, height, color="white", rstride=1, cstride=1, linewidth=0, antialiased=False)
-    axes.set_zlim(-depth, 0.25 * depth)
-    axes.set_box_aspect((1, 1, 0.42), zoom=1.5)
-    axes.view_init(elev=42, azim=-60)
-    axes.set_axis_off()
 
 
 def draw_history(five: FiveRings, path: Path) -> None:

@@ -11,8 +11,6 @@ width fractions ``s1 + s2 = 1`` and the homogeneous gradient ``g0 p_mean/E*`` th
     (gradient / homogeneous)^2 = 1 + (4/g0^2) s1 s2 ((p1 - p2) / (s1 p1 + s2 p2))^2.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from functools import cache
 
@@ -25,7 +23,7 @@ from ringwear.studies.methods.by_compliance import compliance_method
 from ringwear.studies.methods.sampler import AVERAGES, radial_weight
 from ringwear.studies.problem.problem import Problem, Rings
 from ringwear.studies.progress import Stages, progress
-from ringwear.studies.wear.banded import BandedCholesky
+from ringwear.studies.wear.modes import BandedCholesky
 
 RINGS = (2, 4, 8, 16, 32, 64)
 QUICK_RINGS = (2, 4, 8)

@@ -8,8 +8,6 @@ Many rings, seen from far, wear as one material whose coefficient is the mean of
 (Eq. 26 on the scale of a ring): their slowest relaxation time is that of a homogeneous punch, times this mean.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

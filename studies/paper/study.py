@@ -3,8 +3,6 @@
 The punches are the paper's; half-space and accuracy are those of the scene.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterable
 from pathlib import Path

@@ -5,8 +5,6 @@ accuracy is reached on scenes drawn at random, `ringwear study convergence` the 
 Lengths in punch radii.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -128,4 +126,6 @@ def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:
 
 def grid_step(problem: Problem, stability_limit: float) -> float:
     """Of the march on the uniform grid: half of the greatest stable one (`ringwear study march`)."""
-    return problem.step or 0.5 * stability_limit
+    if problem.mdr.step:
+        return problem.mdr.step / problem.units.time
+    return problem.step if problem.step and problem.march == "explicit" else 0.5 * stability_limit

@@ -3,8 +3,6 @@
 Everything is computed in these units and scaled at the door only; their sizes in the scene's own units are kept here.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple, Self
@@ -33,7 +31,7 @@ class Rings(NamedTuple):
     wear_coefficients: Array
 
     @classmethod
-    def alternating(cls, count: int, width_ratio: float, wear_ratio: float) -> Rings:
+    def alternating(cls, count: int, width_ratio: float, wear_ratio: float) -> "Rings":
         """Two materials in turn from the centre, by ``h2/h1`` and ``k2/k1``."""
         coefficients = np.where(np.arange(count) % 2, wear_ratio, 1.0)
         return cls(alternating_edges(count, width_ratio), coefficients / coefficients.max())
@@ -47,7 +45,7 @@ class Rings(NamedTuple):
         """(N-1,) width of the narrower ring beside each edge between centre and rim."""
         return np.minimum(self.widths[:-1], self.widths[1:])
 
-    def merged(self) -> Rings:
+    def merged(self) -> "Rings":
         """Neighbouring rings of equal wear made one: what has to be modelled."""
         kept = np.flatnonzero(np.diff(self.wear_coefficients) != 0) + 1
         return Rings(self.ring_edges[[0, *kept, -1]], self.wear_coefficients[[0, *kept]])

@@ -1,12 +1,9 @@
 """The scene: a TOML file in, a frozen and validated value out, and the non-dimensional problem that it poses."""
 
-from __future__ import annotations
-
 import difflib
 import tomllib
 from functools import cached_property
 from importlib.resources import files
-from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -23,6 +20,7 @@ from ringwear.studies.problem.sections import (
     PunchSection,
     Section,
     WearSection,
+    increasing,
 )
 from ringwear.studies.registry import METHODS
 
@@ -60,14 +58,15 @@ class Scene(Section):
             raise ValueError(f"methods = {self.methods} names a method twice")
         radii = self.output.radii
         if radii is not None:
-            if any(b <= a for a, b in pairwise(radii)) or not radii:
-                raise ValueError("output.radii must increase, without repeats")
+            if not radii:
+                raise ValueError("output.radii is empty: leave it out, or give radii")
+            increasing("output.radii", radii)
             if radii[-1] > self.punch.radius:
                 raise ValueError(f"output.radii ends at {radii[-1]}, outside the punch of radius {self.punch.radius}")
         return self
 
     @classmethod
-    def load(cls, source: str | Path) -> Scene:
+    def load(cls, source: str | Path) -> "Scene":
         """Read a scene from a file, or a bundled one by its name."""
         path = Path(source)
         if not path.exists() and str(source) in bundled():
@@ -85,7 +84,7 @@ class Scene(Section):
         return cls.from_toml(text, str(source))
 
     @classmethod
-    def from_toml(cls, text: str, name: str = "scene") -> Scene:
+    def from_toml(cls, text: str, name: str = "scene") -> "Scene":
         """Read a scene from TOML text; `name` is for messages."""
         try:
             table = tomllib.loads(text)
@@ -94,7 +93,7 @@ class Scene(Section):
         return cls.from_table(table, name)
 
     @classmethod
-    def from_table(cls, table: dict[str, Any], name: str = "scene") -> Scene:
+    def from_table(cls, table: dict[str, Any], name: str = "scene") -> "Scene":
         """Read a scene from nested dictionaries."""
         try:
             return cls.model_validate(table)
@@ -109,7 +108,7 @@ class Scene(Section):
         """The scene as TOML."""
         return tomli_w.dumps(self.table())
 
-    def changed(self, **changes: Any) -> Scene:
+    def changed(self, **changes: Any) -> "Scene":
         """The same scene with some keys changed, named with double underscores: ``accuracy__rtol=1e-6``."""
         table = self.table()
         for name, value in changes.items():

@@ -1,7 +1,5 @@
 """The tables of the scene file: every key declared once, with its check and the remedy that an error message gives."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Annotated, Literal, Self
 
@@ -9,6 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Size = Annotated[float, Field(ge=1e-12, le=0.5)]
 # degrees of the displacement that each mesher's elements can have; on triangles alone the highest is the default
 DEGREES = {"quads": range(4, 13), "gmsh": range(2, 5), "bisection": range(2, 5)}
 
@@ -17,6 +16,16 @@ class Section(BaseModel):
     """A table of the scene file: frozen, strictly typed, no unknown keys."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
+
+    def _has_one_of(self, one: str, other: str) -> None:
+        if (getattr(self, one) is None) == (getattr(self, other) is None):
+            raise ValueError(f"give either {one} or {other}, and not both")
+
+
+def increasing(key: str, values: list[float]) -> None:
+    """Refuse values that do not increase."""
+    if any(b <= a for a, b in pairwise(values)):
+        raise ValueError(f"{key} = {values} must increase, without repeats")
 
 
 class PunchSection(Section):
@@ -32,13 +41,11 @@ class PunchSection(Section):
 
     @model_validator(mode="after")
     def _rings_are_given_once(self) -> Self:
-        if (self.rings is None) == (self.ring_edges is None):
-            raise ValueError("give either rings (with width_ratio) or ring_edges, and not both")
+        self._has_one_of("rings", "ring_edges")
         if self.ring_edges is not None:
             if "width_ratio" in self.model_fields_set:
                 raise ValueError("width_ratio goes with rings; with ring_edges leave it out")
-            if any(b <= a for a, b in pairwise(self.ring_edges)):
-                raise ValueError(f"ring_edges = {self.ring_edges} must increase from ring to ring, without repeats")
+            increasing("ring_edges", self.ring_edges)
             if not self.ring_edges or abs(self.ring_edges[-1] / self.radius - 1) > 1e-9:
                 raise ValueError(f"ring_edges = {self.ring_edges} must end at punch.radius = {self.radius}")
         count = self.rings or len(self.ring_edges or [])
@@ -61,8 +68,7 @@ class HalfSpaceSection(Section):
 
     @model_validator(mode="after")
     def _one_modulus(self) -> Self:
-        if (self.plane_strain_modulus is None) == (self.youngs_modulus is None):
-            raise ValueError("give either plane_strain_modulus or youngs_modulus, and not both")
+        self._has_one_of("plane_strain_modulus", "youngs_modulus")
         return self
 
 
@@ -73,8 +79,7 @@ class LoadSection(Section):
 
     @model_validator(mode="after")
     def _one_load(self) -> Self:
-        if (self.normal_force is None) == (self.mean_pressure is None):
-            raise ValueError("give either normal_force or mean_pressure, and not both")
+        self._has_one_of("normal_force", "mean_pressure")
         return self
 
 
@@ -86,8 +91,7 @@ class WearSection(Section):
 
     @model_validator(mode="after")
     def _times_and_steps(self) -> Self:
-        if any(b <= a for a, b in pairwise(self.times)):
-            raise ValueError("times must increase, without repeats")
+        increasing("times", self.times)
         if self.march == "modal" and self.step is not None:
             raise ValueError("step goes with march = 'implicit' or 'explicit': the modal march has none")
         if self.march != "modal" and self.step is None and any(self.times):
@@ -108,22 +112,14 @@ class Sizes(Section):
 
 class FemAccuracy(Sizes):
     mesher: Literal["quads", "gmsh", "bisection"] | None = Field(
-        default=None,
-        description="quads (quadrilaterals; once called stars), gmsh or bisection (triangles of degree 2 to 4)",
+        default=None, description="quads (quadrilaterals), gmsh or bisection (triangles of degree 2 to 4)"
     )
     far_field: Literal["boussinesq", "fixed"] = Field(default="boussinesq", description="boussinesq or fixed")
     poles: int | None = Field(default=None, ge=1, le=8, description="Boussinesq poles tied to the outer boundary, 1 to 8")
     truncation: float | None = Field(default=None, ge=2, le=1e6, description="radius of the half-space in a, 2 to 1e6")
-    degree: int | None = Field(
-        default=None,
-        ge=2,
-        le=12,
-        description="degree of the displacement: 2 to 4 on triangles, 4 to 12 on quadrilaterals",
-    )
-    rim_size: float | None = Field(default=None, ge=1e-12, le=0.5, description="element size at the rim in a, 1e-12 to 0.5")
-    ring_size: float | None = Field(
-        default=None, ge=1e-12, le=0.5, description="element size at ring edges in a, 1e-12 to 0.5"
-    )
+    degree: int | None = Field(default=None, ge=2, le=12, description="2 to 4 on triangles, 4 to 12 on quadrilaterals")
+    rim_size: Size | None = Field(default=None, description="element size at the rim in a, 1e-12 to 0.5")
+    ring_size: Size | None = Field(default=None, description="element size at ring edges in a, 1e-12 to 0.5")
     growth: float | None = Field(default=None, ge=0.05, le=2, description="growth of the size with distance, 0.05 to 2")
 
     @model_validator(mode="after")
@@ -141,10 +137,11 @@ class FemAccuracy(Sizes):
 
 class MdrAccuracy(Sizes):
     degree: int | None = Field(default=None, ge=1, le=16, description="highest degree of the pressure, 1 to 16")
-    rim_size: float | None = Field(default=None, ge=1e-12, le=0.5, description="element size at the rim in a")
-    ring_size: float | None = Field(default=None, ge=1e-12, le=0.5, description="element size at ring edges in a")
+    rim_size: Size | None = Field(default=None, description="element size at the rim in a, 1e-12 to 0.5")
+    ring_size: Size | None = Field(default=None, description="element size at ring edges in a, 1e-12 to 0.5")
     grading: float | None = Field(default=None, ge=0.05, le=0.8, description="ratio of neighbouring sizes, 0.05 to 0.8")
-    grid: int = Field(default=400, ge=4, le=20_000, description="points of the uniform grid of mdr-grid, 4 to 20000")
+    grid: int = Field(default=400, ge=4, le=20_000, description="springs of the uniform grid of mdr-grid, 4 to 20000")
+    step: Positive | None = Field(default=None, description="time step of mdr-grid, positive; default half the greatest")
 
 
 class AccuracySection(Section):

@@ -5,8 +5,6 @@ degree could not hold. It is local, costs one evaluation of stresses, and is tak
 the rim) and the steady state (singular at ring edges), so that one mesh serves the whole history.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import NamedTuple
 

@@ -1,21 +1,16 @@
 """Refining the mesh, each way against what is known: uniformly, graded by default sizes, in the degree, and by an indicator.
 
-Errors are those of the flat punch's indentation (Eq. 10), of the indentation over the whole history against the MDR at
-rtol 1e-7, and of the steady displacement in closed form. A mesh file of the user's is one more row, tested the same way.
+Errors are those of the flat punch's indentation (Eq. 10), of the indentation over the whole history against a far finer
+MDR, and of the steady displacement in closed form. A mesh file of the user's is one more row, tested the same way.
 
-Theory: on uniformly refined meshes (h), contact facets among them, d0 is of order 1 whatever the degree, set by the
-singular rim; in the degree (p) on geometric layers of factor 1/4 every degree takes the error down by 9 (`convergence`).
+Orders in size (h) and degree (p) beside theory are those of `ringwear study convergence`.
 """
 
-from __future__ import annotations
-
 import argparse
-import time
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from skfem import Mesh, MeshQuad
@@ -27,8 +22,8 @@ from ringwear.meshes.errors import MeshError
 from ringwear.meshes.half_space import quality, truncation
 from ringwear.meshes.radial import Array
 from ringwear.studies.figures.mesh import mesh_panel
-from ringwear.studies.figures.style import FAINT, curve, new_figure
-from ringwear.studies.methods.base import method
+from ringwear.studies.figures.style import FAINT, RED, curve, new_figure
+from ringwear.studies.measured import exact
 from ringwear.studies.methods.fem import half_space_mesh
 from ringwear.studies.methods.quantities import array
 from ringwear.studies.methods.sampler import Sampler
@@ -36,56 +31,46 @@ from ringwear.studies.problem.defaults import WIDER_TRUNCATION, triangle_degree
 from ringwear.studies.problem.problem import D0, Problem, Rings
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.sections import FemAccuracy
-from ringwear.studies.progress import LOG, Stages
+from ringwear.studies.progress import LOG
 from ringwear.studies.refinement.adaptive import DEGREE, Solved, adapted, solved, uniform
-from ringwear.studies.tables import Table, keeping_rows, write_page
+from ringwear.studies.tables import Row, Table, keeping_rows, write_page
 
 GOAL = 1e-5
-NARROW = 1e-3
 TIMES = np.geomspace(1e-3, 20, 12)
-QUAD_DEGREE = 6  # of the displacement on quadrilaterals from a file
 ERRORS = {"d0": "of $d_0$", "history": "of $d(t)$, greatest", "steady": "of steady $u_{z,max}$"}
 FIELDS = (
     "case", "mesh", "refined", "degree", "unknowns", "elements", "multipliers", *ERRORS, "greatest", "estimate",
-    "least quality", "median quality", "seconds",
+    "least quality", "median quality",
 )  # fmt: skip
 
-Row = dict[str, Any]  # of the table, and with the mesh itself as `geometry`
 Family = Iterable[tuple[str, Solved]]  # how far each mesh is refined, and what it gives
+Results = dict[str, list[Row]]  # of a case: rows by the kind of mesh, each also with the mesh itself as `geometry`
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     """Refine each way on each case; writes `refinement.csv`, `refinement.md` and the figures."""
     table, every = Table(out / "refinement.csv", FIELDS), cases(scene.problem)
-    conclusions, results = list[str](), dict[Case, dict[str, list[Row]]]()
-
-    def record(case: Case, name: str, family: Family) -> None:
-        LOG.info("refinement  %s: %s ...", case.name, name)
-        start = time.perf_counter()
-        for refined, one in family:
-            seconds = round(time.perf_counter() - start, 3)
-            row = {"case": case.name, "mesh": name, "refined": refined, "seconds": seconds, **case.row(one)}
-            table.add(**row)
-            results.setdefault(case, {}).setdefault(name, []).append(row)
-            start = time.perf_counter()
-
+    conclusions, results = list[str](), dict[Case, Results]()
     with threadpool_limits(1), keeping_rows(conclusions):
-        for case in every if options.mesh else ():
-            try:
-                record(case, "file", own_mesh(case.problem, options.mesh))
-                conclusions.append(f"{case.name}: {described(results[case]['file'][0])}")
-            except MeshError as error:
-                if case is every[0]:  # what does not fit the flat punch fits nothing
-                    raise
-                conclusions.append(f"{case.name}: refused: {error}")
-        for case in every[::2] if options.quick else every:
-            for name, family in families(case.problem, options.quick).items():
-                record(case, name, family)
-            conclusions.append(f"{case.name}: {concluded(results[case])}")
+        for case in every[::2] if options.quick and not options.mesh else every:
+            ways = families(case.problem, options.quick)
+            if options.mesh:
+                try:
+                    ways["file"] = [own_mesh(case.problem, options.mesh)]
+                except MeshError as error:
+                    if case is every[0]:  # what does not fit the flat punch fits nothing
+                        raise
+                    conclusions.append(f"{case.name}: refused: {error}")
+            for name, family in ways.items():
+                LOG.info("refinement  %s: %s ...", case.name, name)
+                for refined, one in family:
+                    row = {"case": case.name, "mesh": name, "refined": refined, **case.row(one)}
+                    table.add(**row)
+                    results.setdefault(case, {}).setdefault(name, []).append(row)
+            conclusions += [f"{case.name}: {line}" for line in concluded(results[case])]
     LOG.info("refinement  figures ...")
     if results:
-        draw_errors(results, out / "error_against_unknowns.png")
-        draw_quality(results, out / "quality.png")
+        draw(results, out / "error_against_unknowns.png")
     for case, rows in results.items():
         draw_meshes(case, rows, out / f"meshes_{case.name.replace(' ', '_')}.png")
     write_page(out / "refinement.md", "Refinement of the mesh", conclusions, {"Rows": table})
@@ -101,9 +86,8 @@ class Case:
 
     @cached_property
     def history(self) -> Array:
-        """Indentation at `TIMES` by the MDR at rtol 1e-7."""
-        fine = replace(self.problem, rtol=1e-7, times=TIMES, march="modal")
-        return array(method("mdr").solve(fine, Stages("mdr")).results, "indentation")
+        """Indentation at `TIMES`."""
+        return array(exact(replace(self.problem, times=TIMES)), "indentation")
 
     def row(self, one: Solved) -> Row:
         """What a mesh costs and gives: relative errors by the name of the quantity, and their estimate."""
@@ -129,9 +113,8 @@ def cases(problem: Problem) -> list[Case]:
     if len(wear_coefficients) == 1:
         return [flat]
     narrow, middle = ring_edges.copy(), (len(wear_coefficients) - 1) // 2
-    narrow[middle + 1] = min(narrow[middle + 1], narrow[middle] + NARROW)
-    narrowed = replace(problem, rings=Rings(narrow, wear_coefficients))
-    return [flat, Case("scene", problem), Case("narrow ring", narrowed)]
+    narrow[middle + 1] = min(narrow[middle + 1], narrow[middle] + 1e-3)
+    return [flat, Case("scene", problem), Case("narrow ring", replace(problem, rings=Rings(narrow, wear_coefficients)))]
 
 
 def families(problem: Problem, quick: bool) -> dict[str, Family]:
@@ -165,51 +148,37 @@ def families(problem: Problem, quick: bool) -> dict[str, Family]:
     return out
 
 
-def own_mesh(problem: Problem, path: str) -> Family:
+def own_mesh(problem: Problem, path: str) -> tuple[str, Solved]:
     """The user's mesh; refused if a ring edge is not a vertex of it, or if it is no mesh of a half-space."""
     mesh, remark = files.read(path, problem.merged.ring_edges, problem.units.length)
-    degree = (problem.fem.degree or QUAD_DEGREE) if isinstance(mesh, MeshQuad) else triangle_degree(problem)
-    yield Path(path).name + (f" ({remark})" if remark else ""), solved(problem, mesh, degree)
+    degree = (problem.fem.degree or 6) if isinstance(mesh, MeshQuad) else triangle_degree(problem)
+    return Path(path).name + (f" ({remark})" if remark else ""), solved(problem, mesh, degree)
 
 
-def described(row: Row) -> str:
-    """The errors on one mesh."""
-    errors = ", ".join(f"{quantity} {row[quantity]:.1e}" for quantity in (*ERRORS, "estimate"))
-    return f"{row['refined']}, {row['elements']} elements of degree {row['degree']}, errors: {errors}"
-
-
-def concluded(rows: dict[str, list[Row]]) -> str:
-    """Observed orders beside theory, and the unknowns with which each way reaches the goal in every quantity."""
-    orders, factors, unknowns = [], [], []
+def concluded(rows: Results) -> list[str]:
+    """The errors on the user's mesh, if there is one, and the unknowns with which each way reaches the goal."""
+    lines, unknowns = list[str](), list[str]()
+    for row in rows.get("file", ()):
+        errors = ", ".join(f"{quantity} {row[quantity]:.1e}" for quantity in (*ERRORS, "estimate"))
+        lines.append(f"{row['refined']}, {row['elements']} elements of degree {row['degree']}, errors: {errors}")
     for name, own in rows.items():
-        way, _, kind = name.partition(", ")
-        d0 = np.array([row["d0"] for row in own])
-        if way == "h":
-            orders.append(f"{np.log2(d0[-2] / d0[-1]):.2f} on {kind}")
-        if way == "p":
-            factors.append(f"{(d0[0] / d0.min()) ** (1 / (len(d0) - 1)):.1f} on {kind}")
         reaching = [f"{row['unknowns']} ({row['refined']})" for row in own if row["greatest"] <= GOAL]
         unknowns.append(f"{name} {reaching[0] if reaching else 'do not reach it'}")
-    return (
-        f"d0 by uniform refinement (h) is of order {' and '.join(orders)} (theory 1); each degree (p) takes its error down "
-        f"by {' and '.join(factors)} (theory on quadrilaterals 9); unknowns to {GOAL:g} in every quantity: "
-        f"{'; '.join(unknowns)}"
-    )
+    return [*lines, f"unknowns to {GOAL:g} in every quantity: {'; '.join(unknowns)}"]
 
 
-def draw_errors(results: dict[Case, dict[str, list[Row]]], path: Path) -> None:
+def draw(results: dict[Case, Results], path: Path) -> None:
     """Errors against unknowns: a column for each case, a row for each quantity."""
     figure = new_figure(0.6 + 3.2 * len(results), 8.2)
     panels = figure.subplots(len(ERRORS), len(results), sharex="col", sharey=True, squeeze=False)
-    kinds = dict.fromkeys(kind for rows in results.values() for kind in rows)
     for line, (quantity, label) in zip(panels, ERRORS.items(), strict=True):
         for axes, (case, rows) in zip(line, results.items(), strict=True):
-            for number, kind in enumerate(kinds):
-                unknowns, errors = ([row[column] for row in rows.get(kind, ())] for column in ("unknowns", quantity))
-                axes.loglog(unknowns, errors, label=kind, **curve(number))
-            axes.axhline(GOAL, **FAINT)
-            axes.grid(True, color="0.9", linewidth=0.6)
+            for number, (kind, own) in enumerate(rows.items()):
+                unknowns, errors = ([row[name] for row in own] for name in ("unknowns", quantity))
+                axes.loglog(unknowns, errors, label=kind, **curve(number) | ({"color": RED} if kind == "file" else {}))
             axes.set(title=case.name, xlabel="unknowns", ylabel=f"relative error\n{label}")
+            axes.grid(True, color="0.9", linewidth=0.6)
+            axes.axhline(GOAL, **FAINT)
             axes.label_outer()
     known = panels[0, 0].get_legend_handles_labels()
     figure.legend(*known, loc="outside lower center", ncols=1 + len(results), frameon=False, fontsize=9)
@@ -217,19 +186,7 @@ def draw_errors(results: dict[Case, dict[str, list[Row]]], path: Path) -> None:
     figure.savefig(path)
 
 
-def draw_quality(results: dict[Case, dict[str, list[Row]]], path: Path) -> None:
-    """Fraction of elements below each quality, finest mesh of each kind."""
-    figure = new_figure(0.6 + 3.2 * len(results), 3.4)
-    for axes, (case, rows) in zip(figure.subplots(1, len(results), squeeze=False)[0], results.items(), strict=True):
-        for number, (kind, (*_, finest)) in enumerate(rows.items()):
-            axes.ecdf(quality(finest["geometry"]), label=kind, **curve(number) | {"marker": ""})
-        axes.set(xlim=(0, 1), ylim=(0, 1), xlabel="least sine of the corners", title=case.name)
-        axes.set_ylabel("fraction of elements below")
-        axes.legend(loc="upper left", frameon=False, fontsize=8)
-    figure.savefig(path)
-
-
-def draw_meshes(case: Case, rows: dict[str, list[Row]], path: Path) -> None:
+def draw_meshes(case: Case, rows: Results, path: Path) -> None:
     """The finest mesh of each kind: whole, under the punch, at the narrowest ring, at the rim."""
     rings = case.problem.merged
     views = [("under the punch", (0.0, 1.15), 0.0, "$r/a$"), ("at the rim", (-2e-2, 2e-2), 1.0, "$(r-a)/a$")]

@@ -6,8 +6,6 @@ deviation from the steady state decays in modes of the pencil (A, K) on the pres
 eigenvalues are the relaxation times. A flat start never loses contact, so no inequality is enforced.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,9 +17,8 @@ from scipy.sparse import csr_matrix
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.radial import Array
-from ringwear.studies.wear.banded import BandedCholesky
 from ringwear.studies.wear.contact import FlatStart, SteadyState, flat_start, steady_state
-from ringwear.studies.wear.modes import LARGE, Modes, every_mode, excited_modes
+from ringwear.studies.wear.modes import LARGE, BandedCholesky, Modes, every_mode, excited_modes
 
 MOST_STEPS = 2_000_000
 # smallest element above which eigenvalues are as good as singular values, at a quarter of the time (measured: no
@@ -116,13 +113,9 @@ class RunningIn:
         rate = self.steady.wear_rate
         pressure = self.steady.pressure + left @ self._to_pressure.T
         # the constant wear rate has coefficient one on every hat
-        profile = worn @ self._to_profile.T + np.outer(rate * times, self._constant)
+        profile = worn @ self._to_profile.T + np.outer(rate * times, self.compliance.space.order == 1)
         indentation = rate * times + pressure @ self.steady.moments
         return self._from_flat(History(times, pressure, profile, indentation))
-
-    @cached_property
-    def _constant(self) -> Array:
-        return (self.compliance.space.order == 1).astype(float)
 
     def _from_flat(self, history: History) -> History:
         """At t = 0 the pressure, not the wear rate, is continuous: put the flat start in its own space."""

@@ -1,7 +1,5 @@
 """Press a punch on any compliance: the flat start and the steady state. Natural units, force 1."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +9,7 @@ from ringwear.mdr.direct import steady_pressures
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.radial import Array
-from ringwear.studies.wear.banded import BandedCholesky
+from ringwear.studies.wear.modes import BandedCholesky
 
 
 @dataclass(frozen=True, eq=False)

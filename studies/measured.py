@@ -1,0 +1,74 @@
+"""What studies measure a method by: seconds on this machine, and errors against an MDR far finer than any of them."""
+
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import xarray
+
+from ringwear.mdr.uniform_grid import UniformGrid
+from ringwear.meshes.errors import RingwearError
+from ringwear.meshes.radial import Array
+from ringwear.studies.methods import mdr
+from ringwear.studies.methods.base import method
+from ringwear.studies.methods.by_compliance import compliance_method
+from ringwear.studies.methods.quantities import array, error_name
+from ringwear.studies.methods.sampler import Evaluation
+from ringwear.studies.problem.defaults import grid_step
+from ringwear.studies.problem.problem import D0, Problem
+from ringwear.studies.progress import Stages
+from ringwear.studies.tables import Row
+from ringwear.studies.wear.archard import RunningIn
+
+
+def exact(problem: Problem) -> xarray.Dataset:
+    """What a problem asks for, by the fine MDR, exact in time."""
+    space = mdr.radial_space(problem, degree=9, rim_size=1e-8, ring_size=2e-5, grading=0.25)
+    results = Evaluation(replace(problem, march="modal", step=None), mdr.METHOD.compliance(space)).results
+    # at the start it is known in closed form, more accurately than on any mesh
+    results.indentation[problem.times == 0] = D0
+    return results
+
+
+def indentation(name: str, problem: Problem) -> Array:
+    """The history by a method, without its estimate."""
+    if name == "mdr-grid":
+        grid = UniformGrid(*problem.merged, problem.mdr.grid)
+        return grid.march(problem.times, grid_step(problem, grid.stability_limit()))[2]
+    made = compliance_method(name).discretised(problem, Stages(name), pairs=False)
+    wear = RunningIn(made.compliance, problem.merged.wear_coefficients, problem.earliest)
+    return wear.history(problem.times, problem.march, problem.step).indentation
+
+
+def best(action: Callable[[], object], quick: bool) -> float:
+    """Least seconds of five calls, or of one, after a warm-up."""
+    action()
+    seconds = []
+    for _ in range(1 if quick else 5):
+        start = time.perf_counter()
+        action()
+        seconds.append(time.perf_counter() - start)
+    return min(seconds)
+
+
+def measured(name: str, problem: Problem, known: Array, quick: bool) -> Row:
+    """Seconds, error and own estimate of one setting, or the reason why it failed."""
+    logging.disable(logging.INFO)
+    try:
+        seconds = best(partial(indentation, name, problem), quick)
+        solution = method(name).solve(problem, Stages(name))
+    except RingwearError as failure:
+        return {"remark": str(failure)}
+    finally:
+        logging.disable(logging.NOTSET)
+    error = np.abs(array(solution.results, "indentation") / known - 1)
+    estimate = array(solution.results, error_name("indentation"))
+    return {
+        "unknowns": solution.unknowns,
+        "seconds": seconds,
+        "error": float(error.max()),
+        "estimate": float(estimate.max()),
+    }
