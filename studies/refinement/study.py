@@ -3,7 +3,8 @@
 Errors are those of the flat punch's indentation (Eq. 10), of the indentation over the whole history against a far finer
 MDR, and of the steady displacement in closed form. A mesh file of the user's is one more row, tested the same way.
 
-Orders in size (h) and degree (p) beside theory are those of `ringwear study convergence`.
+On uniformly refined meshes d0 is of order 1 whatever the degree, set by the singular rim; `ringwear study convergence` has
+the orders of graded meshes and degrees beside theory.
 """
 
 import argparse
@@ -156,7 +157,7 @@ def own_mesh(problem: Problem, path: str) -> tuple[str, Solved]:
 
 
 def concluded(rows: Results) -> list[str]:
-    """The errors on the user's mesh, if there is one, and the unknowns with which each way reaches the goal."""
+    """The errors on the user's mesh, if there is one, orders, and the unknowns with which each way reaches the goal."""
     lines, unknowns = list[str](), list[str]()
     for row in rows.get("file", ()):
         errors = ", ".join(f"{quantity} {row[quantity]:.1e}" for quantity in (*ERRORS, "estimate"))
@@ -164,6 +165,9 @@ def concluded(rows: Results) -> list[str]:
     for name, own in rows.items():
         reaching = [f"{row['unknowns']} ({row['refined']})" for row in own if row["greatest"] <= GOAL]
         unknowns.append(f"{name} {reaching[0] if reaching else 'do not reach it'}")
+        if name.startswith("h, ") and len(own) > 1:  # sizes are halved
+            order = np.log2(own[-2]["d0"] / own[-1]["d0"])
+            lines.append(f"{name}: d0 is of order {order:.2f} between the finest, by theory 1")
     return [*lines, f"unknowns to {GOAL:g} in every quantity: {'; '.join(unknowns)}"]
 
 

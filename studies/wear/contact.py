@@ -41,14 +41,12 @@ class SteadyState:
     ----------
     pressure, displacement : coefficients on the pressure space
     moments : (size,) the displacement against each pressure
-    ring_pressures : (N,) the constant pressure of each ring
     wear_rate : the common ``k p``
     """
 
     pressure: Array
     displacement: Array
     moments: Array
-    ring_pressures: Array
     wear_rate: float
 
 
@@ -61,4 +59,4 @@ def steady_state(compliance: Compliance, wear_coefficients: Array) -> SteadyStat
     worn, continuous = space.joined(wear_coefficients), space.joined(np.ones_like(wear_coefficients))
     mass = BandedCholesky(worn.T @ space.mass(wear_coefficients) @ worn)
     displacement = continuous @ mass.solve(worn.T @ moments)
-    return SteadyState(pressure, displacement, moments, ring_pressures, float(wear_coefficients[0] * ring_pressures[0]))
+    return SteadyState(pressure, displacement, moments, float(wear_coefficients[0] * ring_pressures[0]))
