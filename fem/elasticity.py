@@ -258,8 +258,8 @@ class AxisymmetricElasticity:
         basis = self.trace(facets, local)[:, self.boundary(name)]
         start, end = segments(self.mesh, facets)[:, :, None].swapaxes(0, 1)
         values = fields((start + local[:, None] * (end - start)).reshape(-1, 2))
-        found = splu((basis.T @ basis).tocsc()).solve(basis.T @ values.reshape(len(values), -1))
-        return np.asarray(found.reshape(-1, *values.shape[1:]))
+        coefficients = splu((basis.T @ basis).tocsc()).solve(basis.T @ values.reshape(len(values), -1))
+        return np.asarray(coefficients.reshape(-1, *values.shape[1:]))
 
     def trace(self, facets: Indices, local: Array, slope: bool = False) -> csr_matrix:
         """(facets x points, nodes) values, or slopes along the facet, at local coordinates on facets of the boundary.

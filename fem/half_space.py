@@ -89,9 +89,9 @@ class HalfSpace:
         if not self.poles:
             return np.zeros((2 * solid.nodes, 0))
         nu, (_, shear) = solid.poisson_ratio, moduli(solid.poisson_ratio)
-        found = solid.interpolate("far", lambda points: np.moveaxis(poles(points, self.poles, nu, shear)[0], 0, -1))
+        nodal = solid.interpolate("far", lambda points: np.moveaxis(poles(points, self.poles, nu, shear)[0], 0, -1))
         out = np.zeros((2 * solid.nodes, len(self.poles)))
-        out[far], out[far + solid.nodes] = found.swapaxes(0, 1)
+        out[far], out[far + solid.nodes] = nodal.swapaxes(0, 1)
         return out
 
     @cached_property
@@ -157,9 +157,9 @@ class HalfSpace:
     def contact_displacement(self, pressure: Array, local: Array) -> tuple[Array, Array, Array]:
         """Radii, axial displacements and slopes (facets, q) at local coordinates, under pressure coefficients (size,)."""
         load = solve_triangular(self._factor, self.coupling @ pressure, lower=True)
-        found = solve_triangular(self._factor, load, lower=True, trans="T")[: -len(self.poles) or None]
+        displacement = solve_triangular(self._factor, load, lower=True, trans="T")[: -len(self.poles) or None]
         radii = self.space.breakpoints[:-1, None] + np.diff(self.space.breakpoints)[:, None] * local
-        return radii, *((self._trace(local, slope) @ found).reshape(radii.shape) for slope in (False, True))
+        return radii, *((self._trace(local, slope) @ displacement).reshape(radii.shape) for slope in (False, True))
 
     def saddle_point(self, force: float = 1.0) -> tuple[Array, float]:
         """Pressure coefficients (size,) and indentation of the flat punch, from the whole system at once.

@@ -77,17 +77,17 @@ def sampled(half_space: HalfSpace, pressures: Array, refinements: int) -> tuple[
     stress : (states, P, 4) rr, zz, rz, hoop; singular at the rim and at ring edges
     """
     solid = half_space.solid
-    found = displacements(half_space, pressures)
+    coefficients = displacements(half_space, pressures)
     reference = type(solid.mesh).init_refdom().refined(refinements)
     small = (reference.to_meshtri() if isinstance(reference, MeshQuad) else reference).t
     starts = reference.nvertices * np.arange(solid.mesh.nelements)
     triangles = (small[:, None] + starts[:, None]).reshape(3, -1)
     points, moved, stress = [], [], []
     for batch in solid.batches:
-        shift, tension = stresses(solid, found, batch.elements, reference.p)
+        shift, tension = stresses(solid, coefficients, batch.elements, reference.p)
         points.append(solid.mesh.mapping().F(reference.p, batch.elements).reshape(2, -1))
-        moved.append(shift.reshape(len(found), -1, 2))
-        stress.append(tension.reshape(len(found), -1, 4))
+        moved.append(shift.reshape(len(coefficients), -1, 2))
+        stress.append(tension.reshape(len(coefficients), -1, 4))
     return np.concatenate(points, 1), triangles, np.concatenate(moved, 1), np.concatenate(stress, 1)
 
 

@@ -56,14 +56,14 @@ def _mesh(path: Path) -> Mesh:
     strange = sorted(kinds - {"vertex", "line", "triangle", "quad"})
     if strange:
         raise MeshError(f"it holds cells of kind {', '.join(strange)}: mesh in two dimensions")
-    found = sorted(kinds & {"triangle", "quad"})
-    if len(found) != 1:
-        if found:
+    shapes = sorted(kinds & {"triangle", "quad"})
+    if len(shapes) != 1:
+        if shapes:
             raise MeshError("it holds triangles and quadrilaterals: give one kind only, in gmsh recombine all or nothing")
         raise MeshError("it holds neither triangles nor quadrilaterals: in gmsh a physical group of the surface is needed "
                         "too (or Mesh.SaveAll = 1), else only the named lines are saved")  # fmt: skip
     points = np.asarray(content.points, dtype=float)
-    used = points[np.unique(content.cells_dict[found[0]])]
+    used = points[np.unique(content.cells_dict[shapes[0]])]
     if points.shape[1] > 2 and np.ptp(used[:, 2]) > SLACK * np.abs(used).max():
         raise MeshError("the third coordinate varies: the first must be the radius, the second the depth")
     return from_meshio(content, ignore_orientation=True)

@@ -133,18 +133,18 @@ def graded(
     layers = patch_layers(widths, np.append(np.broadcast_to(sizes, len(ring_edges) - 2), rim_size), factor)
     if missing := gmsh_session.unavailable():
         raise MeshError(missing)
-    made = []
+    candidates = []
     for way in WAYS:
         try:
             graded = GradedQuads(ring_edges, widths, layers, factor, _between(ring_edges[1:], widths, growth, outer, way))
-            made.append((float(quality(graded.mesh).min()), graded))
-            if made[-1][0] >= GOOD:
+            candidates.append((float(quality(graded.mesh).min()), graded))
+            if candidates[-1][0] >= GOOD:
                 break
         except MeshError as error:
             reason = error
-    if not made:
+    if not candidates:
         raise MeshError(f"no quadrilaterals fit between the rings ({reason}): ask for mesher = 'gmsh' (triangles)")
-    return max(made, key=lambda one: one[0])[1]
+    return max(candidates, key=lambda one: one[0])[1]
 
 
 def _between(centres: Array, widths: Array, growth: float, outer: float, way: Way) -> tuple[Array, Indices]:

@@ -65,17 +65,17 @@ def fem_stages(problem: Problem, quick: bool) -> Rows:
         seconds = dict.fromkeys(("meshing", "assembling", "condensing", "modes"), np.inf)
         for _ in range(2 if quick else 6):
             stages = Stages("bench")
-            made = fem.METHOD.discretised(asked, stages, pairs=False)
+            ready = fem.METHOD.discretised(asked, stages, pairs=False)
             with stages("modes"):
-                RunningIn(made.compliance, problem.merged.wear_coefficients).modal(times)
+                RunningIn(ready.compliance, problem.merged.wear_coefficients).modal(times)
             seconds = {name: min(seconds[name], stages.seconds[name]) for name in seconds}
-        assert made.half_space is not None
-        whole, bare = sum(seconds.values()), best(partial(bare_factorisation, made.half_space.system), quick)
+        assert ready.half_space is not None
+        whole, bare = sum(seconds.values()), best(partial(bare_factorisation, ready.half_space.system), quick)
         remark = {"whole history": f"{whole / (4 * bare + seconds['meshing']):.2f} x (4 bare factorisations + 1 mesh)"}
         seconds |= {f"bare factorisation ({solver()})": bare, "whole history": whole}
         for name, value in seconds.items():
             case = f"fem {sizes.mesher} rtol {rtol:g}, {name}"
-            yield {"case": case, "unknowns": made.unknowns, "seconds": value, "remark": remark.get(name, "")}
+            yield {"case": case, "unknowns": ready.unknowns, "seconds": value, "remark": remark.get(name, "")}
 
 
 def bare_factorisation(system: csc_matrix) -> None:
