@@ -158,6 +158,7 @@ def _say_verdict(result: "Result") -> None:
 
 
 def _plan(options: argparse.Namespace) -> int:
+    from ringwear.studies.crosscheck.run import run
     from ringwear.studies.crosscheck.scope import plan
 
     scene = Scene.load(options.scene)
@@ -165,20 +166,13 @@ def _plan(options: argparse.Namespace) -> int:
     print("\nBy method")
     for line in plan(scene):
         print(f"  {line}")
-    if options.check:
-        _check(scene)
-    return DONE
-
-
-def _check(scene: Scene) -> None:
-    """Stability of the finite elements' multipliers, against a compliance that resolves every pressure they have."""
-    from ringwear.studies.crosscheck.run import run
-
-    for both in run(scene.changed(methods=["mdr", "fem"])).operators:
+    # the finite elements' multipliers against a compliance that resolves every pressure they have
+    for both in run(scene.changed(methods=["mdr", "fem"])).operators if options.check else ():
         print(
             f"\nMultipliers: inf-sup constant {both.stability**0.5:.2f}, least ratio of energies {both.stability:.2f} "
             f"({both.methods[0]} over {both.methods[1]}); over all steady states they differ by {both.rings:.1e}"
         )
+    return DONE
 
 
 def _mesh(options: argparse.Namespace) -> int:

@@ -6,15 +6,19 @@ from ringwear.studies.methods.base import method
 from ringwear.studies.problem.defaults import truncation
 from ringwear.studies.problem.scene import Scene
 
-BY_MARCH = {"modal": "exactly in time, by its relaxation modes"}
+
+def _marches(scene: Scene) -> bool:
+    """Whether any method goes through the scene's times by its march."""
+    methods = (method(name) for name in scene.methods)
+    return bool(scene.wear.times) and any(not one.own_march and "history" not in one.lacks for one in methods)
 
 
 def modelled(scene: Scene) -> list[str]:
     """What is computed, a line each."""
     lines = [f"{name}: {method(name).what}" for name in scene.methods]
-    if scene.wear.times and any("history" not in method(name).lacks for name in scene.methods):
-        how = BY_MARCH.get(scene.wear.march, f"by {scene.wear.march} steps")
-        how += " (mdr-grid: by explicit steps)" if "mdr-grid" in scene.methods else ""
+    if _marches(scene):
+        modal = scene.wear.march == "modal"
+        how = "exactly in time, by its relaxation modes" if modal else f"by {scene.wear.march} steps"
         lines.append(f"history: {len(scene.wear.times)} times from the flat start, {how}")
     if scene.wear.steady and any("steady state" not in method(name).lacks for name in scene.methods):
         lines.append("steady state: without any march")
@@ -29,7 +33,7 @@ def left_out(scene: Scene) -> dict[str, str]:
     }
     if not scene.wear.times:
         reasons["history"] = "the scene gives no times"
-    elif scene.wear.march == "modal":
+    elif scene.wear.march == "modal" and _marches(scene):
         reasons["time steps"] = "the modal march is exact in time"
     if not scene.wear.steady:
         reasons["steady state"] = "the scene says steady = false"

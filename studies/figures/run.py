@@ -18,8 +18,6 @@ from ringwear.studies.methods.quantities import array
 from ringwear.studies.problem.problem import D0, P0
 from ringwear.studies.problem.scene import Scene
 
-MOST_STATES = 6
-
 
 def _with(quantity: str, solutions: Mapping[str, Solution]) -> dict[str, xarray.Dataset]:
     """Results of the methods that give a quantity."""
@@ -32,7 +30,7 @@ def draw_states(scene: Scene, solutions: Mapping[str, Solution], path: Path) -> 
     if not every:
         return
     count = len(problem.times)
-    states = np.unique(np.linspace(0, count - 1, min(count, MOST_STATES)).round().astype(int))
+    states = np.unique(np.linspace(0, count - 1, min(count, 6)).round().astype(int))
     figure = new_figure(2.3 * len(states), 4.6)
     panels = figure.subplots(2, len(states), sharex=True, sharey="row", squeeze=False)
     tops = []

@@ -102,6 +102,7 @@ class Method(ABC):
     what : what it is, for people
     look : its curve in figures, as matplotlib takes it
     lacks : `history` or `steady state`, if it does not give that, and why
+    own_march : whether it has its own way through time, whatever the march of the scene
     any_space : whether its compliance can be had on any pressure space, not on one of its own only
     """
 
@@ -109,6 +110,7 @@ class Method(ABC):
     what: ClassVar[str]
     look: ClassVar[dict[str, Any]]
     lacks: ClassVar[dict[str, str]] = {}
+    own_march: ClassVar[bool] = False
     any_space: ClassVar[bool] = False
 
     @abstractmethod

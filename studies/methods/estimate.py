@@ -48,7 +48,7 @@ TRIANGLE_MULTIPLIERS, TRIANGLES, TRIANGLES_FINER = Safety(1.2, 5.0), Safety(0.6,
 GRID = Safety(1.5, 2.5)
 # of the square of the slope that a coarser mesh misses, this much is missed by the finer
 OF_SLOPE, OF_SLOPE_DIFFERENCE = 0.31, 1.5
-# share of d0 that the element at the rim costs, over its size and times its degree: it cannot hold a pressure that is
+# fraction of d0 that the element at the rim costs, over its size and times its degree: it cannot hold a pressure that is
 # infinite. Measured for degree 1, 2, 4 and 7: 0.05, 0.023, 0.009 and 0.004
 AT_RIM = 0.055
 
@@ -59,14 +59,14 @@ def of_quads(widths: Array) -> Safety:
 
 
 def of_triangles(growth: float, safety: Safety) -> Safety:
-    """On finer triangles one degree less costs ever more: of the difference in an indentation, a smaller share remains."""
+    """On finer triangles one degree less costs ever more: of a difference in indentation, less remains."""
     return Safety(safety.indentation * min(1.0, (growth / 0.75) ** 3), safety.fields)
 
 
 def of_truncation(chosen: FemAccuracy, truncation: float) -> Safety:
     """Each pole takes the truncation error down by four orders in a/R (`ringwear study truncation`)."""
-    share = 1.1 if chosen.far_field == "fixed" else 2 / truncation**4
-    return Safety(share, share)
+    factor = 1.1 if chosen.far_field == "fixed" else 2 / truncation**4
+    return Safety(factor, factor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,9 +146,9 @@ def _add_difference(errors: dict[str, Array], pair: Pair, finer: Evaluation, coa
 
 
 def _missing_slope(result: Evaluation) -> float:
-    """Share of the steady RMS slope that the space misses, from what the space one degree lower misses.
+    """Fraction of the steady RMS slope that the space misses, from what the space one degree lower misses.
 
-    Projections miss slopes at right angles to what they hold, so the share is half the square of the missing slope:
+    Projections miss slopes at right angles to what they hold, so the fraction is half the square of the missing slope:
     unlike a difference of two RMS values it does not cross zero. At ring edges, where slopes have logarithmic
     poles, one degree more helps little: twice the difference of two degrees remains.
     """

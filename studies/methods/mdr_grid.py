@@ -21,6 +21,7 @@ class MdrGrid(Method):
     name = "mdr-grid"
     what = "the paper's own algorithm: MDR on a uniform grid, in explicit steps"
     look: ClassVar[dict[str, Any]] = {"color": "#8e6c00", "linestyle": (0, (5, 1, 1, 1)), "marker": "v", "markersize": 3}
+    own_march = True
     lacks: ClassVar[dict[str, str]] = {"steady state": "the paper's algorithm marches towards it, and never arrives"}
 
     def described(self, problem: Problem) -> str:

@@ -27,7 +27,7 @@ from ringwear.studies.wear.archard import History, RunningIn
 METHODS = ("mdr", "fem", "bem")  # the first gives the times
 COUNT, WEAR_RATIO = 5, 10.0
 SHARES = (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)  # of the displacement difference, which Fig. 4 monitors
-STATIONARY = 0.984  # its share at which the paper's run ends, t_stat
+STATIONARY = 0.984  # its fraction at which the paper's run ends, t_stat
 CURVE = 1.25 * np.linspace(0, 1, 161) ** 3  # times of Fig. 5 in t_stat: dense at the start, where the rim wears
 RTOL = 3e-6  # or the scene's, where that is smaller: slopes are less accurate than the indentation
 # of the relaxation times
@@ -98,7 +98,7 @@ class Evolution:
         return (difference / difference[-1])[: len(times)]
 
     def time_of(self, share: float) -> float:
-        """Non-dimensional time at which the displacement difference has reached a share, between 0 and 1."""
+        """Non-dimensional time at which the displacement difference has reached a fraction of its steady value."""
         # the slowest mode alone would need this long; the others only make it faster
         latest = self.wear.relaxation_times[0] * (5 - 2 * np.log(1 - share))
         return float(brentq(lambda time: self.share(np.array([time]))[0] - share, 0.0, latest, xtol=1e-14, rtol=1e-12))
