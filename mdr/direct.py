@@ -7,7 +7,7 @@ A ring is a difference of two discs, and a uniformly loaded disc of radius c has
     du/dr = (4 p / (pi E*)) (E - K)(r/c) c/r inside, (E - K)(c/r) outside,
 
 so Eq. 21 needs no quadrature in the steady state (Eq. 24). Slopes have logarithmic poles at ring edges; their squares
-are integrated by a substitution that removes them (Eq. 18). Natural units: punch radius 1, modulus 1.
+are integrated by a substitution that removes them (Eq. 18). Non-dimensional: punch radius 1, modulus 1.
 
 Eq. 25 of the paper integrates over the angle twice, beside its factor 2 pi; Eq. 26 is right.
 """

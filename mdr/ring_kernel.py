@@ -4,7 +4,7 @@
 ``|r - s| / (r + s)``. The kernel is logarithmic at ``r = s``. An element with itself, and two that share a breakpoint,
 are split into triangles at a common vertex (Duffy), with powers that flatten the logarithms; two that are apart get as
 many Gauss points as the nearest singularity demands. Distances are sums of parts of elements, never differences of
-radii, so that elements may be tiny. Natural units: punch radius 1, modulus 1.
+radii, so that elements may be tiny. Non-dimensional: punch radius 1, modulus 1.
 """
 
 import itertools

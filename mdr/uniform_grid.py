@@ -1,7 +1,7 @@
 """The paper's own algorithm: MDR on a uniform grid, explicit in time (Eqs. 3, 7 and 14 to 17). The baseline.
 
 Springs and points of the profile coincide at ``i/n`` (Fig. 2). The pressure at the rim is infinite at the start; it is
-taken half a cell inside. First order in the grid and in the step, and stable only for small steps. Natural units,
+taken half a cell inside. First order in the grid and in the step, and stable only for small steps. Non-dimensional,
 force 1.
 """
 

@@ -1,6 +1,6 @@
 """The one object that every method hands up: a compliance on the pressure space.
 
-Natural units: punch radius 1, plane strain modulus 1. The compliance knows nothing of wear: it depends on where the
+Non-dimensional: punch radius 1, plane strain modulus 1. The compliance knows nothing of wear: it depends on where the
 ring edges are, not on what the rings are made of, so that one condensation serves every set of wear coefficients.
 """
 

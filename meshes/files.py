@@ -28,9 +28,9 @@ def read(path: str | Path, ring_edges: Array, radius: float = 1.0) -> tuple[Mesh
     Parameters
     ----------
     path : file that meshio reads, first coordinate the radius, second the depth, the surface at depth 0, ring edges where
-        they are in natural units or at `radius` times that. A half-space drawn below its surface, with negative depths
+        they are in punch radii or at `radius` times that. A half-space drawn below its surface, with negative depths
         throughout, is turned over
-    ring_edges : (N+1,) ring edges in natural units, 0 to 1; each must be a vertex
+    ring_edges : (N+1,) ring edges in punch radii, 0 to 1; each must be a vertex
     radius : radius of the punch in the units of the file
 
     Raises
@@ -103,7 +103,7 @@ def _upright(mesh: Mesh) -> tuple[Mesh, str]:
 
 
 def _snapped(mesh: Mesh, ring_edges: Array, radius: float) -> Mesh:
-    """The mesh in natural units, vertices that are off by rounding only put exactly where they belong."""
+    """The mesh in punch radii, vertices that are off by rounding only put exactly where they belong."""
     used = np.unique(mesh.t)
     size = mesh.p[0, used].max()
     surface = used[mesh.p[1, used] < SLACK * size]

@@ -1,6 +1,6 @@
 """The truncated half-space: a scikit-fem mesh of a quarter disc in (radius, depth), its boundaries named.
 
-Natural units: the punch has radius 1. Depth is positive into the half-space; the surface is depth zero. Boundaries are
+Non-dimensional: the punch has radius 1. Depth is positive into the half-space; the surface is depth zero. Boundaries are
 `contact` (surface under the punch), `free` (surface beside it), `axis` and `far` (the arc). Triangles (`MeshTri`) and
 quadrilaterals (`MeshQuad`) are welcome alike; the latter are turned so that elements of any degree conform on them.
 """

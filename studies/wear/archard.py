@@ -1,4 +1,4 @@
-"""Archard's wear on any compliance: exact in time by modes, or marched in steps (Eqs. 12 to 17). Natural units.
+"""Archard's wear on any compliance: exact in time by modes, or marched in steps (Eqs. 12 to 17). Non-dimensional.
 
 In full contact the pressure is affine in the profile, and with the wear rate ``k p`` continuous (which it is for
 every t > 0) the history obeys ``A p' = d' b - K p``, ``b . p = F``, with the mass matrix `K` of weight `k`. Its

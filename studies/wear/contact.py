@@ -1,4 +1,4 @@
-"""Press a punch on any compliance: the flat start and the steady state. Natural units, force 1."""
+"""Press a punch on any compliance: the flat start and the steady state. Non-dimensional, force 1."""
 
 from dataclasses import dataclass
 

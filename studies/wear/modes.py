@@ -1,4 +1,4 @@
-"""Relaxation modes of a wearing punch: all of them, or those that its flat start excites. Natural units.
+"""Relaxation modes of a wearing punch: all of them, or those that its flat start excites. Non-dimensional.
 
 The pencil is ``A x = tau K x`` on the wear rates that carry no force, with the compliance `A` and the mass matrix `K`
 of weight `k`. Small problems are diagonalised whole. Large ones are projected on the Krylov space of the flat start
