@@ -22,7 +22,7 @@ def mesh(field: SizeField) -> MeshTri:
     Raises
     ------
     MeshError
-        if the ring edges are too close together to be told apart on a dyadic grid
+        if the ring edges are too close together to be distinct on a dyadic grid
     """
     ring_edges = np.array(field.ring_edges)
     dyadic, spacing = _dyadic_image(ring_edges)
@@ -74,7 +74,7 @@ def _polar_quarter_disc(outer: float) -> MeshTri:
     """A few well-shaped triangles: rays at 0, 45 and 90 degrees, radii 1, then doubling up to `outer`."""
     count = max(1, round(np.log2(outer)))
     radii = outer ** (np.arange(count + 1) / count)
-    # exact zeros on the axis and the surface: boundaries are told by them
+    # exact zeros on the axis and the surface: boundaries are recognised by them
     rays = np.array([[1, np.sqrt(0.5), 0], [0, np.sqrt(0.5), 1]])
     points = np.concatenate([np.zeros((2, 1)), *(radius * rays for radius in radii)], axis=1)
     # points 1 to 3 lie on the first circle, 4 to 6 on the second, ...

@@ -1,6 +1,6 @@
 """A half-space mesh that the user brings as a file: anything that meshio reads, in triangles or in quadrilaterals.
 
-No names are needed: what is contact, free surface, axis and far boundary is told by where it lies. Whatever is wrong with
+No names are needed: what is contact, free surface, axis and far boundary follows from where it lies. Whatever is wrong with
 the mesh is refused here, with what and where; lengths in messages are those of the file.
 """
 

@@ -12,6 +12,7 @@ from ringwear.meshes.errors import SceneError
 from ringwear.studies.crosscheck.agreement import Agreement, agreements
 from ringwear.studies.crosscheck.operators import OperatorDifference, difference
 from ringwear.studies.methods.base import Method, Solution, method
+from ringwear.studies.methods.by_compliance import AnySpaceMethod
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.progress import LOG, Stages
@@ -126,11 +127,12 @@ def compare_operators(problem: Problem, solutions: dict[str, Solution]) -> Itera
     A method with a space of its own (the finite elements, on their contact facets) gives the space; the others follow.
     """
     wears = {name: solution.wear for name, solution in solutions.items() if solution.wear is not None}
-    for a, b in combinations(sorted(wears, key=lambda name: method(name).any_space), 2):
-        if method(b).any_space:
+    for a, b in combinations(sorted(wears, key=lambda name: isinstance(method(name), AnySpaceMethod)), 2):
+        other = method(b)
+        if isinstance(other, AnySpaceMethod):
             with Stages("check")(f"{a} against {b}"):
-                second = replace(wears[a], compliance=method(b).compliance(wears[a].compliance.space))
+                second = replace(wears[a], compliance=other.compliance(wears[a].compliance.space))
                 compared = difference(problem, (a, b), wears[a], second)
-            if not method(a).any_space:
+            if not isinstance(method(a), AnySpaceMethod):
                 compared.check_multipliers()
             yield compared

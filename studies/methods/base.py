@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import xarray
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
@@ -103,7 +101,6 @@ class Method(ABC):
     look : its curve in figures, as matplotlib takes it
     lacks : `history` or `steady state`, if it does not give that, and why
     own_march : whether it has its own way through time, whatever the march of the scene
-    any_space : whether its compliance can be had on any pressure space, not on one of its own only
     """
 
     name: ClassVar[str]
@@ -111,7 +108,6 @@ class Method(ABC):
     look: ClassVar[dict[str, Any]]
     lacks: ClassVar[dict[str, str]] = {}
     own_march: ClassVar[bool] = False
-    any_space: ClassVar[bool] = False
 
     @abstractmethod
     def described(self, problem: Problem) -> str:
@@ -141,7 +137,3 @@ class Method(ABC):
     def sizes_given(self, problem: Problem) -> bool:
         """Whether the user has given its sizes, which then stay as they are."""
         return False
-
-    def compliance(self, space: PressureSpace) -> Compliance:
-        """Its compliance on any pressure space, if it has `any_space`."""
-        raise NotImplementedError

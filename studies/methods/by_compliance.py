@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ringwear.meshes.compliance import Compliance
+from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.studies.methods.base import Method, Solution, method
 from ringwear.studies.methods.estimate import Pair, estimated
 from ringwear.studies.problem.problem import Problem
@@ -56,3 +57,11 @@ class ComplianceMethod(Method):
         with stages("marching" if len(problem.times) else "steady state"):
             result, results, parts = estimated(problem, one.compliance, one.pairs, one.half_space)
         return Solution(results, parts, one.unknowns, one.settings, one.notes, result.wear, one.half_space)
+
+
+class AnySpaceMethod(ComplianceMethod):
+    """A method whose compliance can be had on any pressure space, not on one of its own only."""
+
+    @abstractmethod
+    def compliance(self, space: PressureSpace) -> Compliance:
+        """The compliance on a space."""

@@ -8,7 +8,7 @@ from ringwear.mdr import energy
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import graded_breakpoints, layer_degrees
-from ringwear.studies.methods.by_compliance import ComplianceMethod, Discretised
+from ringwear.studies.methods.by_compliance import AnySpaceMethod, Discretised
 from ringwear.studies.methods.estimate import RADIAL, RADIAL_FINER, Pair
 from ringwear.studies.problem.defaults import mdr_sizes
 from ringwear.studies.problem.problem import Problem
@@ -30,13 +30,12 @@ def radial_space(
     return PressureSpace(breakpoints, degrees, rings.ring_edges)
 
 
-class Mdr(ComplianceMethod):
+class Mdr(AnySpaceMethod):
     """Exact for full contact, but for the pressure space."""
 
     name = "mdr"
     what = "the half-space by dimensionality reduction, exact for full contact but for the pressure space"
     look: ClassVar[dict[str, Any]] = {"color": "#1f4e79", "linestyle": "-", "linewidth": 2.2, "alpha": 0.55}
-    any_space = True
 
     def compliance(self, space: PressureSpace) -> Compliance:
         return energy.compliance(space)

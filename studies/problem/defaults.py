@@ -22,7 +22,6 @@ FACTOR, GROWTH = 0.25, 0.8
 SMALLEST_RIM = 1e-9
 # rings of this width or more need the degree that the accuracy asks for
 WIDE = 0.2
-NEARLY_INCOMPRESSIBLE = 0.4999
 
 
 def mdr_sizes(problem: Problem) -> dict[str, float]:
@@ -83,7 +82,7 @@ def quad_degree(rtol: float, widest: float, poisson_ratio: float) -> int:
     Three for every four digits; one less for rings of a tenth of the width, whose pattern has less of the energy; more
     towards incompressibility, which costs two digits in the end.
     """
-    compressibility = 1 - 2 * min(poisson_ratio, NEARLY_INCOMPRESSIBLE)
+    compressibility = 1 - 2 * min(poisson_ratio, 0.4999)
     wanted = 2.7 - 0.75 * np.log10(rtol) + 0.4 * abs(np.log10(compressibility))
     wanted += 0.9 * np.log10(min(widest / WIDE, 1.0))
     return int(np.clip(round(wanted), DEGREES["quads"][0], DEGREES["quads"][-1]))
