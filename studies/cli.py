@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from ringwear.meshes.errors import RingwearError, SceneError
 from ringwear.studies.problem.scene import Scene, bundled
-from ringwear.studies.progress import LOG
+from ringwear.studies.progress import LOG, STAGES
 from ringwear.studies.registry import INTERRUPTED, STUDIES, Study
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     options = _parser().parse_args(arguments)
     LOG.setLevel(logging.INFO)
+    STAGES.setLevel(logging.WARNING if options.command is _study else logging.NOTSET)
     if not any(isinstance(handler, Terminal) for handler in LOG.handlers):
         LOG.addHandler(Terminal())
     try:

@@ -18,6 +18,7 @@ from ringwear.studies.methods.base import method
 from ringwear.studies.methods.quantities import array
 from ringwear.studies.problem.problem import D0, P0
 from ringwear.studies.problem.scene import Scene
+from ringwear.studies.progress import LOG
 from ringwear.studies.registry import METHODS
 from ringwear.studies.tables import Table, write_page
 
@@ -31,6 +32,7 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     quick = {"accuracy__rtol": 1e-3, "accuracy__mdr__grid": 100} if options.quick else {}
     others = [name for name in METHODS if name not in scene.methods and not method(name).refusal(scene.problem)]
     scene = scene.changed(methods=[*scene.methods, *others], **quick)
+    LOG.info(" compare  %s ...", ", ".join(scene.methods))
     result = run(scene)
     agreement = [vars(row) | {"methods": " - ".join(row.methods), "agrees": row.agrees} for row in result.agreement]
     operators = [vars(pair) | {"methods": " - ".join(pair.methods)} for pair in result.operators]

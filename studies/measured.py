@@ -1,6 +1,5 @@
 """What studies measure a method by: seconds on this machine, and errors against an MDR far finer than any of them."""
 
-import logging
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -56,14 +55,11 @@ def best(action: Callable[[], object], quick: bool) -> float:
 
 def measured(name: str, problem: Problem, known: Array, quick: bool) -> Row:
     """Seconds, error and own estimate of one setting, or the reason why it failed."""
-    logging.disable(logging.INFO)
     try:
         seconds = best(partial(indentation, name, problem), quick)
         solution = method(name).solve(problem, Stages(name))
     except RingwearError as failure:
         return {"remark": str(failure)}
-    finally:
-        logging.disable(logging.NOTSET)
     error = np.abs(array(solution.results, "indentation") / known - 1)
     estimate = array(solution.results, error_name("indentation"))
     return {

@@ -9,6 +9,7 @@ from typing import TypeVar
 
 T = TypeVar("T")
 LOG = logging.getLogger("ringwear")
+STAGES = LOG.getChild("stages")  # of single methods: more than a study wants to show
 
 
 @dataclass
@@ -20,11 +21,11 @@ class Stages:
 
     @contextmanager
     def __call__(self, stage: str) -> Iterator[None]:
-        LOG.info("%8s  %s ...", self.name, stage)
+        STAGES.info("%8s  %s ...", self.name, stage)
         start = time.perf_counter()
         yield
         self.seconds[stage] = self.seconds.get(stage, 0.0) + time.perf_counter() - start
-        LOG.info("%8s  %-13s %8.3f s", self.name, stage, self.seconds[stage])
+        STAGES.info("%8s  %-13s %8.3f s", self.name, stage, self.seconds[stage])
 
 
 def progress(items: Sequence[T], of: str, label: Callable[[T], object] = str) -> Iterator[T]:

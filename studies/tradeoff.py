@@ -2,7 +2,7 @@
 
 Errors are those of the indentation over the scene's times, relative, against an MDR far more accurate than anything
 measured here; seconds are of one whole history (mesh, assembly, condensation, all times), the least of some repeats
-after a warm-up, on one thread. Nothing is logged and no error is estimated while the clock runs.
+after a warm-up, on one thread. No error is estimated while the clock runs.
 """
 
 import argparse

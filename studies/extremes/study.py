@@ -38,7 +38,7 @@ from ringwear.studies.methods.quantities import QUANTITIES, array, error_name
 from ringwear.studies.problem.problem import D0, Problem, Rings
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.sections import FemAccuracy, MdrAccuracy
-from ringwear.studies.progress import LOG, Stages, progress
+from ringwear.studies.progress import Stages, progress
 from ringwear.studies.tables import Table, keeping_rows, write_page
 from ringwear.studies.wear.archard import RunningIn
 
@@ -68,7 +68,6 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
 def row(cell: Cell) -> dict[str, Any]:
     """The cell as a row of the table, by the worst of its quantities."""
     start = time.perf_counter()
-    LOG.disabled = True  # stages of single cells are too many
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", RuntimeWarning)
@@ -78,8 +77,6 @@ def row(cell: Cell) -> dict[str, Any]:
         worst = {"verdict": "refused", "message": str(error)}
     except Exception as error:  # whatever else comes out is what the study looks for
         worst = {"verdict": "crashed", "message": f"{type(error).__name__}: {error}"}
-    finally:
-        LOG.disabled = False
     about = {"rtol": cell.scene.accuracy.rtol, "parameters": json.dumps(cell.scene.table())}
     return cell._asdict() | worst | about | {"seconds": round(time.perf_counter() - start, 4)}
 
