@@ -167,7 +167,7 @@ class HalfSpace:
         The pressure is sought among those continuous across ring edges. This is the plain reference that
         `compliance` is tested against.
         """
-        continuous = self.space.joined(np.ones(len(self.space.ring_edges) - 1))
+        continuous = self.space.joined()
         weights, loads = csc_matrix(continuous.T @ self.space.weights), self.coupling @ continuous
         block = csc_matrix(np.pad(loads, ((self.system.shape[0] - len(loads), 0), (0, 0))))
         whole = bmat([[self.system, -block, None], [-block.T, None, weights.T], [None, weights, None]], format="csc")

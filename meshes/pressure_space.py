@@ -109,12 +109,12 @@ class PressureSpace:
         left, half = self.breakpoints[:-1, None], np.diff(self.breakpoints)[:, None] / 2
         return left + half * (1 + local), half * weight, local
 
-    def mass(self, ring_values: ArrayLike) -> csr_matrix:
-        """(size, size) ``int c phi_i phi_j dA`` with the constant `c` of each ring."""
+    def mass(self, ring_values: ArrayLike = 1.0) -> csr_matrix:
+        """(size, size) ``int c phi_i phi_j dA`` with the constant `c` of each ring, or one for all."""
         radii, weight, local = self.quadrature
         values = shapes(local, self.top)
         blocks = np.einsum("eq,qi,qj->eij", 2 * np.pi * radii * weight, values, values, optimize=True)
-        return self._gram(blocks * np.asarray(ring_values, dtype=float)[self.ring, None, None])
+        return self._gram(blocks * np.broadcast_to(ring_values, len(self.ring_edges) - 1)[self.ring, None, None])
 
     def slope_gram(self, weight_of_radius: Array) -> csr_matrix:
         """(size, size) ``int phi_i' phi_j' w(r) dr`` for weights given at the quadrature radii (n, q)."""
@@ -148,14 +148,14 @@ class PressureSpace:
         ring = self._of_functions(self.ring[:, None])
         return np.where((self.order == 1)[:, None] & (ring[:, None] == np.arange(len(self.ring_edges) - 1)), 1.0, 0.0)
 
-    def joined(self, ring_coefficients: ArrayLike) -> csr_matrix:
+    def joined(self, ring_coefficients: ArrayLike = 1.0) -> csr_matrix:
         """(size, size-N+1) basis of the pressures whose product with `ring_coefficients` is continuous.
 
-        With the wear coefficients: the space of t > 0, in terms of the wear rate. With ones: continuous pressures.
+        With the wear coefficients: the space of t > 0, in terms of the wear rate. By default: continuous pressures.
         """
         ring, function = self._of_functions(self.ring[:, None]), np.arange(self.size)
         # the last function of a ring and the first of the next are joined in one column
-        values = 1 / np.asarray(ring_coefficients, dtype=float)[ring]
+        values = 1 / np.broadcast_to(ring_coefficients, len(self.ring_edges) - 1)[ring]
         return csr_matrix((values, (function, function - ring)), (self.size, self.size - ring[-1]))
 
 

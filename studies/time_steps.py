@@ -70,7 +70,7 @@ def refine_step(wear: RunningIn, march: str, levels: int, table: Table) -> list[
     """Errors at `TIME` by halved steps: of the indentation, and of the profile in the mean square over the area."""
     times = np.array([TIME])
     exact = wear.modal(times)
-    mass = wear.compliance.space.mass(np.ones(len(wear.wear_coefficients)))
+    mass = wear.compliance.space.mass()
     # the first explicit step is stable, the first implicit one far beyond that
     first = int(np.ceil(TIME / (0.5 * wear.stability_limit()))) if march == "explicit" else 8
     sequences = [Sequence(f"{march} march", quantity, 1.0) for quantity in LEVEL_FIELDS[3:]]

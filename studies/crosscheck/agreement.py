@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray
 
-from ringwear.studies.methods.quantities import QUANTITIES, array, error_name, relative_difference
+from ringwear.studies.methods.quantities import QUANTITIES, array, common, error_name, relative_difference
 
 COMPARED_MODES = 3
 
@@ -36,7 +36,7 @@ def agreements(methods: tuple[str, str], one: xarray.Dataset, other: xarray.Data
             continue
         shared = slice(COMPARED_MODES) if "mode" in quantity.dims else ...
         first, second = array(one, name)[shared], array(other, name)[shared]
-        known = tuple(slice(0, min(sizes)) for sizes in zip(first.shape, second.shape, strict=True))
+        known = common(first.shape, second.shape)
         difference = relative_difference(name, first, second)
         own, others = (array(results, error_name(name))[shared][known] for results in (one, other))
         uncertainty = own + others

@@ -14,7 +14,7 @@ from ringwear.studies.crosscheck.agreement import Agreement
 from ringwear.studies.crosscheck.operators import OperatorDifference
 from ringwear.studies.crosscheck.scope import left_out, modelled
 from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import QUANTITIES, array, error_name
+from ringwear.studies.methods.quantities import QUANTITIES, array, common, error_name
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.progress import Stages
 
@@ -53,8 +53,8 @@ def _gathered(every: list[xarray.Dataset], name: str, shape: tuple[int, ...]) ->
     for row, results in enumerate(every):
         if name in results:
             values = array(results, name)
-            known: tuple[Any, ...] = tuple(slice(0, min(sizes)) for sizes in zip(values.shape, shape, strict=True))
-            out[(row, *known)] = values[known]
+            known = common(values.shape, shape)
+            out[row, ...][known] = values[known]
     return out
 
 

@@ -117,7 +117,7 @@ def _spectrum(first: Compliance, second: Compliance) -> tuple[Array, Array]:
 
     On a long wave of length L a half-space gives ``u = p L / pi``, which defines the length of any mode.
     """
-    values, shapes = eigh(second.matrix, second.space.mass(np.ones(len(second.space.ring_edges) - 1)).toarray())
+    values, shapes = eigh(second.matrix, second.space.mass().toarray())
     own = np.sum((first.factor @ shapes) ** 2, axis=0)
     other = np.sum((second.factor @ shapes) ** 2, axis=0)
     return np.pi * np.abs(values[::-1]), np.abs(own / other - 1)[::-1]
@@ -130,7 +130,7 @@ def _residual(times: Array, first: RunningIn, second: Compliance) -> float:
         return 0.0
     history = first.modal(later)
     space = second.space
-    gap = history.indentation[:, None] * space.weights - history.profile @ space.mass(np.ones(len(space.ring_edges) - 1))
+    gap = history.indentation[:, None] * space.weights - history.profile @ space.mass()
     # tested with the pressures that the history lives in
     test = space.joined(first.wear_coefficients)
     triangle = np.linalg.qr(second.factor @ test, mode="r")

@@ -6,7 +6,6 @@ relative error. Safety factors below one stand where the coarser computation is 
 finer. `ringwear study estimates` compares true errors with estimates on scenes drawn at random.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -16,7 +15,7 @@ from numpy.polynomial.legendre import leggauss
 
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.radial import Array
-from ringwear.studies.methods.quantities import QUANTITIES, array, relative_difference, with_errors
+from ringwear.studies.methods.quantities import QUANTITIES, array, common, relative_difference, with_errors
 from ringwear.studies.methods.sampler import Evaluation, radial_weight
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.sections import FemAccuracy
@@ -89,7 +88,7 @@ class Pair:
 
 
 def estimated(
-    problem: Problem, compliance: Compliance, pairs: Iterable[Pair], half_space: "HalfSpace | None" = None
+    problem: Problem, compliance: Compliance, pairs: tuple[Pair, ...], half_space: "HalfSpace | None" = None
 ) -> tuple[Evaluation, xarray.Dataset, dict[str, float]]:
     """Evaluate a compliance; its results with errors beside them, and the error of the indentation by part."""
     cache: dict[int, Evaluation] = {}
@@ -99,7 +98,7 @@ def estimated(
             cache[id(one)] = Evaluation(problem, one)
         return cache[id(one)]
 
-    result, pairs = evaluated(compliance), tuple(pairs)
+    result = evaluated(compliance)
     errors = {str(name): np.zeros(value.shape) for name, value in result.results.variables.items()}
     parts: dict[str, float] = {}
     for pair in pairs:
@@ -140,7 +139,7 @@ def _add_difference(errors: dict[str, Array], pair: Pair, finer: Evaluation, coa
             differences["steady_rms_slope"] = np.maximum(plain, _missing_in(finer, coarser))
     for name, difference in differences.items():
         # of modes, each may know another number
-        known = tuple(slice(0, min(sizes)) for sizes in zip(difference.shape, errors[name].shape, strict=True))
+        known = common(difference.shape, errors[name].shape)
         errors[name][known] += safety[name] * over_neighbours(name, difference[known])
     return pair.safety.indentation * float(np.max(differences.get("indentation", 0.0), initial=0.0))
 
@@ -167,7 +166,7 @@ def _missing_in(finer: Evaluation, coarser: Evaluation) -> float:
     """
     space = finer.sampler.space
     radii, weights, _ = space.quadrature
-    weights = weights * radial_weight(space, finer.problem.gradient_average)
+    weights = weights * radial_weight(radii, finer.problem.gradient_average)
     own, other = (
         one.sampler.space.matrix(radii.ravel(), derivative=True) @ one.wear.steady.displacement for one in (finer, coarser)
     )
@@ -195,8 +194,7 @@ def _add_projection_loss(errors: dict[str, Array], result: Evaluation, half_spac
     errors["steady_displacement_max"] = errors["steady_displacement_max"] + lost
     local, weight = leggauss(space.top + 2)
     radii, _, slopes = half_space.contact_displacement(steady.pressure, (1 + local) / 2)
-    average = 1.0 if result.problem.gradient_average == "line" else 2 * radii
-    weights = np.diff(space.breakpoints)[:, None] * weight / 2 * average
+    weights = np.diff(space.breakpoints)[:, None] * weight / 2 * radial_weight(radii, result.problem.gradient_average)
     trace = np.sqrt(np.sum(weights * slopes**2))
     slope = float(array(result.results, "steady_rms_slope"))
     errors["steady_rms_slope"] = errors["steady_rms_slope"] + abs(trace / slope - 1)

@@ -10,6 +10,7 @@ from ringwear.meshes.radial import Array
 from ringwear.studies.methods.base import Cost, Method, Solution
 from ringwear.studies.methods.estimate import GRID, over_neighbours
 from ringwear.studies.methods.quantities import array, labelled, relative_difference, with_errors
+from ringwear.studies.methods.sampler import radial_weight
 from ringwear.studies.problem.defaults import grid_step
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
@@ -62,8 +63,7 @@ def _marched(problem: Problem, count: int, step: float) -> dict[str, Array]:
     def sampled(values: Array, radii: Array) -> Array:
         return np.array([np.interp(radii, grid.radii, row) for row in values])
 
-    weight = np.ones(count + 1) if problem.gradient_average == "line" else 2 * grid.radii
-    squared = weight * np.gradient(profile, grid.radii, axis=1) ** 2
+    squared = radial_weight(grid.radii, problem.gradient_average) * np.gradient(profile, grid.radii, axis=1) ** 2
     within = cumulative_trapezoid(2 * np.pi * grid.radii * pressure, grid.radii, axis=1, initial=0.0)
     worn = sampled(profile, problem.radii)
     return {

@@ -65,10 +65,15 @@ def array(results: xarray.Dataset, name: str) -> Array:
     return np.asarray(results.variables[name].values) if name in results.variables else np.empty(0)
 
 
+def common(one: tuple[int, ...], other: tuple[int, ...]) -> tuple[slice, ...]:
+    """The part that arrays of two shapes have in common: of relaxation times each method may know another number."""
+    return tuple(slice(0, min(sizes)) for sizes in zip(one, other, strict=True))
+
+
 def relative_difference(name: str, value: Array, against: Array) -> Array:
     """Relative difference; of fields, the greatest over the greatest value at that time. Of modes, those both have."""
-    common = tuple(slice(0, min(a, b)) for a, b in zip(value.shape, against.shape, strict=True))
-    value, against = value[common], against[common]
+    both = common(value.shape, against.shape)
+    value, against = value[both], against[both]
     difference, scale = np.abs(value - against), np.abs(against)
     if QUANTITIES[name].is_field:
         difference, scale = (

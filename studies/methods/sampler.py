@@ -15,9 +15,8 @@ from ringwear.studies.wear.archard import History, RunningIn
 AVERAGES = ("line", "area")
 
 
-def radial_weight(space: PressureSpace, average: str) -> Array:
-    """(n, q) weight of a radial average at the quadrature radii of `space`: over the radius, or over the area."""
-    radii, _, _ = space.quadrature
+def radial_weight(radii: Array, average: str) -> Array:
+    """Weight of a radial average at radii: over the radius, or over the area."""
     return np.ones_like(radii) if average == "line" else 2 * radii
 
 
@@ -35,7 +34,7 @@ class Sampler:
         self._everywhere = space.matrix(self._samples)
         self._slope_everywhere = space.matrix(self._samples, derivative=True)
         self._ring_forces = space.ring_forces(problem.ring_edges)
-        self.slopes = space.slope_gram(radial_weight(space, problem.gradient_average))
+        self.slopes = space.slope_gram(radial_weight(space.quadrature[0], problem.gradient_average))
 
     def _greatest(self, functions: Array) -> Array:
         """(T,) greatest value over the punch of (T, size) functions: the top of a cubic between two samples."""

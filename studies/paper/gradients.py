@@ -86,11 +86,12 @@ def compliance_grams(compliance: Compliance) -> Array:
     """
     space = compliance.space
     count = len(space.ring_edges) - 1
-    continuous = space.joined(np.ones(count))
+    continuous = space.joined()
     moments = compliance.factor.T @ (compliance.factor @ space.ring_indicator() @ odd_and_even(count))
-    mass = BandedCholesky(continuous.T @ space.mass(np.ones(count)) @ continuous)
+    mass = BandedCholesky(continuous.T @ space.mass() @ continuous)
     displacement = continuous @ mass.solve(continuous.T @ moments)
-    return np.array([displacement.T @ space.slope_gram(radial_weight(space, name)) @ displacement for name in AVERAGES])
+    radii, _, _ = space.quadrature
+    return np.array([displacement.T @ space.slope_gram(radial_weight(radii, name)) @ displacement for name in AVERAGES])
 
 
 @cache

@@ -71,7 +71,7 @@ class RunningIn:
     @cached_property
     def _to_profile(self) -> csr_matrix:
         """(size, n) wear rates, and so worn profiles, by the same unknowns."""
-        return self.compliance.space.joined(np.ones_like(self.wear_coefficients))
+        return self.compliance.space.joined()
 
     @cached_property
     def _factor(self) -> Array:

@@ -23,7 +23,7 @@ class FlatStart:
 def flat_start(compliance: Compliance) -> FlatStart:
     """Contact of the unworn punch: ``A p = d b``, ``b . p = 1``, with the pressure continuous across ring edges."""
     space = compliance.space
-    continuous = space.joined(np.ones(len(space.ring_edges) - 1))
+    continuous = space.joined()
     weights = continuous.T @ space.weights
     try:
         solution = cho_solve(cho_factor(continuous.T @ compliance.matrix @ continuous), weights)
@@ -56,7 +56,7 @@ def steady_state(compliance: Compliance, wear_coefficients: Array) -> SteadyStat
     ring_pressures = steady_pressures(space.ring_edges, wear_coefficients)
     pressure = space.ring_indicator() @ ring_pressures
     moments = compliance.factor.T @ (compliance.factor @ pressure)
-    worn, continuous = space.joined(wear_coefficients), space.joined(np.ones_like(wear_coefficients))
+    worn, continuous = space.joined(wear_coefficients), space.joined()
     mass = BandedCholesky(worn.T @ space.mass(wear_coefficients) @ worn)
     displacement = continuous @ mass.solve(worn.T @ moments)
     return SteadyState(pressure, displacement, moments, float(wear_coefficients[0] * ring_pressures[0]))
