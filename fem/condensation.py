@@ -108,7 +108,8 @@ def _cholmod(lower: coo_matrix, inside: int) -> Array:
 def _superlu(lower: coo_matrix, inside: int) -> Array:
     factor = splu(symmetric(lower), permc_spec="NATURAL", **SYMMETRIC)
     pivoted = np.any(np.array([factor.perm_r, factor.perm_c]) != np.arange(lower.shape[0]))
-    if pivoted or not (factor.U.diagonal() > 0).all():
+    pivots = factor.U.diagonal()
+    if pivoted or not (pivots > 0).all():
         raise ArithmeticError("it is not positive definite")
-    schur = (factor.L[inside:, inside:] @ factor.U[inside:, inside:]).toarray()
-    return np.linalg.cholesky((schur + schur.T) / 2)
+    # of a symmetric matrix U = D L^T: Cholesky's factor is L with its columns scaled, without any product of the two
+    return factor.L[inside:, inside:].toarray() * np.sqrt(pivots[inside:])
