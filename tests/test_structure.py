@@ -137,5 +137,11 @@ def test_help_is_light(arguments: list[str]) -> None:
     assert not loaded(code) & (HEAVY | {"scipy", "xarray", "netCDF4", "threadpoolctl"})
 
 
-def test_a_plan_computes_nothing() -> None:
-    assert not loaded("from ringwear.studies.cli import main\nassert main(['plan', 'five_rings']) == 0") & HEAVY
+@pytest.mark.parametrize(("changes", "needed"), [
+    ("", {"gmsh"}),  # whether it loads decides what will be meshed
+    ("methods=['mdr', 'direct']", set()),
+    ("accuracy__fem__mesher='bisection'", set()),
+])  # fmt: skip
+def test_a_plan_computes_nothing(changes: str, needed: set[str]) -> None:
+    found = loaded(f"from ringwear import Scene, plan\nplan(Scene.load('five_rings').changed({changes}))")
+    assert found & HEAVY <= needed

@@ -66,6 +66,7 @@ def plan(scene: Scene) -> list[str]:
             seconds[name] = cost.seconds
     if seconds:
         lines.append(f"cheapest for rtol {problem.rtol:.0e}: {min(seconds, key=seconds.__getitem__)}")
+    lines += [f"note: {note}" for name in scene.methods for note in method(name).notes(problem)]
     if "fem" in scene.methods and {"mdr", "bem"}.isdisjoint(scene.methods):
         lines.append(
             "note: in full contact the MDR gives the same at a fraction of the cost; add 'mdr' to see how far they agree"

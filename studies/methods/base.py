@@ -125,6 +125,10 @@ class Method(ABC):
         """Why it cannot solve the problem at all, with the remedy; empty if it can."""
         return ""
 
+    def notes(self, problem: Problem) -> tuple[str, ...]:
+        """What is worth knowing before it runs, as far as that is known."""
+        return ()
+
     def kind(self, problem: Problem) -> str:
         """Its name in the table of measured costs."""
         return self.name

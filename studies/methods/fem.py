@@ -3,7 +3,9 @@
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from ringwear.fem.condensation import solver
 from ringwear.meshes.errors import MeshError
+from ringwear.meshes.gmsh_session import unavailable
 from ringwear.studies.methods import fem_counts
 from ringwear.studies.methods.by_compliance import ComplianceMethod, Discretised
 from ringwear.studies.methods.estimate import (
@@ -47,6 +49,23 @@ class Meshed:
 MESHERS = ("quads", "gmsh", "bisection")
 
 
+def usable_here(problem: Problem) -> tuple[Problem, tuple[str, ...]]:
+    """The problem with the mesher that a run will use, and a note if that is not the one asked for.
+
+    Whether gmsh loads is known only by loading it, which takes little of a plan's time. It may still fail on a mesh: that
+    is known only when it meshes.
+    """
+    asked, last = problem.fem.meshed_by, MESHERS[-1]
+    if asked == last or not (reason := unavailable()):
+        return problem, ()
+    return replace(problem, fem=problem.fem.model_copy(update={"mesher": last})), (_replaced(asked, last, reason),)
+
+
+def _replaced(asked: str, mesher: str, reason: str) -> str:
+    lower = ", in triangles of lower degree" if asked == "quads" else ""
+    return f"meshed by {mesher}{lower}: {reason}"
+
+
 def half_space_mesh(problem: Problem) -> Meshed:
     """The mesh of a problem: by the mesher asked for, or by the next that can, with a note that says why."""
     asked, reason = problem.fem.meshed_by, ""
@@ -59,8 +78,7 @@ def half_space_mesh(problem: Problem) -> Meshed:
             reason = reason or str(error)
         else:
             break
-    lower = ", in triangles of lower degree" if asked == "quads" else ""
-    return replace(meshed, notes=(f"meshed by {meshed.mesher}{lower}: {reason}",) if reason else ())
+    return replace(meshed, notes=(_replaced(asked, meshed.mesher, reason),) if reason else ())
 
 
 def _meshed(problem: Problem, mesher: str) -> Meshed:
@@ -98,6 +116,7 @@ class Fem(ComplianceMethod):
     }  # fmt: skip
 
     def described(self, problem: Problem) -> str:
+        problem, _ = usable_here(problem)
         chosen = problem.fem
         sizes: Any
         if chosen.meshed_by == "quads":
@@ -106,22 +125,26 @@ class Fem(ComplianceMethod):
         else:
             sizes = defaults.triangle_sizes(problem)
             degree, what = defaults.triangle_degree(problem), f"triangles by {chosen.meshed_by}"
+        ring_size = min(sizes.ring_sizes, default=sizes.rim_size)
         return (
             f"{what}, degree {degree}, {chosen.far_field} far field at R = {sizes.truncation:g} a, rim_size "
-            f"{sizes.rim_size:.3g}, ring_size {min(sizes.ring_sizes, default=sizes.rim_size):.3g}, growth {sizes.growth:.3g}"
+            f"{sizes.rim_size:.3g}, ring_size {ring_size:.3g}, growth {sizes.growth:.3g}, factorised by {solver()}"
         )
 
     def counted(self, problem: Problem) -> tuple[int, int]:
-        return fem_counts.counted(problem)
+        return fem_counts.counted(usable_here(problem)[0])
+
+    def notes(self, problem: Problem) -> tuple[str, ...]:
+        return usable_here(problem)[1]
 
     def kind(self, problem: Problem) -> str:
-        return f"fem {problem.fem.meshed_by}"
+        mesher = usable_here(problem)[0].fem.meshed_by
+        return f"fem {mesher}" if solver() == "cholmod" else f"fem {mesher}, {solver()}"
 
     def sizes_given(self, problem: Problem) -> bool:
         return problem.fem.given
 
     def discretised(self, problem: Problem, stages: Stages, pairs: bool = True) -> Discretised:
-        from ringwear.fem.condensation import solver
         from ringwear.meshes.half_space import truncation
 
         fixed = problem.fem.far_field == "fixed"
