@@ -36,8 +36,8 @@ SHARE = 10
 NEAR = 0.2
 # share of the energy that the poles may leave to the truncation: at the truncation radius itself stresses feel its root
 NEGLIGIBLE = 1e-13
-# stands for Poisson's ratio 1/2: inside, its error shows
-HIGHEST_RATIO = 0.499999
+# stands for Poisson's ratio 1/2: inside, its error shows, but triangles lock the more the closer it is
+HIGHEST_RATIO = {"MeshQuad1": 0.499999, "MeshTri1": 0.49999}
 MEAN_PRESSURE = 2 * P0
 
 
@@ -89,15 +89,16 @@ def interior(scene: Scene, fem: Solution) -> Interior:
         times = [0.0] if scene.wear.steady else [0.0, scene.wear.times[-1]]
     labels = (*(f"t={time:g}" for time in times), *(("steady",) if scene.wear.steady else ()))
     wanted = np.array(times) / problem.units.time
+    kind = type(fem.half_space.solid.mesh).__name__
     # of a lower degree there may be no stable pressures
     degree = max(fem.half_space.solid.degree, 3)
     # what the user has given stays, and no degree mends the truncation
     given = problem.fem.degree or problem.fem.poles or not fem.half_space.poles
-    highest = degree if given else HIGHEST[type(fem.half_space.solid.mesh).__name__]
+    highest = degree if given else HIGHEST[kind]
     with threadpool_limits(1):
         while True:
             fine, coarse = (fields_of(problem, one, wanted) for one in refined(problem, fem.half_space, degree))
-            errors = estimates(problem, fine, coarse)
+            errors = estimates(problem, fine, coarse, HIGHEST_RATIO[kind])
             result = Interior(**vars(fine), labels=labels, degree=degree, errors=errors)
             excess = errors["stress"].max() / (SHARE * problem.rtol)
             if excess <= 1 or degree == highest:
@@ -114,8 +115,10 @@ def refined(problem: Problem, half_space: "HalfSpace", degree: int) -> Iterator[
     from ringwear.fem.half_space import pressure_space
     from ringwear.meshes.half_space import truncation
 
+    highest_ratio = HIGHEST_RATIO[type(half_space.solid.mesh).__name__]
+
     def with_degree(degree: int, poles: tuple[int, ...]) -> "HalfSpace":
-        solid = replace(half_space.solid, degree=degree, highest_ratio=HIGHEST_RATIO)
+        solid = replace(half_space.solid, degree=degree, highest_ratio=highest_ratio)
         return replace(half_space, solid=solid, space=pressure_space(solid, problem.merged.ring_edges), poles=poles)
 
     tied = enough_poles(truncation(half_space.solid.mesh), NEGLIGIBLE)
@@ -144,14 +147,14 @@ def fields_of(problem: Problem, half_space: "HalfSpace", times: Array) -> Fields
     return Fields(points, triangles, moved, stress, von_mises(stress))
 
 
-def estimates(problem: Problem, fine: Fields, coarse: Fields) -> dict[str, Array]:
+def estimates(problem: Problem, fine: Fields, coarse: Fields, highest_ratio: float) -> dict[str, Array]:
     """Of each field, by its name, in each state: the greatest difference, and what Poisson's ratio 1/2 adds to it."""
     from ringwear.fem.stresses import von_mises
 
     r, z = fine.points
     far = np.hypot(r - problem.merged.ring_edges[1:, None], z).min(axis=0) > NEAR
     # fields are in proportion to 1 - 2 nu, plus a constant, and neither is much more than the unit
-    modelled = 2 * max(0.0, problem.poisson_ratio - HIGHEST_RATIO)
+    modelled = 2 * max(0.0, problem.poisson_ratio - highest_ratio)
     stress = (fine.stress - coarse.stress)[:, far] / MEAN_PRESSURE
     differences = {
         "displacement": np.abs(fine.displacement - coarse.displacement)[:, far] / D0,
