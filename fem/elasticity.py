@@ -66,21 +66,23 @@ class AxisymmetricElasticity:
     degree : polynomial degree of the displacement: 1 to 4 on triangles, any on quadrilaterals
     given_ratio : Poisson's ratio, up to and including 1/2
     own_element : an H1 element of scikit-fem's, or of one's own, of that degree along a side; default `element_of_degree`
+    highest_ratio : Poisson's ratio that stands for any from there to 1/2
     """
 
     mesh: Mesh
     degree: int
     given_ratio: float
     own_element: Element | None = None
+    highest_ratio: float = 0.49999
 
     @property
     def poisson_ratio(self) -> float:
         """Poisson's ratio that is modelled: a little less than 1/2 for an incompressible solid.
 
         With the plane strain modulus given, pressures and displacements on the contact do not depend on it, and closer to
-        1/2 roundoff costs more than it gains.
+        1/2 roundoff costs more than it gains. What is inside depends on it, in proportion to 1 - 2 nu.
         """
-        return min(self.given_ratio, 0.49999)
+        return min(self.given_ratio, self.highest_ratio)
 
     @property
     def element(self) -> Element:

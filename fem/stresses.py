@@ -1,14 +1,15 @@
-"""Displacements and stresses inside the half-space, recovered from contact pressures and interpolated by scikit-fem."""
+"""Displacements and stresses inside the half-space, recovered from contact pressures in scikit-fem's elements."""
 
 import numpy as np
+from numpy.polynomial.legendre import legvander2d
 from scipy.sparse.linalg import splu
-from skfem import CellBasis, MeshQuad
+from skfem import MeshQuad
 from skfem.quadrature import get_quadrature
 
 from ringwear.fem.condensation import SYMMETRIC
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.half_space import HalfSpace
-from ringwear.fem.weak_form import element_of_degree, moduli, projection
+from ringwear.fem.weak_form import moduli, tables
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.radial import Array, Indices
 
@@ -32,14 +33,20 @@ def displacements(half_space: HalfSpace, pressures: Array) -> Array:
 def stresses(solid: AxisymmetricElasticity, displacement: Array, elements: Indices, points: Array) -> tuple[Array, Array]:
     """Displacements (states, m, q, 2) and stresses rr, zz, rz, hoop (states, m, q, 4) at reference points of elements.
 
-    The elements must be of one degree. Near incompressibility lambda makes noise of the dilatation but for its part of
-    lower degree: the dilatation is projected on that.
+    The elements must be of one degree p. Near incompressibility lambda makes noise of the dilatation but for its part in
+    the polynomials of total degree p - 1, which with displacements of degree p are stable: the dilatation is projected on
+    them in each element, by volume.
     """
     degree = int(solid.degrees[elements[0]])
-    quadrature, weights = get_quadrature(solid.element, 2 * degree + 1)
-    lower = element_of_degree(solid.mesh, max(degree - (2 if isinstance(solid.mesh, MeshQuad) else 1), 1))
-    _, (rr, zz, _, hoop) = _strains(solid, displacement, elements, quadrature)
-    dilatation = (rr + zz + hoop) @ projection(lower, quadrature, weights, points)
+    rule, weights = get_quadrature(solid.element, 2 * degree + 1)
+    mapping = solid.mesh.mapping()
+    volume = weights * np.abs(mapping.detDF(rule, elements)) * mapping.F(rule, elements)[0]
+    _, (rr, zz, _, hoop) = _strains(solid, displacement, elements, rule)
+    at_rule, at_points = _polynomials(degree - 1, rule), _polynomials(degree - 1, points)
+    count = len(at_rule)
+    masses = (volume @ (at_rule[:, None] * at_rule).reshape(count**2, -1).T).reshape(-1, count, count)
+    moments = (volume * (rr + zz + hoop)) @ at_rule.T
+    dilatation = np.linalg.solve(masses, moments[..., None])[..., 0] @ at_points
     moved, (rr, zz, rz, hoop) = _strains(solid, displacement, elements, points)
     lame, shear = moduli(solid.poisson_ratio)
     # strains that do not add up to that dilatation share what is missing
@@ -48,22 +55,32 @@ def stresses(solid: AxisymmetricElasticity, displacement: Array, elements: Indic
     return moved, np.stack([rr, zz, 2 * shear * rz, hoop], axis=-1)
 
 
+def _polynomials(degree: int, points: Array) -> Array:
+    """(k, q) values of the polynomials of a total degree at reference points."""
+    one, other = np.divmod(np.arange((degree + 1) ** 2), degree + 1)
+    first, second = 2 * points - 1
+    return legvander2d(first, second, [degree, degree]).T[one + other <= degree]
+
+
 def _strains(solid: AxisymmetricElasticity, displacement: Array, elements: Indices, points: Array) -> tuple[Array, Array]:
     """Displacements (states, m, q, 2) and strains rr, zz, rz, hoop (4, states, m, q) at reference points of elements."""
-    basis = CellBasis(solid.mesh, solid.element, elements=elements, quadrature=(points, np.ones(points.shape[1])))
-    r = basis.global_coordinates()[0]
+    value, gradient = tables(solid.element, points)
+    mapping = solid.mesh.mapping()
+    r, inverse = mapping.F(points, elements)[0], mapping.invDF(points, elements)
+    # by field: radial, axial (2, states, m, functions)
+    coefficients = np.moveaxis(displacement[:, solid.dofs.element_dofs[:, elements].T], -1, 0)
+    moved = coefficients @ value
+    first, second = coefficients @ gradient[:, 0], coefficients @ gradient[:, 1]
+    (rr, zr), (rz, zz) = (first * inverse[0, axis] + second * inverse[1, axis] for axis in (0, 1))
     on_axis = r <= 1e-12 * r.max(axis=1, keepdims=True)
-    moved, strains = [], []
-    for state in displacement:
-        radial, axial = (basis.interpolate(component) for component in state.T)
-        hoop = np.where(on_axis, radial.grad[0], radial / np.where(on_axis, 1.0, r))
-        moved.append(np.stack([radial, axial], axis=-1))
-        strains.append([radial.grad[0], axial.grad[1], (radial.grad[1] + axial.grad[0]) / 2, hoop])
-    return np.array(moved), np.array(strains).swapaxes(0, 1)
+    hoop = np.where(on_axis, rr, moved[0] / np.where(on_axis, 1.0, r))
+    return np.moveaxis(moved, 0, -1), np.stack([rr, zz, (rz + zr) / 2, hoop])
 
 
 def sampled(half_space: HalfSpace, pressures: Array, refinements: int) -> tuple[Array, Indices, Array, Array]:
     """The fields of all elements under (states, size) pressure coefficients, not averaged between elements.
+
+    Points and triangles depend on the mesh only, so that the fields of two degrees can be compared point by point.
 
     Parameters
     ----------
@@ -82,13 +99,12 @@ def sampled(half_space: HalfSpace, pressures: Array, refinements: int) -> tuple[
     small = (reference.to_meshtri() if isinstance(reference, MeshQuad) else reference).t
     starts = reference.nvertices * np.arange(solid.mesh.nelements)
     triangles = (small[:, None] + starts[:, None]).reshape(3, -1)
-    points, moved, stress = [], [], []
+    states, elements, each = len(coefficients), solid.mesh.nelements, reference.nvertices
+    points = solid.mesh.mapping().F(reference.p).reshape(2, -1)
+    moved, stress = np.empty((states, elements, each, 2)), np.empty((states, elements, each, 4))
     for batch in solid.batches:
-        shift, tension = stresses(solid, coefficients, batch.elements, reference.p)
-        points.append(solid.mesh.mapping().F(reference.p, batch.elements).reshape(2, -1))
-        moved.append(shift.reshape(len(coefficients), -1, 2))
-        stress.append(tension.reshape(len(coefficients), -1, 4))
-    return np.concatenate(points, 1), triangles, np.concatenate(moved, 1), np.concatenate(stress, 1)
+        moved[:, batch.elements], stress[:, batch.elements] = stresses(solid, coefficients, batch.elements, reference.p)
+    return points, triangles, moved.reshape(states, -1, 2), stress.reshape(states, -1, 4)
 
 
 def von_mises(stress: Array) -> Array:

@@ -9,6 +9,7 @@ import pytest
 from conftest import WITHOUT_GMSH
 from skfem import Mesh
 
+from ringwear import Scene
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.half_space import HalfSpace, pressure_space
 from ringwear.fem.stresses import displacements, sampled, von_mises
@@ -17,6 +18,10 @@ from ringwear.meshes import bisection, quads, triangles
 from ringwear.meshes.half_space import areas
 from ringwear.meshes.radial import Array, Indices
 from ringwear.meshes.sizes import SizeField
+from ringwear.studies.crosscheck.interior import MEAN_PRESSURE, NEAR, Interior, interior
+from ringwear.studies.methods.base import method as named
+from ringwear.studies.problem.problem import D0
+from ringwear.studies.progress import Stages
 
 EDGES = np.array([0.0, 0.5, 1.0])
 FIELD = SizeField((0.0, 0.5, 1.0), 1e-6, 1e-3, 0.4, 5.0)
@@ -69,6 +74,118 @@ def test_stresses_of_a_loaded_disc(mesher: str, poisson_ratio: float) -> None:
     assert np.abs(zz - load)[off_rim].max() <= 10 * tension
     assert np.abs(rz)[off_rim].max() <= 10 * tension
     np.testing.assert_allclose(moved[0, surface, 1], exact_displacement(EDGES[[0, 2]], np.ones(1), r[surface]), rtol=shift)
+
+
+def flat_punch(r: Array, z: Array, poisson_ratio: float) -> tuple[Array, Array]:
+    """Displacements (n, 2) and stresses rr, zz, rz, hoop (n, 4) under the flat punch, F = a = E* = 1, off its rim.
+
+    Sneddon, Boussinesq's problem for a flat-ended cylinder, Proc. Camb. Phil. Soc. 42 (1946): Hankel integrals with the
+    transform ``sin(s)/(2 pi s)`` of the pressure. They are imaginary parts of Laplace transforms of ``J_0(sr)`` and
+    ``J_1(sr)`` at ``z - i``: of ``1/R`` and the like, R the distance of the point from a source at the complex depth i.
+    """
+    source = z - 1j
+    # the root with a positive real part; under the punch, where that is 0, the limit from inside
+    squared = r**2 + z**2 - 1
+    distance = np.where((z == 0) & (squared < 0), -1j * np.sqrt(np.abs(squared)), np.sqrt(squared - 2j * z))
+    both = distance + source
+    sides = (1 - 2 * poisson_ratio) / both - z / (distance * both)
+    stress = np.stack([
+        -1 / distance + z * source / distance**3 + sides,
+        -1 / distance - z * source / distance**3,
+        -z * r / distance**3,
+        -2 * poisson_ratio / distance - sides,
+    ], axis=-1).imag / (2 * np.pi)  # fmt: skip
+    axial = -2 * (1 - poisson_ratio) * np.angle(both) + z * (1 / distance).imag
+    moved = np.stack([-r * sides.imag, axial], axis=-1) / (2 * np.pi * (1 - poisson_ratio))
+    return moved, stress
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.5])
+def test_the_closed_form_of_the_flat_punch(poisson_ratio: float) -> None:
+    """It is in equilibrium, obeys Hooke's law, and has the loads of the punch."""
+    step = 1e-5
+    r, z = (x.ravel() for x in np.meshgrid(np.linspace(0.1, 2.4, 12), np.linspace(0.2, 2.4, 12)))
+    moved, (rr, zz, rz, hoop) = (x.T for x in flat_punch(r, z, poisson_ratio))
+
+    def slopes(dr: float, dz: float) -> tuple[Array, Array]:
+        beyond, before = (flat_punch(r + s * dr, z + s * dz, poisson_ratio) for s in (step, -step))
+        return (beyond[0] - before[0]).T / (2 * step), (beyond[1] - before[1]).T / (2 * step)
+
+    (moved_r, stress_r), (moved_z, stress_z) = slopes(1, 0), slopes(0, 1)
+    np.testing.assert_allclose(stress_r[0] + stress_z[2] + (rr - hoop) / r, 0, atol=1e-8)
+    np.testing.assert_allclose(stress_r[2] + stress_z[1] + rz / r, 0, atol=1e-8)
+    # strains of the displacement times E = 1 - nu^2, and of the stress
+    trace = rr + zz + hoop
+    young = 1 - poisson_ratio**2
+    for strain, stress in ((moved_r[0], rr), (moved_z[1], zz), (moved[0] / r, hoop)):
+        np.testing.assert_allclose(young * strain, (1 + poisson_ratio) * stress - poisson_ratio * trace, atol=1e-8)
+    np.testing.assert_allclose(young * (moved_r[1] + moved_z[0]) / 2, (1 + poisson_ratio) * rz, atol=1e-8)
+    # the surface: the indentation F/(2 a E*), Boussinesq's pressure and nothing beside it; the force F at any depth
+    inside, outside = np.linspace(0, 0.99, 50), np.linspace(1.01, 5, 50)
+    moved, (_, zz, rz, _) = (x.T for x in flat_punch(inside, np.zeros(50), poisson_ratio))
+    np.testing.assert_allclose(moved[1], D0, rtol=1e-14)
+    np.testing.assert_allclose(zz, -1 / (2 * np.pi * np.sqrt(1 - inside**2)), rtol=1e-13)
+    free = flat_punch(outside, np.zeros(50), poisson_ratio)[1][:, 1:3]
+    assert max(np.abs(rz).max(), np.abs(free).max()) <= 1e-15
+    angle, weight = np.polynomial.legendre.leggauss(200)
+    angle, weight = (1 + angle) * np.pi / 4, weight * np.pi / 4
+    zz = flat_punch(np.tan(angle), np.full(200, 0.5), poisson_ratio)[1][:, 1]
+    assert 2 * np.pi * weight @ (np.tan(angle) / np.cos(angle) ** 2 * zz) == pytest.approx(-1, rel=1e-10)
+
+
+def inside(poisson_ratio: float, **changes: object) -> tuple[Interior, dict[str, float]]:
+    """The interior under the flat punch at t = 0, and the true errors of what it estimates."""
+    scene = Scene.load("flat_punch").changed(half_space__poisson_ratio=poisson_ratio, wear__times=[0.0], **changes)
+    fem = named("fem")
+    fields = interior(scene, fem.solve(scene.problem, Stages(fem)))
+    r, z = fields.points
+    far = np.hypot(r - 1, z) > NEAR
+    assert (r[far] == 0).any()
+    assert (z[far] == 0).any()
+    moved, stress = flat_punch(r[far], z[far], poisson_ratio)
+    return fields, {
+        "displacement": float(np.abs(fields.displacement[0, far] - moved).max() / D0),
+        "stress": float(np.abs(fields.stress[0, far] - stress).max() / MEAN_PRESSURE),
+        "von_mises": float(np.abs(fields.von_mises[0, far] - von_mises(stress)).max() / MEAN_PRESSURE),
+    }
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.49, 0.5])
+@pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6])
+def test_stresses_under_the_flat_punch(rtol: float, poisson_ratio: float) -> None:
+    """Within 10 rtol of the mean pressure wherever they are finite, and no worse than they say."""
+    fields, errors = inside(poisson_ratio, accuracy__rtol=rtol)
+    assert fields.errors["stress"][0] <= 10 * rtol
+    assert errors["stress"] <= 10 * rtol
+    for name, error in errors.items():
+        assert error <= fields.errors[name][0] <= 50 * error
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.49, 0.5])
+@pytest.mark.parametrize("mesher", ["gmsh", "bisection"])
+def test_the_estimate_on_triangles(mesher: str, poisson_ratio: float) -> None:
+    """Their degree is the highest already: they say how far they fall short."""
+    if WITHOUT_GMSH and mesher == "gmsh":
+        pytest.skip(WITHOUT_GMSH)
+    fields, errors = inside(poisson_ratio, accuracy__fem__mesher=mesher)
+    for name, error in errors.items():
+        assert error <= fields.errors[name][0] <= 50 * error
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize(("changes", "least"), [({"far_field": "fixed"}, 0.95), ({"poles": 1}, 1.0), ({"poles": 2}, 1.0)])
+def test_the_estimate_of_a_truncation(changes: dict[str, object], least: float) -> None:
+    """An outer boundary that the user has asked for is seen; of a clamped one, the error itself."""
+    fields, errors = inside(0.3, **{f"accuracy__fem__{name}": value for name, value in changes.items()})
+    assert errors["stress"] > 1e-3
+    for name, error in errors.items():
+        assert least * error <= fields.errors[name][0] <= 50 * error
+
+
+@pytest.mark.gmsh
+def test_a_degree_that_is_given_is_the_degree_inside() -> None:
+    assert inside(0.3, accuracy__fem__degree=5)[0].degree == 5
 
 
 @pytest.mark.parametrize("mesher", MESHERS)

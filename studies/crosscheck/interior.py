@@ -1,33 +1,58 @@
-"""What happens inside the half-space: displacements and stresses of the finite elements at chosen times."""
+"""What happens inside the half-space: displacements and stresses of the finite elements at chosen times.
 
+Stresses converge half as fast as the indentation, so they have a degree of their own, the first that is accurate enough by
+their own estimate. It is how far the fields are from those of one degree and one pole less, on the same mesh: both
+computed from the contact on, the pressures with them. On quadrilaterals the error falls by a factor of three or more per
+degree, which makes the difference two to six times the error (`tests/test_stresses.py`). Points within `NEAR` of the rim or
+a ring edge, where stresses are infinite or jump, are left out of the estimate.
+"""
+
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from math import ceil, log
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from ringwear.meshes.radial import Array, Indices
 from ringwear.studies.methods.base import Solution
-from ringwear.studies.problem.problem import Units
+from ringwear.studies.problem.problem import D0, P0, Problem, Units
 from ringwear.studies.problem.scene import Scene
+from ringwear.studies.wear.archard import RunningIn
 
-# times that each element is refined to show what its polynomials say
+if TYPE_CHECKING:
+    from ringwear.fem.half_space import HalfSpace
+
+# times that each element is refined to show what its polynomials say, and the highest degree worth its cost
 REFINEMENTS = {"MeshQuad1": 3, "MeshTri1": 2}
+HIGHEST = {"MeshQuad1": 14, "MeshTri1": 4}
+# more pressures than this are not refined further for the sake of the inside: their matrices are dense
+MOST_PRESSURES = 2000
+# error of stresses, over the mean pressure, that goes with a relative error of the indentation
+SHARE = 10
+# distance from the rim and from ring edges, in a, from which on the estimate holds
+NEAR = 0.2
+# share of the energy that the poles may leave to the truncation: at the truncation radius itself stresses feel its root
+NEGLIGIBLE = 1e-13
+# stands for Poisson's ratio 1/2: inside, its error shows, but triangles lock the more the closer it is
+HIGHEST_RATIO = {"MeshQuad1": 0.499999, "MeshTri1": 0.49999}
+MEAN_PRESSURE = 2 * P0
 
 
 @dataclass(frozen=True, eq=False)
-class Interior:
+class Fields:
     """Fields of the half-space, non-dimensional, on small triangles within each element: not averaged between elements.
 
     Parameters
     ----------
-    labels : of the states, `t=...` and `steady`
     points, triangles : (2, n) radius and depth, and the small triangles (3, m) between them
     displacement : (states, n, 2) radial, and into the half-space
     stress : (states, n, 4) rr, zz, rz, hoop
     von_mises : (states, n)
     """
 
-    labels: tuple[str, ...]
     points: Array
     triangles: Indices
     displacement: Array
@@ -35,25 +60,109 @@ class Interior:
     von_mises: Array
 
 
-def interior(scene: Scene, fem: Solution) -> Interior:
-    """Recover the inside of the half-space from the contact pressures: at the scene's field times, and when steady."""
-    from ringwear.fem.stresses import sampled, von_mises
+@dataclass(frozen=True, eq=False)
+class Interior(Fields):
+    """The fields, and how good they are.
 
+    Parameters
+    ----------
+    labels : of the states, `t=...` and `steady`
+    degree : of the displacement
+    errors : of each field, by its name, in each state (states,): estimate of its greatest error further than `NEAR` from
+        the rim and from ring edges; of displacements over a flat punch's indentation, of stresses over the mean pressure
+    """
+
+    labels: tuple[str, ...]
+    degree: int
+    errors: dict[str, Array]
+
+
+def interior(scene: Scene, fem: Solution) -> Interior:
+    """The inside of the half-space at the scene's field times, and when steady.
+
+    Its degree is raised until the estimate of the stresses is `SHARE` times `rtol`, unless the user has given it, or poles.
+    """
     assert fem.half_space is not None
-    assert fem.wear is not None
+    problem = scene.problem
     times = scene.output.field_times
     if times is None:
         times = [0.0] if scene.wear.steady else [0.0, scene.wear.times[-1]]
-    wanted = np.array(times) / scene.problem.units.time
-    wear = replace(fem.wear, earliest=float(min(wanted[wanted > 0], default=0.0)))
-    pressures = list(wear.modal(wanted).pressure)
-    labels = [f"t={time:g}" for time in times]
-    if scene.wear.steady:
+    labels = (*(f"t={time:g}" for time in times), *(("steady",) if scene.wear.steady else ()))
+    wanted = np.array(times) / problem.units.time
+    kind = type(fem.half_space.solid.mesh).__name__
+    # of a lower degree there may be no stable pressures
+    degree = max(fem.half_space.solid.degree, 3)
+    # what the user has given stays, and no degree mends the truncation
+    given = problem.fem.degree or problem.fem.poles or not fem.half_space.poles
+    highest = degree if given else HIGHEST[kind]
+    with threadpool_limits(1):
+        while True:
+            fine, coarse = (fields_of(problem, one, wanted) for one in refined(problem, fem.half_space, degree))
+            errors = estimates(problem, fine, coarse, HIGHEST_RATIO[kind])
+            result = Interior(**vars(fine), labels=labels, degree=degree, errors=errors)
+            excess = errors["stress"].max() / (SHARE * problem.rtol)
+            if excess <= 1 or degree == highest:
+                return result
+            # three times as accurate by each degree
+            degree = min(degree + ceil(log(excess, 3)), highest)
+            if next(refined(problem, fem.half_space, degree)).space.size > MOST_PRESSURES:
+                return result
+
+
+def refined(problem: Problem, half_space: "HalfSpace", degree: int) -> Iterator["HalfSpace"]:
+    """The half-space in another degree, with enough poles; then in one degree and with one pole less."""
+    from ringwear.fem.far_field import enough_poles
+    from ringwear.fem.half_space import pressure_space
+    from ringwear.meshes.half_space import truncation
+
+    highest_ratio = HIGHEST_RATIO[type(half_space.solid.mesh).__name__]
+
+    def with_degree(degree: int, poles: tuple[int, ...]) -> "HalfSpace":
+        solid = replace(half_space.solid, degree=degree, highest_ratio=highest_ratio)
+        return replace(half_space, solid=solid, space=pressure_space(solid, problem.merged.ring_edges), poles=poles)
+
+    tied = enough_poles(truncation(half_space.solid.mesh), NEGLIGIBLE)
+    if half_space.poles:
+        poles = half_space.poles if problem.fem.poles else tied
+        fewer = poles[:-1]
+    else:
+        # a clamped boundary is judged by one that is not: the difference is the error itself, far greater than any other
+        poles, fewer = (), tied
+    yield with_degree(degree, poles)
+    yield with_degree(degree - 1, fewer)
+
+
+def fields_of(problem: Problem, half_space: "HalfSpace", times: Array) -> Fields:
+    """The fields of a half-space at non-dimensional times, and when steady, all from its own pressures."""
+    from ringwear.fem.stresses import sampled, von_mises
+
+    earliest = float(min(times[times > 0], default=0.0))
+    wear = RunningIn(half_space.compliance(), problem.merged.wear_coefficients, earliest)
+    # no modes are needed for the start
+    pressures = list(wear.modal(times).pressure) if times.any() else [wear.flat.pressure] * len(times)
+    if problem.steady:
         pressures.append(wear.steady.pressure)
-        labels.append("steady")
-    refinements = REFINEMENTS[type(fem.half_space.solid.mesh).__name__]
-    points, triangles, moved, stress = sampled(fem.half_space, np.array(pressures), refinements)
-    return Interior(tuple(labels), points, triangles, moved, stress, von_mises(stress))
+    refinements = REFINEMENTS[type(half_space.solid.mesh).__name__]
+    points, triangles, moved, stress = sampled(half_space, np.array(pressures), refinements)
+    return Fields(points, triangles, moved, stress, von_mises(stress))
+
+
+def estimates(problem: Problem, fine: Fields, coarse: Fields, highest_ratio: float) -> dict[str, Array]:
+    """Of each field, by its name, in each state: the greatest difference, and what Poisson's ratio 1/2 adds to it."""
+    from ringwear.fem.stresses import von_mises
+
+    r, z = fine.points
+    far = np.hypot(r - problem.merged.ring_edges[1:, None], z).min(axis=0) > NEAR
+    # fields are in proportion to 1 - 2 nu, plus a constant, and neither is much more than the unit
+    modelled = 2 * max(0.0, problem.poisson_ratio - highest_ratio)
+    stress = (fine.stress - coarse.stress)[:, far] / MEAN_PRESSURE
+    differences = {
+        "displacement": np.abs(fine.displacement - coarse.displacement)[:, far] / D0,
+        "stress": np.abs(stress),
+        # a norm: that of the difference is at least the difference of two
+        "von_mises": von_mises(stress),
+    }
+    return {name: value.reshape(len(value), -1).max(axis=1) + modelled for name, value in differences.items()}
 
 
 def write_half_space(fields: Interior, units: Units, path: Path) -> None:

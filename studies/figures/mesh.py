@@ -8,7 +8,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.ticker import MaxNLocator
 
 from ringwear.meshes.radial import Array
-from ringwear.studies.crosscheck.interior import Interior
+from ringwear.studies.crosscheck.interior import MEAN_PRESSURE, NEAR, Interior
 from ringwear.studies.figures.style import RED, new_figure, titled
 from ringwear.studies.problem.problem import P0
 from ringwear.studies.problem.scene import Scene
@@ -22,15 +22,20 @@ def draw_stress(scene: Scene, fields: Interior, path: Path) -> None:
     r, z = fields.points
     beneath = (r < 1.3) & (z > 0.04) & (z < 1.0)
     levels = MaxNLocator(18).tick_values(0, 1.2 * float(fields.von_mises[:, beneath].max() / P0))
-    for values, label, axes in zip(fields.von_mises / P0, fields.labels, panels, strict=True):
+    # over p0, as the colours are: the mean pressure is twice that
+    errors = fields.errors["von_mises"] * MEAN_PRESSURE / P0
+    for values, label, error, axes in zip(fields.von_mises / P0, fields.labels, errors, panels, strict=True):
         filled = axes.tricontourf(r, z, fields.triangles.T, values, levels, cmap="viridis", extend="max")
         axes.plot([0, 1], [-0.02, -0.02], color=RED, linewidth=2.5)
         axes.plot(ring_edges[1:-1], np.full(len(ring_edges) - 2, -0.045), "v", color=RED, markersize=3)
         axes.set(xlim=(0, 1.3), ylim=(1.0, -0.08), aspect="equal", xlabel="$r/a$")
-        axes.set_title("steady state" if label == "steady" else f"${label}$", fontsize=9)
+        state = "steady state" if label == "steady" else f"${label}$"
+        axes.set_title(f"{state}: error {error:.1e}", fontsize=9)
     panels[0].set_ylabel("depth $z/a$")
     figure.colorbar(filled, ax=panels, label="von Mises stress over $p_0$", shrink=0.9)
     figure.suptitle(titled(scene.title, "von Mises stress under the rings"), fontsize=10)
+    note = f"error: its own estimate, over $p_0$, further than {NEAR:g} a from the rim and from ring edges"
+    figure.supxlabel(note, fontsize=8)
     figure.savefig(path)
 
 
