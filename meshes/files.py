@@ -119,7 +119,9 @@ def _snapped(mesh: Mesh, ring_edges: Array, radius: float) -> Mesh:
         raise MeshError(f"no vertex of the mesh lies on the ring edge at r = {lost[0]:.9g} a on the surface: put a point of "
                         "the geometry there; the first coordinate must be the radius, the second the depth")  # fmt: skip
     points = mesh.p / scale
-    points[points < SLACK] = 0.0
+    # elements may be far smaller than what coordinates are off by in a coarser mesh
+    shortest = float(np.linalg.norm(np.diff(points[:, mesh.facets], axis=1)[:, 0], axis=0).min())
+    points[points < min(SLACK, 1e-3 * shortest)] = 0.0
     points[0, surface[distance.argmin(axis=0)]] = ring_edges
     outer, rho = points[0, used].max(), np.hypot(*points)
     arc = np.abs(rho / outer - 1) < SLACK

@@ -84,14 +84,17 @@ class PressureSpace:
         values = shape_slopes(local, self.top) * (2 / (right - left)[:, None]) if derivative else shapes(local, self.top)
         return self._assembled(values, np.arange(len(radii))[:, None], self.dofs[element], len(radii))
 
-    def on_elements(self, local: Array) -> csr_matrix:
-        """(elements x points, size) values of the basis at local coordinates in [-1, 1] of every element.
+    def on_elements(self, local: Array, derivative: bool = False) -> csr_matrix:
+        """(elements x points, size) values, or slopes, of the basis at local coordinates in [-1, 1] of every element.
 
         By radii, as in `matrix`, coordinates would lose digits on elements much smaller than the punch.
         """
         height = len(self.degrees) * len(local)
         rows = np.arange(height).reshape(-1, len(local), 1)
-        return self._assembled(shapes(local, self.top), rows, self.dofs[:, None, :], height)
+        values = shapes(local, self.top)
+        if derivative:
+            values = shape_slopes(local, self.top) * (2 / np.diff(self.breakpoints))[:, None, None]
+        return self._assembled(values, rows, self.dofs[:, None, :], height)
 
     def _gram(self, blocks: Array) -> csr_matrix:
         """(size, size) sum of the (n, top+1, top+1) matrices of the elements."""
@@ -116,14 +119,6 @@ class PressureSpace:
         blocks = np.einsum("eq,qi,qj->eij", 2 * np.pi * radii * weight, values, values, optimize=True)
         return self._gram(blocks * np.broadcast_to(ring_values, len(self.ring_edges) - 1)[self.ring, None, None])
 
-    def slope_gram(self, weight_of_radius: Array) -> csr_matrix:
-        """(size, size) ``int phi_i' phi_j' w(r) dr`` for weights given at the quadrature radii (n, q)."""
-        _, weight, local = self.quadrature
-        slopes = shape_slopes(local, self.top)
-        scale = (2 / np.diff(self.breakpoints)) ** 2
-        weights = scale[:, None] * weight * weight_of_radius
-        return self._gram(np.einsum("eq,qi,qj->eij", weights, slopes, slopes, optimize=True))
-
     @cached_property
     def weights(self) -> Array:
         """(size,) ``int phi_i dA``: the force that each basis function carries."""
@@ -136,12 +131,16 @@ class PressureSpace:
         """(M, size) force that each basis function puts on each of the rings between `ring_edges` (any edges)."""
         ring_edges = np.asarray(ring_edges, dtype=float)
         cuts = np.union1d(self.breakpoints, ring_edges)
-        local, weight = np.polynomial.legendre.leggauss(self.top + 2)
+        node, weight = np.polynomial.legendre.leggauss(self.top + 2)
         half = np.diff(cuts)[:, None] / 2
-        radii = (cuts[:-1, None] + half * (1 + local)).ravel()
-        area = 2 * np.pi * radii * (half * weight).ravel()
-        sums = csr_matrix((area, (ring_of(ring_edges, radii), np.arange(len(radii)))), (len(ring_edges) - 1, len(radii)))
-        return np.asarray((sums @ self.matrix(radii)).toarray())
+        element = np.searchsorted(self.breakpoints, cuts[:-1], side="right") - 1
+        left, width = self.breakpoints[element, None], np.diff(self.breakpoints)[element, None]
+        # by coordinates within the elements: by radii, those of small ones would lose digits
+        local = 2 * (cuts[:-1, None] - left + half * (1 + node)) / width - 1
+        area = 2 * np.pi * (cuts[:-1, None] + half * (1 + node)) * half * weight
+        values = np.einsum("eq,eqi->ei", area, shapes(local, self.top))
+        rings = ring_of(ring_edges, cuts[:-1])[:, None]
+        return np.asarray(self._assembled(values, rings, self.dofs[element], len(ring_edges) - 1).toarray())
 
     def ring_indicator(self) -> Array:
         """(size, N) coefficients of the pressures that are one on a ring and zero on the others."""

@@ -20,7 +20,7 @@ from ringwear.meshes.errors import MeshError
 from ringwear.meshes.gmsh_session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
 from ringwear.meshes.half_space import LOWER, half_space, quality
 from ringwear.meshes.radial import Array, Indices
-from ringwear.meshes.sizes import LARGEST, beside, falls, patch_layers, patch_widths
+from ringwear.meshes.sizes import LARGEST, Sharpness, beside, falls, patch_layers, patch_widths
 
 # corners of a layer of half-width 1, from the surface inside the singular point to that outside it; and of the outermost
 LAYER = np.array([[-1.0, 0.0], [-0.75, 0.75], [0.0, 1.0], [0.75, 0.75], [1.0, 0.0]])
@@ -53,6 +53,7 @@ class GradedQuads:
     layers : (N,) layers of each patch outside its two kites
     factor : size of a layer over that of the layer outside it
     between : points (2, n) and quadrilaterals (4, m) outside the patches
+    sharpness : where in the patches a lower degree will do
     """
 
     ring_edges: Array
@@ -60,6 +61,7 @@ class GradedQuads:
     layers: Indices
     factor: float
     between: tuple[Array, Indices]
+    sharpness: Sharpness
 
     @cached_property
     def mesh(self) -> MeshQuad:
@@ -89,7 +91,8 @@ class GradedQuads:
     def _patches(self) -> tuple[Array, Indices, Indices]:
         """Points (2, n) of the patches, their quadrilaterals (4, m), and how much lower the degree of each may be (m,)."""
         points, quadrilaterals, lower, count = [], [], [], 0
-        for centre, (inner, outer), fall in zip(self.ring_edges[1:], self.widths, falls(self.layers), strict=True):
+        lowered = falls(self.widths, self.layers, self.factor, self.sharpness)
+        for centre, (inner, outer), fall in zip(self.ring_edges[1:], self.widths, lowered, strict=True):
             depth = len(fall) - 1
             shapes = np.concatenate([OUTLINE[None], np.repeat(LAYER[None], depth, axis=0)])
             shapes = shapes * self.factor ** np.arange(depth + 1.0)[:, None, None]
@@ -107,8 +110,9 @@ class GradedQuads:
 
 
 def graded(
-    ring_edges: ArrayLike, sizes: ArrayLike, rim_size: float, factor: float, growth: float, outer: float
-) -> GradedQuads:
+    ring_edges: ArrayLike, sizes: ArrayLike, rim_size: float, factor: float, growth: float, outer: float,
+    sharpness: Sharpness | None = None,
+) -> GradedQuads:  # fmt: skip
     """Mesh the quarter disc.
 
     Parameters
@@ -119,6 +123,7 @@ def graded(
     factor : size of a layer over that of the layer outside it
     growth : growth of the elements with the distance from the patches
     outer : truncation radius of the half-space, in punch radii
+    sharpness : where in the patches a lower degree will do; default as if nothing had been blunted
 
     Raises
     ------
@@ -133,10 +138,12 @@ def graded(
     layers = patch_layers(widths, np.append(np.broadcast_to(sizes, len(ring_edges) - 2), rim_size), factor)
     if missing := gmsh_session.unavailable():
         raise MeshError(missing)
+    sharpness = sharpness or Sharpness(0.0, np.zeros(len(widths)), np.zeros(len(widths)))
     candidates = []
     for way in WAYS:
         try:
-            graded = GradedQuads(ring_edges, widths, layers, factor, _between(ring_edges[1:], widths, growth, outer, way))
+            between = _between(ring_edges[1:], widths, growth, outer, way)
+            graded = GradedQuads(ring_edges, widths, layers, factor, between, sharpness)
             candidates.append((float(quality(graded.mesh).min()), graded))
             if candidates[-1][0] >= GOOD:
                 break

@@ -77,13 +77,66 @@ def patch_layers(widths: Array, sizes: Array, factor: float) -> Indices:
     return np.maximum(1, np.ceil(np.log(sizes / widths.max(axis=1)) / np.log(factor) - 1e-9)).astype(np.int64)
 
 
-def falls(layers: Indices) -> list[Indices]:
+def falls(widths: Array, layers: Indices, factor: float, sharpness: "Sharpness") -> list[Indices]:
     """For each patch (layers + 1,) how much lower the degree may be in each layer and, last, in the middle."""
-    # there is ever less energy to lose; the rim's singularity is stronger
-    rates = np.append(np.ones(len(layers) - 1), 0.6)
-    return [(rate * np.arange(count + 1)).astype(np.int64) for rate, count in zip(rates, layers, strict=True)]
+    half = widths.max(axis=1)
+    behind = [
+        sharpness(reach * factor ** np.arange(count + 1.0), reach, np.full(count + 1, number))
+        for number, (reach, count) in enumerate(zip(half, layers, strict=True))
+    ]
+    greatest = max(float(one.max()) for one in behind)
+    return [spared_degrees(greatest / one, factor) for one in behind]
 
 
 def beside(widths: Array) -> Array:
     """(N,) size of the elements beside each patch, in few distinct values, which is what a mesher digests."""
     return np.asarray(2.0 ** (np.round(4 * np.log2(1.4 * widths.mean(axis=1))) / 4))
+
+
+@dataclass(frozen=True, eq=False)
+class Sharpness:
+    """How much stands behind the highest degree of an element near a ring edge or the rim, relative to the rest.
+
+    It has to become smaller than the accuracy. Wear blunts the pressure beside an edge over a length that grows in time,
+    on each side as its material wears: between the two lengths the edge of the slower ring is sharp, as the rim is. The worn
+    profile keeps ``x log x`` there, and its slope, whose square counts, ``log x``. At the start the pressure at the
+    rim is infinite as a root.
+
+    Parameters
+    ----------
+    accuracy : wanted
+    slow, fast : (N,) lengths that wear has blunted at the first time after the start, beside each edge but the centre,
+        on the side that wears slower and faster; infinite if no history is wanted
+    start : whether the start is wanted
+    """
+
+    accuracy: float
+    slow: Array
+    fast: Array
+    start: bool = True
+
+    def __call__(self, distance: Array, half: Array, edge: Indices) -> Array:
+        """Of elements whose far end has a distance from the nearest edge, by its number, in rings of given half width."""
+        at_rim, slow = edge == len(self.slow) - 1, self.slow[edge]
+        with np.errstate(divide="ignore"):
+            sharp = np.minimum(1.0, distance / slow)
+            within = np.minimum(1.0, distance / np.minimum(slow, half))
+        whole = np.where(at_rim, 1.0, np.sqrt(np.minimum(1.0, np.maximum(distance, self.fast[edge]) / half)))
+        pressure = whole * sharp**1.5
+        if self.start:
+            pressure = np.where(at_rim, np.maximum(pressure, np.sqrt(distance)), pressure)
+        slope = 3 * np.sqrt(self.accuracy * np.maximum(whole**2 * within, distance / half))
+        return np.asarray(np.maximum(np.maximum(pressure, slope), distance))
+
+
+def convergence(ratio: float) -> float:
+    """Logarithm of what one degree more gains where each element is smaller by `ratio` than its outer neighbour.
+
+    A polynomial on an element one element away from a singularity converges with the ellipse through it (Bernstein).
+    """
+    return float(np.log((1 + ratio**0.5) / (1 - ratio**0.5)))
+
+
+def spared_degrees(less: Array, ratio: float) -> Indices:
+    """Degrees that can be spared where so many times less stands behind them."""
+    return np.asarray(np.log(less) / convergence(ratio), dtype=np.int64)

@@ -103,6 +103,7 @@ def _directory(options: argparse.Namespace) -> Path:
 
 
 def _run(options: argparse.Namespace) -> int:
+    from ringwear.studies.crosscheck import agreement
     from ringwear.studies.crosscheck.run import run
     from ringwear.studies.output import write
 
@@ -117,7 +118,7 @@ def _run(options: argparse.Namespace) -> int:
     _say_what(scene)
     _say_verdict(result)
     print(f"\n{len(written)} files in {out}: {', '.join(written)}")
-    return DONE if result.agrees and not result.short_of else DISAGREE
+    return DISAGREE if result.verdict == agreement.DISAGREE or result.short_of else DONE
 
 
 def _say_what(scene: Scene) -> None:
@@ -139,23 +140,32 @@ def _say_verdict(result: "Result") -> None:
         print(f"{name:<9}{solution.unknowns:>9}{seconds:>10.3f}   {parts}")
     if result.agreement:
         print("\nAgreement, relative             difference  uncertainty")
-        for row in result.agreement:
-            verdict = "" if row.agrees else "   DISAGREE"
-            pair = f"{row.methods[0]}, {row.methods[1]}"
-            print(f"  {row.quantity:<24}{pair:<14}{row.difference:8.1e}{row.uncertainty:10.1e}{verdict}")
-        print("The methods agree within their stated uncertainty." if result.agrees else "THE METHODS DISAGREE.")
+    for row in result.agreement:
+        pair, verdict = f"{row.methods[0]}, {row.methods[1]}", "" if row.agrees else f"   {row.verdict}"
+        print(f"  {row.quantity:<24}{pair:<14}{row.difference:8.1e}{row.uncertainty:10.1e}{verdict}")
     for both in result.operators:
         print(
             f"As operators, {both.methods[0]} and {both.methods[1]} differ by {both.rings:.1e} over all steady states and "
             f"{both.history:.1e} along this history; stability {both.stability:.2f}, residual {both.residual:.1e}"
         )
-    for method, estimate in result.short_of.items():
-        print(
-            f"{method} says of itself that it errs by {estimate:.1e}, more than the {result.scene.accuracy.rtol:.0e} asked "
-            "for: this is the best it can give with these settings"
-        )
+    for anchor in result.anchors:
+        if not anchor.holds:
+            print(f"{anchor.method} does not hold to {anchor.name}: off by {anchor.difference:.1e}, "
+                  f"more than {anchor.tolerance:.1e}")  # fmt: skip
+    print(f"{len(result.anchors)} anchors (closed forms and balances), "
+          f"{'all hold' if all(anchor.holds for anchor in result.anchors) else 'NOT ALL HOLD'}.")  # fmt: skip
+    rtol = result.scene.accuracy.rtol
+    for name, solution in result.solutions.items():
+        if beyond := solution.beyond(rtol):
+            listed = ", ".join(f"{quantity} {error:.1e}" for quantity, error in beyond.items())
+            print(f"{name} says of itself that it errs by more than the {rtol:.0e} asked for in: {listed}")
+    for row in result.agreement:
+        if row.remark:
+            print(f"{row.quantity} is undecided between {row.methods[0]} and {row.methods[1]}: {row.remark}")
     for note in result.notes:
         print(f"note: {note}")
+    if result.agreement:
+        print(result.verdict_in_words)
 
 
 def _plan(options: argparse.Namespace) -> int:

@@ -4,6 +4,7 @@ Differences are from the MDR, over the median at that time. Every method joins t
 """
 
 import argparse
+from collections import Counter
 from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
@@ -22,7 +23,7 @@ from ringwear.studies.progress import LOG
 from ringwear.studies.registry import METHODS
 from ringwear.studies.tables import Table, write_page
 
-FIELDS = ("quantity", "methods", "difference", "uncertainty", "agrees")
+FIELDS = ("quantity", "methods", "difference", "uncertainty", "verdict", "remark")
 OPERATOR_FIELDS = ("methods", "rings", "history", "space", "stability", "residual")
 LEAST = 1e-16  # a difference drawn where there is none
 
@@ -34,7 +35,7 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     scene = scene.changed(methods=[*scene.methods, *others], **quick)
     LOG.info(" compare  %s ...", ", ".join(scene.methods))
     result = run(scene)
-    agreement = [vars(row) | {"methods": " - ".join(row.methods), "agrees": row.agrees} for row in result.agreement]
+    agreement = [vars(row) | {"methods": " - ".join(row.methods)} for row in result.agreement]
     operators = [vars(pair) | {"methods": " - ".join(pair.methods)} for pair in result.operators]
     tables = {
         "Greatest differences, relative": Table(out / "compare.csv", FIELDS, agreement),
@@ -45,8 +46,9 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
         rows = list(group)
         worst = max(rows, key=itemgetter("difference"))
         difference = f"{worst['difference']:.1e} ({worst['quantity']})"
-        verdict = "within" if all(row["agrees"] for row in rows) else "BEYOND"
-        conclusions.append(f"{methods}: differ by at most {difference}, {verdict} their stated uncertainty.")
+        counts = Counter(row["verdict"] for row in rows)
+        listed = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+        conclusions.append(f"{methods}: differ by at most {difference}; of {len(rows)} quantities {listed}.")
     write_page(out / "compare.md", f"The methods side by side: {scene.title}", conclusions, tables)
     draw(result, out / "compare.png")
     return [*conclusions, *(table.markdown() for table in tables.values())]

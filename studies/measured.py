@@ -14,7 +14,7 @@ from ringwear.meshes.radial import Array
 from ringwear.studies.methods import mdr
 from ringwear.studies.methods.base import method
 from ringwear.studies.methods.by_compliance import compliance_method
-from ringwear.studies.methods.quantities import array, error_name
+from ringwear.studies.methods.quantities import array
 from ringwear.studies.methods.sampler import Evaluation
 from ringwear.studies.problem.defaults import grid_step
 from ringwear.studies.problem.problem import D0, Problem
@@ -61,7 +61,7 @@ def measured(name: str, problem: Problem, known: Array, quick: bool) -> Row:
     except RingwearError as failure:
         return {"remark": str(failure)}
     error = np.abs(array(solution.results, "indentation") / known - 1)
-    estimate = array(solution.results, error_name("indentation"))
+    estimate = solution.errors["indentation"]
     return {
         "unknowns": solution.unknowns,
         "seconds": seconds,

@@ -47,12 +47,12 @@ STUDIES: dict[str, Study] = {
     ),
     "extremes": Study("extremes.study", "a map of the limits: every method at extreme parameters against closed forms"),
     "estimates": Study(
-        "estimates",
-        "are stated errors honest? true error over own estimate, on scenes drawn at random",
+        "estimates.study",
+        "are stated errors honest, and is the accuracy reached? every quantity, on scenes drawn at random",
         options=(
             ("--seed", {"type": int, "default": 0, "help": "seed that the scenes are drawn from (default: 0)"}),
             ("--count", {"type": int, "default": 40, "help": "how many scenes (default: 40)"}),
-            ("--rings", {"type": int, "default": 8, "help": "most rings of a scene (default: 8; 64 takes long)"}),
+            ("--rings", {"type": int, "default": 8, "help": "most rings of a scene (default: 8; 24 takes long)"}),
         ),
     ),
     "tradeoff": Study("tradeoff", "error against seconds for every method and family of settings"),

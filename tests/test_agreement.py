@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,25 +10,39 @@ import pytest
 import xarray
 
 from ringwear import Scene, run
-from ringwear.studies.crosscheck.agreement import agreements
+from ringwear.studies.crosscheck.agreement import Agreement, agreements
 from ringwear.studies.crosscheck.run import Result
 from ringwear.studies.problem.scene import bundled
 
 
 def disagreements(result: Result) -> list[str]:
-    rows = [row for row in result.agreement if not row.agrees]
-    return [f"{row.quantity} {row.methods}: {row.difference:.1e} > {row.uncertainty:.1e}" for row in rows]
+    rows = [row for row in result.agreement if row.verdict == "disagree"]
+    wrong = [f"{row.quantity} {row.methods}: {row.difference:.1e} > {row.uncertainty:.1e}" for row in rows]
+    return wrong + [f"{one.method}: {one.name} {one.difference:.1e}" for one in result.anchors if not one.holds]
 
 
-@pytest.mark.parametrize("mesher", ["gmsh", "bisection"])
+def undecided(result: Result) -> set[str]:
+    return {row.quantity for row in result.agreement if row.verdict == "undecided"}
+
+
+@pytest.mark.parametrize("mesher", [pytest.param("quads", marks=pytest.mark.gmsh), "gmsh", "bisection"])
 @pytest.mark.parametrize("name", bundled())
 def test_bundled_scenes_agree(name: str, mesher: str) -> None:
-    assert disagreements(run(Scene.load(name).changed(accuracy__fem__mesher=mesher))) == []
+    result = run(Scene.load(name).changed(accuracy__fem__mesher=mesher))
+    assert disagreements(result) == []
+    if mesher == "quads":
+        # fields of 32 rings are resolved as far as is affordable, and it is said how far
+        assert undecided(result) <= ({"pressure", "rms_slope"} if name == "many_rings" else set())
+        assert all("so many rings" in row.remark for row in result.agreement if row.verdict == "undecided")
 
 
+@pytest.mark.gmsh
 @pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-5])
 def test_five_rings_agree_at_every_accuracy(rtol: float) -> None:
-    assert disagreements(run(Scene.load("five_rings").changed(accuracy__rtol=rtol))) == []
+    result = run(Scene.load("five_rings").changed(accuracy__rtol=rtol))
+    assert disagreements(result) == []
+    assert result.verdict == "agree"
+    assert result.verdict_in_words == "The methods agree: 14 of 14 quantities agree."
 
 
 @pytest.mark.parametrize(
@@ -53,29 +68,63 @@ def flat() -> Result:
     return run(Scene.load("flat_punch").changed(methods=["mdr", "fem"], accuracy__rtol=1e-3, wear__times=[0.0, 0.1, 1.0]))
 
 
-def disagreeing(flat: Result, wrong: xarray.Dataset) -> list[str]:
-    """Quantities in which the MDR disagrees with wrong finite elements."""
-    rows = agreements(("mdr", "fem"), flat.solutions["mdr"].results, wrong, 1e-3)
-    return [row.quantity for row in rows if not row.agrees]
+def compared(flat: Result, wrong: xarray.Dataset, errors: dict[str, Any] | None = None) -> list[Agreement]:
+    """The MDR against finite elements with other results, or other errors."""
+    mdr, fem = flat.solutions["mdr"], flat.solutions["fem"]
+    changed = replace(fem, checked=wrong, errors=fem.errors | (errors or {}))
+    return agreements(flat.scene.problem, ("mdr", "fem"), (mdr, changed))
 
 
-@pytest.mark.parametrize("factor", [0.9, 1.1])
+def with_verdict(rows: list[Agreement], verdict: str) -> list[str]:
+    return [row.quantity for row in rows if row.verdict == verdict]
+
+
+@pytest.mark.parametrize("factor", [0.98, 1.02])
 @pytest.mark.parametrize(
-    "quantity", ["indentation", "displacement_max", "rms_slope", "relaxation_time", "ring_force", "steady_rms_slope"]
-)
+    "quantity",
+    [
+        "pressure", "profile", "displacement", "displacement_centre", "displacement_max", "rms_slope", "relaxation_time",
+        "ring_force", "steady_pressure", "steady_profile", "steady_rms_slope", "steady_wear_rate",
+    ],
+)  # fmt: skip
 def test_a_wrong_result_is_noticed(flat: Result, quantity: str, factor: float) -> None:
-    right = flat.solutions["fem"].results
-    assert disagreeing(flat, right) == []
+    right = flat.solutions["fem"].checked
+    assert with_verdict(compared(flat, right), "disagree") == []
     wrong = right.assign({quantity: factor * right[quantity]})
-    if "time" in right[quantity].dims:
-        # at the start slopes are zero, and finite elements state the greatest errors
-        wrong, right = wrong.isel(time=[1, 2]), right.isel(time=[1, 2])
-        rows = agreements(("mdr", "fem"), flat.solutions["mdr"].results.isel(time=[1, 2]), wrong, 1e-3)
-        assert [row.quantity for row in rows if not row.agrees] == [quantity]
-    else:
-        assert disagreeing(flat, wrong) == [quantity]
+    assert with_verdict(compared(flat, wrong), "disagree") == [quantity]
 
 
 def test_one_wrong_time_is_noticed(flat: Result) -> None:
-    right = flat.solutions["fem"].results
-    assert disagreeing(flat, right.assign(indentation=right.indentation * np.array([1, 1.01, 1]))) == ["indentation"]
+    right = flat.solutions["fem"].checked
+    (row,) = [
+        row
+        for row in compared(flat, right.assign(indentation=right.indentation * np.array([1, 1.01, 1])))
+        if row.verdict == "disagree" and row.quantity == "indentation"
+    ]
+    assert row.difference == pytest.approx(0.01, rel=0.02)
+
+
+def test_what_a_method_does_not_know_is_undecided_not_agreed(flat: Result) -> None:
+    """An uncertainty above what was asked for excuses no difference, and hides none."""
+    right = flat.solutions["fem"].checked
+    unsure = {"profile": np.array([1e-5, 0.2, 1e-5])}
+    (row,) = [row for row in compared(flat, right, unsure) if row.quantity == "profile"]
+    assert row.verdict == "undecided"
+    assert row.uncertainty == pytest.approx(0.2, rel=0.01)
+    assert row.remark.startswith("at 1 of 3 times: fem states 2.0e-01")
+    wrong = right.assign(profile=1.5 * right.profile)
+    (row,) = [row for row in compared(flat, wrong, unsure) if row.quantity == "profile"]
+    assert row.verdict == "disagree"
+
+
+def test_early_layers_that_cannot_be_resolved_are_named() -> None:
+    """As t tends to zero the slope is that of a layer at the rim ever thinner."""
+    scene = Scene.load("flat_punch").changed(methods=["mdr", "fem"], accuracy__rtol=1e-6, wear__times=[1e-10, 0.1])
+    result = run(scene)
+    assert disagreements(result) == []
+    (row,) = [row for row in result.agreement if row.quantity == "rms_slope"]
+    assert row.verdict == "undecided"
+    assert row.remark.startswith("at t = 1e-10: the layers that wear makes")
+    assert result.verdict_in_words.startswith("Not all is decided: ")
+    # the early time does not spoil the later one
+    assert result.solutions["mdr"].errors["rms_slope"][1] < 1e-6

@@ -1,4 +1,4 @@
-"""Stated errors are honest: on scenes drawn at random, and where a fault was put in."""
+"""Stated errors are honest: on scenes drawn at random, and where sizes are too coarse."""
 
 from __future__ import annotations
 
@@ -13,43 +13,48 @@ import pytest
 
 from ringwear import Scene, run
 from ringwear.meshes.radial import ring_areas
-from ringwear.studies import estimates
 from ringwear.studies.crosscheck.run import Result, solved_to_accuracy
-from ringwear.studies.estimates import random_scenes
+from ringwear.studies.estimates import study
+from ringwear.studies.estimates.scenes import random_scenes
 from ringwear.studies.methods.by_compliance import Discretised
 from ringwear.studies.methods.mdr import Mdr
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 
 
-def true_errors(result: Result) -> dict[str, tuple[float, float]]:
-    """(error, estimate) of the indentation by method, against a far finer MDR."""
-    return {name: errors["indentation"] for name, errors in estimates.true_errors(result).items()}
+def true_errors(result: Result, quantity: str = "indentation") -> dict[str, tuple[float, float]]:
+    """Greatest (error, estimate) of a quantity by method, against the independent reference."""
+    found = study.true_errors(result)
+    return {name: (float(one[quantity][0].max()), float(one[quantity][1].max())) for name, one in found.items()}
 
 
 @pytest.mark.slow
-def test_random_scenes() -> None:
-    ratios, reached, alarms = [], [], []
-    for scene in random_scenes(3, 40):
-        result = run(scene)
-        alarms.append(not result.agrees)
-        for error, estimate in true_errors(result).values():
-            ratios.append(error / estimate)
-            reached.append(error <= scene.accuracy.rtol)
-    share = np.mean([(0.05 <= ratio <= 1.0) for ratio in ratios])
-    print(f"estimate honest in {share:.1%}, rtol reached in {np.mean(reached):.1%}, {sum(alarms)} alarms")
-    assert share >= 0.95
-    assert np.mean([ratio <= 1.0 for ratio in ratios]) >= 0.98
-    assert np.mean(reached) >= 0.98
-    assert not any(alarms)
+@pytest.mark.parametrize("mesher", [pytest.param("quads", marks=pytest.mark.gmsh), "bisection"])
+def test_random_scenes(mesher: str) -> None:
+    """The accuracy is reached, or said not to be; estimates are seldom below the truth, and not far above."""
+    rows = [
+        row
+        for scene in random_scenes(3, 24, most_rings=4, accuracy__fem={"mesher": mesher})
+        for row in study.rows_of(scene)
+        if "quantity" in row
+    ]
+    assert [row["remark"] for row in rows if row["remark"]] == []
+    missed = [row for row in rows if row["verdict"] == "missed"]
+    assert len(missed) <= 0.01 * len(rows), missed
+    assert sum(row["below"] for row in rows) <= 0.01 * sum(row["values"] for row in rows)
+    assert not any(row["below"] for row in rows if row["quantity"] == "indentation")
+    for quantity in {row["quantity"] for row in rows}:
+        worth = [row["effectivity"] for row in rows if row["quantity"] == quantity and np.isfinite(row["effectivity"])]
+        assert len(worth) < 8 or np.median(worth) <= 12, quantity
 
 
 def test_study(tmp_path: Path) -> None:
-    conclusions = estimates.conduct(Scene.load("five_rings"), tmp_path, Namespace(quick=True, seed=2))
-    assert len(conclusions) == 4
-    assert all("above 1 for 0.0%" in line for line in conclusions if "indentation" in line)
+    conclusions = study.conduct(Scene.load("five_rings"), tmp_path, Namespace(quick=True, seed=2))
+    assert len(conclusions) == 2 + 2 * 14
+    assert all("miss it; scenes with a false alarm: 0" in line for line in conclusions[:2])
+    assert all(": 0 of " in line for line in conclusions[2:] if "indentation" in line)
     with (tmp_path / "estimates.csv").open(encoding="utf-8") as file:
-        assert len(list(csv.DictReader(file))) == 8 * 4
+        assert len(list(csv.DictReader(file))) >= 8 * 2 * 13
     assert (tmp_path / "estimates.png").exists()
 
 
@@ -62,9 +67,10 @@ def test_study(tmp_path: Path) -> None:
     ],
     ids=["fixed boundary at 20 a", "coarse mesh", "one pole at 2 a"],
 )
-def test_faults_are_caught(fault: dict[str, object]) -> None:
+def test_coarse_settings_do_not_pass_for_agreement(fault: dict[str, object]) -> None:
     result = run(Scene.load("five_rings").changed(methods=["mdr", "fem"], accuracy__rtol=1e-3, **fault))
-    assert not result.agrees or result.short_of
+    assert result.verdict != "agree"
+    assert result.solutions["fem"].beyond(1e-3)
 
 
 @pytest.mark.parametrize("march", ["implicit", "modal"])
@@ -89,17 +95,18 @@ class Hopeful(Mdr):
     """An MDR whose sizes promise far more accuracy than they give."""
 
     def discretised(self, problem: Problem, stages: Stages, pairs: bool = True) -> Discretised:
-        return super().discretised(replace(problem, rtol=min(0.1, 1e4 * problem.rtol)), stages, pairs)
+        return super().discretised(replace(problem, rtol=min(0.1, 1e2 * problem.rtol)), stages, pairs)
 
 
 def test_refined_until_the_accuracy_is_reached(caplog: pytest.LogCaptureFixture) -> None:
     """Sizes that are far too hopeful are noticed by the estimate, and made up for."""
-    scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-6)
+    scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-5)
     with caplog.at_level(logging.INFO, "ringwear"):
         solution = solved_to_accuracy(Hopeful(), scene.problem, Stages("mdr"))
-    error, estimate = true_errors(replace(run(scene), solutions={"mdr": solution}))["mdr"]
-    assert error <= estimate <= 1e-6
-    assert any("refined from rtol 1.0e-06" in note for note in solution.notes)
+    assert max(solution.greatest_error(name) for name in solution.errors) <= 1.5e-5
+    for error, estimate in study.true_errors(replace(run(scene), solutions={"mdr": solution}))["mdr"].values():
+        assert (error <= estimate).all()
+    assert any("refined from rtol 1.0e-05" in note for note in solution.notes)
     assert "refining" in caplog.text
 
 
@@ -122,6 +129,6 @@ def test_nothing_locks(poisson_ratio: float) -> None:
         "wear_coefficients": [240.0, 170.0, 0.0013, 18.0, 0.001, 1.0],
     }
     wear = {"times": [0.0, 0.0017, 0.0089, 0.042]}
-    changes = {"methods": ["fem"], "half_space__poisson_ratio": poisson_ratio, "accuracy__rtol": 1e-6}
+    changes = {"methods": ["fem"], "half_space__poisson_ratio": poisson_ratio, "accuracy__rtol": 1e-4}
     error, estimate = true_errors(run(Scene.load("five_rings").changed(punch=punch, wear=wear, **changes)))["fem"]
-    assert error <= estimate <= 1e-6
+    assert error <= estimate <= 1e-4

@@ -11,6 +11,8 @@ import pytest
 import xarray
 
 from ringwear import Scene, run
+from ringwear.studies.estimates.reference import known
+from ringwear.studies.estimates.study import true_errors
 
 Solve = Callable[..., xarray.Dataset]
 Reference = dict[str, Any]
@@ -24,7 +26,7 @@ def solve(reference: Reference) -> Solve:
     def solved(**changes: Any) -> xarray.Dataset:
         lists = {"methods": list(changes.pop("methods")), "output__radii": reference["radii"]}
         times = [state["time"] for state in reference["states"]]
-        return run(Scene.load("five_rings").changed(wear__times=times, **lists, **changes)).dataset.isel(method=0)
+        return run(Scene.load("five_rings").changed(wear__times=times, **lists, **changes)).dataset.isel(solver=0)
 
     return solved
 
@@ -139,3 +141,28 @@ def test_error_estimates_are_honest(solve: Solve, reference: Reference, scene: d
     # an estimate, not a bound; the reference itself is known to 1e-10
     assert float((heights / (found.indentation_error + 1e-10)).max()) <= 5
     assert slope <= 5 * float(found.steady_rms_slope_error)
+
+
+@pytest.mark.parametrize(
+    "rtol", [1e-2, pytest.param(1e-4, marks=pytest.mark.gmsh), pytest.param(1e-7, marks=pytest.mark.gmsh)]
+)
+def test_the_dial_bounds_every_quantity(reference: Reference, rtol: float) -> None:
+    """In its own norm, at every time from the start to beyond the running-in; and no estimate is below the truth."""
+    times = [0.0, *(state["time"] for state in reference["states"])]
+    result = run(Scene.load("five_rings").changed(methods=["mdr", "fem"], wear__times=times, accuracy__rtol=rtol))
+    assert result.verdict == "agree"
+    for errors in true_errors(result).values():
+        assert len(errors) == 14
+        for quantity, (error, estimate) in errors.items():
+            assert error.max() <= rtol, quantity
+            assert (error <= estimate).all(), quantity
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("name", ["mdr", "fem"])
+def test_profiles_are_as_good_where_little_is_worn(reference: Reference, name: str) -> None:
+    """Relative to the greatest height worn, not to the indentation, from t = 0.001 on."""
+    times = [state["time"] for state in reference["states"]]
+    result = run(Scene.load("five_rings").changed(methods=[name], wear__times=times, accuracy__rtol=1e-4))
+    exact, found = known(result.scene.problem).profile, result.solutions[name].checked.profile
+    assert float((np.abs(found - exact).max("radius") / exact.max("radius")).max()) <= 1e-4

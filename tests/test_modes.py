@@ -4,10 +4,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray
 from scipy.sparse import csr_matrix
 
+from ringwear import Scene
 from ringwear.meshes.errors import SceneError, SolverError
-from ringwear.studies.methods.quantities import relative_difference
+from ringwear.studies.methods.quantities import differences
 from ringwear.studies.wear.modes import BandedCholesky, every_mode, excited_modes
 
 
@@ -20,16 +22,16 @@ def test_the_flat_start_excites_few_modes(prepare: Any, earliest: float) -> None
     """The Krylov space carries the history from its earliest time on, and the slowest relaxation times."""
     wear = prepare("many_rings", "mdr", accuracy__rtol=1e-2).wear
     mass, weights, moments = pencil(wear)
-    whole = every_mode(wear._factor, mass, weights, moments, gentle=True)
+    whole = every_mode(wear._factor, mass, weights, moments, gentle=False)
     few = excited_modes(wear._energy, mass, weights, moments, earliest)
     assert len(few.relaxation) < len(whole.relaxation)
     assert few.exact >= 5
-    np.testing.assert_allclose(few.relaxation[: few.exact], whole.relaxation[: few.exact], rtol=1e-12)
+    np.testing.assert_allclose(few.relaxation[: few.exact], whole.relaxation[: few.exact], rtol=1e-10)
     for time in earliest * np.array([1, 3, 1000]):
         # left of the flat start, and worn off by then
         for share in (lambda tau: np.exp(-time / tau), lambda tau: -np.expm1(-time / tau) * tau):  # noqa: B023
             found, expected = (modes.shapes @ (share(modes.relaxation) * modes.amplitudes) for modes in (few, whole))
-            np.testing.assert_allclose(found, expected, atol=1e-11 * np.abs(expected).max())
+            np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(expected).max())
 
 
 def test_a_start_that_excites_nothing_more_ends_the_search(prepare: Any) -> None:
@@ -68,4 +70,12 @@ def test_banded_factor() -> None:
 
 def test_two_results_may_know_another_number_of_modes() -> None:
     times = np.array([1.0, 0.5, 0.25])
-    np.testing.assert_array_equal(relative_difference("relaxation_time", times * 1.5, times[:2]), [0.5, 0.5])
+    three, two = (xarray.Dataset({"relaxation_time": ("mode", known)}) for known in (1.5 * times, times[:2]))
+    found = differences(three, two, Scene.load("five_rings").problem.face)
+    np.testing.assert_array_equal(found["relaxation_time"], [0.5, 0.5])
+
+
+def test_no_columns_are_no_harm() -> None:
+    """LAPACK's wrapper writes past the end of none."""
+    factor = BandedCholesky(csr_matrix(np.eye(5)))
+    assert factor.solve(np.empty((5, 0))).shape == (5, 0)

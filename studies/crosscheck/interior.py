@@ -94,7 +94,7 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     degree = max(fem.half_space.solid.degree, 3)
     # what the user has given stays, and no degree mends the truncation
     given = problem.fem.degree or problem.fem.poles or not fem.half_space.poles
-    highest = degree if given else HIGHEST[kind]
+    highest = degree if given else max(degree, HIGHEST[kind])
     with threadpool_limits(1):
         while True:
             fine, coarse = (fields_of(problem, one, wanted) for one in refined(problem, fem.half_space, degree))

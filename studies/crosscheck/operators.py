@@ -18,7 +18,7 @@ from ringwear.studies.problem.problem import Problem
 from ringwear.studies.wear.archard import RunningIn
 
 # below this share of the energy of a pressure, the multipliers no longer see the displacement: a checkerboard
-LEAST_STABLE = 0.05
+LEAST_STABLE = 0.01
 
 
 @dataclass(frozen=True, eq=False)

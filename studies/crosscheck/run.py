@@ -1,76 +1,27 @@
 """Run a scene: every method, its own error estimate, and the verdict on how far they agree."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
-from typing import Any
 
-import xarray
 from threadpoolctl import threadpool_limits
 
 from ringwear.meshes.errors import SceneError
-from ringwear.studies.crosscheck.agreement import Agreement, agreements
+from ringwear.studies.crosscheck.agreement import A_FEW, FINEST, agreements
+from ringwear.studies.crosscheck.anchors import anchors
+from ringwear.studies.crosscheck.dataset import Result
 from ringwear.studies.crosscheck.operators import OperatorDifference, difference
 from ringwear.studies.methods.base import Method, Solution, method
 from ringwear.studies.methods.by_compliance import AnySpaceMethod
+from ringwear.studies.methods.quantities import ENERGIES
+from ringwear.studies.problem.defaults import at_smallest, field_accuracy
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.progress import LOG, Stages
 
-MOST_REFINEMENTS = 2
-FINEST = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class Result:
-    """Everything that a run computed; solutions are non-dimensional, `dataset` is in the scene's units.
-
-    Parameters
-    ----------
-    scene : what was asked for
-    solutions : by method
-    stages : seconds by method
-    agreement : of every two methods, by quantity
-    operators : of every two compliances
-    """
-
-    scene: Scene
-    solutions: dict[str, Solution]
-    stages: dict[str, Stages]
-    agreement: tuple[Agreement, ...]
-    operators: tuple[OperatorDifference, ...]
-
-    @property
-    def agrees(self) -> bool:
-        return all(row.agrees for row in self.agreement)
-
-    @property
-    def estimates(self) -> dict[str, float]:
-        """Each method's own estimate of its relative error, of the indentation over all times."""
-        return {name: solution.error_estimate for name, solution in self.solutions.items()}
-
-    @property
-    def short_of(self) -> dict[str, float]:
-        """Methods whose own estimate is above the accuracy asked for."""
-        return {name: value for name, value in self.estimates.items() if value > self.scene.accuracy.rtol}
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        return tuple(note for solution in self.solutions.values() for note in solution.notes)
-
-    @property
-    def dataset(self) -> xarray.Dataset:
-        """The results as an xarray Dataset, in the scene's units."""
-        from ringwear.studies.crosscheck.dataset import dataset
-
-        return dataset(self.scene, self.solutions)
-
-    @property
-    def summary(self) -> dict[str, Any]:
-        """What was done, at what cost, how accurately, and what was left out."""
-        from ringwear.studies.crosscheck.dataset import summary
-
-        return summary(self.scene, self.solutions, self.stages, self.agreement, self.operators)
+MOST_REFINEMENTS = 4
+# times finer that a refinement asks for at the most; times better that it has to make the result to be followed by another
+FINER, WORTH = 10.0, 3.0
 
 
 def run(scene: Scene) -> Result:
@@ -92,33 +43,46 @@ def run(scene: Scene) -> Result:
     with threadpool_limits(1):
         solutions = {name: solved_to_accuracy(one, problem, stages[name]) for name, one in methods.items()}
         operators = tuple(compare_operators(problem, solutions))
+        held = tuple(anchor for name, solution in solutions.items() for anchor in anchors(problem, name, solution))
     agreement = tuple(
-        row
-        for a, b in combinations(solutions, 2)
-        for row in agreements((a, b), solutions[a].results, solutions[b].results, problem.rtol)
+        row for a, b in combinations(solutions, 2) for row in agreements(problem, (a, b), (solutions[a], solutions[b]))
     )
-    return Result(scene, solutions, stages, agreement, operators)
+    return Result(scene, solutions, stages, agreement, held, operators)
 
 
 def solved_to_accuracy(one: Method, problem: Problem, stages: Stages) -> Solution:
-    """Solve; as long as the method's own estimate falls short of the accuracy asked for, again with finer sizes.
+    """Solve; as long as the method's own estimates fall short of the accuracy asked for, again with finer sizes.
 
-    Sizes given by the user stay, and what finer sizes do not mend (roundoff, a time step) is left to the verdict.
+    Sizes given by the user stay, and what finer sizes do not mend (roundoff, a time step, layers thinner than coordinates
+    can tell) is left to the verdict.
     """
     asked = working = problem.rtol
     solution = one.solve(problem, stages)
     for _ in range(MOST_REFINEMENTS):
-        estimate = solution.error_of_sizes
-        if estimate <= asked or working <= FINEST or one.sizes_given(problem):
+        estimate = error_of_sizes(problem, solution)
+        if estimate <= A_FEW / 2 * asked or working <= FINEST or one.sizes_given(problem):
             break
-        working = max(FINEST, working * 0.5 * asked / estimate)
+        working = max(FINEST, working * max(0.5 * asked / estimate, 1 / FINER))
         LOG.info("%8s  its estimate %.1e is above %.1e: refining ...", one.name, estimate, asked)
         finer = one.solve(replace(problem, rtol=working), stages)
-        if finer.error_of_sizes >= estimate:
+        gained = estimate / error_of_sizes(problem, finer)
+        if gained > 1:
+            note = f"{one.name}: refined from rtol {asked:.1e} to {working:.1e}, for its estimates fell short"
+            solution = replace(finer, notes=(*finer.notes, note))
+        if gained < WORTH:
             break
-        note = f"{one.name}: refined from rtol {asked:.1e} to {working:.1e}, for its estimate fell short"
-        solution = replace(finer, notes=(*finer.notes, note))
     return solution
+
+
+def error_of_sizes(problem: Problem, solution: Solution) -> float:
+    """The greatest error of all quantities that finer sizes would mend."""
+    if problem.march != "modal" or not solution.error_of_sizes:
+        return solution.error_of_sizes
+    # fields follow neither on triangles, whose degree is low, nor with so many rings that they take too many pressures
+    energies = solution.settings.get("mesher", "quads") != "quads" or field_accuracy(problem) > problem.rtol
+    thin = ("rms_slope", "pressure") if at_smallest(problem) else ()
+    names = ENERGIES if energies else [name for name in solution.errors if name not in thin]
+    return max((solution.greatest_error(name) for name in names if name in solution.errors), default=0.0)
 
 
 def compare_operators(problem: Problem, solutions: dict[str, Solution]) -> Iterator[OperatorDifference]:

@@ -34,7 +34,7 @@ from ringwear.studies.extremes.reference import Reference
 from ringwear.studies.methods.base import method
 from ringwear.studies.methods.by_compliance import Discretised, compliance_method
 from ringwear.studies.methods.estimate import estimated
-from ringwear.studies.methods.quantities import QUANTITIES, array, error_name
+from ringwear.studies.methods.quantities import QUANTITIES, array
 from ringwear.studies.problem.problem import D0, Problem, Rings
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.sections import FemAccuracy, MdrAccuracy
@@ -85,10 +85,10 @@ def judgements(cell: Cell) -> Iterator[dict[str, Any]]:
     """Every number that the reference solution has, and the balance of forces."""
     problem = cell.scene.problem
     expected = known(problem, cell.method)
-    results = in_units(cell.scene, expected) if cell.scaled else solved(problem, cell.method)
+    results, errors = in_units(cell.scene, expected) if cell.scaled else solved(problem, cell.method)
     for name, (exact, accuracy) in expected.items():
-        errors = np.abs(results[name].values / exact - 1)
-        for error, estimate in np.nditer([errors, results[error_name(name)].values + accuracy]):
+        wrong = np.abs(results[name].values / exact - 1)
+        for error, estimate in np.nditer([wrong, errors[name] + accuracy]):
             yield judged(name, float(error), float(estimate), problem.rtol)
     for forces in array(results, "ring_force"):
         yield judged("force balance", abs(float(forces.sum()) - 1), 1e-9, 1e-9)  # whatever the discretisation
@@ -103,20 +103,23 @@ def judged(quantity: str, error: float, estimate: float, rtol: float) -> dict[st
     return {"verdict": verdict, "quantity": quantity, "error": error, "estimate": estimate}
 
 
-def solved(problem: Problem, name: str) -> xarray.Dataset:
-    """The results of a method."""
+def solved(problem: Problem, name: str) -> tuple[xarray.Dataset, dict[str, Array]]:
+    """The results of a method, and their errors."""
     if name == DIRECT:
-        return method(name).solve(problem, Stages(name)).results
+        solution = method(name).solve(problem, Stages(name))
+        return solution.results, solution.errors
     ready = discretised(problem, name)
-    return estimated(problem, ready.compliance, ready.pairs, ready.half_space)[1]
+    known = estimated(problem, ready.compliance, ready.pairs)
+    return known.result.results, known.errors
 
 
-def in_units(scene: Scene, names: Iterable[str]) -> xarray.Dataset:
-    """The results of a whole run, some of them from its dataset in the scene's own units."""
+def in_units(scene: Scene, names: Iterable[str]) -> tuple[xarray.Dataset, dict[str, Array]]:
+    """The results of a whole run, some of them from its dataset in the scene's own units, and their errors."""
     result, units = run(scene), scene.problem.units
     (solution,) = result.solutions.values()
     sizes = {name: getattr(units, QUANTITIES[name].unit) for name in names}
-    return solution.results.assign({name: result.dataset[name].variable[0] / size for name, size in sizes.items()})
+    scaled = solution.results.assign({name: result.dataset[name].variable[0] / size for name, size in sizes.items()})
+    return scaled, solution.errors
 
 
 def known(problem: Problem, name: str) -> dict[str, tuple[Array | float, Array | float]]:
@@ -153,12 +156,15 @@ reference = lru_cache(maxsize=16)(lambda ring_edges: Reference(np.array(ring_edg
 
 
 def discretised(problem: Problem, name: str, pairs: bool = True) -> Discretised:
-    """A method prepared, which depends neither on the wear nor on later times."""
+    """A method prepared, which does not depend on later times."""
     settings = {setting: getattr(problem, setting) for setting in ("poisson_ratio", "rtol", "fem", "mdr")}
-    return _discretised(name, pairs, tuple(problem.merged.ring_edges), problem.earliest, **settings)
+    ring_edges, wear_coefficients = (tuple(part) for part in problem.merged)
+    return _discretised(name, pairs, ring_edges, wear_coefficients, problem.earliest, **settings)
 
 
 @lru_cache(maxsize=16)
-def _discretised(name: str, pairs: bool, ring_edges: tuple[float, ...], earliest: float, **settings: Any) -> Discretised:
-    rings = Rings(np.array(ring_edges), np.resize([0.5, 1.0], len(ring_edges) - 1))
+def _discretised(
+    name: str, pairs: bool, ring_edges: tuple[float, ...], wear: tuple[float, ...], earliest: float, **settings: Any
+) -> Discretised:
+    rings = Rings(np.array(ring_edges), np.array(wear))
     return compliance_method(name).discretised(Problem(rings, np.array([earliest]), **settings), Stages(name), pairs)

@@ -15,6 +15,7 @@ import numpy as np
 import xarray
 
 from ringwear.meshes.radial import Array
+from ringwear.studies.methods.quantities import COMPARED_MODES, QUANTITIES
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 from ringwear.studies.wear.archard import RunningIn
@@ -29,14 +30,18 @@ class Solution:
 
     Parameters
     ----------
-    results : its quantities, each with its relative error beside it; non-dimensional
-    parts : relative error of the indentation, by what causes it
+    results : its quantities at the times and radii asked for; non-dimensional
+    checked : the same at some of the times, on the face of the punch: what is compared with other methods
+    errors : relative, of each quantity in its norm, by the method's own estimate
+    parts : of the indentation, by what causes it
     unknowns, settings, notes : of what was solved
     wear : the running-in on the method's compliance, if it has one
     half_space : the finite-element half-space, if there is one
     """
 
     results: xarray.Dataset
+    checked: xarray.Dataset
+    errors: dict[str, Array]
     parts: dict[str, float]
     unknowns: int = 0
     settings: dict[str, Any] = field(default_factory=dict)
@@ -48,6 +53,20 @@ class Solution:
     def error_estimate(self) -> float:
         """The method's own estimate of its relative error, of the indentation over all times."""
         return float(sum(self.parts.values()))
+
+    def beyond(self, rtol: float) -> dict[str, float]:
+        """Quantities whose error is above an accuracy by the method's own estimate, with the greatest estimate."""
+        return {name: error for name in self.errors if (error := self.greatest_error(name)) > rtol}
+
+    def checked_error(self, problem: Problem, name: str) -> Array:
+        """The error of a quantity at the times that are checked."""
+        error = self.errors[name]
+        return error[problem.checked] if QUANTITIES[name].dims[:1] == ("time",) else error
+
+    def greatest_error(self, name: str) -> float:
+        """The greatest error of a quantity, over all times; of relaxation times, those of the slowest."""
+        shown = slice(COMPARED_MODES) if "mode" in QUANTITIES[name].dims else ...
+        return float(np.max(self.errors[name][shown], initial=0.0))
 
     @property
     def error_of_sizes(self) -> float:

@@ -55,8 +55,19 @@ class ComplianceMethod(Method):
         """Discretise, wear, sample and estimate."""
         one = self.discretised(problem, stages)
         with stages("marching" if len(problem.times) else "steady state"):
-            result, results, parts = estimated(problem, one.compliance, one.pairs, one.half_space)
-        return Solution(results, parts, one.unknowns, one.settings, one.notes, result.wear, one.half_space)
+            known = estimated(problem, one.compliance, one.pairs)
+            results, checked = known.result.results, known.result.checked
+        return Solution(
+            results,
+            checked,
+            known.errors,
+            known.parts,
+            one.unknowns,
+            one.settings,
+            one.notes,
+            known.result.wear,
+            one.half_space,
+        )
 
 
 class AnySpaceMethod(ComplianceMethod):

@@ -3,11 +3,12 @@
 from typing import Any, ClassVar
 
 import numpy as np
+import xarray
 
 from ringwear.mdr import direct
-from ringwear.meshes.radial import ring_of
+from ringwear.meshes.radial import Array, ring_of
 from ringwear.studies.methods.base import Cost, Method, Solution
-from ringwear.studies.methods.quantities import labelled, with_errors
+from ringwear.studies.methods.quantities import labelled
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 
@@ -35,18 +36,24 @@ class Direct(Method):
         with stages("integrating"):
             pressures = direct.steady_pressures(ring_edges, wear_coefficients)
             greatest = direct.greatest_displacement(ring_edges, pressures)
-            values = {
-                "steady_pressure": pressures[ring_of(ring_edges, problem.radii)],
-                "steady_profile": np.maximum(greatest - direct.displacement(ring_edges, pressures, problem.radii), 0.0),
-                "steady_displacement_max": np.asarray(greatest),
-                "steady_rms_slope": np.asarray(direct.rms_slope(ring_edges, pressures, problem.gradient_average)),
-                "steady_wear_rate": wear_coefficients[0] * pressures[0],
-            }
+            slope = direct.rms_slope(ring_edges, pressures, problem.gradient_average)
+
+            def at(radii: Array) -> xarray.Dataset:
+                values = {
+                    "steady_pressure": pressures[ring_of(ring_edges, radii)],
+                    "steady_profile": np.maximum(greatest - direct.displacement(ring_edges, pressures, radii), 0.0),
+                    "steady_displacement_max": np.asarray(greatest),
+                    "steady_rms_slope": np.asarray(slope),
+                    "steady_wear_rate": np.asarray(wear_coefficients[0] * pressures[0]),
+                }
+                return labelled(values, np.empty(0), radii)
+
+            results, checked = at(problem.radii), at(problem.face.radii)
         # a narrow ring of high pressure is the small difference of two discs
         steps = np.abs(direct.pressure_steps(pressures))
         roundoff = 1e-12 + 4 * np.finfo(float).eps * float(steps @ ring_edges[1:]) / greatest
-        errors = {name: np.full(np.shape(value), roundoff) for name, value in values.items()}
-        return Solution(with_errors(labelled(values), errors), {"roundoff": roundoff})
+        errors = {str(name): np.asarray(roundoff) for name in results.data_vars}
+        return Solution(results, checked, errors, {"roundoff": roundoff})
 
 
 METHOD = Direct()

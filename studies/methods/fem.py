@@ -10,11 +10,11 @@ from ringwear.studies.methods import fem_counts
 from ringwear.studies.methods.by_compliance import ComplianceMethod, Discretised
 from ringwear.studies.methods.estimate import (
     QUAD_MULTIPLIERS,
+    QUADS,
     TRIANGLE_MULTIPLIERS,
     TRIANGLES,
     TRIANGLES_FINER,
     Pair,
-    of_quads,
     of_triangles,
     of_truncation,
 )
@@ -87,7 +87,7 @@ def _meshed(problem: Problem, mesher: str) -> Meshed:
 
     if mesher == "quads":
         sizes = defaults.quad_sizes(problem)
-        between = sizes.factor, sizes.growth, sizes.truncation
+        between = sizes.factor, sizes.growth, sizes.truncation, sizes.sharpness
         layered = graded(problem.merged.ring_edges, sizes.ring_sizes, sizes.rim_size, *between)
         return Meshed(layered.mesh, mesher, layered)
     field = defaults.triangle_sizes(problem)
@@ -186,11 +186,7 @@ def coarser_pairs(problem: Problem, meshed: Meshed, whole: "HalfSpace", fine: "C
     degree, coarser = whole.solid.degree, fine.coarser()
     if meshed.graded is not None:
         lower = with_degree(degree - 1, meshed.graded.coarser().mesh).compliance()
-        safety = of_quads(problem.merged.widths)
-        return (
-            Pair("pressure space", fine, coarser, QUAD_MULTIPLIERS),
-            Pair("discretisation", fine, lower, safety, other_mesh=True),
-        )
+        return Pair("pressure space", fine, coarser, QUAD_MULTIPLIERS), Pair("discretisation", coarser, lower, QUADS)
     growth = defaults.triangle_sizes(problem).growth
     multipliers = Pair("pressure space", fine, coarser, of_triangles(growth, TRIANGLE_MULTIPLIERS))
     if degree == 2:

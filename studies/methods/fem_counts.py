@@ -41,8 +41,10 @@ def _in_half_discs(size: Array, growth: float, reach: Array) -> Array:
 
 def _on_quads(problem: Problem) -> tuple[int, int]:
     chosen, rings = quad_sizes(problem), problem.merged
-    layers = patch_layers(patch_widths(rings.ring_edges), np.append(chosen.ring_sizes, chosen.rim_size), chosen.factor)
-    patches = [np.maximum(chosen.degree - fall, min(LOWEST, chosen.degree)) for fall in falls(layers)]
+    widths = patch_widths(rings.ring_edges)
+    layers = patch_layers(widths, np.append(chosen.ring_sizes, chosen.rim_size), chosen.factor)
+    lowered = falls(widths, layers, chosen.factor, chosen.sharpness)
+    patches = [np.maximum(chosen.degree - fall, min(LOWEST, chosen.degree)) for fall in lowered]
     # four quadrilaterals to a layer, two in the middle
     in_patches = sum(4 * np.sum(degrees**2) - 2 * degrees[-1] ** 2 for degrees in patches)
     unlike = np.abs(np.diff(np.log2(rings.widths))).sum()

@@ -7,16 +7,17 @@ import numpy as np
 from ringwear.mdr import energy
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import graded_breakpoints, layer_degrees
+from ringwear.meshes.radial import Array, Indices, graded_breakpoints, ring_of
+from ringwear.meshes.sizes import spared_degrees
 from ringwear.studies.methods.by_compliance import AnySpaceMethod, Discretised
-from ringwear.studies.methods.estimate import RADIAL, RADIAL_FINER, Pair
-from ringwear.studies.problem.defaults import mdr_sizes
+from ringwear.studies.methods.estimate import LAYERS, RADIAL, RADIAL_FINER, Pair
+from ringwear.studies.problem.defaults import affordable, mdr_sizes, sharpness
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 
 
 def radial_space(
-    problem: Problem, degree: float, rim_size: float, ring_size: float, grading: float, widest: float = 0.1
+    problem: Problem, degree: int, rim_size: float, ring_size: float | Array, grading: float, widest: float = 0.1
 ) -> PressureSpace:
     """A graded space whose degrees rise away from the singular points.
 
@@ -26,8 +27,26 @@ def radial_space(
     at_edges = np.minimum(ring_size, widest * rings.narrower)
     at_rim = min(rim_size, widest * float(rings.widths[-1]))
     breakpoints = graded_breakpoints(rings.ring_edges, at_edges, at_rim, grading)
-    degrees = layer_degrees(breakpoints, rings.ring_edges, int(degree), rise=1, lowest=int(max(1, degree - 5)))
-    return PressureSpace(breakpoints, degrees, rings.ring_edges)
+    return PressureSpace(breakpoints, degrees(problem, breakpoints, degree, grading), rings.ring_edges)
+
+
+def degrees(problem: Problem, breakpoints: Array, highest: int, grading: float) -> Indices:
+    """Degree of each element: `highest` where most is needed, and as much lower elsewhere as less stands behind it."""
+    edges = problem.merged.ring_edges
+    ring = ring_of(edges, (breakpoints[1:] + breakpoints[:-1]) / 2)
+    from_inner = np.where(ring > 0, breakpoints[1:] - edges[ring], np.inf)
+    from_outer = edges[ring + 1] - breakpoints[:-1]
+    nearest = np.where(from_outer <= from_inner, ring, ring - 1)
+    behind = sharpness(affordable(problem, grading))(np.minimum(from_inner, from_outer), np.diff(edges)[ring] / 2, nearest)
+    return np.maximum(highest - spared_degrees(behind.max() / behind, grading), min(highest, LOWEST))
+
+
+def smallest(sizes: dict[str, Any]) -> dict[str, float]:
+    """Sizes of which each ring edge may have its own, by the smallest."""
+    return {name: value if np.ndim(value) == 0 else float(np.min(value)) for name, value in sizes.items() if np.size(value)}
+
+
+LOWEST = 2  # degree of the pressure at a ring edge or the rim
 
 
 class Mdr(AnySpaceMethod):
@@ -41,7 +60,7 @@ class Mdr(AnySpaceMethod):
         return energy.compliance(space)
 
     def described(self, problem: Problem) -> str:
-        return ", ".join(f"{name} {value:.3g}" for name, value in mdr_sizes(problem).items())
+        return ", ".join(f"{name} {value:.3g}" for name, value in smallest(mdr_sizes(problem)).items())
 
     def counted(self, problem: Problem) -> tuple[int, int]:
         size = radial_space(problem, **mdr_sizes(problem)).size
@@ -55,24 +74,25 @@ class Mdr(AnySpaceMethod):
         with stages("assembling"):
             fine = self.compliance(radial_space(problem, **sizes))
         if not pairs:
-            return Discretised(fine, (), fine.space.size, dict(sizes))
+            return Discretised(fine, (), fine.space.size, smallest(sizes))
         with stages("estimating"):
-            return Discretised(fine, (self._pair(problem, fine),), fine.space.size, dict(sizes))
+            return Discretised(fine, self._pairs(problem, fine), fine.space.size, smallest(sizes))
 
-    def _pair(self, problem: Problem, fine: Compliance) -> Pair:
-        """One layer less at every singular point, and one degree less."""
+    def _pairs(self, problem: Problem, fine: Compliance) -> tuple[Pair, ...]:
+        """One degree less, and one layer less at every singular point."""
         sizes = mdr_sizes(problem)
-        layer = sizes["grading"]
-        coarser = {"degree": max(1, sizes["degree"] - 1), "grading": layer}
-        coarser |= {name: min(sizes[name] / layer, 0.5) for name in ("rim_size", "ring_size")}
+        layer, narrowest = sizes["grading"], 0.1 * float(problem.merged.widths.min())
+        if sizes["degree"] <= LOWEST:
+            # nothing is left to coarsen, so the pair is finer, and the difference the error itself
+            finer = {"degree": sizes["degree"] + 1, "grading": layer}
+            finer |= {name: layer * np.minimum(sizes[name], narrowest) for name in ("rim_size", "ring_size")}
+            return (Pair("pressure space", self.compliance(radial_space(problem, **finer)), fine, RADIAL_FINER),)
+        lower = Pair("pressure space", fine, fine.coarser(), RADIAL)
+        coarser = {"degree": sizes["degree"], "grading": layer}
+        coarser |= {name: np.minimum(sizes[name] / layer, 0.5) for name in ("rim_size", "ring_size")}
         # also where the ring's width, not the size asked for, set the layer
         space = radial_space(problem, **coarser, widest=min(0.1 / layer, 0.5))
-        if sizes["degree"] > 2 and len(space.breakpoints) < len(fine.space.breakpoints):
-            return Pair("pressure space", fine, self.compliance(space), RADIAL)
-        narrow = 0.1 * float(problem.merged.widths.min())
-        finer = {"degree": sizes["degree"] + 1, "grading": layer}
-        finer |= {name: layer * min(sizes[name], narrow) for name in ("rim_size", "ring_size")}
-        return Pair("pressure space", self.compliance(radial_space(problem, **finer)), fine, RADIAL_FINER)
+        return lower, Pair("layers", fine, self.compliance(space), LAYERS)
 
 
 METHOD = Mdr()

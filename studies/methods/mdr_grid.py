@@ -1,15 +1,17 @@
 """The paper's own algorithm beside the others: springs on a uniform grid, explicit steps in time, no steady state."""
 
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
+import xarray
 from scipy.integrate import cumulative_trapezoid
 
 from ringwear.mdr.uniform_grid import UniformGrid
 from ringwear.meshes.radial import Array
 from ringwear.studies.methods.base import Cost, Method, Solution
-from ringwear.studies.methods.estimate import GRID, over_neighbours
-from ringwear.studies.methods.quantities import array, labelled, relative_difference, with_errors
+from ringwear.studies.methods.estimate import GRID
+from ringwear.studies.methods.quantities import differences, labelled
 from ringwear.studies.methods.sampler import radial_weight
 from ringwear.studies.problem.defaults import grid_step
 from ringwear.studies.problem.problem import Problem
@@ -44,38 +46,62 @@ class MdrGrid(Method):
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         count, step = problem.mdr.grid, self._step(problem)
         with stages("marching"):
-            results = labelled(_marched(problem, count, step))
+            marched = _marched(problem, count, step)
+            results = _sampled(problem, marched, problem.radii)
+            fine = _sampled(problem, marched, problem.face.radii)
         with stages("estimating"):
-            coarser = _marched(problem, count // 2, 2 * step)
-            differences = {name: relative_difference(name, value, array(results, name)) for name, value in coarser.items()}
-            errors = {name: GRID.of(name) * over_neighbours(name, one) for name, one in differences.items()}
+            coarse = _sampled(problem, _marched(problem, count // 2, 2 * step), problem.face.radii)
+            found = differences(coarse, fine, problem.face)
+            errors = {name: GRID.of(name) * _near(one) for name, one in found.items()}
         parts = {"grid and step": float(errors["indentation"].max())}
-        return Solution(with_errors(results, errors), parts, count + 1, {"grid": count, "step": step})
+        settings = {"grid": count, "step": step}
+        return Solution(results, fine.isel(time=problem.checked), errors, parts, count + 1, settings)
 
     def _step(self, problem: Problem) -> float:
         return grid_step(problem, UniformGrid(*problem.merged, problem.mdr.grid).stability_limit())
 
 
-def _marched(problem: Problem, count: int, step: float) -> dict[str, Array]:
+@dataclass(frozen=True, eq=False)
+class Marched:
+    """The grid, and pressures and profiles (T, n+1) and indentations (T,) at the times asked for."""
+
+    grid: UniformGrid
+    pressure: Array
+    profile: Array
+    indentation: Array
+
+
+def _marched(problem: Problem, count: int, step: float) -> Marched:
     grid = UniformGrid(*problem.merged, count)
-    pressure, profile, indentation = grid.march(problem.times, step)
+    return Marched(grid, *grid.march(problem.times, step))
 
-    def sampled(values: Array, radii: Array) -> Array:
-        return np.array([np.interp(radii, grid.radii, row) for row in values])
 
-    squared = radial_weight(grid.radii, problem.gradient_average) * np.gradient(profile, grid.radii, axis=1) ** 2
-    within = cumulative_trapezoid(2 * np.pi * grid.radii * pressure, grid.radii, axis=1, initial=0.0)
-    worn = sampled(profile, problem.radii)
-    return {
-        "pressure": sampled(pressure, problem.radii),
+def _sampled(problem: Problem, marched: Marched, radii: Array) -> xarray.Dataset:
+    own, pressure, profile = marched.grid.radii, marched.pressure, marched.profile
+
+    def at(values: Array, radii: Array) -> Array:
+        return np.array([np.interp(radii, own, row) for row in values])
+
+    squared = radial_weight(own, problem.gradient_average) * np.gradient(profile, own, axis=1) ** 2
+    within = cumulative_trapezoid(2 * np.pi * own * pressure, own, axis=1, initial=0.0)
+    indentation, worn = marched.indentation, at(profile, radii)
+    values = {
+        "pressure": at(pressure, radii),
         "profile": worn,
         "displacement": indentation[:, None] - worn,
         "indentation": indentation,
         "displacement_centre": indentation - profile[:, 0],
         "displacement_max": indentation - profile.min(axis=1),
-        "rms_slope": np.sqrt(np.trapezoid(squared, grid.radii, axis=1)),
-        "ring_force": np.diff(sampled(within, problem.ring_edges), axis=1),
+        "rms_slope": np.sqrt(np.trapezoid(squared, own, axis=1)),
+        "ring_force": np.diff(at(within, problem.ring_edges), axis=1),
     }
+    return labelled(values, problem.times, radii)
+
+
+def _near(difference: Array) -> Array:
+    """The greatest of each time and its neighbours: differences cross zero now and then."""
+    padded = np.concatenate([difference[:1], difference, difference[-1:]])
+    return np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
 
 
 METHOD = MdrGrid()

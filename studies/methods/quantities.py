@@ -1,4 +1,4 @@
-"""What is computed: each quantity with its dimensions, unit and definition, and how two values of it are compared."""
+"""What is computed: each quantity with its dimensions, unit, definition, and the norm in which two values are compared."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -7,47 +7,62 @@ import numpy as np
 import xarray
 
 from ringwear.meshes.radial import Array
+from ringwear.studies.problem.problem import Face
+
+# relaxation times that are promised and compared: the slowest, which last
+COMPARED_MODES = 3
+# quantities that converge twice as fast as fields do
+ENERGIES = ("indentation", "relaxation_time", "ring_force")
 
 
 class Quantity(NamedTuple):
-    """Dimensions, unit (of `Units`), definition, and whether the verdict on two methods rests on it."""
+    """Dimensions, unit (of `Units`), definition, and norm of its error."""
 
     dims: tuple[str, ...]
     unit: str
     definition: str
-    compared: bool = True
+    norm: str = "value"
 
     @property
-    def is_field(self) -> bool:
-        """Whether it runs over the radius or the rings: its differences count relative to its greatest value."""
-        return self.dims[-1:] in (("radius",), ("ring",))
+    def error_dims(self) -> tuple[str, ...]:
+        """Dimensions of its error: norms are taken over radius and rings."""
+        return tuple(dim for dim in self.dims if dim not in ("radius", "ring"))
 
 
-# pointwise pressures are drawn and kept in the results, but at ring edges and the rim they are singular at t = 0: they
-# belong in a norm, not in a verdict
+NORMS = {
+    "value": "difference over the value",
+    "indentation": "greatest difference over the punch, over the indentation d(t)",
+    "steady": "greatest difference over the punch, over the greatest steady displacement",
+    "force": "greatest difference of all rings, over the normal force",
+    "pressure": "root of int k dp^2 dA over the root of int k p^2 dA; at t = 0, where p is not square integrable, of weight "
+    "k (1 - r^2/a^2)",
+}
 QUANTITIES = {
-    "pressure": Quantity(("time", "radius"), "pressure", "contact pressure p(r, t)", compared=False),
-    "profile": Quantity(("time", "radius"), "displacement", "worn height f(r, t) of the punch, material gone"),
+    "pressure": Quantity(("time", "radius"), "pressure", "contact pressure p(r, t)", "pressure"),
+    "profile": Quantity(
+        ("time", "radius"), "displacement", "worn height f(r, t) of the punch, material gone", "indentation"
+    ),
     "displacement": Quantity(
-        ("time", "radius"), "displacement", "displacement u_z = d - f of the half-space under the punch", compared=False
+        ("time", "radius"), "displacement", "displacement u_z = d - f of the half-space under the punch", "indentation"
     ),
     "indentation": Quantity(("time",), "displacement", "indentation d(t) of the unworn face plane of the punch"),
-    "displacement_centre": Quantity(("time",), "displacement", "u_z at the centre"),
-    "displacement_max": Quantity(("time",), "displacement", "greatest u_z under the punch"),
+    "displacement_centre": Quantity(("time",), "displacement", "u_z at the centre", "indentation"),
+    "displacement_max": Quantity(("time",), "displacement", "greatest u_z under the punch", "indentation"),
     "rms_slope": Quantity(("time",), "slope", "root mean square of df/dr (Eq. 18), average: see gradient_average"),
-    "ring_force": Quantity(("time", "ring"), "force", "normal force on each ring, from the centre"),
+    "ring_force": Quantity(("time", "ring"), "force", "normal force on each ring, from the centre", "force"),
     "relaxation_time": Quantity(("mode",), "time", "relaxation times of the wear modes, slowest first"),
-    "steady_pressure": Quantity(("radius",), "pressure", "contact pressure in the steady state (Eq. 24)", compared=False),
-    "steady_profile": Quantity(("radius",), "displacement", "limiting profile, its minimum at zero (Eq. 27)"),
+    "steady_pressure": Quantity(("radius",), "pressure", "contact pressure in the steady state (Eq. 24)", "pressure"),
+    "steady_profile": Quantity(("radius",), "displacement", "limiting profile, its minimum at zero (Eq. 27)", "steady"),
     "steady_displacement_max": Quantity((), "displacement", "greatest u_z in the steady state, u_max of Eq. 27"),
     "steady_rms_slope": Quantity((), "slope", "root mean square slope of the limiting profile (Eq. 18)"),
     "steady_wear_rate": Quantity((), "wear_rate", "df/dt in the steady state (Eq. 23)"),
 }
 
 
-def labelled(values: Mapping[str, Array | float]) -> xarray.Dataset:
+def labelled(values: Mapping[str, Array | float], times: Array, radii: Array) -> xarray.Dataset:
     """Values of quantities as an xarray Dataset, non-dimensional."""
-    return xarray.Dataset({name: (QUANTITIES[name].dims, value) for name, value in values.items()})
+    variables = {name: (QUANTITIES[name].dims, value) for name, value in values.items()}
+    return xarray.Dataset(variables, {"time": times, "radius": radii})
 
 
 def error_name(name: str) -> str:
@@ -55,14 +70,14 @@ def error_name(name: str) -> str:
     return f"{name}_error"
 
 
-def with_errors(results: xarray.Dataset, errors: Mapping[str, Array]) -> xarray.Dataset:
-    """Results with the relative error of each quantity beside it."""
-    return results.assign({error_name(name): (QUANTITIES[name].dims, error) for name, error in errors.items()})
-
-
 def array(results: xarray.Dataset, name: str) -> Array:
     """The bare numbers of a variable; empty where there is none."""
     return np.asarray(results.variables[name].values) if name in results.variables else np.empty(0)
+
+
+def values(results: xarray.Dataset) -> dict[str, Array]:
+    """The bare numbers of all variables."""
+    return {str(name): array(results, str(name)) for name in results.data_vars}
 
 
 def common(one: tuple[int, ...], other: tuple[int, ...]) -> tuple[slice, ...]:
@@ -70,13 +85,30 @@ def common(one: tuple[int, ...], other: tuple[int, ...]) -> tuple[slice, ...]:
     return tuple(slice(0, min(sizes)) for sizes in zip(one, other, strict=True))
 
 
-def relative_difference(name: str, value: Array, against: Array) -> Array:
-    """Relative difference; of fields, the greatest over the greatest value at that time. Of modes, those both have."""
-    both = common(value.shape, against.shape)
-    value, against = value[both], against[both]
-    difference, scale = np.abs(value - against), np.abs(against)
-    if QUANTITIES[name].is_field:
-        difference, scale = (
-            np.broadcast_to(part.max(axis=-1, keepdims=True, initial=0.0), value.shape) for part in (difference, scale)
-        )
+def differences(results: xarray.Dataset, against: xarray.Dataset, face: Face) -> dict[str, Array]:
+    """Relative difference of every quantity that both have, in its norm; fields are those on the face of the punch."""
+    return {name: _difference(name, results, against, face) for name in QUANTITIES if name in results and name in against}
+
+
+def _difference(name: str, results: xarray.Dataset, against: xarray.Dataset, face: Face) -> Array:
+    value, reference = array(results, name), array(against, name)
+    both = common(value.shape, reference.shape)
+    value, reference = value[both], reference[both]
+    norm = QUANTITIES[name].norm
+    if norm == "pressure":
+        weights = face.weights
+        if "time" in QUANTITIES[name].dims:
+            start = array(against, "time")[:, None] == 0
+            weights = weights * np.where(start, (1 - face.radii) * (1 + face.radii), 1.0)
+        difference, scale = (np.sqrt(np.sum(weights * one**2, axis=-1)) for one in (value - reference, reference))
+    else:
+        difference = np.abs(value - reference)
+        over = tuple(QUANTITIES[name].dims.index(dim) for dim in QUANTITIES[name].dims if dim in ("radius", "ring"))
+        difference = difference.max(axis=over, initial=0.0)
+        scale = {
+            "value": np.abs(reference),
+            "indentation": array(against, "indentation"),
+            "steady": array(against, "steady_displacement_max"),
+            "force": np.ones(()),
+        }[norm]
     return np.divide(difference, scale, out=np.zeros(difference.shape), where=scale > 0)

@@ -90,8 +90,10 @@ def compliance_grams(compliance: Compliance) -> Array:
     moments = compliance.factor.T @ (compliance.factor @ space.ring_indicator() @ odd_and_even(count))
     mass = BandedCholesky(continuous.T @ space.mass() @ continuous)
     displacement = continuous @ mass.solve(continuous.T @ moments)
-    radii, _, _ = space.quadrature
-    return np.array([displacement.T @ space.slope_gram(radial_weight(radii, name)) @ displacement for name in AVERAGES])
+    radii, weights, local = space.quadrature
+    slopes = space.on_elements(local, derivative=True) @ displacement
+    own = ((weights * radial_weight(radii, name)).ravel()[:, None] * slopes for name in AVERAGES)
+    return np.array([slopes.T @ weighted for weighted in own])
 
 
 @cache

@@ -18,7 +18,7 @@ from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.radial import Array
 from ringwear.studies.methods.base import method
 from ringwear.studies.methods.by_compliance import compliance_method
-from ringwear.studies.methods.quantities import array
+from ringwear.studies.methods.quantities import array, values
 from ringwear.studies.methods.sampler import AVERAGES, Sampler
 from ringwear.studies.problem.problem import D0, P0, Problem, Rings
 from ringwear.studies.progress import Stages, progress
@@ -79,7 +79,7 @@ class Evolution:
     def states(self, times: Array) -> States:
         """States at increasing times; the last may be infinite, the steady state."""
         history = self._history(times)
-        line, area = (sampler.history(history) for sampler in self._samplers)
+        line, area = (values(sampler.history(history)) for sampler in self._samplers)
         greatest, rows = line["displacement_max"][:, None], slice(len(times))
         gradients = np.stack([line["rms_slope"], area["rms_slope"]], axis=1)
         least_wear = np.where(np.isfinite(history.times), history.indentation - greatest[:, 0], np.inf)
@@ -94,7 +94,7 @@ class Evolution:
 
     def share(self, times: Array) -> Array:
         """Displacement difference ``u_max - d0`` over that of the steady state."""
-        difference = self._samplers[0].history(self._history(times))["displacement_max"] - D0
+        difference = values(self._samplers[0].history(self._history(times)))["displacement_max"] - D0
         return (difference / difference[-1])[: len(times)]
 
     def time_of(self, share: float) -> float:

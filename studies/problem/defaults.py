@@ -5,45 +5,122 @@ accuracy is reached on scenes drawn at random, `ringwear study convergence` the 
 Lengths in punch radii.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ringwear.meshes.radial import Array
-from ringwear.meshes.sizes import SizeField
+from ringwear.meshes.sizes import Sharpness, SizeField, convergence
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.sections import DEGREES
 
 # of the half-space: quadrilaterals with Boussinesq's far field, and anything else (`ringwear study truncation`)
 TRUNCATION, WIDER_TRUNCATION = 2.5, 5.0
 # of quadrilaterals: a layer is smaller by this than the one outside it; elements between the patches grow by that
-FACTOR, GROWTH = 0.25, 0.8
-# in smaller elements at the rim, coordinates have too few digits left (`ringwear study extremes`)
-SMALLEST_RIM = 1e-9
-# rings of this width or more need the degree that the accuracy asks for
-WIDE = 0.2
+FACTOR, GROWTH = 0.25, 0.5
+# smaller elements have too few digits left in their coordinates, which at the rim are distances from 1
+SMALLEST, SMALLEST_RIM = 1e-12, 1e-14
+# of the radial mesh: an element is smaller by this than the one outside it
+GRADING = 0.2
+# of the degrees that sharpness asks for, this many are enough
+ENOUGH = 0.9
+# pressures that are worth a field to the accuracy asked for: dense matrices cost their third power
+MOST_PRESSURES = 1000
 
 
-def mdr_sizes(problem: Problem) -> dict[str, float]:
+def sharpness(problem: Problem) -> Sharpness:
+    """Of the pressures that a problem asks for."""
+    wear, earliest = problem.merged.wear_coefficients, problem.earliest or np.inf
+    outside = np.append(wear[1:], wear[-1])
+    start = bool(len(problem.times)) and problem.times[0] == 0
+    return Sharpness(problem.rtol, np.minimum(wear, outside) * earliest, np.maximum(wear, outside) * earliest, start)
+
+
+def pressure_degree(problem: Problem, ratio: float) -> float:
+    """Highest degree of the pressure that an accuracy asks for."""
+    half, behind = problem.merged.widths / 2, sharpness(problem)
+    edges = np.arange(len(half))
+    greatest = max(float(behind(half, half, edges).max()), float(behind(half[1:], half[1:], edges[:-1]).max(initial=0.0)))
+    # the slowest relaxation modes want so many over wide rings
+    least = 6 + 2 * np.log10(problem.merged.widths.max())
+    return float(max(ENOUGH * np.log(greatest / problem.rtol) / convergence(ratio), least, 2))
+
+
+def pressures(problem: Problem, ratio: float) -> float:
+    """About how many pressures a mesh takes whose elements shrink by a ratio towards every ring edge and the rim."""
+    half, sizes, behind = problem.merged.widths / 2, edge_sizes(problem), sharpness(problem)
+    total, most = 0.0, pressure_degree(problem, ratio)
+    # on the inner side of each edge, and on the outer side of all but the rim
+    for reach, size, edges in ((half, sizes, np.arange(len(half))), (half[1:], sizes[:-1], np.arange(len(half) - 1))):
+        distance = reach[:, None] * ratio ** np.arange(np.ceil(np.log(sizes.min()) / np.log(ratio)))
+        less = behind(distance, reach[:, None], np.broadcast_to(edges[:, None], distance.shape)) / problem.rtol
+        degrees = np.clip(ENOUGH * np.log(less) / convergence(ratio), 2, most)
+        total += float(np.sum(degrees, where=distance > size[:, None]))
+    return total
+
+
+def affordable(problem: Problem, ratio: float) -> Problem:
+    """The problem with the accuracy that its fields can have.
+
+    With so many rings that it would take too many pressures, fields are as accurate as the root of what is asked for at
+    the least: energies, which converge twice as fast, still reach it.
+    """
+    fewer = problem
+    while fewer.rtol < problem.rtol**0.5 and pressures(fewer, ratio) > MOST_PRESSURES:
+        fewer = replace(fewer, rtol=min(2 * fewer.rtol, problem.rtol**0.5))
+    return fewer
+
+
+def field_accuracy(problem: Problem) -> float:
+    """The accuracy that fields are resolved to: the one asked for, unless there are too many rings."""
+    return affordable(problem, FACTOR).rtol
+
+
+def mdr_sizes(problem: Problem) -> dict[str, Any]:
     """Of the radial mesh of the MDR and of boundary elements."""
-    rtol, chosen = problem.rtol, problem.mdr
+    chosen, grading = problem.mdr, problem.mdr.grading or GRADING
+    problem = affordable(problem, grading)
     return {
-        "degree": chosen.degree or round(3 - np.log10(rtol)),
-        "rim_size": chosen.rim_size or 0.1 * rtol,
-        "ring_size": chosen.ring_size or 3e-3 * rtol**0.25,
-        "grading": chosen.grading or 0.2,
+        "degree": chosen.degree or min(int(np.ceil(pressure_degree(problem, grading))), 20),
+        "rim_size": chosen.rim_size or rim_size(problem),
+        "ring_size": chosen.ring_size or ring_sizes(problem),
+        "grading": grading,
     }
+
+
+def edge_sizes(problem: Problem) -> Array:
+    """(N,) wanted sizes at every ring edge but the centre, the rim last."""
+    rtol, narrower, blunted = problem.rtol, problem.merged.narrower, sharpness(problem)
+    narrower = np.append(narrower, problem.merged.widths[-1])
+    at_rim = np.arange(len(narrower)) == len(narrower) - 1
+    sharp = np.where(at_rim, 1.0, np.minimum(1.0, blunted.fast / narrower))
+    # of the square of the slope, as much is missed as the size is of the ring, or of what wear has blunted
+    sizes = np.minimum(
+        0.1 * rtol * narrower, np.where(at_rim, 0.03, 0.1) * rtol * np.minimum(blunted.slow, narrower) / sharp
+    )
+    # of the pressure, the power 3/2 of that
+    sizes = np.minimum(sizes, 0.3 * blunted.slow * (rtol / np.sqrt(sharp)) ** (2 / 3))
+    if blunted.start:
+        # of a pressure that is infinite as a root, the root of the size
+        sizes[-1] = min(sizes[-1], 0.1 * rtol**2)
+    return np.asarray(np.maximum(sizes, np.where(at_rim, SMALLEST_RIM, SMALLEST)))
+
+
+def at_smallest(problem: Problem) -> bool:
+    """Whether a size wanted is below what coordinates can tell."""
+    sizes = edge_sizes(problem)
+    return bool(sizes[-1] <= SMALLEST or sizes.min() <= SMALLEST)
+
+
+def rim_size(problem: Problem) -> float:
+    """Wanted size at the rim."""
+    return float(edge_sizes(problem)[-1])
 
 
 def ring_sizes(problem: Problem) -> Array:
     """(N-1,) wanted sizes at the ring edges between centre and rim, in a few distinct values."""
-    rtol, narrower = problem.rtol, problem.merged.narrower
-    # in proportion to the narrower ring beside each edge, and less so where rings are so narrow that their pattern has
-    # little of the energy
-    share = np.minimum(10 * rtol**0.6 * np.maximum(1, 1 / (32 * narrower)), 0.25)
-    # wear blunts a ring edge over a length of k E* v0 t: the first time asked for is the sharpest to resolve
-    blunted = max(0.5 * problem.earliest, rtol**0.75) if problem.earliest else 1.0
-    return np.asarray(2.0 ** np.floor(np.log2(np.minimum(share, blunted / narrower) * narrower)))
+    return np.asarray(2.0 ** np.floor(np.log2(edge_sizes(problem)[:-1])))
 
 
 @dataclass(frozen=True)
@@ -55,37 +132,44 @@ class QuadSizes:
     rim_size: float
     growth: float
     truncation: float
+    sharpness: Sharpness
     factor: float = FACTOR
 
 
 def quad_sizes(problem: Problem) -> QuadSizes:
     """Of quadrilaterals in geometric layers."""
-    rtol, chosen, narrower = problem.rtol, problem.fem, problem.merged.narrower
-    widest = problem.merged.widths.max()
-    degree = chosen.degree or quad_degree(rtol, widest, problem.poisson_ratio)
-    # as many layers as degrees, fewer for rings that are all narrow; or more if the first time after the start asks for them
-    smallest = narrower / 2 * FACTOR ** (degree - 1) * max(1.0, WIDE / widest)
-    layered = np.minimum(ring_sizes(problem), smallest)
-    sizes = np.full(len(narrower), chosen.ring_size) if chosen.ring_size else layered
+    chosen = problem.fem
+    problem = affordable(problem, FACTOR)
+    wanted = ring_sizes(problem)
+    sizes = np.full(len(wanted), chosen.ring_size) if chosen.ring_size else wanted
     return QuadSizes(
-        degree=degree,
+        degree=chosen.degree or quad_degree(problem),
         ring_sizes=tuple(float(size) for size in sizes),
-        rim_size=chosen.rim_size or max(min(0.1 * rtol, 10.0**-degree), SMALLEST_RIM),
+        rim_size=chosen.rim_size or max(rim_size(problem), SMALLEST),
         growth=chosen.growth or GROWTH,
         truncation=chosen.truncation or (TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION),
+        sharpness=sharpness(problem),
     )
 
 
-def quad_degree(rtol: float, widest: float, poisson_ratio: float) -> int:
-    """Degree that an accuracy asks for (`ringwear study convergence`).
+def quad_degree(problem: Problem) -> int:
+    """Degree of the displacement, above that of the pressure (`ringwear study convergence`).
 
-    Three for every four digits; one less for rings of a tenth of the width, whose pattern has less of the energy; more
-    towards incompressibility, which costs two digits in the end.
+    More towards incompressibility, which costs two digits in the end.
     """
-    compressibility = 1 - 2 * min(poisson_ratio, 0.4999)
-    wanted = 2.7 - 0.75 * np.log10(rtol) + 0.4 * abs(np.log10(compressibility))
-    wanted += 0.9 * np.log10(min(widest / WIDE, 1.0))
-    return int(np.clip(round(wanted), DEGREES["quads"][0], DEGREES["quads"][-1]))
+    compressibility = 1 - 2 * min(problem.poisson_ratio, 0.4999)
+    wanted = pressure_degree(problem, FACTOR) + 1.45 + max(0.0, -0.2 - 0.4 * np.log10(compressibility))
+    return int(np.clip(np.ceil(wanted), DEGREES["quads"][0], DEGREES["quads"][-1]))
+
+
+def triangle_ring_sizes(problem: Problem) -> Array:
+    """(N-1,) wanted sizes of triangles at the ring edges: their degree is low, and smaller ones would not help fields."""
+    rtol, narrower = problem.rtol, problem.merged.narrower
+    # in proportion to the narrower ring beside each edge, and less so where rings are so narrow that their pattern has
+    # little of the energy
+    share = np.minimum(10 * rtol**0.6 * np.maximum(1, 1 / (32 * narrower)), 0.25)
+    blunted = max(0.5 * problem.earliest, rtol**0.75) if problem.earliest else 1.0
+    return np.asarray(2.0 ** np.floor(np.log2(np.minimum(share, blunted / narrower) * narrower)))
 
 
 def triangle_degree(problem: Problem) -> int:
@@ -100,7 +184,7 @@ def triangle_sizes(problem: Problem) -> SizeField:
     return SizeField(
         ring_edges=tuple(float(edge) for edge in ring_edges),
         rim_size=chosen.rim_size or min(0.1 * rtol, float(ring_edges[-1] - ring_edges[-2]) / 4),
-        ring_size=chosen.ring_size or tuple(float(size) for size in ring_sizes(problem)),
+        ring_size=chosen.ring_size or tuple(float(size) for size in triangle_ring_sizes(problem)),
         growth=chosen.growth or min(0.7 * (rtol / 1e-4) ** 0.115, 0.9),
         truncation=chosen.truncation or WIDER_TRUNCATION,
         centre_size=min(0.2 * (rtol / 1e-4) ** 0.115, 0.5),

@@ -9,7 +9,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ringwear.meshes.radial import Array, alternating_edges
+from ringwear.meshes.radial import Array, Indices, alternating_edges, graded_breakpoints, ring_of, unit_gauss
 from ringwear.studies.problem.sections import (
     AccuracySection,
     FemAccuracy,
@@ -22,6 +22,17 @@ from ringwear.studies.problem.sections import (
 )
 
 D0, P0 = 0.5, 1 / (2 * np.pi)  # the paper's d0 = F/(2 a E*) and p0 = F/(2 pi a^2), non-dimensional
+
+
+# times at which whole fields are compared, and by which errors are estimated
+MOST_CHECKED, MOST_ESTIMATED = 40, 60
+
+
+class Face(NamedTuple):
+    """Radii over the punch (R,), and the weight ``k dA`` of each: what norms of fields are taken by."""
+
+    radii: Array
+    weights: Array
 
 
 class Rings(NamedTuple):
@@ -44,6 +55,10 @@ class Rings(NamedTuple):
     def narrower(self) -> Array:
         """(N-1,) width of the narrower ring beside each edge between centre and rim."""
         return np.minimum(self.widths[:-1], self.widths[1:])
+
+    def at(self, radii: Array) -> Array:
+        """Wear coefficient at each radius."""
+        return self.wear_coefficients[ring_of(self.ring_edges, radii)]
 
     def merged(self) -> "Rings":
         """Neighbouring rings of equal wear made one: what has to be modelled."""
@@ -169,3 +184,29 @@ class Problem:
         within = (1 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2
         inner, outer = self.ring_edges[:-1, None], self.ring_edges[1:, None]
         return np.concatenate([[0.0], (inner + (outer - inner) * within).ravel()])
+
+    @cached_property
+    def face(self) -> Face:
+        """Radii that crowd at ring edges, and at the rim as the earliest layer there does."""
+        rings = self.merged
+        rim = float(np.clip(0.1 * (self.earliest or 1.0), 1e-13, 1e-6))
+        breakpoints = graded_breakpoints(rings.ring_edges, 1e-4 * rings.narrower, rim, factor=0.25)
+        node, weight = unit_gauss(6)
+        width = np.diff(breakpoints)[:, None]
+        radii = (breakpoints[:-1, None] + width * node).ravel()
+        return Face(radii, 2 * np.pi * radii * rings.at(radii) * (width * weight).ravel())
+
+    @cached_property
+    def checked(self) -> Indices:
+        """Which of the times whole fields are compared at: all of them, or some spread over them."""
+        count = len(self.times)
+        return np.unique(np.linspace(0, count - 1, min(count, MOST_CHECKED)).round().astype(np.int64))
+
+    @cached_property
+    def estimate_times(self) -> Array:
+        """Times that errors are estimated at: from the earliest in steps of about two to beyond the last, and the start."""
+        later = self.times[self.times > 0]
+        if not len(later):
+            return self.times
+        count = min(int(np.log2(later[-1] / later[0])) + 3, MOST_ESTIMATED)
+        return np.concatenate([self.times[:1][self.times[:1] == 0], np.geomspace(later[0], 2 * later[-1], count)])

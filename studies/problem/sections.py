@@ -9,7 +9,7 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Size = Annotated[float, Field(ge=1e-12, le=0.5)]
 # degrees of the displacement that each mesher's elements can have; on triangles alone the highest is the default
-DEGREES = {"quads": range(4, 13), "gmsh": range(2, 5), "bisection": range(2, 5)}
+DEGREES = {"quads": range(4, 17), "gmsh": range(2, 5), "bisection": range(2, 5)}
 
 
 class Section(BaseModel):
@@ -117,7 +117,7 @@ class FemAccuracy(Sizes):
     far_field: Literal["boussinesq", "fixed"] = Field(default="boussinesq", description="boussinesq or fixed")
     poles: int | None = Field(default=None, ge=1, le=8, description="Boussinesq poles tied to the outer boundary, 1 to 8")
     truncation: float | None = Field(default=None, ge=2, le=1e6, description="radius of the half-space in a, 2 to 1e6")
-    degree: int | None = Field(default=None, ge=2, le=12, description="2 to 4 on triangles, 4 to 12 on quadrilaterals")
+    degree: int | None = Field(default=None, ge=2, le=16, description="2 to 4 on triangles, 4 to 16 on quadrilaterals")
     rim_size: Size | None = Field(default=None, description="element size at the rim in a, 1e-12 to 0.5")
     ring_size: Size | None = Field(default=None, description="element size at ring edges in a, 1e-12 to 0.5")
     growth: float | None = Field(default=None, ge=0.05, le=2, description="growth of the size with distance, 0.05 to 2")
@@ -136,7 +136,7 @@ class FemAccuracy(Sizes):
 
 
 class MdrAccuracy(Sizes):
-    degree: int | None = Field(default=None, ge=1, le=16, description="highest degree of the pressure, 1 to 16")
+    degree: int | None = Field(default=None, ge=1, le=20, description="highest degree of the pressure, 1 to 20")
     rim_size: Size | None = Field(default=None, description="element size at the rim in a, 1e-12 to 0.5")
     ring_size: Size | None = Field(default=None, description="element size at ring edges in a, 1e-12 to 0.5")
     grading: float | None = Field(default=None, ge=0.05, le=0.8, description="ratio of neighbouring sizes, 0.05 to 0.8")

@@ -94,7 +94,7 @@ class Case:
         """What a mesh costs and gives: relative errors by the name of the quantity, and their estimate."""
         rings, wear, solid = self.problem.merged, one.wear, one.half_space.solid
         space, shape = wear.compliance.space, quality(solid.mesh)
-        steady = float(Sampler(self.problem, space).steady(wear)["steady_displacement_max"])
+        steady = float(Sampler(self.problem, space).steady(wear.steady)["steady_displacement_max"])
         errors = {
             "d0": abs(wear.flat.indentation / D0 - 1),
             "history": float(np.abs(wear.modal(TIMES).indentation / self.history - 1).max()),

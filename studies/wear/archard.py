@@ -16,9 +16,9 @@ from scipy.sparse import csr_matrix
 
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SceneError
-from ringwear.meshes.radial import Array
+from ringwear.meshes.radial import Array, Indices
 from ringwear.studies.wear.contact import FlatStart, SteadyState, flat_start, steady_state
-from ringwear.studies.wear.modes import LARGE, BandedCholesky, Modes, every_mode, excited_modes
+from ringwear.studies.wear.modes import LARGE, LARGEST, BandedCholesky, Modes, TooEarlyError, every_mode, excited_modes
 
 MOST_STEPS = 2_000_000
 # smallest element above which eigenvalues are as good as singular values, at a quarter of the time (measured: no
@@ -38,6 +38,9 @@ class History:
     pressure: Array
     profile: Array
     indentation: Array
+
+    def __getitem__(self, which: Indices) -> "History":
+        return History(self.times[which], self.pressure[which], self.profile[which], self.indentation[which])
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,16 +89,26 @@ class RunningIn:
         return self._to_pressure.T @ self.compliance.space.mass(self.wear_coefficients) @ self._to_pressure
 
     @cached_property
+    def _mass_factor(self) -> BandedCholesky:
+        return BandedCholesky(self._mass)
+
+    @cached_property
     def _weights(self) -> Array:
         return self._to_pressure.T @ self.compliance.space.weights
 
     @cached_property
     def _modes(self) -> Modes:
-        mass, moments = BandedCholesky(self._mass), self._to_pressure.T @ self.steady.moments
-        if self.earliest and len(moments) > LARGE:
-            return excited_modes(self._energy, mass, self._weights, moments, self.earliest)
-        gentle = float(np.diff(self.compliance.space.breakpoints).min()) > GENTLEST
-        return every_mode(self._factor, mass, self._weights, moments, gentle)
+        moments = self._to_pressure.T @ self.steady.moments
+        large = len(moments) > LARGE
+        gentle = large or float(np.diff(self.compliance.space.breakpoints).min()) > GENTLEST
+        if self.earliest and large:
+            try:
+                return excited_modes(self._energy, self._mass_factor, self._weights, moments, self.earliest)
+            except TooEarlyError:
+                if len(moments) > LARGEST:
+                    raise
+                gentle = False
+        return every_mode(self._factor, self._mass_factor, self._weights, moments, gentle)
 
     @property
     def relaxation_times(self) -> Array:
@@ -109,12 +122,12 @@ class RunningIn:
         relaxation, shapes, amplitudes = self._modes.relaxation, self._modes.shapes, self._modes.amplitudes
         decay = times[:, None] / relaxation
         left = (np.exp(-decay) * amplitudes) @ shapes.T
-        worn = (-np.expm1(-decay) * relaxation * amplitudes) @ shapes.T
-        rate = self.steady.wear_rate
         pressure = self.steady.pressure + left @ self._to_pressure.T
-        # the constant wear rate has coefficient one on every hat
-        profile = worn @ self._to_profile.T + np.outer(rate * times, self.compliance.space.order == 1)
-        indentation = rate * times + pressure @ self.steady.moments
+        indentation = self.steady.wear_rate * times + pressure @ self.steady.moments
+        # f = d - u: a sum of what is worn would show the roundoff of the modes in the slopes of small elements
+        gap = np.outer(indentation, self._weights) - (pressure @ self.compliance.matrix) @ self._to_pressure
+        profile = self._mass_factor.solve(gap.T).T @ self._to_profile.T
+        profile[times == 0] = 0.0
         return self._from_flat(History(times, pressure, profile, indentation))
 
     def _from_flat(self, history: History) -> History:

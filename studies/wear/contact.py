@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from ringwear.mdr.direct import steady_pressures
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.radial import Array
@@ -35,7 +34,7 @@ def flat_start(compliance: Compliance) -> FlatStart:
 
 @dataclass(frozen=True, eq=False)
 class SteadyState:
-    """The state that wear tends to (Eqs. 23 to 27): known pressures, and the displacement they make.
+    """The state that wear tends to (Eqs. 23 to 27): one wear rate everywhere, and the displacement that it makes.
 
     Parameters
     ----------
@@ -51,12 +50,12 @@ class SteadyState:
 
 
 def steady_state(compliance: Compliance, wear_coefficients: Array) -> SteadyState:
-    """No march and no solve: the pressures are closed form, their displacement is projected on the space."""
+    """No march: the wear rate is what makes the forces of the space add up to one; the displacement is projected on it."""
     space = compliance.space
-    ring_pressures = steady_pressures(space.ring_edges, wear_coefficients)
-    pressure = space.ring_indicator() @ ring_pressures
-    moments = compliance.factor.T @ (compliance.factor @ pressure)
     worn, continuous = space.joined(wear_coefficients), space.joined()
-    mass = BandedCholesky(worn.T @ space.mass(wear_coefficients) @ worn)
-    displacement = continuous @ mass.solve(worn.T @ moments)
-    return SteadyState(pressure, displacement, moments, float(wear_coefficients[0] * ring_pressures[0]))
+    mass, weights = BandedCholesky(worn.T @ space.mass(wear_coefficients) @ worn), worn.T @ space.weights
+    shape = mass.solve(weights)
+    wear_rate = 1 / (weights @ shape)
+    pressure = worn @ shape * wear_rate
+    moments = compliance.factor.T @ (compliance.factor @ pressure)
+    return SteadyState(pressure, continuous @ mass.solve(worn.T @ moments), moments, float(wear_rate))

@@ -19,6 +19,8 @@ from ringwear.meshes.radial import Array
 
 # beyond this size singular values would take minutes
 LARGE = 700
+# and beyond this hours; up to it they are taken where a history begins too early for anything else
+LARGEST = 2500
 # Krylov vectors at the first look at how far they carry, and how many times more at each further look
 FIRST, MORE = 40, 1.2
 # share of the history, and of the slowest relaxation times, that the Krylov space may leave out
@@ -58,9 +60,16 @@ class BandedCholesky:
         return self.backward(self.forward(right))
 
     def _triangular(self, right: Array, trans: str) -> Array:
+        if not right.size:
+            # LAPACK's wrapper writes where it should not
+            return right
         columns = right.reshape(len(right), -1)
         solution, _ = dtbtrs(self._band, columns, uplo="L", trans=trans)
         return np.asarray(solution).reshape(right.shape)
+
+
+class TooEarlyError(SolverError):
+    """Modes below the roundoff of a Krylov space are still felt."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +108,7 @@ def every_mode(factor: Array, mass: BandedCholesky, weights: Array, moments: Arr
     axis[0] += np.copysign(1.0, axis[0])
     axis /= np.linalg.norm(axis)
     reflected = scaled - 2 * np.outer(scaled @ axis, axis)
-    relaxation, within = _squared_singular(reflected[:, 1:], gentle or len(weights) > LARGE)
+    relaxation, within = _squared_singular(reflected[:, 1:], gentle)
     shapes = np.concatenate([np.zeros((1, len(relaxation))), within])
     shapes -= 2 * np.outer(axis, axis @ shapes)
     return _modes(relaxation, mass.backward(shapes), moments, len(relaxation))
@@ -163,13 +172,13 @@ def _felt(relaxation: Array, earliest: float) -> slice:
 
     Raises
     ------
-    SolverError
+    TooEarlyError
         if those below it are still felt at the earliest time
     """
     roundoff = len(relaxation) * np.finfo(float).eps * relaxation[-1]
     below = int(np.searchsorted(relaxation, roundoff))
     if below and earliest < 40 * roundoff:
-        raise SolverError(
+        raise TooEarlyError(
             f"the first of wear.times after the start is {earliest / relaxation[-1]:.1e} of the slowest relaxation time, "
             "too early for double precision with so many rings; leave the earliest out"
         )
