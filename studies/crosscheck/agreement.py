@@ -19,6 +19,8 @@ from ringwear.studies.problem.problem import Problem
 
 # times the accuracy asked for that the uncertainty of two methods may be, each of which is to be that accurate
 A_FEW = 4.0
+# part of the accuracy asked for below which differences mean nothing: estimates of errors so small may be of chance
+NOTHING = 0.05
 FINEST = 1e-9
 AGREE, DISAGREE, UNDECIDED = "agree", "disagree", "undecided"
 
@@ -66,7 +68,7 @@ def _agreement(problem: Problem, name: str, difference: Array, of: Opponents) ->
         difference, *errors = (one[:COMPARED_MODES] for one in (difference, *errors))
     known = common(common_shape(difference, errors[0]), errors[1].shape)
     difference, first, second = (np.atleast_1d(one[known]) for one in (difference, *errors))
-    uncertainty = first + second
+    uncertainty = np.maximum(first + second, NOTHING * problem.rtol)
     beyond = difference > uncertainty
     if beyond.any():
         worst = int(np.argmax(np.where(beyond, difference / np.maximum(uncertainty, np.finfo(float).tiny), 0.0)))

@@ -26,7 +26,7 @@ DEFINITIONS = {
     "verdict": "agree: every difference is within the uncertainty, and that within a few rtol; disagree: a difference "
     "is beyond it, or an anchor does not hold; undecided: an uncertainty is greater than a few rtol",
     "difference": "relative, in the norm of the quantity, where it decides the verdict",
-    "uncertainty": "sum of the two methods' own error estimates at that time",
+    "uncertainty": "sum of the two methods' own error estimates at that time, at least a twentieth of rtol",
     "anchors": "closed forms and balances that each method is held to by itself",
     "operator_difference": "of the energies two methods give the same pressures, relative: greatest over all "
     "ring-wise constant pressures (rings), along the history (history), over the first method's whole space "

@@ -71,7 +71,7 @@ class Solution:
     @property
     def error_of_sizes(self) -> float:
         """The part of it that finer sizes would mend: not the time step, the far field or roundoff."""
-        return float(sum(self.parts.get(part, 0.0) for part in ("pressure space", "discretisation")))
+        return float(sum(self.parts.get(part, 0.0) for part in ("pressure space", "layers", "discretisation")))
 
 
 @dataclass(frozen=True)
