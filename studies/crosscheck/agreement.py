@@ -6,7 +6,6 @@ decided, and it is said what would decide it.
 """
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,42 +48,32 @@ class Agreement:
         return self.verdict == AGREE
 
 
-class Opponents(NamedTuple):
-    """Two methods by name, with what they found."""
-
-    names: tuple[str, str]
-    solutions: tuple[Solution, Solution]
-
-
 def agreements(problem: Problem, names: tuple[str, str], solutions: tuple[Solution, Solution]) -> list[Agreement]:
     """Compare two methods in every quantity that both give, at the times that are checked."""
     found = differences(solutions[0].checked, solutions[1].checked, problem.face)
-    return [_agreement(problem, name, difference, Opponents(names, solutions)) for name, difference in found.items()]
+    return [
+        _agreement(problem, name, names, difference, [solution.checked_error(problem, name) for solution in solutions])
+        for name, difference in found.items()
+    ]
 
 
-def _agreement(problem: Problem, name: str, difference: Array, of: Opponents) -> Agreement:
-    errors = [solution.checked_error(problem, name) for solution in of.solutions]
+def _agreement(problem: Problem, name: str, of: tuple[str, str], difference: Array, errors: list[Array]) -> Agreement:
     if "mode" in QUANTITIES[name].dims:
         difference, *errors = (one[:COMPARED_MODES] for one in (difference, *errors))
-    known = common(common_shape(difference, errors[0]), errors[1].shape)
+    known = common(difference.shape, *(error.shape for error in errors))
     difference, first, second = (np.atleast_1d(one[known]) for one in (difference, *errors))
     uncertainty = np.maximum(first + second, NOTHING * problem.rtol)
     beyond = difference > uncertainty
     if beyond.any():
-        worst = int(np.argmax(np.where(beyond, difference / np.maximum(uncertainty, np.finfo(float).tiny), 0.0)))
-        return Agreement(name, of.names, float(difference[worst]), float(uncertainty[worst]), DISAGREE)
+        worst = int(np.argmax(difference / uncertainty))
+        return Agreement(name, of, float(difference[worst]), float(uncertainty[worst]), DISAGREE)
     worst = int(np.argmax(uncertainty))
-    row = Agreement(name, of.names, float(difference[worst]), float(uncertainty[worst]), AGREE)
+    row = Agreement(name, of, float(difference[worst]), float(uncertainty[worst]), AGREE)
     if uncertainty[worst] <= A_FEW * problem.rtol:
         return row
-    loser = of.names[int(second[worst] > first[worst])]
+    loser = of[int(second[worst] > first[worst])]
     when = _when(problem, name, uncertainty > A_FEW * problem.rtol)
     return replace(row, verdict=UNDECIDED, remark=f"{when}{remedy(problem, name, loser, float(uncertainty[worst]))}")
-
-
-def common_shape(one: Array, other: Array) -> tuple[int, ...]:
-    """The shape that two arrays have in common."""
-    return tuple(part.stop for part in common(one.shape, other.shape))
 
 
 def _when(problem: Problem, name: str, undecided: NDArray[np.bool_]) -> str:

@@ -13,6 +13,21 @@ from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 
 
+def steady(problem: Problem, radii: Array) -> xarray.Dataset:
+    """The steady state in closed form, its fields at radii (R,); non-dimensional."""
+    ring_edges, wear_coefficients = problem.merged
+    pressures = direct.steady_pressures(ring_edges, wear_coefficients)
+    greatest = direct.greatest_displacement(ring_edges, pressures)
+    values = {
+        "steady_pressure": pressures[ring_of(ring_edges, radii)],
+        "steady_profile": np.maximum(greatest - direct.displacement(ring_edges, pressures, radii), 0.0),
+        "steady_displacement_max": np.asarray(greatest),
+        "steady_rms_slope": np.asarray(direct.rms_slope(ring_edges, pressures, problem.gradient_average)),
+        "steady_wear_rate": np.asarray(wear_coefficients[0] * pressures[0]),
+    }
+    return labelled(values, radii)
+
+
 class Direct(Method):
     """The steady state, to roundoff."""
 
@@ -32,26 +47,12 @@ class Direct(Method):
         return Cost(0, rings, 1e-3 + 4e-6 * rings**2, 0.1, 1e-12)
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
-        ring_edges, wear_coefficients = problem.merged
         with stages("integrating"):
-            pressures = direct.steady_pressures(ring_edges, wear_coefficients)
-            greatest = direct.greatest_displacement(ring_edges, pressures)
-            slope = direct.rms_slope(ring_edges, pressures, problem.gradient_average)
-
-            def at(radii: Array) -> xarray.Dataset:
-                values = {
-                    "steady_pressure": pressures[ring_of(ring_edges, radii)],
-                    "steady_profile": np.maximum(greatest - direct.displacement(ring_edges, pressures, radii), 0.0),
-                    "steady_displacement_max": np.asarray(greatest),
-                    "steady_rms_slope": np.asarray(slope),
-                    "steady_wear_rate": np.asarray(wear_coefficients[0] * pressures[0]),
-                }
-                return labelled(values, np.empty(0), radii)
-
-            results, checked = at(problem.radii), at(problem.face.radii)
+            results, checked = (steady(problem, radii) for radii in (problem.radii, problem.face.radii))
         # a narrow ring of high pressure is the small difference of two discs
-        steps = np.abs(direct.pressure_steps(pressures))
-        roundoff = 1e-12 + 4 * np.finfo(float).eps * float(steps @ ring_edges[1:]) / greatest
+        steps = np.abs(direct.pressure_steps(direct.steady_pressures(*problem.merged)))
+        greatest = float(results.steady_displacement_max)
+        roundoff = 1e-12 + 4 * np.finfo(float).eps * float(steps @ problem.merged.ring_edges[1:]) / greatest
         errors = {str(name): np.asarray(roundoff) for name in results.data_vars}
         return Solution(results, checked, errors, {"roundoff": roundoff})
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.radial import Array
-from ringwear.studies.methods.quantities import ENERGIES, QUANTITIES, differences
+from ringwear.studies.methods.quantities import ENERGIES, QUANTITIES, common, differences
 from ringwear.studies.methods.sampler import Evaluation
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.sections import FemAccuracy
@@ -139,8 +139,6 @@ def at_times(problem: Problem, name: str, error: Array) -> Array:
 
 
 def _added(one: Array, other: Array) -> Array:
-    """The sum of two parts of an error; of relaxation times, each may know another number."""
-    if not one.ndim:
-        return one + other
-    known = min(len(one), len(other))
-    return np.asarray(one[:known] + other[:known])
+    """The sum of two parts of an error."""
+    known = common(one.shape, other.shape)
+    return np.asarray(one[known] + other[known])

@@ -76,7 +76,7 @@ class Sampler:
             "rms_slope": self._rms_slope(profile),
             "ring_force": pressure @ self._ring_forces.T,
         }
-        return labelled(values, history.times, self._radii(on_face))
+        return labelled(values, self._radii(on_face), history.times)
 
     def steady(self, state: SteadyState, on_face: bool = False) -> xarray.Dataset:
         """The quantities of the steady state."""
@@ -89,7 +89,7 @@ class Sampler:
             "steady_rms_slope": self._rms_slope(state.displacement[None])[0],
             "steady_wear_rate": np.asarray(state.wear_rate),
         }
-        return labelled(values, np.empty(0), self._radii(on_face))
+        return labelled(values, self._radii(on_face))
 
     def _radii(self, on_face: bool) -> Array:
         return self.problem.face.radii if on_face else self.problem.radii
@@ -129,5 +129,5 @@ class Evaluation:
             parts.append(self.sampler.history(history(), on_face))
             parts.append(xarray.Dataset({"relaxation_time": ("mode", self.wear.relaxation_times)}))
         if self.problem.steady:
-            parts.append(self.sampler.steady(self.wear.steady, on_face).drop_vars("time"))
+            parts.append(self.sampler.steady(self.wear.steady, on_face))
         return xarray.merge(parts)

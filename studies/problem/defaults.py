@@ -33,8 +33,10 @@ def sharpness(problem: Problem) -> Sharpness:
     """Of the pressures that a problem asks for."""
     wear, earliest = problem.merged.wear_coefficients, problem.earliest or np.inf
     outside = np.append(wear[1:], wear[-1])
+    slower = np.minimum(wear, outside)
+    span = float(problem.times[-1] / earliest) if problem.earliest else 1.0
     start = bool(len(problem.times)) and problem.times[0] == 0
-    return Sharpness(problem.rtol, np.minimum(wear, outside) * earliest, np.maximum(wear, outside) * earliest, start)
+    return Sharpness(problem.rtol, slower * earliest, np.maximum(wear, outside) / slower, span, start)
 
 
 def pressure_degree(problem: Problem, ratio: float) -> float:
@@ -109,8 +111,7 @@ def edge_sizes(problem: Problem) -> Array:
 
 def at_smallest(problem: Problem) -> bool:
     """Whether a size wanted is below what coordinates can tell."""
-    sizes = edge_sizes(problem)
-    return bool(sizes[-1] <= SMALLEST or sizes.min() <= SMALLEST)
+    return bool(edge_sizes(problem).min() <= SMALLEST)
 
 
 def rim_size(problem: Problem) -> float:
