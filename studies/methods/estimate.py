@@ -39,7 +39,7 @@ RADIAL, LAYERS = Safety(0.7, 1.6, 0.65), Safety(0.5, 0.5, 1.2)
 # where nothing is left to coarsen, the pair is finer than the result, and the difference the error itself
 RADIAL_FINER = Safety(1.5, 2.0, 3.0)
 # of finite elements: one degree of the pressure less; then one degree of the displacement (and a layer) less
-QUAD_MULTIPLIERS, QUADS = Safety(0.1, 1.4, 0.7), Safety(4.0, 1.9, 1.0)
+QUAD_MULTIPLIERS, QUADS = Safety(0.1, 1.4, 0.7), Safety(1.5, 1.9, 1.0)
 TRIANGLE_MULTIPLIERS, TRIANGLES, TRIANGLES_FINER = Safety(20.0, 2.0, 8.0), Safety(12.0, 1.0, 8.0), Safety(2.0, 3.0, 8.0)
 # with half the springs and twice the step, what is of first order doubles; slopes and jumps at ring edges are of half that
 GRID = Safety(1.5, 2.5, 2.5)
@@ -57,7 +57,7 @@ def of_triangles(growth: float, safety: Safety) -> Safety:
 
 def of_truncation(chosen: FemAccuracy, truncation: float) -> Safety:
     """Each pole takes the truncation error down by four orders in a/R (`ringwear study truncation`)."""
-    factor = 1.1 if chosen.far_field == "fixed" else 6 / truncation**4
+    factor = 1.1 if chosen.far_field == "fixed" else 8 / truncation**4
     return Safety(factor, factor, factor)
 
 
