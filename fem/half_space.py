@@ -168,10 +168,48 @@ class HalfSpace:
         `compliance` is tested against.
         """
         continuous = self.space.joined()
-        weights, loads = csc_matrix(continuous.T @ self.space.weights), self.coupling @ continuous
-        block = csc_matrix(np.pad(loads, ((self.system.shape[0] - len(loads), 0), (0, 0))))
-        whole = bmat([[self.system, -block, None], [-block.T, None, weights.T], [None, weights, None]], format="csc")
-        solution = splu(whole).solve(np.append(np.zeros(whole.shape[0] - 1), force))
+        weights = continuous.T @ self.space.weights
+        pressure, indentation, _ = self._saddle_point(self.coupling @ continuous, weights, np.zeros(len(weights)), force)
+        return continuous @ pressure, indentation
+
+    def unilateral_saddle_point(self, moments: Array, force: float = 1.0) -> tuple[Array, Array, float]:
+        """Pressures (size,) >= 0 at nodes, moments (size,) >= 0 of the gap, and indentation, from the whole system.
+
+        The plain reference for contact on part of the face: linear pressures only, a factorisation for every contact that is
+        tried, each by the signs that the last one gave.
+
+        Parameters
+        ----------
+        moments : (size,) ``int f phi_i dA`` of the punch face
+        force : that presses it on
+
+        Raises
+        ------
+        SolverError
+            if a system is singular, or the contact keeps changing
+        """
+        contact = np.ones(self.space.size, dtype=bool)
+        for _ in range(100):
+            pressure, gap = np.zeros(self.space.size), np.zeros(self.space.size)
+            weights = self.space.weights
+            inside, indentation, displaced = self._saddle_point(
+                self.coupling[:, contact], weights[contact], moments[contact], force
+            )
+            pressure[contact] = inside
+            gap[~contact] = (displaced + moments - indentation * weights)[~contact]
+            wrong = np.where(contact, pressure < 0, gap < 0)
+            if not wrong.any():
+                return pressure, gap, indentation
+            contact ^= wrong
+        raise SolverError("the contact keeps changing")
+
+    def _saddle_point(self, loads: Array, weights: Array, moments: Array, force: float) -> tuple[Array, float, Array]:
+        """Pressure, indentation, and the displacement's moments (size,) against every pressure of the space."""
+        inside = self.system.shape[0]
+        block, row = csc_matrix(np.pad(loads, ((inside - len(loads), 0), (0, 0)))), csc_matrix(weights)
+        whole = bmat([[self.system, -block, None], [-block.T, None, row.T], [None, row, None]], format="csc")
+        solution = splu(whole).solve(np.concatenate([np.zeros(inside), moments, [force]]))
         if not np.isfinite(solution).all():
             raise SolverError("the contact system is singular")
-        return continuous @ solution[self.system.shape[0] : -1], float(solution[-1])
+        displaced = self.coupling.T @ solution[inside - len(loads) : inside]
+        return solution[inside:-1], float(solution[-1]), displaced

@@ -37,16 +37,16 @@ def graded_breakpoints(ring_edges: ArrayLike, edge_size: ArrayLike, rim_size: fl
     ring_edges = np.asarray(ring_edges, dtype=float)
     sizes = np.append(np.broadcast_to(np.asarray(edge_size, dtype=float), len(ring_edges) - 2), rim_size)
     # the innermost ring is refined towards its outer edge only
-    pieces = [[0.0], ring_edges[1] - _layers(ring_edges[1], sizes[0], factor)[1:]]
+    pieces = [[0.0], ring_edges[1] - layers(ring_edges[1], sizes[0], factor)[1:]]
     for i, (inner, outer) in enumerate(itertools.pairwise(ring_edges[1:])):
         # the two families meet at mid-ring, and share that point
         half = (outer - inner) / 2
-        towards_inner = inner + _layers(half, sizes[i], factor)[:0:-1]
-        pieces += [[inner], towards_inner, outer - _layers(half, sizes[i + 1], factor)]
+        towards_inner = inner + layers(half, sizes[i], factor)[:0:-1]
+        pieces += [[inner], towards_inner, outer - layers(half, sizes[i + 1], factor)]
     return np.concatenate([*pieces, ring_edges[-1:]])
 
 
-def _layers(span: float, smallest: float, factor: float) -> Array:
+def layers(span: float, smallest: float, factor: float) -> Array:
     """Distances from a singular point: `span`, `span * factor`, ... down to about `smallest`."""
     count = max(0, round(np.log(max(smallest, 1e-300) / span) / np.log(factor)))
     return span * factor ** np.arange(count + 1.0)

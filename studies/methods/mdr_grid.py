@@ -39,6 +39,11 @@ class MdrGrid(Method):
         return Cost(points, points, 1e-5 * steps + 1e-9 * steps * points**2, 0.1 + 1e-7 * points**2, np.nan)
 
     def refusal(self, problem: Problem) -> str:
+        if problem.profile is not None:
+            return (
+                "mdr-grid uses the rule of springs, q = d - g, which holds only while contact is one disc, and an initial "
+                "profile or a fixed indentation may break that: leave it out of methods"
+            )
         if not len(problem.times):
             return "mdr-grid marches in time and knows no steady state: give wear.times, or leave it out of methods"
         return ""

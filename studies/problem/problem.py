@@ -10,6 +10,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ringwear.meshes.radial import Array, Indices, alternating_edges, graded_breakpoints, ring_of, unit_gauss
+from ringwear.studies.problem.profile import InitialProfile, unworn
 from ringwear.studies.problem.sections import (
     AccuracySection,
     FemAccuracy,
@@ -26,6 +27,11 @@ D0, P0 = 0.5, 1 / (2 * np.pi)  # the paper's d0 = F/(2 a E*) and p0 = F/(2 pi a^
 
 # times at which whole fields are compared, and by which errors are estimated
 MOST_CHECKED, MOST_ESTIMATED = 40, 60
+
+
+def _unilateral(punch: PunchSection, load: LoadSection) -> bool:
+    """Whether contact can be lost or gained: a flat punch under a force keeps all of it."""
+    return any(punch.recess or ()) or bool(punch.profile or punch.heights) or load.indentation is not None
 
 
 class Face(NamedTuple):
@@ -111,6 +117,8 @@ class Problem:
     output_radii : None for a grid that shows every ring
     fem, mdr : sizes that the user has given
     units : sizes of the units
+    profile : of the unworn face; None for a flat punch under a force, which never loses contact
+    indentation : held fixed in place of the force, which then is what a flat punch would take; None under a force
     """
 
     rings: Rings
@@ -125,6 +133,8 @@ class Problem:
     fem: FemAccuracy = field(default_factory=FemAccuracy)
     mdr: MdrAccuracy = field(default_factory=MdrAccuracy)
     units: Units = Units()
+    profile: InitialProfile | None = None
+    indentation: float | None = None
 
     @classmethod
     def posed(
@@ -142,7 +152,9 @@ class Problem:
         coefficients = given if len(given) == count else given[np.arange(count) % 2]
         modulus = half_space.plane_strain_modulus or (half_space.youngs_modulus or 0.0) / (1 - half_space.poisson_ratio**2)
         force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * length**2
-        time = length / modulus / float(coefficients.max()) / load.sliding_speed
+        force = force or 2 * length * modulus * (load.indentation or 0.0)
+        units = Units(length, modulus, force, length / modulus / float(coefficients.max()) / load.sliding_speed)
+        time = units.time
         return cls(
             rings=Rings(ring_edges, coefficients / coefficients.max()),
             times=np.array(wear.times) / time,
@@ -155,12 +167,15 @@ class Problem:
             output_radii=None if output.radii is None else np.array(output.radii) / length,
             fem=accuracy.fem,
             mdr=accuracy.mdr,
-            units=Units(length, modulus, force, time),
+            units=units,
+            profile=unworn(punch, ring_edges, length, units.displacement) if _unilateral(punch, load) else None,
+            indentation=None if load.indentation is None else D0,
         )
 
     @cached_property
     def merged(self) -> Rings:
-        return self.rings.merged()
+        """Rings that have to be modelled: a recess ends at its ring's edge even if the next wears as fast."""
+        return self.rings.merged() if self.profile is None else self.rings
 
     @property
     def ring_edges(self) -> Array:

@@ -2,10 +2,11 @@
 
 import difflib
 import tomllib
+from collections.abc import Callable
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Self, get_args
 
 import tomli_w
 from pydantic import AfterValidator, Field, ValidationError, model_validator
@@ -81,15 +82,19 @@ class Scene(Section):
             raise SceneError(f"{source} is not a text file: a scene is TOML in UTF-8") from None
         except OSError as error:
             raise SceneError(f"{source} cannot be read: {error.strerror}") from error
-        return cls.from_toml(text, str(source))
+        return cls.from_toml(text, str(source), path.parent)
 
     @classmethod
-    def from_toml(cls, text: str, name: str = "scene") -> "Scene":
-        """Read a scene from TOML text; `name` is for messages."""
+    def from_toml(cls, text: str, name: str = "scene", folder: Path | None = None) -> "Scene":
+        """Read a scene from TOML text; `name` is for messages, files that it names are sought in `folder`."""
         try:
             table = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
             raise SceneError(f"{name} is not TOML: {error}") from error
+        punch = table.get("punch")
+        profile = punch.get("profile") if isinstance(punch, dict) else None
+        if folder is not None and isinstance(profile, dict) and isinstance(profile.get("file"), str):
+            profile["file"] = str(folder / profile["file"])
         return cls.from_table(table, name)
 
     @classmethod
@@ -117,7 +122,14 @@ class Scene(Section):
             for step in path:
                 part = part.setdefault(step, {})
             part[key] = value
-        return Scene.from_table(table)
+        return Scene.from_table(table).with_heights(*self.punch.heights)
+
+    def with_heights(self, *heights: Callable[[Any], Any]) -> "Scene":
+        """The same scene with functions added to the unworn face: heights by arrays of radii, in the scene's units.
+
+        A file cannot hold them: `to_toml` leaves them out.
+        """
+        return self.model_copy(update={"punch": self.punch.model_copy(update={"heights": heights})}) if heights else self
 
     @cached_property
     def problem(self) -> Problem:
@@ -160,6 +172,8 @@ def _declaration(location: list[str]) -> tuple[type[Section], Any]:
         if part not in names:
             break
         field = names[part]
-        if isinstance(field.annotation, type) and issubclass(field.annotation, Section):
-            section = field.annotation
+        # a table that may be left out has `None` beside its own type
+        for kind in (field.annotation, *get_args(field.annotation)):
+            if isinstance(kind, type) and issubclass(kind, Section):
+                section = kind
     return section, field

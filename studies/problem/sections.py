@@ -1,7 +1,9 @@
 """The tables of the scene file: every key declared once, with its check and the remedy that an error message gives."""
 
+from collections.abc import Callable
 from itertools import pairwise
-from typing import Annotated, Literal, Self
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -28,6 +30,77 @@ def increasing(key: str, values: list[float]) -> None:
         raise ValueError(f"{key} = {values} must increase, without repeats")
 
 
+# keys that each kind of profile needs
+PROFILES = {
+    "parabola": ("curvature_radius",),
+    "cone": ("slope",),
+    "power": ("coefficient", "exponent"),
+    "rounded_rim": ("flat_radius", "curvature_radius"),
+    "table": ("radii", "heights"),
+}
+
+
+class ProfileSection(Section):
+    """Heights of the unworn face over the radius: material that is missing."""
+
+    kind: Literal["parabola", "cone", "power", "rounded_rim", "table"] = Field(description=f"one of {', '.join(PROFILES)}")
+    curvature_radius: Positive | None = Field(default=None, description="the radius of curvature R, a positive length")
+    slope: Positive | None = Field(default=None, description="the slope of a cone, positive")
+    coefficient: Positive | None = Field(default=None, description="the height at the rim of f = c (r/a)^n, positive")
+    exponent: Positive | None = Field(default=None, description="the exponent n of f = c (r/a)^n, positive")
+    flat_radius: NotNegative | None = Field(default=None, description="the radius b inside which the face is flat")
+    file: str | None = Field(default=None, description="a file of two columns, radius and height, separated by a comma")
+    radii: list[NotNegative] | None = Field(default=None, description="increasing radii from 0 to punch.radius")
+    heights: list[NotNegative] | None = Field(default=None, description="a height, 0 or more, for each of the radii")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _file_is_read(cls, table: Any) -> Any:
+        """The scene keeps the numbers: it is complete without the file."""
+        if not (isinstance(table, dict) and table.get("kind") == "table" and isinstance(table.get("file"), str)):
+            return table
+        if "radii" in table or "heights" in table:
+            raise ValueError("give either file, or radii and heights, and not both")
+        radii, heights = read_table(table["file"])
+        return {"kind": "table", "radii": radii, "heights": heights}
+
+    @model_validator(mode="after")
+    def _goes_with_its_kind(self) -> Self:
+        needed = PROFILES[self.kind]
+        for name in type(self).model_fields:
+            given = getattr(self, name) is not None
+            if name in needed and not given:
+                raise ValueError(
+                    f"kind = '{self.kind}' needs {' and '.join(needed)}" + (", or file" if name == "radii" else "")
+                )
+            if name not in ("kind", *needed) and given:
+                raise ValueError(f"{name} does not go with kind = '{self.kind}', which takes {' and '.join(needed)}")
+        if self.radii is not None and self.heights is not None:
+            if len(self.radii) != len(self.heights) or len(self.radii) < 2:
+                raise ValueError("a table needs as many heights as radii, two or more; nan is no height")
+            if any(b <= a for a, b in pairwise(self.radii)):
+                raise ValueError("radii must increase, without repeats; a step of the face is a ring edge with a recess")
+        return self
+
+
+def read_table(name: str) -> tuple[list[float], list[float]]:
+    """Two columns of numbers; a line that begins with no number is a heading."""
+    try:
+        lines = [line for line in Path(name).read_text("utf-8").splitlines() if line.strip()]
+    except (OSError, UnicodeDecodeError) as error:
+        raise ValueError(f"file = '{name}' cannot be read: give a text file of two columns, radius and height") from error
+    rows = []
+    for number, line in enumerate(lines):
+        try:
+            radius, height = (float(part) for part in line.replace(";", ",").split(","))
+        except ValueError:
+            if number == 0:
+                continue
+            raise ValueError(f"file = '{name}': '{line}' is not a radius and a height, separated by a comma") from None
+        rows.append((radius, height))
+    return [radius for radius, _ in rows], [height for _, height in rows]
+
+
 class PunchSection(Section):
     radius: Positive = Field(description="the punch radius, a positive length")
     rings: int | None = Field(default=None, ge=1, le=100_000, description="the number of rings, 1 or more")
@@ -37,6 +110,13 @@ class PunchSection(Section):
     )
     wear_coefficients: list[Positive] = Field(
         description="positive numbers: two, alternating from the centre, or one for each ring"
+    )
+    recess: list[NotNegative] | None = Field(
+        default=None, description="a height, 0 or more, for each ring: material missing"
+    )
+    profile: ProfileSection | None = Field(default=None, description="a table with kind and what goes with it")
+    heights: tuple[Callable[[Any], Any], ...] = Field(
+        default=(), exclude=True, repr=False, description="functions, in Python only: see Scene.with_heights"
     )
 
     @model_validator(mode="after")
@@ -54,6 +134,24 @@ class PunchSection(Section):
             raise ValueError(
                 f"wear_coefficients has {given} values for {count} rings: "
                 f"give {count}, or two, which alternate from the centre"
+            )
+        if self.recess is not None and len(self.recess) != count:
+            raise ValueError(f"recess has {len(self.recess)} values for {count} rings: give one for each ring")
+        return self
+
+    @model_validator(mode="after")
+    def _profile_covers_the_face(self) -> Self:
+        profile = self.profile
+        if profile is None:
+            return self
+        if profile.radii is not None and (profile.radii[0] > 0 or profile.radii[-1] < self.radius * (1 - 1e-9)):
+            raise ValueError(
+                f"profile.radii run from {profile.radii[0]} to {profile.radii[-1]}: "
+                f"give heights from 0 to the rim, {self.radius}"
+            )
+        if profile.flat_radius is not None and profile.flat_radius >= self.radius:
+            raise ValueError(
+                f"profile.flat_radius = {profile.flat_radius} leaves nothing to round: give less than {self.radius}"
             )
         return self
 
@@ -75,11 +173,16 @@ class HalfSpaceSection(Section):
 class LoadSection(Section):
     normal_force: Positive | None = Field(default=None, description="the normal force F, positive")
     mean_pressure: Positive | None = Field(default=None, description="F / (pi a^2), positive")
+    indentation: Positive | None = Field(
+        default=None, description="the indentation d of the unworn face plane, held fixed: the force decays as wear goes on"
+    )
     sliding_speed: Positive = Field(default=1.0, description="the sliding speed, positive")
 
     @model_validator(mode="after")
     def _one_load(self) -> Self:
-        self._has_one_of("normal_force", "mean_pressure")
+        given = [name for name in ("normal_force", "mean_pressure", "indentation") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError("give one of normal_force, mean_pressure and indentation, and not two")
         return self
 
 

@@ -1,0 +1,76 @@
+"""Static contact in closed form: a punch ``f = c r^n`` on a half-space, any ``n > 0``; the sphere and the cone among them.
+
+Sneddon, The relation between load and penetration in the axisymmetric Boussinesq problem for a punch of arbitrary profile,
+Int. J. Engng Sci. 3 (1965) 47, doi 10.1016/0020-7225(65)90019-4; by the one-dimensional profile ``g = kappa c x^n`` of
+Eq. 3 also in Popov and Hess, Method of Dimensionality Reduction in Contact Mechanics and Friction (2015), chapter 3. With
+the radius of contact a,
+
+    kappa = sqrt(pi) Gamma(n/2 + 1) / Gamma((n + 1)/2),       d = kappa c a^n,
+    F = 2 E* kappa c a^(n+1) n / (n + 1),
+    p(r) = (n E* kappa c / pi) a^(n-2) s 2F1(1, 1 - n/2; 3/2; s^2 / a^2),       s^2 = a^2 - r^2.
+
+A sphere of radius R has n = 2 and c = 1/(2 R), a cone n = 1 and its slope. Plane strain modulus 1; nothing here is used by
+the methods: it is what they are held to. The annulus and the worn sphere have no exact closed form, but limits.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import gamma, hyp2f1
+
+from ringwear.meshes.radial import Array
+
+
+@dataclass(frozen=True)
+class PowerPunch:
+    """The punch ``f = coefficient r^exponent`` in contact on a disc."""
+
+    coefficient: float
+    exponent: float
+
+    @property
+    def kappa(self) -> float:
+        n = self.exponent
+        return float(np.sqrt(np.pi) * gamma(n / 2 + 1) / gamma((n + 1) / 2))
+
+    def indentation(self, radius: float) -> float:
+        """By the radius of contact."""
+        return self.kappa * self.coefficient * radius**self.exponent
+
+    def force(self, radius: float) -> float:
+        """By the radius of contact."""
+        n = self.exponent
+        return 2 * self.kappa * self.coefficient * radius ** (n + 1) * n / (n + 1)
+
+    def contact_radius(self, force: float) -> float:
+        return float((force / self.force(1.0)) ** (1 / (self.exponent + 1)))
+
+    def pressure(self, radius: float, radii: Array) -> Array:
+        """At radii, by the radius of contact; zero outside."""
+        n, inside = self.exponent, np.minimum(np.abs(radii) / radius, 1.0)
+        depth = np.sqrt((1 - inside) * (1 + inside))
+        shape = depth * hyp2f1(1.0, 1 - n / 2, 1.5, depth**2)
+        return np.asarray(n * self.kappa * self.coefficient / np.pi * radius ** (n - 1) * shape)
+
+
+def thin_ring_stiffness(inner: float, outer: float) -> float:
+    """``F / (E* d)`` of a flat ring much narrower than its radius.
+
+    A ring of mean radius R and half-width w whose pressure goes as ``(w^2 - x^2)^(-1/2)``: with ``K -> ln(8 R / |x|)`` in
+    Eq. 19 and the mean of ``ln |x|`` over that pressure, ``ln(w/2)``, it is ``pi^2 R / ln(16 R / w)``.
+    """
+    mean, half = (outer + inner) / 2, (outer - inner) / 2
+    return float(np.pi**2 * mean / np.log(16 * mean / half))
+
+
+def worn_sphere(curvature_radius: float, wear_coefficient: float, force: float, contact: float) -> tuple[float, float]:
+    """Time and indentation at which a sphere of one material has worn to a radius of contact, at sliding speed 1.
+
+    The worn face is flat but for what the half-space yields under a uniform pressure ``F / (pi c^2)``: its edge stands
+    at the height of the sphere, ``d = c^2 / (2 R) + u(c)`` with ``u(c) = 4 F / (pi^2 c)``, and what has worn off is the
+    cap less the volume of that displacement, ``pi c^4 / (4 R) = k F t + 4 F c / (3 pi)``. It tends to the truth as wear
+    flattens the pressure.
+    """
+    c = contact
+    time = (np.pi * c**4 / (4 * curvature_radius) - 4 * force * c / (3 * np.pi)) / (wear_coefficient * force)
+    return float(time), float(c**2 / (2 * curvature_radius) + 4 * force / (np.pi**2 * c))

@@ -1,0 +1,132 @@
+"""What the punch looks like before it wears: heights over the radius, recesses by ring, or sums of them. Non-dimensional.
+
+A height is material that is missing: where it is zero the face plane is, whose indentation is d. Heights may be any
+function of the radius; steps at ring edges are the recesses. Lengths are in punch radii, heights in ``F / (a E*)``.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ringwear.meshes.errors import SceneError
+from ringwear.meshes.radial import Array, Indices, ring_of
+from ringwear.studies.problem.sections import ProfileSection, PunchSection
+
+Height = Callable[[Array], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class InitialProfile:
+    """Heights of the punch face before wear.
+
+    Parameters
+    ----------
+    ring_edges : (N+1,) of the punch
+    recess : (N,) height of each ring
+    heights : functions of the radius that are added to it
+    kinks : radii at which these are not smooth
+    """
+
+    ring_edges: Array
+    recess: Array
+    heights: tuple[Height, ...] = ()
+    kinks: tuple[float, ...] = ()
+
+    def __call__(self, radii: Array) -> Array:
+        """Heights at radii; an edge belongs to the ring outside it."""
+        return self.in_ring(radii, ring_of(self.ring_edges, radii))
+
+    def in_ring(self, radii: Array, ring: Indices) -> Array:
+        """Heights at radii of given rings: at their edges, too."""
+        total = np.asarray(self.recess[ring], dtype=float)
+        for height in self.heights:
+            total = total + height(radii)
+        return np.asarray(np.broadcast_to(total, np.shape(radii)), dtype=float)
+
+    def slope(self, radii: Array) -> Array:
+        """Slope within rings, by central differences: steps at ring edges are no slope."""
+        ring, step = ring_of(self.ring_edges, radii), 1e-5
+        low = np.maximum(radii - step, self.ring_edges[ring])
+        high = np.minimum(radii + step, self.ring_edges[ring + 1])
+        rise = self.in_ring(high, ring) - self.in_ring(low, ring)
+        return np.divide(rise, high - low, out=np.zeros_like(rise), where=high > low)
+
+    @property
+    def steps(self) -> Array:
+        """(N-1,) step of the height at each ring edge between centre and rim, outwards."""
+        return np.diff(self.recess)
+
+    def nearest(self) -> float:
+        """The least height, by a fine sample of every ring: nothing touches at a smaller indentation."""
+        within = np.linspace(0.0, 1.0, 501)
+        least = [float(self.in_ring(a + (b - a) * within, np.full(501, n)).min())
+                 for n, (a, b) in enumerate(pairwise(self.ring_edges))]  # fmt: skip
+        return min(least)
+
+
+def unworn(punch: PunchSection, ring_edges: Array, length: float, unit: float) -> InitialProfile:
+    """The face of a punch before wear.
+
+    Parameters
+    ----------
+    punch : as the scene gives it
+    ring_edges : (N+1,) over the punch radius
+    length, unit : punch radius, and what heights are measured in
+
+    Raises
+    ------
+    SceneError
+        if a function of the user's gives heights that are negative or not finite
+    """
+    recess = np.zeros(len(ring_edges) - 1) if punch.recess is None else np.array(punch.recess) / unit
+    heights = [_in_units(height, length, unit) for height in punch.heights]
+    kinks: tuple[float, ...] = ()
+    if punch.profile is not None:
+        shape, kinks = _shape(punch.profile, length, unit)
+        heights.append(shape)
+    profile = InitialProfile(ring_edges, recess, tuple(heights), kinks)
+    if punch.heights:
+        least = profile.nearest()
+        if not least >= 0:
+            raise SceneError(f"the height of the punch is {least * unit:.3g} somewhere: heights are material that is "
+                             "missing, 0 or more and finite; add a constant to them")  # fmt: skip
+    return profile
+
+
+def _in_units(height: Height, length: float, unit: float) -> Height:
+    return lambda radii: np.asarray(height(radii * length), dtype=float) / unit
+
+
+def _shape(section: ProfileSection, length: float, unit: float) -> tuple[Height, tuple[float, ...]]:
+    """Heights by radii, and where they are not smooth."""
+    curvature = (section.curvature_radius or 1.0) * unit / length**2
+    if section.kind == "parabola":
+        return power(1 / (2 * curvature), 2.0), ()
+    if section.kind == "cone":
+        return power((section.slope or 0.0) * length / unit, 1.0), ()
+    if section.kind == "power":
+        return power((section.coefficient or 0.0) / unit, section.exponent or 1.0), ()
+    if section.kind == "rounded_rim":
+        flat = (section.flat_radius or 0.0) / length
+        return rounded_rim(flat, curvature), (flat,)
+    radii = np.array(section.radii) / length
+    return table(radii, np.array(section.heights) / unit), tuple(radii.tolist())
+
+
+def power(coefficient: float, exponent: float) -> Height:
+    """``f = c r^n``: a parabola has n = 2 and ``c = 1/(2 R)``, a cone n = 1 and its slope."""
+    return lambda radii: coefficient * np.abs(radii) ** exponent
+
+
+def rounded_rim(flat_radius: float, curvature_radius: float) -> Height:
+    """Flat to a radius, and beyond it ``f = (r - b)^2 / (2 R)``."""
+    return lambda radii: np.maximum(radii - flat_radius, 0.0) ** 2 / (2 * curvature_radius)
+
+
+def table(radii: Array, heights: Array) -> Height:
+    """Through given points by monotone cubics (Fritsch and Carlson): smooth, without overshoot."""
+    from scipy.interpolate import PchipInterpolator
+
+    return PchipInterpolator(radii, heights)

@@ -1,0 +1,231 @@
+"""Static contact on a mesh fitted to its edges: high degrees, graded to where the pressure is singular.
+
+The contact is one or more intervals of the radius. Each of their edges is either fixed, a corner of the punch face at which
+the pressure is infinite, or free: there the pressure falls to zero as a root, and the stress intensity vanishes, which the
+coefficient of the pressure at the edge measures. With the edges given, all is linear: ``A p = d b - m``. The coefficient
+at the outermost free edge gives d; those at the others and the load are as many equations as there are free edges.
+
+The half-space has no length of its own: the compliance on a disc of radius c is ``c^3`` times that of the unit disc under
+the same intervals, scaled. Where the one free edge is the outermost, one compliance serves every radius. Non-dimensional.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+from scipy.optimize import root
+
+from ringwear.meshes.compliance import Compliance
+from ringwear.meshes.errors import SolverError
+from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.meshes.radial import Array
+from ringwear.studies.problem.profile import InitialProfile
+from ringwear.studies.wear.moments import moments
+from ringwear.studies.wear.unilateral import Load
+
+# (edges from 0 to 1 that every pressure space must be broken at, which of them the pressure is infinite at) -> compliance
+CompliancesOn = Callable[[tuple[float, ...], tuple[bool, ...]], Compliance]
+
+MOST_STEPS = 40
+# last step of a search that converges faster than linearly: the error is far below
+CLOSE = 1e-8
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A part of the radius in contact; an edge on the axis is none, and counts as fixed."""
+
+    inner: float
+    outer: float
+    inner_free: bool = False
+    outer_free: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class FittedPress:
+    """A punch pressed on, its edges found.
+
+    Parameters
+    ----------
+    intervals : of contact
+    compliance : on the disc of the outermost edge, scaled to radius 1
+    pressure : (size,) coefficients on its space
+    indentation, force : one of them as given
+    evaluations : compliances that were solved with
+    """
+
+    intervals: tuple[Interval, ...]
+    compliance: Compliance
+    pressure: Array
+    indentation: float
+    force: float
+    evaluations: int
+
+    @property
+    def radius(self) -> float:
+        """The outermost edge."""
+        return self.intervals[-1].outer
+
+    def pressure_at(self, radii: Array) -> Array:
+        """Pressures at radii of the punch; zero outside the contact."""
+        inside = radii <= self.radius
+        scaled = np.where(inside, radii, 0.0) / self.radius
+        return np.asarray(np.where(inside, self.compliance.space.matrix(scaled) @ self.pressure, 0.0))
+
+    def ring_forces(self, ring_edges: Array) -> Array:
+        """(N,) force on each ring."""
+        scaled = np.minimum(ring_edges / self.radius, 1.0)
+        used = np.append(True, np.diff(scaled) > 0)
+        out = np.zeros(len(ring_edges) - 1)
+        forces = self.radius**2 * self.compliance.space.ring_forces(scaled[used]) @ self.pressure
+        out[: len(forces)] = forces
+        return out
+
+
+class FittedContact:
+    """A punch and a half-space whose contact edges are sought."""
+
+    def __init__(self, profile: InitialProfile, load: Load, compliances: CompliancesOn) -> None:
+        self.profile, self.load, self.compliances = profile, load, compliances
+        self.evaluations = 0
+
+    def press(self, start: tuple[Interval, ...]) -> FittedPress:
+        """Find the edges from a start that has as many of them, and each near.
+
+        Raises
+        ------
+        SolverError
+            if they are not found: the contact is of another kind than the start
+        """
+        free = _free(start)
+        if not free:
+            return self._solved(start, None)[0]
+        guess = np.array([getattr(start[n], side) for n, side in free])
+
+        def moved(edges: Array) -> tuple[Interval, ...]:
+            every = [(one.inner, one.outer) for one in start]
+            for (n, side), edge in zip(free, edges, strict=True):
+                inner, outer = every[n]
+                every[n] = (inner, float(edge)) if side == "outer" else (float(edge), outer)
+            flat = [edge for pair in every for edge in pair]
+            if min(np.diff(flat)) <= 0 or flat[-1] > 1 + 1e-12:
+                raise SolverError("the edges of the contact cross each other or leave the punch")
+            return tuple(replace(one, inner=a, outer=b) for (a, b), one in zip(every, start, strict=True))
+
+        def residual(edges: Array) -> Array:
+            return self._solved(moved(edges), free[-1])[1]
+
+        edges = _secant(residual, guess) if len(guess) == 1 else _broyden(residual, guess)
+        return self._solved(moved(edges), free[-1])[0]
+
+    def _solved(self, intervals: tuple[Interval, ...], sets: tuple[int, str] | None) -> tuple[FittedPress, Array]:
+        """The press with these edges, and the residuals: of the load, then of each free edge but the one that sets d."""
+        self.evaluations += 1
+        radius = intervals[-1].outer
+        edges, infinite = _scaled(intervals)
+        compliance = self.compliances(edges, infinite)
+        space = compliance.space
+        carries = _carrying(space, intervals, radius)
+        matrix = compliance.matrix[np.ix_(carries, carries)] * radius**3
+        weights = space.weights[carries] * radius**2
+        of_profile = moments(self.profile, space, radius)[carries] * radius**2
+        try:
+            factor = cho_factor(matrix)
+        except np.linalg.LinAlgError as error:
+            raise SolverError(f"the compliance of the contact is not positive definite: {error}") from error
+        by_weights, by_moments = cho_solve(factor, weights), cho_solve(factor, of_profile)
+        position = np.full(space.size, -1)
+        position[carries] = np.arange(len(carries))
+        at_edges = {key: position[_dof(space, intervals, key)] for key in _free(intervals)}
+        if sets is not None:
+            place = at_edges[sets]
+            indentation = by_moments[place] / by_weights[place]
+        elif self.load.force is not None:
+            indentation = (self.load.force + weights @ by_moments) / (weights @ by_weights)
+        else:
+            indentation = float(self.load.indentation or 0.0)
+        inside = indentation * by_weights - by_moments
+        force = float(weights @ inside)
+        pressure = np.zeros(space.size)
+        pressure[carries] = inside
+        mean = abs(force) / (np.pi * radius**2)
+        if self.load.force is not None:
+            of_load = force / self.load.force - 1
+        else:
+            of_load = indentation / float(self.load.indentation or 1.0) - 1
+        # a root of slope one, however deep the mesh resolves it
+        others = [
+            inside[place] / mean * np.sqrt(_size_at(space, intervals, key)) for key, place in at_edges.items() if key != sets
+        ]
+        press = FittedPress(intervals, compliance, pressure, float(indentation), force, self.evaluations)
+        return press, np.array([of_load, *others])
+
+
+def _free(intervals: tuple[Interval, ...]) -> list[tuple[int, str]]:
+    return [(n, side) for n, one in enumerate(intervals) for side in ("inner", "outer") if getattr(one, f"{side}_free")]
+
+
+def _scaled(intervals: tuple[Interval, ...]) -> tuple[tuple[float, ...], tuple[bool, ...]]:
+    """Edges over the outermost, the axis first; and at which of them pressures are infinite."""
+    radius = intervals[-1].outer
+    edges, infinite = [0.0], [False]
+    for one in intervals:
+        if one.inner > 0:
+            edges.append(one.inner / radius)
+            infinite.append(not one.inner_free)
+        edges.append(one.outer / radius)
+        infinite.append(not one.outer_free)
+    return tuple(edges), tuple(infinite)
+
+
+def _carrying(space: PressureSpace, intervals: tuple[Interval, ...], radius: float) -> Array:
+    """Functions on elements in contact."""
+    middle = radius * (space.breakpoints[1:] + space.breakpoints[:-1]) / 2
+    inside = np.zeros(len(middle), dtype=bool)
+    for one in intervals:
+        inside |= (middle > one.inner) & (middle < one.outer)
+    used = np.unique(space.dofs[inside])
+    return np.asarray(used[used < space.size])
+
+
+def _element(space: PressureSpace, intervals: tuple[Interval, ...], key: tuple[int, str]) -> int:
+    n, side = key
+    edge = getattr(intervals[n], side) / intervals[-1].outer
+    place = int(np.abs(space.breakpoints - edge).argmin())
+    return place - 1 if side == "outer" else place
+
+
+def _dof(space: PressureSpace, intervals: tuple[Interval, ...], key: tuple[int, str]) -> int:
+    """The hat at an edge, on its side in contact."""
+    return int(space.dofs[_element(space, intervals, key), 1 if key[1] == "outer" else 0])
+
+
+def _size_at(space: PressureSpace, intervals: tuple[Interval, ...], key: tuple[int, str]) -> float:
+    element = _element(space, intervals, key)
+    return float(space.breakpoints[element + 1] - space.breakpoints[element])
+
+
+def _secant(residual: Callable[[Array], Array], guess: Array) -> Array:
+    """One edge: the load grows with it."""
+    before, now = guess, guess * (1 - 1e-3)
+    wrong_before, wrong = residual(before), residual(now)
+    for _ in range(MOST_STEPS):
+        if wrong == wrong_before:
+            break
+        step = -wrong * (now - before) / (wrong - wrong_before)
+        step = np.clip(step, -0.5 * now, np.minimum(now, np.maximum(1 - now, 0.0)))
+        before, wrong_before = now, wrong
+        now = now + step
+        if abs(step) <= CLOSE * now:
+            return now
+        wrong = residual(now)
+    raise SolverError("the edge of the contact was not found")
+
+
+def _broyden(residual: Callable[[Array], Array], guess: Array) -> Array:
+    """Several edges: Powell's hybrid method, whose Jacobian is updated by Broyden's formula."""
+    found = root(residual, guess, method="hybr", options={"xtol": 1e-10, "eps": 1e-6, "maxfev": 30 * len(guess)})
+    if not found.success and np.abs(found.fun).max() > 1e-7:
+        raise SolverError("the edges of the contact were not found")
+    return np.asarray(found.x)

@@ -1,0 +1,141 @@
+"""Unilateral contact on any compliance: ``p >= 0``, ``gap >= 0``, and their product zero. Non-dimensional.
+
+On a space of continuous piecewise linear pressures the unknowns are their values at nodes, and the gap is known by its
+moments, ``g_i = int (u + f - d) phi_i dA = (A p + m)_i - d b_i`` with the moments m of the profile. The contact is found by
+an active set: nodes of negative pressure leave it, nodes of negative gap enter, until none does. Signs alone decide, so
+nothing has to be scaled. Should that ever cycle, one node at a time (the one of least number, Murty's rule) cannot: every
+principal minor of the system is positive.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+from ringwear.meshes.errors import SolverError
+from ringwear.meshes.radial import Array
+
+Mask = NDArray[np.bool_]
+
+# rounds of many nodes at a time before one at a time; and nodes at a time in all
+ROUNDS, PIVOTS = 40, 4000
+# neighbours made one node in a coarser problem, which finds the start of the finer one; and the coarsest worth the while
+MERGED, COARSEST = 8, 4
+
+
+class Load(NamedTuple):
+    """How the punch is held: by a force, or by its indentation. One of the two is None."""
+
+    force: float | None = 1.0
+    indentation: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Press:
+    """A punch pressed on.
+
+    Parameters
+    ----------
+    pressure : (n,) at the nodes, none negative
+    gap : (n,) moments of the gap, zero in contact
+    indentation, force : one of them as given
+    contact : (n,) which nodes carry
+    iterations : active sets that were tried on the finest level
+    """
+
+    pressure: Array
+    gap: Array
+    indentation: float
+    force: float
+    contact: Mask
+    iterations: int
+
+
+class Contact:
+    """The matrix of a contact problem, with the factor of its last active set kept: steps of a march share it."""
+
+    def __init__(self, matrix: Array, weights: Array) -> None:
+        self.matrix, self.weights = matrix, weights
+        self._contact: Mask | None = None
+
+    def _factored(self, contact: Mask) -> None:
+        if self._contact is not None and np.array_equal(contact, self._contact):
+            return
+        self._inside = np.flatnonzero(contact)
+        block = self.matrix[np.ix_(self._inside, self._inside)]
+        try:
+            self._factor = cho_factor(block, check_finite=False)
+        except np.linalg.LinAlgError as error:
+            raise SolverError(f"the contact system is not positive definite: {error}; ask for fewer cells") from error
+        self._by_weights = cho_solve(self._factor, self.weights[self._inside], check_finite=False)
+        self._contact = contact.copy()
+
+    def _solved(self, moments: Array, load: Load, contact: Mask) -> tuple[Array, Array, float]:
+        """Pressure, gap and indentation if exactly these nodes were in contact, whatever the signs."""
+        self._factored(contact)
+        inside = self._inside
+        by_moments = cho_solve(self._factor, moments[inside], check_finite=False)
+        if load.force is None:
+            indentation = float(load.indentation or 0.0)
+        else:
+            weights = self.weights[inside]
+            indentation = float((load.force + weights @ by_moments) / (weights @ self._by_weights))
+        pressure = np.zeros(len(contact))
+        pressure[inside] = indentation * self._by_weights - by_moments
+        gap = self.matrix[:, inside] @ pressure[inside] + moments - indentation * self.weights
+        gap[inside] = 0.0
+        return pressure, gap, indentation
+
+    def press(self, moments: Array, load: Load, start: Mask | None = None) -> Press:
+        """Find the contact.
+
+        Parameters
+        ----------
+        moments : (n,) of the profile
+        load : force or indentation
+        start : (n,) nodes to try first; None to find them on coarser and coarser nodes
+
+        Raises
+        ------
+        SolverError
+            if no contact is found, which roundoff alone can cause
+        """
+        if start is None:
+            start = self._coarse_start(moments, load)
+        contact = self._not_empty(start, moments)
+        for count in range(1, PIVOTS):
+            if load.force is None and not contact.any():
+                pressure = np.zeros(len(moments))
+                gap, indentation = moments - (load.indentation or 0.0) * self.weights, load.indentation or 0.0
+            else:
+                pressure, gap, indentation = self._solved(moments, load, contact)
+            # what roundoff makes of a gap that is zero
+            noise = 1e-15 * (np.abs(moments) + abs(indentation) * self.weights)
+            wrong = np.where(contact, pressure < 0, gap < -noise)
+            if not wrong.any():
+                force = load.force if load.force is not None else float(self.weights @ pressure)
+                return Press(pressure, gap, indentation, force, contact, count)
+            if count > ROUNDS:
+                wrong[np.flatnonzero(wrong)[0] + 1 :] = False
+            contact = contact ^ wrong
+            if load.force is not None:
+                contact = self._not_empty(contact, gap)
+        raise SolverError("no contact satisfies the inequalities: ask for fewer cells")
+
+    def _not_empty(self, contact: Mask, gap: Array) -> Mask:
+        """Under a force something carries it: at the least the node nearest to the half-space."""
+        if contact.any():
+            return contact
+        return np.arange(len(gap)) == np.argmin(gap / self.weights)
+
+    def _coarse_start(self, moments: Array, load: Load) -> Mask:
+        count = len(moments)
+        if count < MERGED * COARSEST:
+            return np.ones(count, dtype=bool)
+        group = np.arange(count) // MERGED
+        first = np.flatnonzero(np.diff(group, prepend=-1))
+        rows = np.add.reduceat(self.matrix, first, axis=0)
+        coarse = Contact(np.add.reduceat(rows, first, axis=1), np.add.reduceat(self.weights, first))
+        return np.asarray(coarse.press(np.add.reduceat(moments, first), load).contact[group])
