@@ -24,13 +24,15 @@ class ContactCells:
     largest : greatest size
     edge_size : size at ring edges and rim
     growth : growth of the size with the distance from them
-    spots : where contact begins, and the size there: (inner radius, outer radius, size)
+    spread : growth of the size with the distance from where contact begins
+    spots : where it does, and the size there: (inner radius, outer radius, size)
     """
 
     ring_edges: tuple[float, ...]
     largest: float
     edge_size: float
     growth: float = 0.4
+    spread: float = 0.2
     spots: tuple[tuple[float, float, float], ...] = ()
 
     def __call__(self, radii: Array) -> Array:
@@ -40,7 +42,7 @@ class ContactCells:
             size = np.minimum(size, self.edge_size + self.growth * np.abs(radii - edge))
         for inner, outer, smallest in self.spots:
             away = np.maximum(np.maximum(inner - radii, radii - outer), 0.0)
-            size = np.minimum(size, smallest + 0.5 * self.growth * away)
+            size = np.minimum(size, smallest + self.spread * away)
         return size
 
     def breakpoints(self) -> Array:

@@ -208,6 +208,9 @@ def _study(options: argparse.Namespace) -> int:
     from ringwear.studies.output import whole
 
     scene = Scene.load(options.scene)
+    if scene.problem.profile is not None and not STUDIES[options.study].any_punch:
+        raise SceneError(f"study {options.study} is about flat punches under a force: leave out punch.recess and "
+                         "punch.profile, and give load.normal_force; or study compare")  # fmt: skip
     options.out = out = options.out or Path("results") / options.study
     with whole(_directory(options)) as hidden:
         conclusions = STUDIES[options.study].conduct(scene, hidden, options)

@@ -37,7 +37,7 @@ def whole(out: Path) -> Iterator[Path]:
 def write(result: "Result", out: Path) -> list[str]:
     """Write results, summary, half-space and figures to `out`; returns the names of the files."""
     from ringwear.studies.crosscheck.interior import interior, write_half_space
-    from ringwear.studies.figures import mesh, run
+    from ringwear.studies.figures import contact, mesh, run
 
     scene, solutions = result.scene, result.solutions
     with whole(out) as hidden:
@@ -53,6 +53,8 @@ def write(result: "Result", out: Path) -> list[str]:
             mesh.draw_mesh(half_space.solid.mesh, mesher, scene.problem.ring_edges, hidden / "mesh.png")
         run.draw_states(scene, solutions, hidden / "profiles_and_pressures.png")
         run.draw_history(scene, solutions, hidden / "history.png")
+        if scene.problem.profile is not None:
+            contact.draw_contact(scene, solutions, hidden / "contact.png")
         run.draw_steady(scene, solutions, hidden / "steady_state.png")
         if result.operators:
             run.draw_operators(scene, result.operators, hidden / "operator_difference.png")

@@ -30,7 +30,10 @@ def undecided(result: Result) -> set[str]:
 def test_bundled_scenes_agree(name: str, mesher: str) -> None:
     result = run(Scene.load(name).changed(accuracy__fem__mesher=mesher))
     assert disagreements(result) == []
-    if mesher == "quads":
+    if result.scene.problem.profile is not None:
+        # near edges that move, fields are known to a cell
+        assert not undecided(result) & {"indentation", "ring_force", "normal_force", "worn_volume"}
+    elif mesher == "quads":
         # fields of 32 rings are resolved as far as is affordable, and it is said how far
         assert undecided(result) <= ({"pressure", "rms_slope"} if name == "many_rings" else set())
         assert all("so many rings" in row.remark for row in result.agreement if row.verdict == "undecided")

@@ -14,9 +14,9 @@ from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.contact_cells import ContactCells, fitted_space
 from ringwear.meshes.radial import Array
 from ringwear.studies.problem.profile import InitialProfile, power
-from ringwear.studies.wear.fitted_press import FittedContact, FittedPress, Interval
+from ringwear.studies.wear.fitted_press import FittedContact, FittedPress
 from ringwear.studies.wear.moments import moments
-from ringwear.studies.wear.unilateral import Contact, Load
+from ringwear.studies.wear.unilateral import Contact, Interval, Load
 
 DEGREE = 8
 METHODS = ["mdr", "bem", pytest.param("fem", marks=pytest.mark.gmsh)]

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import xarray
 
 from ringwear.mdr import direct
 from ringwear.meshes.radial import Array
@@ -46,7 +47,7 @@ def anchors(problem: Problem, name: str, solution: Solution) -> list[Anchor]:
         known = rings.wear_coefficients[0] * direct.steady_pressures(*rings)[0]
         rate = float(array(solution.checked, "steady_wear_rate"))
         found.append(Anchor("steady wear rate of Eq. 24", name, abs(rate / known - 1), EXACT))
-    if solution.wear is not None:
+    if solution.wear is not None and problem.profile is None:
         found += _of_compliance(problem, name, solution.wear, solution)
     return found
 
@@ -55,9 +56,12 @@ def _of_history(problem: Problem, name: str, solution: Solution) -> Iterator[Anc
     checked, times = solution.checked, problem.times[problem.checked]
     stated = {one: np.maximum(solution.checked_error(problem, one), problem.rtol) for one in ("indentation", "profile")}
     indentation = array(checked, "indentation")
-    if times[0] == 0:
+    if times[0] == 0 and problem.profile is None:
         yield Anchor("flat start, d = F / (2 a E*)", name, abs(indentation[0] / D0 - 1), float(stated["indentation"][0]))
     forces = array(checked, "ring_force").sum(axis=1)
+    if problem.profile is not None:
+        yield from _of_profile(problem, name, checked)
+        return
     of_forces = solution.checked_error(problem, "ring_force")
     yield _worst("ring forces add up to F", name, np.abs(forces - 1), np.maximum(of_forces, EXACT))
     radii, weights = problem.face
@@ -69,6 +73,17 @@ def _of_history(problem: Problem, name: str, solution: Solution) -> Iterator[Anc
         # the profile is promised relative to the indentation
         tolerated = (stated["profile"] * indentation)[later] * by_wear.sum() / times[later]
         yield _worst("worn volume over k, F v0 t", name, wrong, np.maximum(tolerated, problem.rtol))
+
+
+def _of_profile(problem: Problem, name: str, checked: xarray.Dataset) -> Iterator[Anchor]:
+    """What holds while contact opens, closes and spreads."""
+    forces, times = array(checked, "ring_force").sum(axis=1), array(checked, "time")
+    if problem.indentation is None:
+        yield _worst("ring forces add up to F", name, np.abs(forces - 1), np.full(len(forces), EXACT))
+        worn = array(checked, "worn_volume")[times > 0] @ (1 / problem.wear_coefficients)
+        wrong = np.abs(worn / times[times > 0] - 1)
+        if len(wrong):
+            yield _worst("worn volume over k, F v0 t", name, wrong, np.full(len(wrong), EXACT))
 
 
 def _of_compliance(problem: Problem, name: str, wear: RunningIn, solution: Solution) -> Iterator[Anchor]:

@@ -15,7 +15,7 @@ from ringwear.studies.crosscheck.anchors import Anchor
 from ringwear.studies.crosscheck.operators import OperatorDifference
 from ringwear.studies.crosscheck.scope import left_out, modelled
 from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import NORMS, QUANTITIES, common, error_name, values
+from ringwear.studies.methods.quantities import NORMS, OF_PROFILES, QUANTITIES, common, error_name, values
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.progress import Stages
 
@@ -115,12 +115,17 @@ def dataset(scene: Scene, solutions: Mapping[str, Solution]) -> xarray.Dataset:
     sizes = {"time": len(problem.times), "radius": len(problem.radii), "ring": len(problem.wear_coefficients), "mode": MODES}
     every = [values(solution.results) for solution in solutions.values()]
     errors = [solution.errors for solution in solutions.values()]
+    # a flat punch has no more to say
+    given = [name for name in QUANTITIES if name not in OF_PROFILES or any(name in one for one in every)]
+    sizes["edge"] = max((one["contact_edge"].shape[1] for one in every if "contact_edge" in one), default=0)
     variables: dict[str, Any] = {}
-    for name, quantity in QUANTITIES.items():
+    for name, quantity in ((name, QUANTITIES[name]) for name in given):
         shape = tuple(sizes[dim] for dim in quantity.dims)
         about = {"long_name": quantity.definition, "units": "1" if quantity.unit == "slope" else stated}
         scaled = _gathered(every, name, shape) * getattr(problem.units, quantity.unit)
         variables[name] = (("solver", *quantity.dims), scaled, about)
+        if name in ("contact", "contact_edge"):
+            continue
         about = {"long_name": ERROR.format(name, NORMS[quantity.norm]), "units": "1"}
         shape = tuple(sizes[dim] for dim in quantity.error_dims)
         variables[error_name(name)] = (("solver", *quantity.error_dims), _gathered(errors, name, shape), about)
@@ -132,6 +137,9 @@ def dataset(scene: Scene, solutions: Mapping[str, Solution]) -> xarray.Dataset:
         "ring": ("ring", np.arange(1, sizes["ring"] + 1), {"long_name": "ring, counted from the centre"}),
         "mode": ("mode", np.arange(1, MODES + 1), {"long_name": "wear mode, slowest first"}),
     }
+    if sizes["edge"]:
+        about = {"long_name": "edge of the contact: inner and outer of each part in turn, from the centre"}
+        coordinates["edge"] = ("edge", np.arange(1, sizes["edge"] + 1), about)
     return xarray.Dataset(variables, coordinates, _attributes(scene, stated))
 
 

@@ -76,6 +76,8 @@ def solved_to_accuracy(one: Method, problem: Problem, stages: Stages) -> Solutio
 
 def error_of_sizes(problem: Problem, solution: Solution) -> float:
     """The greatest error of all quantities that finer sizes would mend."""
+    if problem.profile is not None:
+        return 0.0
     if problem.march != "modal" or not solution.error_of_sizes:
         return solution.error_of_sizes
     # fields follow neither on triangles, whose degree is low, nor with so many rings that they take too many pressures
@@ -90,6 +92,8 @@ def compare_operators(problem: Problem, solutions: dict[str, Solution]) -> Itera
 
     A method with a space of its own (the finite elements, on their contact facets) gives the space; the others follow.
     """
+    if problem.profile is not None:
+        return
     wears = {name: solution.wear for name, solution in solutions.items() if solution.wear is not None}
     for a, b in combinations(sorted(wears, key=lambda name: isinstance(method(name), AnySpaceMethod)), 2):
         other = method(b)

@@ -41,7 +41,10 @@ def draw_states(scene: Scene, solutions: Mapping[str, Solution], path: Path) -> 
             upper.plot(problem.radii, array(results, "profile")[state] / D0, **look)
             lower.plot(*broken_at(problem.merged.ring_edges, problem.radii, pressure), **look)
             tops.append(np.quantile(pressure, 0.97))
-        lower.plot(problem.radii, 1 / np.sqrt(1 - np.minimum(problem.radii, 1 - 1e-9) ** 2), **FAINT, label="unworn")
+        if problem.profile is None:
+            lower.plot(problem.radii, 1 / np.sqrt(1 - np.minimum(problem.radii, 1 - 1e-9) ** 2), **FAINT, label="unworn")
+        else:
+            upper.plot(problem.radii, problem.profile(problem.radii) / D0, **FAINT, label="unworn")
         upper.set_title(f"$t$ = {scene.wear.times[state]:.4g}", fontsize=9)
         lower.set_xlabel("$r/a$")
         for axes in (upper, lower):
@@ -75,7 +78,7 @@ def draw_history(scene: Scene, solutions: Mapping[str, Solution], path: Path) ->
         for results in list(_with(f"steady_{name}", solutions).values())[:1]:
             column[0].axhline(float(array(results, f"steady_{name}")) / D0, **FAINT, label="steady state")
         column[0].set_ylabel(label)
-        _time_axis(column[0], times)
+        time_axis(column[0], times)
         if rows == 2:
             difference = array(every["fem"], name) - array(every["mdr"], name)
             column[1].axhline(0, color="0.4", linewidth=0.8)
@@ -88,7 +91,7 @@ def draw_history(scene: Scene, solutions: Mapping[str, Solution], path: Path) ->
     figure.savefig(path)
 
 
-def _time_axis(axes: Any, times: Array) -> None:
+def time_axis(axes: Any, times: Array) -> None:
     """Logarithmic over several decades, with room for zero."""
     positive = times[times > 0]
     if len(positive) > 2 and positive[-1] / positive[0] > 50:

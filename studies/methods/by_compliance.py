@@ -1,7 +1,7 @@
 """Methods that yield a compliance: contact, wear, steady states and estimates are written once, over that."""
 
 from abc import abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from ringwear.meshes.compliance import Compliance
@@ -13,6 +13,7 @@ from ringwear.studies.progress import Stages
 
 if TYPE_CHECKING:
     from ringwear.fem.half_space import HalfSpace
+    from ringwear.studies.methods.unilateral.solution import UnilateralMethod
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +38,11 @@ class Discretised:
     notes: tuple[str, ...] = ()
 
 
+def marches_contact(problem: Problem) -> bool:
+    """Whether a history is wanted in which contact opens, closes and spreads."""
+    return problem.profile is not None and bool(len(problem.times))
+
+
 def compliance_method(name: str) -> "ComplianceMethod":
     """The method of that name, which must yield a compliance."""
     one = method(name)
@@ -53,6 +59,8 @@ class ComplianceMethod(Method):
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Discretise, wear, sample and estimate."""
+        if problem.profile is not None:
+            return self._with_profile(problem, stages)
         one = self.discretised(problem, stages)
         with stages("marching" if len(problem.times) else "steady state"):
             known = estimated(problem, one.compliance, one.pairs)
@@ -69,6 +77,44 @@ class ComplianceMethod(Method):
             one.half_space,
         )
 
+    def refusal(self, problem: Problem) -> str:
+        """Contact that opens, closes and spreads is marched in implicit steps, from where the punch touches."""
+        if problem.profile is None:
+            return ""
+        if problem.march == "explicit":
+            return (
+                f"wear.march = 'explicit' does not go with {self.name} on an initial profile or a fixed indentation, where "
+                "contact is an inequality: give 'implicit', or 'modal' for steps that suit the accuracy"
+            )
+        if problem.indentation is not None:
+            least = problem.profile.nearest()
+            if problem.indentation <= least:
+                scale = problem.units.displacement
+                return (
+                    f"load.indentation = {problem.indentation * scale:.6g} is too small to touch: the punch stands "
+                    f"{least * scale:.6g} from the half-space where it is nearest; give more"
+                )
+            if not len(problem.times):
+                return "load.indentation has no steady state but that nothing presses any more: give wear.times"
+        return ""
+
+    @abstractmethod
+    def unilateral(self, problem: Problem) -> "UnilateralMethod":
+        """What it gives to contact on part of the face."""
+
+    def _with_profile(self, problem: Problem, stages: Stages) -> Solution:
+        """The history from the unworn face, and the steady state, which is the flat punch's."""
+        from ringwear.studies.methods.unilateral import solution
+
+        steady = None
+        if problem.steady and problem.indentation is None:
+            flat = replace(problem, profile=None, times=problem.times[:0], compared_on=problem.face)
+            steady = self.solve(flat, stages)
+        if not len(problem.times):
+            assert steady is not None
+            return steady
+        return solution.with_steady(solution.history(self.unilateral(problem), problem, stages), steady)
+
 
 class AnySpaceMethod(ComplianceMethod):
     """A method whose compliance can be had on any pressure space, not on one of its own only."""
@@ -76,3 +122,16 @@ class AnySpaceMethod(ComplianceMethod):
     @abstractmethod
     def compliance(self, space: PressureSpace) -> Compliance:
         """The compliance on a space."""
+
+    def unilateral(self, problem: Problem) -> "UnilateralMethod":
+        from ringwear.meshes.contact_cells import ContactCells, fitted_space
+        from ringwear.studies.methods.unilateral.solution import UnilateralMethod
+
+        def even(cells: ContactCells) -> tuple[Compliance, int]:
+            space = cells.space()
+            return self.compliance(space), space.size
+
+        def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> Compliance:
+            return self.compliance(fitted_space(edges, infinite, degree))
+
+        return UnilateralMethod(even, fitted, (9, 7))

@@ -39,6 +39,13 @@ class Direct(Method):
     def described(self, problem: Problem) -> str:
         return "closed form, nothing to resolve"
 
+    def refusal(self, problem: Problem) -> str:
+        if problem.indentation is not None:
+            return (
+                "direct knows steady states, and with load.indentation nothing presses in the end: leave it out of methods"
+            )
+        return ""
+
     def counted(self, problem: Problem) -> tuple[int, int]:
         return 0, len(problem.merged.wear_coefficients)
 

@@ -7,7 +7,8 @@ from ringwear.fem.condensation import solver
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.gmsh_session import unavailable
 from ringwear.studies.methods import fem_counts
-from ringwear.studies.methods.by_compliance import ComplianceMethod, Discretised
+from ringwear.studies.methods.base import Cost
+from ringwear.studies.methods.by_compliance import ComplianceMethod, Discretised, marches_contact
 from ringwear.studies.methods.estimate import (
     QUAD_MULTIPLIERS,
     QUADS,
@@ -18,6 +19,7 @@ from ringwear.studies.methods.estimate import (
     of_triangles,
     of_truncation,
 )
+from ringwear.studies.methods.unilateral import costs
 from ringwear.studies.problem import defaults
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from ringwear.fem.half_space import HalfSpace
     from ringwear.meshes.compliance import Compliance
     from ringwear.meshes.quads import GradedQuads
+    from ringwear.studies.methods.unilateral.solution import UnilateralMethod
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +119,8 @@ class Fem(ComplianceMethod):
     }  # fmt: skip
 
     def described(self, problem: Problem) -> str:
+        if marches_contact(problem):
+            return costs.described(problem)
         problem, _ = usable_here(problem)
         chosen = problem.fem
         sizes: Any
@@ -132,7 +137,20 @@ class Fem(ComplianceMethod):
         )
 
     def counted(self, problem: Problem) -> tuple[int, int]:
+        if marches_contact(problem):
+            return costs.counted(problem, elements=True)
         return fem_counts.counted(usable_here(problem)[0])
+
+    def cost(self, problem: Problem) -> Cost:
+        return costs.cost(problem, elements=True) if marches_contact(problem) else super().cost(problem)
+
+    def refusal(self, problem: Problem) -> str:
+        if problem.profile is not None and problem.fem.model_fields_set - {"mesher"}:
+            return (
+                "accuracy.fem sizes the mesh of a flat punch: with an initial profile or a fixed indentation leave out all "
+                "but the mesher, which is that of the steady state"
+            )
+        return super().refusal(problem)
 
     def notes(self, problem: Problem) -> tuple[str, ...]:
         return usable_here(problem)[1]
@@ -173,6 +191,20 @@ class Fem(ComplianceMethod):
             # displacements and stresses inside are those of the clamped half-space, too
             half_space = replace(half_space, poles=())
         return Discretised(fine, every, half_space.unknowns, settings, half_space, meshed.notes)
+
+    def unilateral(self, problem: Problem) -> "UnilateralMethod":
+        from ringwear.fem.contact_meshes import even_half_space, fitted_half_space
+        from ringwear.meshes.contact_cells import ContactCells
+        from ringwear.studies.methods.unilateral.solution import UnilateralMethod
+
+        def even(cells: ContactCells) -> "tuple[Compliance, int]":
+            half_space = even_half_space(cells, problem.poisson_ratio)
+            return half_space.compliance(), half_space.unknowns
+
+        def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> "Compliance":
+            return fitted_half_space(edges, infinite, degree, problem.poisson_ratio).compliance()
+
+        return UnilateralMethod(even, fitted, (9, 8))
 
 
 def coarser_pairs(problem: Problem, meshed: Meshed, whole: "HalfSpace", fine: "Compliance") -> tuple[Pair, ...]:

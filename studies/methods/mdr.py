@@ -9,8 +9,10 @@ from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array, Indices, graded_breakpoints, ring_of
 from ringwear.meshes.sizes import spared_degrees
-from ringwear.studies.methods.by_compliance import AnySpaceMethod, Discretised
+from ringwear.studies.methods.base import Cost
+from ringwear.studies.methods.by_compliance import AnySpaceMethod, Discretised, marches_contact
 from ringwear.studies.methods.estimate import LAYERS, RADIAL, RADIAL_FINER, Pair
+from ringwear.studies.methods.unilateral import costs
 from ringwear.studies.problem.defaults import affordable, mdr_sizes, sharpness
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
@@ -60,11 +62,23 @@ class Mdr(AnySpaceMethod):
         return energy.compliance(space)
 
     def described(self, problem: Problem) -> str:
+        if marches_contact(problem):
+            return costs.described(problem)
         return ", ".join(f"{name} {value:.3g}" for name, value in smallest(mdr_sizes(problem)).items())
 
     def counted(self, problem: Problem) -> tuple[int, int]:
+        if marches_contact(problem):
+            return costs.counted(problem, elements=False)
         size = radial_space(problem, **mdr_sizes(problem)).size
         return size, size
+
+    def cost(self, problem: Problem) -> Cost:
+        return costs.cost(problem, elements=False) if marches_contact(problem) else super().cost(problem)
+
+    def refusal(self, problem: Problem) -> str:
+        if problem.profile is not None and problem.mdr.given:
+            return "accuracy.mdr sizes the mesh of a flat punch: with an initial profile or a fixed indentation leave it out"
+        return super().refusal(problem)
 
     def sizes_given(self, problem: Problem) -> bool:
         return problem.mdr.given

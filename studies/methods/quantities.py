@@ -34,9 +34,13 @@ NORMS = {
     "indentation": "greatest difference over the punch, over the indentation d(t)",
     "steady": "greatest difference over the punch, over the greatest steady displacement",
     "force": "greatest difference of all rings, over the normal force",
+    "volume": "greatest difference of all rings, over that of all rings together",
+    "radius": "difference over the radius of the punch",
     "pressure": "root of int k dp^2 dA over the root of int k p^2 dA; at t = 0, where p is not square integrable, of weight "
     "k (1 - r^2/a^2)",
 }
+# given where contact opens, closes or spreads only
+OF_PROFILES = ("normal_force", "worn_volume", "contact_radius", "contact", "contact_edge")
 QUANTITIES = {
     "pressure": Quantity(("time", "radius"), "pressure", "contact pressure p(r, t)", "pressure"),
     "profile": Quantity(
@@ -51,12 +55,22 @@ QUANTITIES = {
     "rms_slope": Quantity(("time",), "slope", "root mean square of df/dr (Eq. 18), average: see gradient_average"),
     "ring_force": Quantity(("time", "ring"), "force", "normal force on each ring, from the centre", "force"),
     "relaxation_time": Quantity(("mode",), "time", "relaxation times of the wear modes, slowest first"),
+    "normal_force": Quantity(("time",), "force", "normal force on the punch"),
+    "worn_volume": Quantity(("time", "ring"), "volume", "volume that each ring has worn off, from the centre", "volume"),
+    "contact_radius": Quantity(("time",), "length", "outermost radius of contact", "radius"),
+    "contact": Quantity(("time", "radius"), "number", "1 in contact, 0 outside"),
+    "contact_edge": Quantity(("time", "edge"), "length", "inner and outer radius of each part of the contact in turn"),
     "steady_pressure": Quantity(("radius",), "pressure", "contact pressure in the steady state (Eq. 24)", "pressure"),
     "steady_profile": Quantity(("radius",), "displacement", "limiting profile, its minimum at zero (Eq. 27)", "steady"),
     "steady_displacement_max": Quantity((), "displacement", "greatest u_z in the steady state, u_max of Eq. 27"),
     "steady_rms_slope": Quantity((), "slope", "root mean square slope of the limiting profile (Eq. 18)"),
     "steady_wear_rate": Quantity((), "wear_rate", "df/dt in the steady state (Eq. 23)"),
 }
+
+
+def radial_weight(radii: Array, average: str) -> Array:
+    """Weight of a radial average at radii: over the radius, or over the area."""
+    return np.ones_like(radii) if average == "line" else 2 * radii
 
 
 def labelled(values: Mapping[str, Array | float], radii: Array, times: Array | None = None) -> xarray.Dataset:
@@ -109,6 +123,8 @@ def _difference(name: str, results: xarray.Dataset, against: xarray.Dataset, fac
             "value": np.abs(reference),
             "indentation": array(against, "indentation"),
             "steady": array(against, "steady_displacement_max"),
-            "force": np.ones(()),
+            "force": array(against, "normal_force") if "normal_force" in against else np.ones(()),
+            "volume": reference.sum(axis=-1),
+            "radius": np.ones(()),
         }[norm]
     return np.divide(difference, scale, out=np.zeros(difference.shape), where=scale > 0)

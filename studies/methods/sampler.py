@@ -9,17 +9,12 @@ import xarray
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array
-from ringwear.studies.methods.quantities import labelled
+from ringwear.studies.methods.quantities import labelled, radial_weight
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.wear.archard import History, RunningIn
 from ringwear.studies.wear.contact import SteadyState
 
 AVERAGES = ("line", "area")
-
-
-def radial_weight(radii: Array, average: str) -> Array:
-    """Weight of a radial average at radii: over the radius, or over the area."""
-    return np.ones_like(radii) if average == "line" else 2 * radii
 
 
 class Sampler:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ringwear.meshes.contact_cells import ContactCells
 from ringwear.meshes.radial import Array
 from ringwear.meshes.sizes import Sharpness, SizeField, convergence
 from ringwear.studies.problem.problem import Problem
@@ -27,6 +28,10 @@ GRADING = 0.2
 ENOUGH = 0.9
 # pressures that are worth a field to the accuracy asked for: dense matrices cost their third power
 MOST_PRESSURES = 1000
+
+# cells over the punch, or over the first contact, for an accuracy of 1e-4. Where edges move d errs by about their inverse;
+# as many as for a tenth of that accuracy take minutes
+CELLS, FEWEST, MOST = 150, 40, 300
 
 
 def sharpness(problem: Problem) -> Sharpness:
@@ -213,3 +218,10 @@ def grid_step(problem: Problem, stability_limit: float) -> float:
     if problem.mdr.step:
         return problem.mdr.step / problem.units.time
     return problem.step if problem.step and problem.march == "explicit" else 0.5 * stability_limit
+
+
+def cells_of(problem: Problem, finer: float = 1.0) -> ContactCells:
+    """Cells that an accuracy asks for, before it is known where contact begins."""
+    count = finer * float(np.clip(CELLS * (1e-4 / problem.rtol) ** 0.5, FEWEST, MOST))
+    edge = min(3 * problem.rtol, 1e-3) / finer**2
+    return ContactCells(tuple(problem.ring_edges.tolist()), 1 / count, edge, growth=0.4 / finer**0.5, spread=1 / count)

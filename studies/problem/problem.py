@@ -92,6 +92,16 @@ class Units:
         return self.force / self.length / self.modulus
 
     @property
+    def volume(self) -> float:
+        """Of worn volume, a^2 times that of heights."""
+        return self.displacement * self.length**2
+
+    @property
+    def number(self) -> float:
+        """Of what has no unit."""
+        return 1.0
+
+    @property
     def slope(self) -> float:
         return self.displacement / self.length
 
@@ -118,6 +128,7 @@ class Problem:
     fem, mdr : sizes that the user has given
     units : sizes of the units
     profile : of the unworn face; None for a flat punch under a force, which never loses contact
+    compared_on : radii over the punch that fields are compared at; None for those that suit the problem
     indentation : held fixed in place of the force, which then is what a flat punch would take; None under a force
     """
 
@@ -135,6 +146,7 @@ class Problem:
     units: Units = Units()
     profile: InitialProfile | None = None
     indentation: float | None = None
+    compared_on: Face | None = None
 
     @classmethod
     def posed(
@@ -203,6 +215,8 @@ class Problem:
     @cached_property
     def face(self) -> Face:
         """Radii that crowd at ring edges, and at the rim as the earliest layer there does."""
+        if self.compared_on is not None:
+            return self.compared_on
         rings = self.merged
         rim = float(np.clip(0.1 * (self.earliest or 1.0), 1e-13, 1e-6))
         breakpoints = graded_breakpoints(rings.ring_edges, 1e-4 * rings.narrower, rim, factor=0.25)

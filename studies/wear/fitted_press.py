@@ -22,7 +22,7 @@ from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array
 from ringwear.studies.problem.profile import InitialProfile
 from ringwear.studies.wear.moments import moments
-from ringwear.studies.wear.unilateral import Load
+from ringwear.studies.wear.unilateral import Interval, Load
 
 # (edges from 0 to 1 that every pressure space must be broken at, which of them the pressure is infinite at) -> compliance
 CompliancesOn = Callable[[tuple[float, ...], tuple[bool, ...]], Compliance]
@@ -30,16 +30,6 @@ CompliancesOn = Callable[[tuple[float, ...], tuple[bool, ...]], Compliance]
 MOST_STEPS = 40
 # last step of a search that converges faster than linearly: the error is far below
 CLOSE = 1e-8
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A part of the radius in contact; an edge on the axis is none, and counts as fixed."""
-
-    inner: float
-    outer: float
-    inner_free: bool = False
-    outer_free: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +56,19 @@ class FittedPress:
     def radius(self) -> float:
         """The outermost edge."""
         return self.intervals[-1].outer
+
+    def check(self) -> None:
+        """Refuse what is no contact.
+
+        Raises
+        ------
+        SolverError
+            if pressures are negative somewhere, beyond what their polynomials do at edges
+        """
+        radii, _, _ = self.compliance.space.quadrature
+        pressure = self.compliance.space.matrix(radii.ravel()) @ self.pressure
+        if pressure.min() < -1e-3 * self.force / (np.pi * self.radius**2):
+            raise SolverError("the contact has more parts than were found")
 
     def pressure_at(self, radii: Array) -> Array:
         """Pressures at radii of the punch; zero outside the contact."""

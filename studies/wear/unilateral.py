@@ -32,6 +32,16 @@ class Load(NamedTuple):
     indentation: float | None = None
 
 
+@dataclass(frozen=True)
+class Interval:
+    """A part of the radius in contact; an edge on the axis is none, and counts as fixed."""
+
+    inner: float
+    outer: float
+    inner_free: bool = False
+    outer_free: bool = False
+
+
 @dataclass(frozen=True, eq=False)
 class Press:
     """A punch pressed on.

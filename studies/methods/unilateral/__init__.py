@@ -1,0 +1,1 @@
+"""Methods on punches whose contact opens, closes and spreads."""

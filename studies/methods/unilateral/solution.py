@@ -1,0 +1,195 @@
+"""Any method that yields a compliance, on a punch whose contact opens, closes and spreads.
+
+Presses of the unworn face are fitted to the edges of the contact, histories are marched on linear pressures over cells
+all over the face, and the steady state, in which all of the face carries, is that of the flat punch. What results are
+worth is told by half as many cells and four times the error of a step, and at the start by a lower degree.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import xarray
+
+from ringwear.mdr import energy
+from ringwear.meshes.compliance import Compliance
+from ringwear.meshes.contact_cells import ContactCells
+from ringwear.meshes.errors import RingwearError
+from ringwear.meshes.radial import Array
+from ringwear.studies.methods.base import Solution
+from ringwear.studies.methods.quantities import ENERGIES, differences
+from ringwear.studies.methods.unilateral.sampler import ContactSampler
+from ringwear.studies.problem.defaults import cells_of
+from ringwear.studies.problem.problem import Problem
+from ringwear.studies.problem.profile import InitialProfile
+from ringwear.studies.progress import Stages
+from ringwear.studies.wear.contact_edges import located
+from ringwear.studies.wear.contact_march import ContactHistory, ContactMarch
+from ringwear.studies.wear.fitted_press import CompliancesOn, FittedContact, FittedPress
+from ringwear.studies.wear.moments import moments
+from ringwear.studies.wear.unilateral import Interval, Load
+
+# of the accuracy asked for that each step in time may add to the worn depth
+PER_STEP = 0.2
+# on half as many cells: d errs by about half of the difference, pressures by more than it, for their edge moves
+OF_ENERGIES, OF_FIELDS = 0.7, 2.5
+# times before and after one that say as much of its error
+AROUND = 2
+ROUNDOFF = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class UnilateralMethod:
+    """What a method gives to contact on part of the face.
+
+    Parameters
+    ----------
+    even : compliance on linear pressures over cells, and the unknowns behind it
+    fitted : compliance on pressures of high degree between given edges
+    degrees : highest of those pressures, and a lower one to judge it by
+    """
+
+    even: Callable[[ContactCells], tuple[Compliance, int]]
+    fitted: Callable[[tuple[float, ...], tuple[bool, ...], int], Compliance]
+    degrees: tuple[int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class _Marched:
+    """A march, and the unworn press before it."""
+
+    sampler: ContactSampler
+    history: ContactHistory
+    first: FittedPress | None
+
+    def sampled(self, on_face: bool = False) -> xarray.Dataset:
+        return self.sampler.contact_history(self.history, self.first, on_face)
+
+
+def load_of(problem: Problem) -> Load:
+    """The force, which is the unit, or the indentation."""
+    return Load(1.0) if problem.indentation is None else Load(None, problem.indentation)
+
+
+def history(one: UnilateralMethod, problem: Problem, stages: Stages) -> Solution:
+    """The history of a punch from its unworn face on."""
+    profile, load = problem.profile, load_of(problem)
+    assert profile is not None
+    with stages("locating"):
+        # where contact begins decides on the cells only: any method's compliance will do, and this one is quick
+        intervals, cells = located(energy.compliance, profile, load, cells_of(problem))
+        coarse_cells = located(energy.compliance, profile, load, cells_of(problem, 0.5))[1]
+    notes: list[str] = []
+    presses: list[FittedPress | None] = [None, None]
+    if problem.times[0] == 0:
+        with stages("pressing"):
+            presses = [_fitted(one, degree, profile, load, intervals, notes) for degree in one.degrees]
+        if None in presses:
+            presses = [None, None]
+    tolerance = PER_STEP * problem.rtol
+    with stages("marching"):
+        fine, unknowns = _march(one, problem, cells, presses[0], tolerance)
+    with stages("estimating"):
+        coarse, _ = _march(one, problem, coarse_cells, presses[1], 4 * tolerance)
+        errors = _errors(problem, coarse.sampled(on_face=True), fine.sampled(on_face=True))
+    parts = {"pressure space": float(errors["indentation"].max())}
+    if problem.march != "modal":
+        exact = _Marched(fine.sampler, _steps(fine.sampler, problem, tolerance, None), presses[0])
+        steps = differences(fine.sampled(on_face=True), exact.sampled(on_face=True), problem.face)
+        errors = {name: error + steps[name] for name, error in errors.items()}
+        parts["time step"] = float(steps["indentation"].max())
+    results = fine.sampled()
+    return Solution(
+        results,
+        fine.sampled(on_face=True).isel(time=problem.checked),
+        errors,
+        parts,
+        unknowns,
+        _settings(fine, presses[0]),
+        (*notes, *_parts_of_contact(problem, results)),
+    )
+
+
+def _fitted(
+    one: UnilateralMethod, degree: int, profile: InitialProfile, load: Load, start: tuple[Interval, ...], notes: list[str]
+) -> FittedPress | None:
+    @cache
+    def on(edges: tuple[float, ...], infinite: tuple[bool, ...]) -> Compliance:
+        return one.fitted(edges, infinite, degree)
+
+    compliances: CompliancesOn = on
+    try:
+        press = FittedContact(profile, load, compliances).press(start)
+        press.check()
+    except RingwearError as error:
+        if not notes:
+            notes.append(f"the start is as accurate as the march, not fitted to the edges of the contact: {error}")
+        return None
+    return press
+
+
+def _march(
+    one: UnilateralMethod, problem: Problem, cells: ContactCells, first: FittedPress | None, tolerance: float
+) -> tuple[_Marched, int]:
+    assert problem.profile is not None
+    compliance, unknowns = one.even(cells)
+    sampler = ContactSampler(problem, problem.profile, compliance)
+    return _Marched(sampler, _steps(sampler, problem, tolerance, problem.step), first), unknowns
+
+
+def _steps(sampler: ContactSampler, problem: Problem, tolerance: float, step: float | None) -> ContactHistory:
+    of_profile = moments(sampler.profile, sampler.space)
+    march = ContactMarch(sampler.compliance, problem.wear_coefficients, of_profile, load_of(problem))
+    return march.adaptive(problem.times, tolerance) if step is None else march.implicit(problem.times, step)
+
+
+def _errors(problem: Problem, coarse: xarray.Dataset, fine: xarray.Dataset) -> dict[str, Array]:
+    """Of each quantity over time: the greatest difference of times around, for it changes with where edges are in cells."""
+    errors, later = {}, problem.times > 0
+    for name, difference in differences(coarse, fine, problem.face).items():
+        near = difference.copy()
+        if later.any():
+            among = np.pad(difference[later], AROUND)
+            near[later] = np.lib.stride_tricks.sliding_window_view(among, 2 * AROUND + 1).max(axis=1)
+        errors[name] = (OF_ENERGIES if name in ENERGIES else OF_FIELDS) * near + ROUNDOFF
+    return errors
+
+
+def _settings(marched: _Marched, first: FittedPress | None) -> dict[str, Any]:
+    history, space = marched.history, marched.sampler.space
+    iterations = np.array(history.iterations or (0,))
+    settings = {
+        "cells": len(space.degrees), "pressures": space.size, "steps": history.steps, "rejected_steps": history.rejected,
+        "contact_iterations_mean": float(iterations.mean()), "contact_iterations_greatest": int(iterations.max()),
+    }  # fmt: skip
+    if first is not None:
+        settings |= {"start_pressures": len(first.pressure), "start_evaluations": first.evaluations}
+    return settings
+
+
+def _parts_of_contact(problem: Problem, results: xarray.Dataset) -> list[str]:
+    """A note if contact is not one disc at any time."""
+    edges = results["contact_edge"].values
+    parts, inner = np.isfinite(edges).sum(axis=1) // 2, edges[:, 0] if edges.shape[1] else np.zeros(len(edges))
+    apart = (parts > 1) | (np.nan_to_num(inner) > 0)
+    if not apart.any():
+        return []
+    times = problem.times[apart] * problem.units.time
+    return [f"contact is no disc from t = {times[0]:.3g} to {times[-1]:.3g}, in up to {parts.max()} parts: the springs' "
+            "rule of the MDR, q = d - g, would not hold there; its energy does"]  # fmt: skip
+
+
+def with_steady(found: Solution, steady: Solution | None) -> Solution:
+    """The history beside the steady state of the flat punch."""
+    if steady is None:
+        return found
+    return replace(
+        found,
+        results=xarray.merge([found.results, steady.results.drop_vars("time", errors="ignore")]),
+        checked=xarray.merge([found.checked, steady.checked.drop_vars("time", errors="ignore")]),
+        errors=found.errors | steady.errors,
+        notes=(*found.notes, *steady.notes),
+        settings=found.settings | {"steady_state": steady.settings | {"unknowns": steady.unknowns}},
+    )

@@ -1,0 +1,110 @@
+"""Where contact is: intervals of the radius by the nodes that carry, and cells fine enough for where it begins."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ringwear.meshes.compliance import Compliance
+from ringwear.meshes.contact_cells import ContactCells
+from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.meshes.radial import Array, Indices
+from ringwear.studies.problem.profile import InitialProfile
+from ringwear.studies.wear.moments import moments
+from ringwear.studies.wear.unilateral import Contact, Interval, Load, Mask
+
+# cells that the narrowest first contact should have, and looks at finer and finer cells for that
+ENOUGH, LOOKS = 12, 24
+# nodes from the edge of a worn face from which its worn depth is extrapolated: nearer, the cells are felt
+NEAR, FAR = 2, 4
+
+
+def nodes(space: PressureSpace) -> tuple[Array, Indices]:
+    """(size,) radius and ring of the node of each linear pressure."""
+    index = np.arange(space.size)
+    last = np.append(space.dofs[:-1, 1][np.diff(space.ring) > 0], space.size)
+    ring = np.searchsorted(last, index, side="left")
+    ring[ring > space.ring[-1]] = space.ring[-1]
+    return space.breakpoints[index - ring], ring
+
+
+def contact_runs(contact: Mask, broken: Mask) -> list[tuple[int, int]]:
+    """First and last node of every run of nodes in contact; `broken` (size - 1,) parts a node from the next."""
+    inside = np.flatnonzero(contact)
+    if not len(inside):
+        return []
+    ends = (np.diff(inside) > 1) | broken[inside[:-1]]
+    starts = inside[np.append(True, ends)]
+    return list(zip(starts.tolist(), inside[np.append(ends, True)].tolist(), strict=True))
+
+
+def first_intervals(space: PressureSpace, contact: Mask, profile: InitialProfile) -> tuple[Interval, ...]:
+    """Intervals of an unworn face, cut where it has a step: beside one that falls away, pressures are infinite."""
+    radius, ring = nodes(space)
+    at_edge = np.diff(ring) > 0
+    step = np.zeros(space.size - 1)
+    step[at_edge] = profile.steps
+    out = []
+    for first, last in contact_runs(contact, step != 0):
+        inner, inner_free = _end(radius, step, first, -1)
+        outer, outer_free = _end(radius, step, last, 1)
+        out.append(Interval(inner, outer, inner_free, outer_free))
+    return tuple(out)
+
+
+def _end(radius: Array, step: Array, node: int, way: int) -> tuple[float, bool]:
+    """Where a run that goes as far as a node ends, and whether that edge is free."""
+    other = node + way
+    if not 0 <= other < len(radius):
+        return float(radius[node]), False
+    if radius[other] != radius[node]:
+        return float((radius[node] + radius[other]) / 2), True
+    # at a ring edge: a corner if the face falls away beyond it
+    return float(radius[node]), not step[min(node, other)] * way > 0
+
+
+def located(
+    compliance: Callable[[PressureSpace], Compliance], profile: InitialProfile, load: Load, cells: ContactCells
+) -> tuple[tuple[Interval, ...], ContactCells]:
+    """Where contact begins, and the cells with a spot wherever it begins on a narrow part of the face."""
+    share = cells.spread
+    for _ in range(LOOKS):
+        space = cells.space()
+        press = Contact(compliance(space).matrix, space.weights).press(moments(profile, space), load)
+        intervals = first_intervals(space, press.contact, profile)
+        spots = tuple((one.inner, one.outer, max(share * (one.outer - one.inner), 1e-9)) for one in intervals)
+        found = ContactCells(cells.ring_edges, cells.largest, cells.edge_size, cells.growth, cells.spread, spots)
+        # nodes that carry, of each part of the contact: as many as say how wide it is
+        narrowest = min((int((press.contact & (radius >= one.inner) & (radius <= one.outer)).sum())
+                         for radius in [nodes(space)[0]] for one in intervals), default=ENOUGH)  # fmt: skip
+        if narrowest >= min(ENOUGH, 0.5 / share):
+            return intervals, found
+        cells = found
+    return intervals, found
+
+
+def worn_edges(space: PressureSpace, contact: Mask, integral: Array) -> list[tuple[float, float]]:
+    """Inner and outer radius of every part of the contact of a worn face.
+
+    An edge lies between two nodes. Where contact spreads, the face beyond is unworn, and the worn depth of the nodes before
+    says where it begins.
+    """
+    radius, _ = nodes(space)
+    out = []
+    for first, last in contact_runs(contact, np.zeros(space.size - 1, dtype=bool)):
+        few = last - first < 2 * FAR
+        ends = [_worn_end(radius, integral, node, way, few) for node, way in ((first, -1), (last, 1))]
+        out.append((ends[0], ends[1]))
+    return out
+
+
+def _worn_end(radius: Array, integral: Array, node: int, way: int, few: bool) -> float:
+    other = node + way
+    if not 0 <= other < len(radius):
+        return float(radius[node])
+    middle = float((radius[node] + radius[other]) / 2)
+    near, far = node - NEAR * way, node - FAR * way
+    if few or integral[other] > 0 or not integral[far] > integral[near] > 0:
+        return middle
+    found = radius[near] - integral[near] * (radius[near] - radius[far]) / (integral[near] - integral[far])
+    cell = abs(float(radius[node] - radius[node - way]))
+    return float(np.clip(found, min(radius[node], radius[other]) - cell, max(radius[node], radius[other]) + cell))
