@@ -223,5 +223,5 @@ def grid_step(problem: Problem, stability_limit: float) -> float:
 def cells_of(problem: Problem, finer: float = 1.0) -> ContactCells:
     """Cells that an accuracy asks for, before it is known where contact begins."""
     count = finer * float(np.clip(CELLS * (1e-4 / problem.rtol) ** 0.5, FEWEST, MOST))
-    edge = min(3 * problem.rtol, 1e-3) / finer**2
+    edge = min(problem.rtol, 1e-3) / finer**2
     return ContactCells(tuple(problem.ring_edges.tolist()), 1 / count, edge, growth=0.4 / finer**0.5, spread=1 / count)

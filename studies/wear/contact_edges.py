@@ -14,6 +14,8 @@ from ringwear.studies.wear.unilateral import Contact, Interval, Load, Mask
 
 # cells that the narrowest first contact should have, and looks at finer and finer cells for that
 ENOUGH, LOOKS = 12, 24
+# times the cells of the face that narrow first contacts may take
+MOST = 5
 # nodes from the edge of a worn face from which its worn depth is extrapolated: nearer, the cells are felt
 NEAR, FAR = 2, 4
 
@@ -66,13 +68,16 @@ def located(
     compliance: Callable[[PressureSpace], Compliance], profile: InitialProfile, load: Load, cells: ContactCells
 ) -> tuple[tuple[Interval, ...], ContactCells]:
     """Where contact begins, and the cells with a spot wherever it begins on a narrow part of the face."""
-    share = cells.spread
+    share, first = cells.spread, cells.breakpoints()
     for _ in range(LOOKS):
         space = cells.space()
         press = Contact(compliance(space).matrix, space.weights).press(moments(profile, space), load)
         intervals = first_intervals(space, press.contact, profile)
         spots = tuple((one.inner, one.outer, max(share * (one.outer - one.inner), 1e-9)) for one in intervals)
         found = ContactCells(cells.ring_edges, cells.largest, cells.edge_size, cells.growth, cells.spread, spots)
+        if len(found.breakpoints()) > MOST * len(first):
+            # rough: more parts, or narrower ones, than cells can be made for
+            return intervals, cells
         # nodes that carry, of each part of the contact: as many as say how wide it is
         narrowest = min((int((press.contact & (radius >= one.inner) & (radius <= one.outer)).sum())
                          for radius in [nodes(space)[0]] for one in intervals), default=ENOUGH)  # fmt: skip

@@ -29,6 +29,8 @@ _THIRD = 0.5 - GAMMA * _SECOND
 ERROR_WEIGHTS = (1 - _SECOND - _THIRD, _SECOND - (1 - GAMMA), _THIRD - GAMMA)
 SAFETY, MOST_GROWTH = 0.8, 4.0
 MOST_STEPS = 200_000
+# of the first force at a fixed indentation: with less, nothing presses any more but roundoff
+SPENT = 1e-12
 # matrices kept with their factors
 KEPT = 6
 
@@ -120,10 +122,11 @@ class ContactMarch:
         now, integral, state = 0.0, np.zeros(len(self.weights)), self.start()
         steps = rejected = 0
         added, kept = 0.0, []
+        least = SPENT * state.force if self.load.force is None else 0.0
         self.iterations.clear()
         wanted = _quantised(1e-6 * last) if last else 1.0
         for time in times:
-            left = time - now
+            left = time - now if state.force > least else 0.0
             if step is not None and left > 0:
                 wanted = left / np.ceil(left / step * (1 - 1e-12))
             while left > 1e-14 * time:
@@ -143,7 +146,7 @@ class ContactMarch:
                     wanted = max(wanted, _quantised(dt * growth)) if dt < wanted else _quantised(dt * growth)
                 if steps + rejected > MOST_STEPS:
                     raise SceneError(f"the march took more than {MOST_STEPS} steps to t = {now:.3g}: ask for a larger rtol")
-                left = time - now
+                left = time - now if state.force > least else 0.0
             now = float(time)
             kept.append((state, integral))
         return ContactHistory(

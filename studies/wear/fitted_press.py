@@ -27,7 +27,7 @@ from ringwear.studies.wear.unilateral import Interval, Load
 # (edges from 0 to 1 that every pressure space must be broken at, which of them the pressure is infinite at) -> compliance
 CompliancesOn = Callable[[tuple[float, ...], tuple[bool, ...]], Compliance]
 
-MOST_STEPS = 40
+MOST_STEPS, MOST_PARTS, MOST_EVALUATIONS = 40, 6, 60
 # last step of a search that converges faster than linearly: the error is far below
 CLOSE = 1e-8
 
@@ -101,6 +101,8 @@ class FittedContact:
         SolverError
             if they are not found: the contact is of another kind than the start
         """
+        if len(start) > MOST_PARTS:
+            raise SolverError(f"the contact has {len(start)} parts, too many to fit a mesh to")
         free = _free(start)
         if not free:
             return self._solved(start, None)[0]
@@ -228,7 +230,7 @@ def _secant(residual: Callable[[Array], Array], guess: Array) -> Array:
 
 def _broyden(residual: Callable[[Array], Array], guess: Array) -> Array:
     """Several edges: Powell's hybrid method, whose Jacobian is updated by Broyden's formula."""
-    found = root(residual, guess, method="hybr", options={"xtol": 1e-10, "eps": 1e-6, "maxfev": 30 * len(guess)})
+    found = root(residual, guess, method="hybr", options={"xtol": 1e-10, "eps": 1e-6, "maxfev": MOST_EVALUATIONS})
     if not found.success and np.abs(found.fun).max() > 1e-7:
         raise SolverError("the edges of the contact were not found")
     return np.asarray(found.x)

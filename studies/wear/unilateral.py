@@ -49,7 +49,7 @@ class Press:
     Parameters
     ----------
     pressure : (n,) at the nodes, none negative
-    gap : (n,) moments of the gap, zero in contact
+    gap : (n,) moments of the gap, zero in contact to roundoff
     indentation, force : one of them as given
     contact : (n,) which nodes carry
     iterations : active sets that were tried on the finest level
@@ -95,7 +95,6 @@ class Contact:
         pressure = np.zeros(len(contact))
         pressure[inside] = indentation * self._by_weights - by_moments
         gap = self.matrix[:, inside] @ pressure[inside] + moments - indentation * self.weights
-        gap[inside] = 0.0
         return pressure, gap, indentation
 
     def press(self, moments: Array, load: Load, start: Mask | None = None) -> Press:

@@ -32,9 +32,9 @@ from ringwear.studies.wear.moments import moments
 from ringwear.studies.wear.unilateral import Interval, Load
 
 # of the accuracy asked for that each step in time may add to the worn depth
-PER_STEP = 0.2
-# on half as many cells: d errs by about half of the difference, pressures by more than it, for their edge moves
-OF_ENERGIES, OF_FIELDS = 0.7, 2.5
+PER_STEP = 0.05
+# on half as many cells: d errs by half of the difference in the mean, pressures by more than it, for their edges move
+OF_ENERGIES, OF_FIELDS = 1.0, 2.5
 # times before and after one that say as much of its error
 AROUND = 2
 ROUNDOFF = 1e-12
