@@ -59,7 +59,7 @@ def marched(
     return march.adaptive(times, tolerance)
 
 
-def cells(rings: Rings, count: int = 80, edge: float = 2e-4) -> ContactCells:
+def cells(rings: Rings, count: int = 160, edge: float = 2e-4) -> ContactCells:
     return ContactCells(tuple(rings.ring_edges), 1 / count, edge)
 
 
@@ -86,8 +86,21 @@ def test_every_face_wears_to_the_steady_state_of_the_flat_punch(name: str) -> No
     assert (found.gap >= -1e-14 * np.outer(found.indentation, space.weights)).all()
     assert (np.sum(np.abs(found.pressure * found.gap), axis=1) <= 1e-12 * found.indentation).all()
     assert found.integral[1:] @ space.weights == pytest.approx(times[1:], rel=1e-12)
+    # long steps, each over several cells
+    assert np.mean(found.iterations) <= 2
+    assert max(found.iterations) <= 10
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_short_steps_hardly_search(name: str) -> None:
+    rings, profile = face(name)
+    compliance = energy.compliance(cells(rings).space())
+    march = ContactMarch(compliance, rings.wear_coefficients, moments(profile, compliance.space), BY_FORCE)
+    found = march.implicit(np.array([1.0]), 2e-3)
+    assert found.steps == 500
     assert np.mean(found.iterations) <= 1.5
     assert max(found.iterations) <= 10
+    assert march.start().iterations <= 20
 
 
 @pytest.mark.parametrize("rings", [FIVE, THREE], ids=["k to 10", "k to 100"])
@@ -151,7 +164,7 @@ def test_contact_may_lift_again() -> None:
     rings = Rings(np.array([0.0, 0.73, 1.0]), np.array([0.081, 1.0]))
     profile = InitialProfile(rings.ring_edges, np.array([0.29, 0.0]))
     lifted = []
-    for compliance in (energy.compliance(cells(rings, 160, 1e-4).space()), even_half_space(cells(rings), 0.3).compliance()):
+    for compliance in (energy.compliance(cells(rings).space()), even_half_space(cells(rings), 0.3).compliance()):
         times = np.array([2.6, 2.7604, 2.9, 3.5])
         found = marched(compliance, rings, profile, times, Load(None, 0.3), 5e-6)
         edges = [worn_edges(compliance.space, *one) for one in zip(found.contact, found.integral, strict=True)]
