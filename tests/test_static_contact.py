@@ -12,6 +12,7 @@ from ringwear.mdr import energy, ring_kernel
 from ringwear.mdr.static_contact import PowerPunch, thin_ring_stiffness
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.contact_cells import ContactCells, fitted_space
+from ringwear.meshes.errors import SolverError
 from ringwear.meshes.radial import Array
 from ringwear.studies.problem.profile import InitialProfile, power
 from ringwear.studies.wear.fitted_press import FittedContact, FittedPress
@@ -158,3 +159,20 @@ def test_condensed_contact_is_that_of_the_saddle_point() -> None:
     assert indentation == pytest.approx(condensed.indentation, rel=1e-9)
     assert pressure == pytest.approx(condensed.pressure, abs=1e-8 * pressure.max())
     assert gap == pytest.approx(condensed.gap, abs=1e-9 * np.abs(of_profile).max())
+
+
+def test_a_contact_of_another_kind_is_found_out() -> None:
+    # between two flat rings the half-space stands up, and touches the ring in the middle
+    ends = (Interval(0.0, 0.3), Interval(0.7, 1.0))
+    for depth in (1e-3, 1.0):
+        contact = FittedContact(rings([0, 0.3, 0.7, 1], [0.0, depth, 0.0]), Load(1.0), partial(on, "mdr"))
+        press = contact.press(ends)
+        if depth == 1.0:
+            press.check()
+        else:
+            with pytest.raises(SolverError, match="between the parts"):
+                press.check()
+    # where nothing holds it down, pressures of a contact too wide are negative
+    wide = FittedContact(rings([0, 1], [0], power(1.0, 2)), Load(0.1), partial(on, "mdr")).press((Interval(0.0, 1.0),))
+    with pytest.raises(SolverError, match="more parts"):
+        wide.check()

@@ -134,4 +134,4 @@ class AnySpaceMethod(ComplianceMethod):
         def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> Compliance:
             return self.compliance(fitted_space(edges, infinite, degree))
 
-        return UnilateralMethod(even, fitted, (9, 7))
+        return UnilateralMethod(even, fitted, (8, 6))

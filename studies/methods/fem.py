@@ -204,7 +204,7 @@ class Fem(ComplianceMethod):
         def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> "Compliance":
             return fitted_half_space(edges, infinite, degree, problem.poisson_ratio).compliance()
 
-        return UnilateralMethod(even, fitted, (9, 8))
+        return UnilateralMethod(even, fitted, (8, 7))
 
 
 def coarser_pairs(problem: Problem, meshed: Meshed, whole: "HalfSpace", fine: "Compliance") -> tuple[Pair, ...]:

@@ -31,7 +31,7 @@ MOST_PRESSURES = 1000
 
 # cells over the punch, or over the first contact, for an accuracy of 1e-4. Where edges move d errs by about their inverse;
 # as many as for a tenth of that accuracy take minutes
-CELLS, FEWEST, MOST = 150, 40, 300
+CELLS, FEWEST, MOST = 150, 80, 300
 
 
 def sharpness(problem: Problem) -> Sharpness:

@@ -73,14 +73,16 @@ def located(
         space = cells.space()
         press = Contact(compliance(space).matrix, space.weights).press(moments(profile, space), load)
         intervals = first_intervals(space, press.contact, profile)
-        spots = tuple((one.inner, one.outer, max(share * (one.outer - one.inner), 1e-9)) for one in intervals)
+        # between corners of the face, at ring edges, cells are small enough
+        spreading = [one for one in intervals if one.inner_free or one.outer_free]
+        spots = tuple((one.inner, one.outer, max(share * (one.outer - one.inner), 1e-9)) for one in spreading)
         found = ContactCells(cells.ring_edges, cells.largest, cells.edge_size, cells.growth, cells.spread, spots)
         if len(found.breakpoints()) > MOST * len(first):
             # rough: more parts, or narrower ones, than cells can be made for
             return intervals, cells
         # nodes that carry, of each part of the contact: as many as say how wide it is
         narrowest = min((int((press.contact & (radius >= one.inner) & (radius <= one.outer)).sum())
-                         for radius in [nodes(space)[0]] for one in intervals), default=ENOUGH)  # fmt: skip
+                         for radius in [nodes(space)[0]] for one in spreading), default=ENOUGH)  # fmt: skip
         if narrowest >= min(ENOUGH, 0.5 / share):
             return intervals, found
         cells = found

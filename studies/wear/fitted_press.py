@@ -19,7 +19,7 @@ from scipy.optimize import root
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import Array
+from ringwear.meshes.radial import Array, Indices
 from ringwear.studies.problem.profile import InitialProfile
 from ringwear.studies.wear.moments import moments
 from ringwear.studies.wear.unilateral import Interval, Load
@@ -42,6 +42,7 @@ class FittedPress:
     compliance : on the disc of the outermost edge, scaled to radius 1
     pressure : (size,) coefficients on its space
     indentation, force : one of them as given
+    gap : least mean gap over a cell between parts of the contact; infinite if nothing is between
     evaluations : compliances that were solved with
     """
 
@@ -50,6 +51,7 @@ class FittedPress:
     pressure: Array
     indentation: float
     force: float
+    gap: float
     evaluations: int
 
     @property
@@ -69,6 +71,8 @@ class FittedPress:
         pressure = self.compliance.space.matrix(radii.ravel()) @ self.pressure
         if pressure.min() < -1e-3 * self.force / (np.pi * self.radius**2):
             raise SolverError("the contact has more parts than were found")
+        if self.gap < -1e-3 * self.indentation:
+            raise SolverError("the punch touches between the parts of the contact")
 
     def pressure_at(self, radii: Array) -> Array:
         """Pressures at radii of the punch; zero outside the contact."""
@@ -163,8 +167,19 @@ class FittedContact:
         others = [
             inside[place] / mean * np.sqrt(_size_at(space, intervals, key)) for key, place in at_edges.items() if key != sets
         ]
-        press = FittedPress(intervals, compliance, pressure, float(indentation), force, self.evaluations)
+        gap = self._least_gap(compliance, pressure, radius, float(indentation), carries)
+        press = FittedPress(intervals, compliance, pressure, float(indentation), force, gap, self.evaluations)
         return press, np.array([of_load, *others])
+
+    def _least_gap(
+        self, compliance: Compliance, pressure: Array, radius: float, indentation: float, carries: Indices
+    ) -> float:
+        """The least mean gap under the hats that do not carry."""
+        space = compliance.space
+        apart = np.setdiff1d(np.flatnonzero(space.order == 1), carries)
+        displaced = radius * compliance.factor[:, apart].T @ (compliance.factor @ pressure)
+        gap = (displaced + moments(self.profile, space, radius)[apart]) / space.weights[apart] - indentation
+        return float(gap.min(initial=np.inf))
 
 
 def _free(intervals: tuple[Interval, ...]) -> list[tuple[int, str]]:
@@ -184,7 +199,7 @@ def _scaled(intervals: tuple[Interval, ...]) -> tuple[tuple[float, ...], tuple[b
     return tuple(edges), tuple(infinite)
 
 
-def _carrying(space: PressureSpace, intervals: tuple[Interval, ...], radius: float) -> Array:
+def _carrying(space: PressureSpace, intervals: tuple[Interval, ...], radius: float) -> Indices:
     """Functions on elements in contact."""
     middle = radius * (space.breakpoints[1:] + space.breakpoints[:-1]) / 2
     inside = np.zeros(len(middle), dtype=bool)
