@@ -10,7 +10,7 @@ from ringwear.mdr import direct, energy
 from ringwear.mdr.static_contact import PowerPunch, worn_sphere
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.contact_cells import ContactCells
-from ringwear.meshes.radial import Array
+from ringwear.meshes.radial import Array, ring_areas
 from ringwear.studies.problem.problem import Rings
 from ringwear.studies.problem.profile import InitialProfile, power, rounded_rim
 from ringwear.studies.wear.archard import RunningIn
@@ -174,3 +174,46 @@ def test_contact_may_lift_again() -> None:
         assert found.pressure.min() >= 0
     (by_theory, *_), (by_elements, *_) = ([edge for edge in one if edge > 0.731] for one in lifted)
     assert by_elements == pytest.approx(by_theory, abs=1e-3)
+
+
+def random_punch(seed: int) -> tuple[Rings, InitialProfile]:
+    """Up to six rings, wear coefficients over three decades, and recesses, powers, waves, a rounded rim, or sums of two."""
+    draw = np.random.default_rng(seed)
+    count = int(draw.integers(1, 7))
+    edges = np.concatenate([[0.0], np.sort(draw.uniform(0.02, 0.98, count - 1)), [1.0]])
+    recess = np.where(draw.random(count) < 0.4, 0.0, draw.uniform(0.0, 0.5, count)) * (draw.random() < 0.7)
+    size, number, phase = 10 ** draw.uniform(-2, 0.5), draw.uniform(1, 8), draw.uniform(0, 6)
+    shapes = (
+        power(size, draw.uniform(0.5, 8)),
+        rounded_rim(draw.uniform(0, 0.95), 10 ** draw.uniform(-2, 1)),
+        lambda radii: size * (1 + np.sin(number * np.pi * radii + phase)),
+    )
+    chosen = tuple(shape for shape in shapes if draw.random() < 0.4)
+    wear = 10 ** draw.uniform(-3, 0, count)
+    return Rings(edges, wear / wear.max()), InitialProfile(edges, recess, chosen)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("held", [False, True], ids=["force", "indentation"])
+def test_random_punches(held: bool) -> None:
+    times, touched = np.array([0.0, *np.geomspace(1e-2, 1e2, 9)]), 0
+    for seed in range(200):
+        rings, profile = random_punch(seed)
+        depth = 10 ** np.random.default_rng(seed).uniform(-1.5, 0.3)
+        compliance = energy.compliance(cells(rings, 40, 1e-3).space())
+        space, load = compliance.space, Load(None, depth) if held else BY_FORCE
+        found = marched(compliance, rings, profile, times, load, 1e-4)
+        touched += int(found.force[0] > 0)
+        assert found.pressure.min() >= 0, seed
+        # no penetration beyond roundoff, by the moments of the gap
+        assert (found.gap >= -1e-13 * np.outer(found.indentation, space.weights)).all(), seed
+        assert (np.sum(np.abs(found.pressure * found.gap), axis=1) <= 1e-12 * found.force * found.indentation + 1e-25).all()
+        if held:
+            assert (np.diff(found.force) <= 1e-12).all(), seed
+            # no ring wears deeper than the punch is held, to the error of the steps
+            worn = rings.wear_coefficients * (space.ring_forces(rings.ring_edges) @ found.integral[-1])
+            assert (worn <= depth * ring_areas(rings.ring_edges) * (1 + 1e-4)).all(), seed
+        else:
+            # each ring by its own coefficient: the sum over them is the force times time
+            assert found.integral[1:] @ space.weights == pytest.approx(times[1:], rel=1e-12), seed
+    assert touched >= 100
