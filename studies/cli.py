@@ -8,15 +8,12 @@ import argparse
 import logging
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ringwear.meshes.errors import RingwearError, SceneError
 from ringwear.studies.problem.scene import Scene, bundled
 from ringwear.studies.progress import LOG, STAGES
 from ringwear.studies.registry import INTERRUPTED, STUDIES, Study
 
-if TYPE_CHECKING:
-    from ringwear.studies.crosscheck.run import Result
 DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
 
 
@@ -106,6 +103,7 @@ def _run(options: argparse.Namespace) -> int:
     from ringwear.studies.crosscheck import agreement
     from ringwear.studies.crosscheck.run import run
     from ringwear.studies.output import write
+    from ringwear.studies.report.printed import print_result
 
     scene = Scene.load(options.scene)
     if options.rtol is not None:
@@ -115,65 +113,19 @@ def _run(options: argparse.Namespace) -> int:
     out = _directory(options)
     result = run(scene)
     written = write(result, out)
-    _say_what(scene)
-    _say_verdict(result)
+    print_result(result)
     print(f"\n{len(written)} files in {out}: {', '.join(written)}")
     return DISAGREE if result.verdict == agreement.DISAGREE or result.short_of else DONE
-
-
-def _say_what(scene: Scene) -> None:
-    from ringwear.studies.crosscheck.scope import left_out, modelled
-
-    print(f"\n{scene.title or 'Untitled scene'}\n\nModelled")
-    for line in modelled(scene):
-        print(f"  {line}")
-    print("Left out")
-    for what, why in left_out(scene).items():
-        print(f"  {what}: {why}")
-
-
-def _say_verdict(result: "Result") -> None:
-    print("\nMethod    unknowns   seconds   own error estimate (relative, of the indentation)")
-    for name, solution in result.solutions.items():
-        seconds = sum(result.stages[name].seconds.values())
-        parts = ", ".join(f"{part} {value:.1e}" for part, value in solution.parts.items())
-        print(f"{name:<9}{solution.unknowns:>9}{seconds:>10.3f}   {parts}")
-    if result.agreement:
-        print("\nAgreement, relative             difference  uncertainty")
-    for row in result.agreement:
-        pair, verdict = f"{row.methods[0]}, {row.methods[1]}", "" if row.agrees else f"   {row.verdict}"
-        print(f"  {row.quantity:<24}{pair:<14}{row.difference:8.1e}{row.uncertainty:10.1e}{verdict}")
-    for both in result.operators:
-        print(
-            f"As operators, {both.methods[0]} and {both.methods[1]} differ by {both.rings:.1e} over all steady states and "
-            f"{both.history:.1e} along this history; stability {both.stability:.2f}, residual {both.residual:.1e}"
-        )
-    for anchor in result.anchors:
-        if not anchor.holds:
-            print(f"{anchor.method} does not hold to {anchor.name}: off by {anchor.difference:.1e}, "
-                  f"more than {anchor.tolerance:.1e}")  # fmt: skip
-    print(f"{len(result.anchors)} anchors (closed forms and balances), "
-          f"{'all hold' if all(anchor.holds for anchor in result.anchors) else 'NOT ALL HOLD'}.")  # fmt: skip
-    rtol = result.scene.accuracy.rtol
-    for name, solution in result.solutions.items():
-        if beyond := solution.beyond(rtol):
-            listed = ", ".join(f"{quantity} {error:.1e}" for quantity, error in beyond.items())
-            print(f"{name} says of itself that it errs by more than the {rtol:.0e} asked for in: {listed}")
-    for row in result.agreement:
-        if row.remark:
-            print(f"{row.quantity} is undecided between {row.methods[0]} and {row.methods[1]}: {row.remark}")
-    for note in result.notes:
-        print(f"note: {note}")
-    if result.agreement:
-        print(result.verdict_in_words)
 
 
 def _plan(options: argparse.Namespace) -> int:
     from ringwear.studies.crosscheck.run import run
     from ringwear.studies.crosscheck.scope import plan
+    from ringwear.studies.report.printed import print_scope
 
     scene = Scene.load(options.scene)
-    _say_what(scene)
+    print(f"\n{scene.title or 'Untitled scene'}\n")
+    print_scope(scene)
     print("\nBy method")
     for line in plan(scene):
         print(f"  {line}")

@@ -24,6 +24,7 @@ ROOMS = (
     {"studies.methods"},
     {"studies.crosscheck"},
     {"studies.figures"},
+    {"studies.report"},
     {"studies"},  # the studies themselves and the command line
 )
 FILES = {

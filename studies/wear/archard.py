@@ -115,6 +115,23 @@ class RunningIn:
         """(m,) slowest first."""
         return self._modes.relaxation[: self._modes.exact]
 
+    def time_to(self, share: float) -> float:
+        """Time after which the approach ``d(t) - w t`` has made a share of its way from the flat start to the steady state.
+
+        What is left of that way is a sum of decaying exponentials, all positive, so that there is one such time.
+        """
+        relaxation = self._modes.relaxation
+        ways = self._modes.amplitudes**2 * relaxation
+        # the slowest mode alone would take longest
+        earlier, later = 0.0, float(relaxation[0]) * np.log(1 / (1 - share))
+        for _ in range(60):
+            middle = (earlier + later) / 2
+            if ways @ np.exp(-middle / relaxation) > (1 - share) * ways.sum():
+                earlier = middle
+            else:
+                later = middle
+        return later
+
     def modal(self, times: Array) -> History:
         """The exact history at any times from `earliest` on, none of which depends on another."""
         if (times[times > 0] < self.earliest * (1 - 1e-12)).any():
