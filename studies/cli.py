@@ -1,15 +1,22 @@
-"""The command line: `ringwear run | plan | mesh | scenes`.
+"""The command line: `ringwear run | plan | mesh | study | scenes`.
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree, or one cannot reach
-the accuracy asked for; 2 bad input; 1 anything else, and when stopped by Ctrl-C (the finished rows of a study are kept).
+the accuracy asked for; 2 bad input; 1 anything else, such as a figure that could not be drawn, and when stopped by Ctrl-C or
+SIGTERM (the finished rows of a study are kept).
 """
 
 import argparse
 import logging
+import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 from ringwear.meshes.errors import RingwearError, SceneError
+from ringwear.studies.folder import Folder, held
 from ringwear.studies.problem.scene import Scene, bundled
 from ringwear.studies.progress import LOG, STAGES
 from ringwear.studies.registry import INTERRUPTED, STUDIES, Study
@@ -25,16 +32,34 @@ def main(arguments: list[str] | None = None) -> int:
     if not any(isinstance(handler, Terminal) for handler in LOG.handlers):
         LOG.addHandler(Terminal())
     try:
-        return int(options.command(options))
+        with _terminable():
+            return int(options.command(options))
     except SceneError as error:
         print(f"ringwear: {error}", file=sys.stderr)
         return BAD_INPUT
     except RingwearError as error:
         print(f"ringwear: {error}", file=sys.stderr)
         return FAILED
+    except OSError as error:
+        print(f"ringwear: {error.filename or 'a file'} could not be written: {error.strerror or error}", file=sys.stderr)
+        return FAILED
     except KeyboardInterrupt:
         print("ringwear: stopped; nothing half-written was left", file=sys.stderr)
         return FAILED
+
+
+@contextmanager
+def _terminable() -> Iterator[None]:
+    """SIGTERM ends the work as Ctrl-C does."""
+
+    def stop(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -43,13 +68,16 @@ def _parser() -> argparse.ArgumentParser:
         description="Wear of a ringed punch on an elastic half-space: finite elements, dimensionality reduction and "
         "direct integration, side by side.",
     )
+    parser.add_argument("--version", action="version", version=f"ringwear {_version()}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     run = commands.add_parser("run", help="compute a scene by every method it names, and compare them")
     run.add_argument("scene", nargs="?", default="five_rings", help="a TOML file or a bundled scene (default: five_rings)")
-    run.add_argument("--out", type=Path, default=None, help="directory for results (default: results/SCENE)")
+    run.add_argument("--out", type=_directory, help="directory for results (default: results/SCENE)")
     run.add_argument("--rtol", type=float, help="relative accuracy, in place of the scene's")
     run.add_argument("--methods", help="methods, comma-separated, in place of the scene's")
+    run.add_argument("--no-figures", action="store_true", help="numbers only: neither figures nor the report")
+    run.add_argument("--no-report", action="store_true", help="figures, but no report.html")
     run.set_defaults(command=_run)
 
     plan = commands.add_parser("plan", help="say what a scene will take, without computing it")
@@ -59,7 +87,7 @@ def _parser() -> argparse.ArgumentParser:
 
     mesh = commands.add_parser("mesh", help="mesh the half-space of a scene: a VTU file and a figure")
     mesh.add_argument("scene", help="a TOML file or a bundled scene")
-    mesh.add_argument("--out", type=Path, default=None, help="directory (default: results/SCENE)")
+    mesh.add_argument("--out", type=_directory, help="directory (default: results/SCENE)")
     mesh.set_defaults(command=_mesh)
 
     studies = commands.add_parser("study", help="a study: figures, tables and a conclusion")
@@ -74,11 +102,24 @@ def _parser() -> argparse.ArgumentParser:
 
 def _add_study(parser: argparse.ArgumentParser, name: str, study: Study) -> None:
     parser.add_argument("scene", nargs="?", default=study.scene, help=f"a scene (default: {study.scene})")
-    parser.add_argument("--out", type=Path, default=None, help=f"directory for results (default: results/{name})")
+    parser.add_argument("--out", type=_directory, help=f"directory for results (default: results/{name})")
     parser.add_argument("--quick", action="store_true", help="a smaller version of the study")
     for flag, settings in study.options:
         parser.add_argument(flag, **settings)
     parser.set_defaults(command=_study, study=name)
+
+
+def _version() -> str:
+    try:
+        return version("ringwear")
+    except PackageNotFoundError:
+        return "(not installed)"
+
+
+def _directory(text: str) -> Path:
+    if not text.strip():
+        raise argparse.ArgumentTypeError("is empty: give a directory")
+    return Path(text)
 
 
 class Terminal(logging.Handler):
@@ -92,30 +133,41 @@ class Terminal(logging.Handler):
             print(line, file=sys.stderr)
 
 
-def _directory(options: argparse.Namespace) -> Path:
-    out = options.out or Path("results") / Path(options.scene).stem
-    if out.exists() and not out.is_dir():
-        raise SceneError(f"--out {out} is a file: give a directory")
-    return Path(out)
+def _results_of(options: argparse.Namespace) -> Path:
+    return options.out or Path("results") / Path(options.scene).stem
 
 
 def _run(options: argparse.Namespace) -> int:
-    from ringwear.studies.crosscheck import agreement
-    from ringwear.studies.crosscheck.run import run
-    from ringwear.studies.output import write
-    from ringwear.studies.report.printed import print_result
-
     scene = Scene.load(options.scene)
     if options.rtol is not None:
         scene = scene.changed(accuracy__rtol=options.rtol)
     if options.methods is not None:
         scene = scene.changed(methods=[name.strip() for name in options.methods.split(",") if name.strip()])
-    out = _directory(options)
-    result = run(scene)
-    written = write(result, out)
-    print_result(result)
-    print(f"\n{len(written)} files in {out}: {', '.join(written)}")
+    # that the folder can be written to is known before the work
+    with held(_results_of(options), "run") as folder:
+        from ringwear.studies.crosscheck import agreement
+        from ringwear.studies.crosscheck.run import run
+        from ringwear.studies.output import Wanted, write
+        from ringwear.studies.report.printed import print_result
+
+        result = run(scene)
+        failures = write(result, folder, Wanted(not options.no_figures, not (options.no_figures or options.no_report)))
+        print_result(result)
+    _say_files(folder)
+    for failure in failures:
+        print(f"ringwear: {failure}", file=sys.stderr)
+    if failures:
+        return FAILED
     return DISAGREE if result.verdict == agreement.DISAGREE or result.short_of else DONE
+
+
+def _say_files(folder: Folder) -> None:
+    print(f"\n{len(folder.published)} files in {folder.out}: {', '.join(folder.published)}")
+    for note in folder.notes:
+        print(f"note: {note}")
+    if foreign := folder.foreign():
+        shown = ", ".join(foreign[:5]) + (" ..." if len(foreign) > 5 else "")
+        print(f"note: {len(foreign)} other files there are not of ringwear, and were left alone: {shown}")
 
 
 def _plan(options: argparse.Namespace) -> int:
@@ -139,33 +191,30 @@ def _plan(options: argparse.Namespace) -> int:
 
 
 def _mesh(options: argparse.Namespace) -> int:
-    from ringwear.meshes.half_space import quality
-    from ringwear.studies.methods.fem import half_space_mesh
-    from ringwear.studies.output import write_mesh
+    scene = Scene.load(options.scene)
+    with held(_results_of(options), "mesh") as folder:
+        from ringwear.meshes.half_space import quality
+        from ringwear.studies.methods.fem import half_space_mesh
+        from ringwear.studies.output import write_mesh
 
-    scene, out = Scene.load(options.scene), _directory(options)
-    meshed = half_space_mesh(scene.problem)
-    written = write_mesh(scene, meshed, out)
+        meshed = half_space_mesh(scene.problem)
+        write_mesh(scene, meshed, folder)
     mesh, shape = meshed.mesh, quality(meshed.mesh)
     kind = {3: "triangles", 4: "quadrilaterals"}[len(mesh.t)]
     print(f"{mesh.nelements} {kind} by {meshed.mesher}, {len(mesh.boundaries['contact'])} facets on the contact, "
           f"quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean {shape.mean():.2f}")  # fmt: skip
     for note in meshed.notes:
         print(f"note: {note}")
-    print(f"{len(written)} files in {out}: {', '.join(written)}")
+    _say_files(folder)
     return DONE
 
 
 def _study(options: argparse.Namespace) -> int:
-    from ringwear.studies.output import whole
-
     scene = Scene.load(options.scene)
-    options.out = out = options.out or Path("results") / options.study
-    with whole(_directory(options)) as hidden:
-        conclusions = STUDIES[options.study].conduct(scene, hidden, options)
-        written = sorted(file.name for file in hidden.iterdir())
+    with held(options.out or Path("results") / options.study, f"study {options.study}") as folder:
+        conclusions = STUDIES[options.study].conduct(scene, folder.hidden, options)
     print("\n".join(conclusions))
-    print(f"{len(written)} files in {out}: {', '.join(written)}")
+    _say_files(folder)
     return FAILED if INTERRUPTED in conclusions else DONE
 
 
@@ -173,3 +222,7 @@ def _scenes(_: argparse.Namespace) -> int:
     for name in bundled():
         print(f"{name:<14}{Scene.load(name).title}")
     return DONE
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,65 +1,84 @@
-"""All files of a run, written whole or not at all: into a hidden directory first, then moved into place."""
+"""The files of a run: numbers first, then what shows them, so that no failure of a figure loses a number."""
 
 import json
-import os
-import shutil
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
+from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
-from ringwear.meshes.errors import SceneError
+from ringwear.studies.folder import Folder
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.progress import LOG
+from ringwear.studies.side_by_side import Job, make
 
 if TYPE_CHECKING:
     from ringwear.studies.crosscheck.run import Result
     from ringwear.studies.methods.fem import Meshed
 
 
-@contextmanager
-def whole(out: Path) -> Iterator[Path]:
-    """A directory to write to; what is in it moves to `out` when all of it is there."""
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        hidden = Path(tempfile.mkdtemp(prefix=".writing-", dir=out))
-    except OSError as error:
-        raise SceneError(f"--out {out} cannot be written to: {error.strerror}") from error
-    try:
-        yield hidden
-        for file in sorted(hidden.iterdir()):
-            os.replace(file, out / file.name)
-    finally:
-        shutil.rmtree(hidden, ignore_errors=True)
+@dataclass(frozen=True)
+class Wanted:
+    """What is written beside the numbers."""
+
+    figures: bool = True
+    report: bool = True
 
 
-def write(result: "Result", out: Path) -> list[str]:
-    """Write results, summary, half-space and figures to `out`; returns the names of the files."""
-    from ringwear.studies.crosscheck.interior import interior, write_half_space
-    from ringwear.studies.figures import mesh, run
+def write(result: "Result", folder: Folder, wanted: Wanted) -> list[str]:
+    """Write a run; numbers are in place before anything is drawn. Returns what could not be made, with the reason.
 
-    scene, solutions = result.scene, result.solutions
-    with whole(out) as hidden:
-        LOG.info("  output  writing ...")
-        result.dataset.to_netcdf(hidden / "results.nc", engine="netcdf4")
-        (hidden / "summary.json").write_text(json.dumps(result.summary, indent=1) + "\n", "utf-8")
-        LOG.info("  output  drawing ...")
-        if "fem" in solutions and (half_space := solutions["fem"].half_space) is not None:
-            fields = interior(scene, solutions["fem"])
-            write_half_space(fields, scene.problem.units, hidden / "half_space.vtu")
-            mesh.draw_stress(scene, fields, hidden / "stress.png")
-            mesher = solutions["fem"].settings["mesher"]
-            mesh.draw_mesh(half_space.solid.mesh, mesher, scene.problem.ring_edges, hidden / "mesh.png")
-        run.draw_states(scene, solutions, hidden / "profiles_and_pressures.png")
-        run.draw_history(scene, solutions, hidden / "history.png")
-        run.draw_steady(scene, solutions, hidden / "steady_state.png")
-        if result.operators:
-            run.draw_operators(scene, result.operators, hidden / "operator_difference.png")
-        return sorted(file.name for file in hidden.iterdir())
+    The inside of the half-space takes as long as the contact: it is left out with the figures unless the scene asks for it.
+    """
+    LOG.info("  output  writing ...")
+    result.dataset.to_netcdf(folder.hidden / "results.nc", engine="netcdf4")
+    (folder.hidden / "summary.json").write_text(json.dumps(result.summary, indent=1, allow_nan=False) + "\n", "utf-8")
+    folder.publish()
+    if not wanted.figures:
+        return make([], of_inside(result)[:1] if result.scene.output.field_times else [], folder.hidden)
+    LOG.info("  output  drawing ...")
+    return make(of_contact(result), [*of_inside(result), *of_operators(result)], folder.hidden)
 
 
-def write_mesh(scene: Scene, meshed: "Meshed", out: Path) -> list[str]:
+def of_contact(result: "Result") -> list[Job]:
+    """Figures of what is on the face of the punch."""
+    from ringwear.studies.figures.history import draw_history
+    from ringwear.studies.figures.states import draw_states, draw_steady, given
+
+    scene, solutions, jobs = result.scene, result.solutions, []
+    if given("profile", solutions):
+        jobs.append(Job("profiles_and_pressures.png", lambda path: draw_states(scene, solutions, path)))
+        if scene.problem.earliest:
+            jobs.append(Job("history.png", lambda path: draw_history(scene, solutions, path)))
+    if given("steady_profile", solutions):
+        jobs.append(Job("steady_state.png", lambda path: draw_steady(scene, solutions, path)))
+    return jobs
+
+
+def of_operators(result: "Result") -> list[Job]:
+    """The figure that compares methods for every pressure."""
+    from ringwear.studies.figures.operators import draw_operators
+
+    draw = Job("operator_difference.png", lambda path: draw_operators(result.scene, result.operators, path))
+    return [draw] if result.operators else []
+
+
+def of_inside(result: "Result") -> list[Job]:
+    """The inside of the half-space as a file, then its figures; nothing without finite elements."""
+    fem = result.solutions.get("fem")
+    if fem is None or fem.half_space is None:
+        return []
+    from ringwear.studies.crosscheck import interior
+    from ringwear.studies.figures.mesh import draw_mesh, draw_stress
+
+    scene, solid, mesher = result.scene, fem.half_space.solid.mesh, fem.settings["mesher"]
+    fields = cache(lambda: interior.interior(scene, fem))
+    return [
+        Job("half_space.vtu", lambda path: interior.write_half_space(fields(), scene.problem.units, path)),
+        Job("stress.png", lambda path: draw_stress(scene, fields(), path)),
+        Job("mesh.png", lambda path: draw_mesh(solid, mesher, scene.problem.ring_edges, path)),
+    ]
+
+
+def write_mesh(scene: Scene, meshed: "Meshed", folder: Folder) -> None:
     """Write the mesh as scikit-fem does, in the scene's units and with its boundaries, and its figure.
 
     The file can be read back: by `skfem.Mesh.load`, and as a mesh of one's own by `ringwear study refinement --mesh`.
@@ -70,9 +89,7 @@ def write_mesh(scene: Scene, meshed: "Meshed", out: Path) -> list[str]:
     from ringwear.meshes.half_space import quality
     from ringwear.studies.figures.mesh import draw_mesh
 
-    with whole(out) as hidden:
-        content = to_meshio(meshed.mesh.scaled(scene.punch.radius), cell_data={"quality": [quality(meshed.mesh)]})
-        content.points = np.column_stack([content.points, np.zeros(len(content.points))])
-        content.write(hidden / "mesh.vtu", file_format="vtu")
-        draw_mesh(meshed.mesh, meshed.mesher, scene.problem.ring_edges, hidden / "mesh.png")
-        return sorted(file.name for file in hidden.iterdir())
+    content = to_meshio(meshed.mesh.scaled(scene.punch.radius), cell_data={"quality": [quality(meshed.mesh)]})
+    content.points = np.column_stack([content.points, np.zeros(len(content.points))])
+    content.write(folder.hidden / "mesh.vtu", file_format="vtu")
+    draw_mesh(meshed.mesh, meshed.mesher, scene.problem.ring_edges, folder.hidden / "mesh.png")
