@@ -13,13 +13,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ringwear.meshes.errors import RingwearError, SceneError
 from ringwear.studies.folder import Folder, held
 from ringwear.studies.problem.scene import Scene, bundled
 from ringwear.studies.progress import LOG, STAGES
 from ringwear.studies.registry import INTERRUPTED, STUDIES, Study
+
+if TYPE_CHECKING:
+    from ringwear.studies.crosscheck.run import Result
 
 DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
 
@@ -147,11 +150,16 @@ def _run(options: argparse.Namespace) -> int:
     with held(_results_of(options), "run") as folder:
         from ringwear.studies.crosscheck import agreement
         from ringwear.studies.crosscheck.run import run
-        from ringwear.studies.output import Wanted, write
+        from ringwear.studies.output import write
         from ringwear.studies.report.printed import print_result
+        from ringwear.studies.side_by_side import Job, make
 
         result = run(scene)
-        failures = write(result, folder, Wanted(not options.no_figures, not (options.no_figures or options.no_report)))
+        failures = write(result, folder, figures=not options.no_figures)
+        if not (options.no_figures or options.no_report):
+            failures += make(
+                [Job("report.html", lambda path: _write_report(result, folder.hidden, path))], [], folder.hidden
+            )
         print_result(result)
     _say_files(folder)
     for failure in failures:
@@ -159,6 +167,12 @@ def _run(options: argparse.Namespace) -> int:
     if failures:
         return FAILED
     return DISAGREE if result.verdict == agreement.DISAGREE or result.short_of else DONE
+
+
+def _write_report(result: "Result", figures: Path, path: Path) -> None:
+    from ringwear.studies.report.page import write_report
+
+    write_report(result, figures, path)
 
 
 def _say_files(folder: Folder) -> None:
@@ -212,7 +226,12 @@ def _mesh(options: argparse.Namespace) -> int:
 def _study(options: argparse.Namespace) -> int:
     scene = Scene.load(options.scene)
     with held(options.out or Path("results") / options.study, f"study {options.study}") as folder:
-        conclusions = STUDIES[options.study].conduct(scene, folder.hidden, options)
+        study = STUDIES[options.study]
+        conclusions = study.conduct(scene, folder.hidden, options)
+        folder.publish()
+        from ringwear.studies.report.page import write_study
+
+        write_study(options.study, study.purpose, scene, conclusions, folder.out)
     print("\n".join(conclusions))
     _say_files(folder)
     return FAILED if INTERRUPTED in conclusions else DONE

@@ -1,7 +1,6 @@
 """The files of a run: numbers first, then what shows them, so that no failure of a figure loses a number."""
 
 import json
-from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -15,15 +14,7 @@ if TYPE_CHECKING:
     from ringwear.studies.methods.fem import Meshed
 
 
-@dataclass(frozen=True)
-class Wanted:
-    """What is written beside the numbers."""
-
-    figures: bool = True
-    report: bool = True
-
-
-def write(result: "Result", folder: Folder, wanted: Wanted) -> list[str]:
+def write(result: "Result", folder: Folder, figures: bool) -> list[str]:
     """Write a run; numbers are in place before anything is drawn. Returns what could not be made, with the reason.
 
     The inside of the half-space takes as long as the contact: it is left out with the figures unless the scene asks for it.
@@ -32,7 +23,7 @@ def write(result: "Result", folder: Folder, wanted: Wanted) -> list[str]:
     result.dataset.to_netcdf(folder.hidden / "results.nc", engine="netcdf4")
     (folder.hidden / "summary.json").write_text(json.dumps(result.summary, indent=1, allow_nan=False) + "\n", "utf-8")
     folder.publish()
-    if not wanted.figures:
+    if not figures:
         return make([], of_inside(result)[:1] if result.scene.output.field_times else [], folder.hidden)
     LOG.info("  output  drawing ...")
     return make(of_contact(result), [*of_inside(result), *of_operators(result)], folder.hidden)

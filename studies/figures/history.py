@@ -59,7 +59,7 @@ def draw_history(scene: Scene, solutions: Mapping[str, Solution], path: Path) ->
     """Displacement and RMS slope over time, and below them by how much of the value methods differ from the first."""
     problem, scale, every = scene.problem, Scale(scene), given("indentation", solutions)
     rows = 2 if len(every) > 1 else 1
-    ratios = {"height_ratios": [2.2, 1]} if rows == 2 else {}
+    ratios: dict[str, Any] = {"height_ratios": [2.2, 1]} if rows == 2 else {}
     figure, panels = page(
         rows, 2, 1.9 if rows == 1 else 1.35, Margins(left=0.55, across=0.6, top=0.3, bottom=0.68), sharex=True, **ratios
     )

@@ -31,7 +31,8 @@ STYLE: dict[str, Any] = {
     "xtick.minor.width": 0.4, "ytick.minor.width": 0.4, "xtick.major.pad": 2, "ytick.major.pad": 2, "axes.labelpad": 2,
     "axes.titlepad": 3, "mathtext.default": "it",
 }  # fmt: skip
-P, R = ParamSpec("P"), TypeVar("R")
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:

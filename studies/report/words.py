@@ -133,6 +133,56 @@ def verdict(result: Result) -> str:
     return f"{result.verdict_in_words.rstrip('.')}; {of_anchors}."
 
 
+def sentences(result: Result) -> list[str]:
+    """How long it takes, which ring wears how much, and whether to believe it, for a reader of nothing else."""
+    scene, names, problem = result.scene, UnitNames.of(result.scene.units), result.scene.problem
+    told, edges = [], problem.ring_edges * problem.units.length
+
+    def ring(number: int) -> str:
+        unit, name = names.readable(float(edges[-1]), "length")
+        return f"ring {number + 1} ({edges[number] / unit:.3g} to {edges[number + 1] / unit:.3g} {name}".rstrip() + ")"
+
+    if np.isfinite(ninety := first_given(result, "time_to_90")):
+        last, done = scene.wear.times[-1], float(first_given(result, "time_to_99"))
+        text = f"Running-in takes {names.write(done, 'time', 3)}: by then 99 % of it is over, and 90 % after "
+        text += f"{names.write(float(ninety), 'time', 3)}."
+        if last < ninety:
+            text += f" The times asked for end at {names.write(last, 'time', 3)}, before that."
+        told.append(text)
+    if np.isfinite(rate := first_given(result, "steady_wear_rate")):
+        told.append(
+            f"Then every ring loses {names.write(float(rate), 'wear_rate', 3)} of height, and the profile stays as it is."
+        )
+    worn = first_given(result, "worn_volume")
+    if np.isfinite(worn).all() and worn.any():
+        heights = worn / ring_areas(problem.ring_edges) / problem.units.length**2
+        most, least, largest = int(heights.argmax()), int(heights.argmin()), int(worn.argmax())
+        text = f"By t = {names.write(scene.wear.times[-1], 'time', 3)} {ring(most)} has worn by "
+        text += f"{names.write(float(heights[most]), 'displacement', 3)} on average"
+        if most != least:
+            text += f", the most, and {ring(least)} by {names.write(float(heights[least]), 'displacement', 3)}, the least"
+        told.append(f"{text}; {100 * worn[largest] / worn.sum():.0f} % of the worn volume is of {ring(largest)}.")
+    if result.agreement:
+        worst = max(result.agreement, key=lambda row: row.difference)
+        within = "within" if worst.difference <= worst.uncertainty else "more than"
+        told.append(
+            f"{len(result.solutions)} methods differ by at most {worst.difference:.0e} of the value ({worst.quantity}), "
+            f"{within} the {worst.uncertainty:.0e} that their own error estimates allow."
+        )
+    return told
+
+
+def anchor_rows(result: Result) -> Rows:
+    """Each closed form or balance once, by the method that is furthest off."""
+    rows = []
+    for name in dict.fromkeys(anchor.name for anchor in result.anchors):
+        own = [anchor for anchor in result.anchors if anchor.name == name]
+        worst = max(own, key=lambda anchor: anchor.difference / anchor.tolerance if anchor.tolerance else anchor.difference)
+        holds = "holds" if worst.holds else "DOES NOT HOLD"
+        rows.append((name, worst.method, f"{worst.difference:.1e}", f"{worst.tolerance:.1e}", holds))
+    return Rows(("anchor", "method", "difference", "tolerated", ""), rows)
+
+
 def method_rows(result: Result) -> Rows:
     """What each method cost, and what it says of its own error."""
     rows = []

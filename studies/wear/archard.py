@@ -115,18 +115,21 @@ class RunningIn:
         """(m,) slowest first."""
         return self._modes.relaxation[: self._modes.exact]
 
-    def time_to(self, share: float) -> float:
-        """Time after which the approach ``d(t) - w t`` has made a share of its way from the flat start to the steady state.
+    def left(self, times: Array) -> Array:
+        """(T,) share of its way from the flat start to the steady state that the approach ``d(t) - w t`` has yet to make.
 
-        What is left of that way is a sum of decaying exponentials, all positive, so that there is one such time.
+        It is a sum of decaying exponentials, all positive.
         """
-        relaxation = self._modes.relaxation
-        ways = self._modes.amplitudes**2 * relaxation
+        ways = self._modes.amplitudes**2 * self._modes.relaxation
+        return np.asarray(np.exp(-times[:, None] / self._modes.relaxation) @ ways / ways.sum())
+
+    def time_to(self, share: float) -> float:
+        """Time after which the approach, less steady wear, has made a share of its way; there is one such time."""
         # the slowest mode alone would take longest
-        earlier, later = 0.0, float(relaxation[0]) * np.log(1 / (1 - share))
+        earlier, later = 0.0, float(self._modes.relaxation[0]) * np.log(1 / (1 - share))
         for _ in range(60):
             middle = (earlier + later) / 2
-            if ways @ np.exp(-middle / relaxation) > (1 - share) * ways.sum():
+            if self.left(np.array([middle]))[0] > 1 - share:
                 earlier = middle
             else:
                 later = middle
