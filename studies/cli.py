@@ -1,4 +1,4 @@
-"""The command line: `ringwear run | plan | mesh | study | scenes`.
+"""The command line: `ringwear run | plan | mesh | compare | study | scenes`.
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree, or one cannot reach
 the accuracy asked for; 2 bad input; 1 anything else, such as a figure that could not be drawn, and when stopped by Ctrl-C or
@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ringwear.meshes.errors import RingwearError, SceneError
-from ringwear.studies.folder import Folder, held
+from ringwear.studies.output.folder import Folder, held
 from ringwear.studies.problem.scene import Scene, bundled
 from ringwear.studies.progress import LOG, STAGES
 from ringwear.studies.registry import INTERRUPTED, STUDIES, Study
@@ -81,6 +81,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--methods", help="methods, comma-separated, in place of the scene's")
     run.add_argument("--no-figures", action="store_true", help="numbers only: neither figures nor the report")
     run.add_argument("--no-report", action="store_true", help="figures, but no report.html")
+    run.add_argument("--csv", action="store_true", help="the results as CSV tables, too")
     run.set_defaults(command=_run)
 
     plan = commands.add_parser("plan", help="say what a scene will take, without computing it")
@@ -92,6 +93,14 @@ def _parser() -> argparse.ArgumentParser:
     mesh.add_argument("scene", help="a TOML file or a bundled scene")
     mesh.add_argument("--out", type=_directory, help="directory (default: results/SCENE)")
     mesh.set_defaults(command=_mesh)
+
+    compare = commands.add_parser("compare", help="two folders of results, or scenes: what differs, drawn together")
+    for side in "AB":
+        compare.add_argument(side, help="a folder that `ringwear run` has written, a TOML file or a bundled scene")
+    compare.add_argument(
+        "--out", type=_directory, default=Path("results/compare"), help="directory (default: results/compare)"
+    )
+    compare.set_defaults(command=_compare)
 
     studies = commands.add_parser("study", help="a study: figures, tables and a conclusion")
     names = studies.add_subparsers(required=True, metavar="NAME")
@@ -150,12 +159,12 @@ def _run(options: argparse.Namespace) -> int:
     with held(_results_of(options), "run") as folder:
         from ringwear.studies.crosscheck import agreement
         from ringwear.studies.crosscheck.run import run
-        from ringwear.studies.output import write
+        from ringwear.studies.output.of_run import write
+        from ringwear.studies.output.side_by_side import Job, make
         from ringwear.studies.report.printed import print_result
-        from ringwear.studies.side_by_side import Job, make
 
         result = run(scene)
-        failures = write(result, folder, figures=not options.no_figures)
+        failures = write(result, folder, figures=not options.no_figures, tables=options.csv)
         if not (options.no_figures or options.no_report):
             failures += make(
                 [Job("report.html", lambda path: _write_report(result, folder.hidden, path))], [], folder.hidden
@@ -209,7 +218,7 @@ def _mesh(options: argparse.Namespace) -> int:
     with held(_results_of(options), "mesh") as folder:
         from ringwear.meshes.half_space import quality
         from ringwear.studies.methods.fem import half_space_mesh
-        from ringwear.studies.output import write_mesh
+        from ringwear.studies.output.of_run import write_mesh
 
         meshed = half_space_mesh(scene.problem)
         write_mesh(scene, meshed, folder)
@@ -219,6 +228,29 @@ def _mesh(options: argparse.Namespace) -> int:
           f"quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean {shape.mean():.2f}")  # fmt: skip
     for note in meshed.notes:
         print(f"note: {note}")
+    _say_files(folder)
+    return DONE
+
+
+def _compare(options: argparse.Namespace) -> int:
+    with held(options.out, "compare") as folder:
+        from ringwear.studies.figures.comparison import OVER_RADIUS, OVER_TIME, draw_comparison
+        from ringwear.studies.report import comparison
+        from ringwear.studies.report.printed import print_rows
+        from ringwear.studies.tables import Table
+
+        one, other = comparison.both(options.A, options.B)
+        keys, answers = comparison.scene_rows(one, other), comparison.answer_rows(one, other)
+        curves = {name: (one.curve(name), other.curve(name)) for name in (*OVER_RADIUS, *OVER_TIME)}
+        if not any(found is not None for pair in curves.values() for found in pair):
+            raise SceneError("neither result holds a history or a steady state: there is nothing to compare")
+        Table(folder.hidden / "scenes.csv", keys.headers, keys.rows)
+        Table(folder.hidden / "answers.csv", answers.headers, answers.rows)
+        draw_comparison((one.scene, other.scene), curves, folder.hidden / "comparison.png")
+    print(f"A: {one.name}\nB: {other.name}\n")
+    print_rows(keys)
+    print()
+    print_rows(answers)
     _say_files(folder)
     return DONE
 

@@ -16,7 +16,7 @@ import pytest
 
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
-from ringwear.studies.folder import MANIFEST, held
+from ringwear.studies.output.folder import MANIFEST, held
 
 NUMBERS = {"results.nc", "summary.json"}
 QUICK = ["run", "flat_punch", "--rtol", "1e-2"]

@@ -25,6 +25,7 @@ ROOMS = (
     {"studies.crosscheck"},
     {"studies.figures"},
     {"studies.report"},
+    {"studies.output"},
     {"studies"},  # the studies themselves and the command line
 )
 FILES = {

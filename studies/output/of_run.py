@@ -4,29 +4,35 @@ import json
 from functools import cache
 from typing import TYPE_CHECKING
 
-from ringwear.studies.folder import Folder
+from ringwear.studies.output.csv_tables import write_csv
+from ringwear.studies.output.folder import Folder
+from ringwear.studies.output.side_by_side import Job, make
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.progress import LOG
-from ringwear.studies.side_by_side import Job, make
 
 if TYPE_CHECKING:
     from ringwear.studies.crosscheck.run import Result
     from ringwear.studies.methods.fem import Meshed
 
 
-def write(result: "Result", folder: Folder, figures: bool) -> list[str]:
+def write(result: "Result", folder: Folder, figures: bool, tables: bool = False) -> list[str]:
     """Write a run; numbers are in place before anything is drawn. Returns what could not be made, with the reason.
 
     The inside of the half-space takes as long as the contact: it is left out with the figures unless the scene asks for it.
     """
     LOG.info("  output  writing ...")
-    result.dataset.to_netcdf(folder.hidden / "results.nc", engine="netcdf4")
+    dataset = result.dataset
+    dataset.to_netcdf(folder.hidden / "results.nc", engine="netcdf4")
     (folder.hidden / "summary.json").write_text(json.dumps(result.summary, indent=1, allow_nan=False) + "\n", "utf-8")
+    if tables:
+        write_csv(dataset, folder.hidden)
     folder.publish()
     if not figures:
         return make([], of_inside(result)[:1] if result.scene.output.field_times else [], folder.hidden)
     LOG.info("  output  drawing ...")
-    return make(of_contact(result), [*of_inside(result), *of_operators(result)], folder.hidden)
+    inside = of_inside(result)
+    # the inside and its stresses take as long as all the others
+    return make([*of_contact(result), *of_operators(result), *inside[2:]], inside[:2], folder.hidden)
 
 
 def of_contact(result: "Result") -> list[Job]:
