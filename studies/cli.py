@@ -195,11 +195,14 @@ def _say_files(folder: Folder) -> None:
 
 def _plan(options: argparse.Namespace) -> int:
     from ringwear.studies.crosscheck.run import run
-    from ringwear.studies.crosscheck.scope import plan
+    from ringwear.studies.crosscheck.scope import plan, time_scale
     from ringwear.studies.report.printed import print_scope
 
     scene = Scene.load(options.scene)
-    print(f"\n{scene.title or 'Untitled scene'}\n")
+    print(f"\n{scene.title or 'Untitled scene'}")
+    for line in time_scale(scene):
+        print(line)
+    print()
     print_scope(scene)
     print("\nBy method")
     for line in plan(scene):

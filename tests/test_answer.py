@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,12 @@ import pytest
 
 from ringwear import Scene, run
 from ringwear.mdr import direct
+from ringwear.meshes.errors import SceneError
 from ringwear.meshes.radial import alternating_edges, ring_areas
+from ringwear.studies.cli import main
 from ringwear.studies.crosscheck.anchors import energy_of_rings
 from ringwear.studies.crosscheck.dataset import Result
+from ringwear.studies.problem.time_scale import slowest_relaxation_time
 from ringwear.studies.problem.unit_names import UnitNames
 from ringwear.studies.report import words
 from ringwear.studies.report.printed import print_result
@@ -143,3 +147,55 @@ def test_defaults_taken_are_said() -> None:
     said = words.defaults_taken(run(Scene.from_table(table)))
     assert any("poisson_ratio" in line and "0.3" in line for line in said)
     assert any("sliding_speed" in line for line in said)
+
+
+def test_times_in_units_of_the_running_in() -> None:
+    table = Scene.load("five_rings").table() | {"wear": {"times": {"tau": [0.0, 0.5, 2.0]}}}
+    scene = Scene.from_table(table)
+    # 0.3440589 of the reference, to three digits
+    assert scene.wear.times == [0.0, 0.172, 0.688]
+    np.testing.assert_allclose(scene.problem.times, [0.0, 1.72, 6.88])
+    near = Scene.from_table(table | {"wear": {"times": {"tau": [1.0, 1.00001]}}})
+    assert near.wear.times[0] < near.wear.times[1]
+    assert Scene.from_toml(scene.to_toml()).wear.times == scene.wear.times
+    # of another punch they are other times
+    assert scene.changed(load__sliding_speed=2.0).wear.times == [0.0, 0.086, 0.344]
+    named = Scene.from_table(table | {"wear": {"times": "running-in"}})
+    assert (named.wear.times[0], named.wear.times[-1]) == (0.0, 1.72)
+    assert scene.changed(wear__times=[1.0]).wear.times == [1.0]
+
+
+@pytest.mark.parametrize(
+    "times", ["running in", {"tau": [1.0, 0.5]}, {"tau": "all"}, {"taus": [1.0]}, {"tau": [-1.0]}], ids=str
+)
+def test_times_that_cannot_be_are_refused(times: Any) -> None:
+    with pytest.raises(SceneError, match="times"):
+        Scene.from_table(Scene.load("five_rings").table() | {"wear": {"times": times}})
+
+
+@pytest.mark.parametrize(
+    ("rings", "ratio", "width"), [(2, 1e-3, 1.0), (3, 50.0, 0.02), (7, 1e5, 5.0), (1, 1.0, 1.0)], ids=str
+)
+def test_the_time_scale_is_known_beforehand(rings: int, ratio: float, width: float) -> None:
+    scene = Scene.load("five_rings").changed(
+        methods=["mdr"], punch__rings=rings, punch__width_ratio=width, punch__wear_coefficients=[1.0, ratio]
+    )
+    known = float(run(scene).answers["mdr"]["running_in_time"])
+    assert slowest_relaxation_time(scene.problem.rings) * scene.problem.units.time == pytest.approx(known, rel=1e-4)
+
+
+@pytest.mark.parametrize(("times", "told"), [
+    ([0.0, 1e-5], "before the running-in"), ([50.0, 60.0], "after the running-in"), ([0.0, 0.1, 1.0], None),
+])  # fmt: skip
+def test_times_that_miss_the_running_in_are_told(
+    times: list[float], told: str | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene = tmp_path / "scene.toml"
+    scene.write_text(Scene.load("five_rings").changed(wear__times=times, methods=["mdr"]).to_toml(), "utf-8")
+    assert main(["plan", str(scene)]) == 0
+    plan = capsys.readouterr().out
+    assert "slowest relaxation time 0.344" in plan
+    assert main(["run", str(scene), "--no-figures", "--rtol", "1e-2", "--out", str(tmp_path / "out")]) == 0
+    for text in (plan, capsys.readouterr().out):
+        assert ("the running-in, " in text) == (told is not None)
+        assert told is None or told in text

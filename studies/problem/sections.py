@@ -84,7 +84,11 @@ class LoadSection(Section):
 
 
 class WearSection(Section):
-    times: list[NotNegative] = Field(default=[], description="increasing times, 0 or later; none for no history")
+    times: list[NotNegative] = Field(
+        default=[],
+        description="increasing times, 0 or later, none for no history; or 'running-in'; or counts of the slowest "
+        "relaxation time, { tau = [0.1, 1.0, 5.0] }",
+    )
     steady: bool = Field(default=True, description="true or false")
     march: Literal["modal", "implicit", "explicit"] = Field(default="modal", description="modal, implicit or explicit")
     step: Positive | None = Field(default=None, description="the time step of the implicit or explicit march")

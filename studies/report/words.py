@@ -10,6 +10,7 @@ from ringwear.meshes.radial import Array, ring_areas
 from ringwear.studies.crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement
 from ringwear.studies.crosscheck.answer import STATES
 from ringwear.studies.crosscheck.dataset import Result
+from ringwear.studies.crosscheck.scope import outside
 from ringwear.studies.methods.quantities import QUANTITIES
 from ringwear.studies.problem.unit_names import UnitNames
 
@@ -230,6 +231,9 @@ def remarks(result: Result) -> list[str]:
         for row in result.agreement
         if row.remark
     ]
+    if np.isfinite(slowest := first_given(result, "running_in_time")) and result.scene.problem.earliest:
+        times = result.scene.problem.times * result.scene.problem.units.time / float(slowest)
+        lines += outside(float(times[times > 0][0]), float(times[-1]))
     return lines + [f"note: {note}" for note in result.notes]
 
 
