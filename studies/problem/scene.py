@@ -28,6 +28,12 @@ from ringwear.studies.registry import METHODS
 # counts of the slowest relaxation time that ``times = "running-in"`` stands for
 RUNNING_IN = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0]
 
+# the keys that no scene can be without
+EXAMPLE = (
+    "punch = { radius = 1.0, rings = 5, wear_coefficients = [1.0, 10.0] }, half_space = { plane_strain_modulus = 1.0 }, "
+    "load = { normal_force = 2.0 }, and wear = { times = [0.0, 0.1, 1.0] } for a history"
+)
+
 
 def _known(method: str) -> str:
     if method not in METHODS:
@@ -190,7 +196,9 @@ def _explain(error: ValidationError) -> str:
         return f"unknown key {key}: did you mean {close[0]}? known here are {', '.join(known)}"
     remedy = f"; give {field.description}" if field is not None and field.description else ""
     if first["type"] == "missing":
-        return f"missing key {key}{remedy}"
+        missing = [".".join(map(str, one["loc"])) for one in error.errors(include_url=False) if one["type"] == "missing"]
+        keys = f"missing key {key}{remedy}" if len(missing) == 1 else f"missing keys {', '.join(missing)}"
+        return f"{keys}; needed are, for example, {EXAMPLE}"
     message = first["msg"].removeprefix("Value error, ")
     if first["type"] == "value_error":
         return f"{key}: {message}" if key else message
