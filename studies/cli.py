@@ -82,6 +82,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--no-figures", action="store_true", help="numbers only: neither figures nor the report")
     run.add_argument("--no-report", action="store_true", help="figures, but no report.html")
     run.add_argument("--csv", action="store_true", help="the results as CSV tables, too")
+    run.add_argument("--animate", action="store_true", help="the wearing punch as animation.gif, too")
     run.set_defaults(command=_run)
 
     plan = commands.add_parser("plan", help="say what a scene will take, without computing it")
@@ -159,12 +160,14 @@ def _run(options: argparse.Namespace) -> int:
     with held(_results_of(options), "run") as folder:
         from ringwear.studies.crosscheck import agreement
         from ringwear.studies.crosscheck.run import run
-        from ringwear.studies.output.of_run import write
+        from ringwear.studies.output.of_run import of_animation, write
         from ringwear.studies.output.side_by_side import Job, make
         from ringwear.studies.report.printed import print_result
 
         result = run(scene)
         failures = write(result, folder, figures=not options.no_figures, tables=options.csv)
+        if options.animate:
+            failures += make([of_animation(result)], [], folder.hidden)
         if not (options.no_figures or options.no_report):
             failures += make(
                 [Job("report.html", lambda path: _write_report(result, folder.hidden, path))], [], folder.hidden

@@ -58,7 +58,17 @@ def left_out(scene: Scene) -> dict[str, str]:
 
 
 def plan(scene: Scene) -> list[str]:
-    """What each method will be made of and cost, without making it; then what is worth knowing before it runs."""
+    """What each method will be made of and cost, without making it; then what is worth knowing before it runs.
+
+    Parameters
+    ----------
+    scene : what would be computed
+
+    Returns
+    -------
+    list of str
+        lines of text: sizes, seconds on one thread, GiB, and the error that each method's own estimate will be about
+    """
     problem = scene.problem
     lines, seconds = [], {}
     for name in scene.methods:

@@ -42,7 +42,9 @@ def _known(method: str) -> str:
 
 
 class Scene(Section):
-    """A complete, validated scene; see the README for the keys.
+    """A complete, validated scene: a frozen value, made by `load`, `from_toml` or `from_table`, varied by `changed`.
+
+    The tables `punch`, `half_space` and `load` are needed; the README has all keys. Numbers are in any consistent units.
 
     Raises
     ------
