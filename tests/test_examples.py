@@ -31,6 +31,7 @@ def test_a_convergence_study(tmp_path: Path) -> None:
     assert (tmp_path / "convergence.png").exists()
 
 
+@pytest.mark.slow
 def test_fem_against_mdr(tmp_path: Path) -> None:
     told = shown("fem_against_mdr", tmp_path)
     assert told.startswith("The methods agree")

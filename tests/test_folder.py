@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import time
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +29,7 @@ def failing(patch: pytest.MonkeyPatch, stage: str, raised: BaseException) -> Non
     def stop(*_: Any, **__: Any) -> None:
         raise raised
 
-    module, name = stage.rsplit(".", 1)
-    patch.setattr(import_module(module), name, stop)
+    patch.setattr(stage, stop)
 
 
 @pytest.mark.parametrize("stage", ["crosscheck.run.solved_to_accuracy", "crosscheck.dataset.summary"])
@@ -52,7 +50,9 @@ def test_a_new_folder_goes_with_a_run_that_wrote_nothing(tmp_path: Path, monkeyp
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("stage", ["crosscheck.interior.write_half_space", "figures.states.draw_steady"])
+@pytest.mark.parametrize("stage", [
+    "crosscheck.interior.write_half_space", pytest.param("figures.states.draw_steady", marks=pytest.mark.slow)
+])  # fmt: skip
 def test_ctrl_c_while_drawing_keeps_the_numbers(stage: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     failing(monkeypatch, f"ringwear.studies.{stage}", KeyboardInterrupt())
     assert main([*QUICK, "--out", str(tmp_path)]) == 1
@@ -60,8 +60,9 @@ def test_ctrl_c_while_drawing_keeps_the_numbers(stage: str, tmp_path: Path, monk
 
 
 @pytest.mark.parametrize(("stage", "lost"), [
-    ("figures.states.draw_steady", "steady_state.png"), ("crosscheck.interior.write_half_space", "half_space.vtu"),
-    ("figures.mesh.draw_stress", "stress.png"),
+    ("crosscheck.interior.write_half_space", "half_space.vtu"),
+    pytest.param("figures.states.draw_steady", "steady_state.png", marks=pytest.mark.slow),
+    pytest.param("figures.mesh.draw_stress", "stress.png", marks=pytest.mark.slow),
 ])  # fmt: skip
 def test_a_figure_that_fails_loses_itself_only(
     stage: str, lost: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -74,6 +75,21 @@ def test_a_figure_that_fails_loses_itself_only(
     # the answer is told all the same
     assert "steady wear rate" in told.out
     assert visible(tmp_path / "out") == visible(tmp_path / "whole") - {lost}
+
+
+@pytest.mark.parametrize("raised", [OSError(28, "No space left on device"), RuntimeError("NetCDF: HDF error")], ids=str)
+def test_numbers_that_cannot_be_written_are_told_and_leave_what_was_there(
+    raised: Exception, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = [*QUICK, "--methods", "direct", "--no-figures", "--out", str(tmp_path)]
+    assert main(arguments) == 0
+    before = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
+    capsys.readouterr()
+    failing(monkeypatch, "xarray.Dataset.to_netcdf", raised)
+    assert main(arguments) == 1
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("ringwear:")]
+    assert "could not be written" in line
+    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before
 
 
 def test_any_title_can_be_drawn(tmp_path: Path) -> None:
@@ -137,7 +153,7 @@ def test_what_a_killed_run_left_is_swept(tmp_path: Path) -> None:
         assert not (tmp_path / ".writing-abc").exists()
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_signals_end_a_run_cleanly(number: signal.Signals, tmp_path: Path) -> None:
     code = "from ringwear.studies.cli import main; raise SystemExit(main())"
     out = tmp_path / "out"

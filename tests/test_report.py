@@ -129,6 +129,7 @@ def test_flags_leave_out_what_they_say(tmp_path: Path) -> None:
         assert {file.name for file in tmp_path.glob("[!.]*")} == {"results.nc", "summary.json"} | kept
 
 
+@pytest.mark.slow
 def test_an_animation_moves(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["run", "flat_punch", "--rtol", "1e-2", "--no-figures", "--animate", "--out", str(tmp_path)]
     assert main([*arguments, "--methods", "mdr"]) == 0

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -52,7 +53,9 @@ def _frames(scene: Scene, profiles: Array, labels: list[str]) -> Iterator[Image.
         figure = new_figure(5, 3.6)
         figure.set_layout_engine("none")
         figure.set_dpi(120)
-        axes = figure.add_axes((0, -0.08, 1, 1.1), projection="3d")
+        # three-dimensional axes, and a canvas that keeps its pixels
+        axes: Any = figure.add_axes((0, -0.08, 1, 1.1), projection="3d")
+        canvas: Any = figure.canvas
         height = -HEIGHT * np.interp(radii, problem.radii, row) / (worn.max() or 1.0)
         surface = np.broadcast_to(height, r.shape)
         axes.plot_surface(
@@ -62,5 +65,5 @@ def _frames(scene: Scene, profiles: Array, labels: list[str]) -> Iterator[Image.
         axes.view_init(elev=38, azim=-60)
         axes.set_axis_off()
         heading(figure, titled(scene.title, label))
-        figure.canvas.draw()
-        yield Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("P", palette=Image.Palette.ADAPTIVE)
+        canvas.draw()
+        yield Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("P", palette=Image.Palette.ADAPTIVE)

@@ -4,6 +4,7 @@ import json
 from functools import cache
 from typing import TYPE_CHECKING
 
+from ringwear.meshes.errors import RingwearError
 from ringwear.studies.output.csv_tables import write_csv
 from ringwear.studies.output.folder import Folder
 from ringwear.studies.output.side_by_side import Job, make
@@ -22,7 +23,11 @@ def write(result: "Result", folder: Folder, figures: bool, tables: bool = False)
     """
     LOG.info("  output  writing ...")
     dataset = result.dataset
-    dataset.to_netcdf(folder.hidden / "results.nc", engine="netcdf4")
+    try:
+        dataset.to_netcdf(folder.hidden / "results.nc", engine="netcdf4")
+    except RuntimeError as error:
+        # what netCDF makes of a full disk
+        raise RingwearError(f"results.nc could not be written to {folder.out} ({error}): is the disk full?") from error
     (folder.hidden / "summary.json").write_text(json.dumps(result.summary, indent=1, allow_nan=False) + "\n", "utf-8")
     if tables:
         write_csv(dataset, folder.hidden)
