@@ -160,14 +160,14 @@ def _run(options: argparse.Namespace) -> int:
     with held(_results_of(options), "run") as folder:
         from ringwear.studies.crosscheck import agreement
         from ringwear.studies.crosscheck.run import run
-        from ringwear.studies.output.of_run import of_animation, write
+        from ringwear.studies.output.of_run import write
         from ringwear.studies.output.side_by_side import Job, make
         from ringwear.studies.report.printed import print_result
 
         result = run(scene)
         failures = write(result, folder, figures=not options.no_figures, tables=options.csv)
         if options.animate:
-            failures += make([of_animation(result)], [], folder.hidden)
+            failures += make([Job("animation.gif", lambda path: _animate(result, path))], [], folder.hidden)
         if not (options.no_figures or options.no_report):
             failures += make(
                 [Job("report.html", lambda path: _write_report(result, folder.hidden, path))], [], folder.hidden
@@ -185,6 +185,12 @@ def _write_report(result: "Result", figures: Path, path: Path) -> None:
     from ringwear.studies.report.page import write_report
 
     write_report(result, figures, path)
+
+
+def _animate(result: "Result", path: Path) -> None:
+    from ringwear.studies.figures.animation import animate
+
+    animate(result.scene, result.solutions, path)
 
 
 def _say_files(folder: Folder) -> None:

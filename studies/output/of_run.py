@@ -80,13 +80,6 @@ def of_inside(result: "Result") -> list[Job]:
     ]
 
 
-def of_animation(result: "Result") -> Job:
-    """The wearing punch as a moving picture."""
-    from ringwear.studies.figures.animation import animate
-
-    return Job("animation.gif", lambda path: animate(result.scene, result.solutions, path))
-
-
 def write_mesh(scene: Scene, meshed: "Meshed", folder: Folder) -> None:
     """Write the mesh as scikit-fem does, in the scene's units and with its boundaries, and its figure.
 
