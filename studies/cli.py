@@ -1,22 +1,29 @@
-"""The command line: `ringwear run | plan | mesh | scenes`.
+"""The command line: `ringwear run | plan | mesh | compare | study | scenes`.
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree, or one cannot reach
-the accuracy asked for; 2 bad input; 1 anything else, and when stopped by Ctrl-C (the finished rows of a study are kept).
+the accuracy asked for; 2 bad input; 1 anything else, such as a figure that could not be drawn, and when stopped by Ctrl-C or
+SIGTERM (the finished rows of a study are kept).
 """
 
 import argparse
 import logging
+import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ringwear.meshes.errors import RingwearError, SceneError
+from ringwear.studies.output.folder import Folder, held
 from ringwear.studies.problem.scene import Scene, bundled
 from ringwear.studies.progress import LOG, STAGES
 from ringwear.studies.registry import INTERRUPTED, STUDIES, Study
 
 if TYPE_CHECKING:
     from ringwear.studies.crosscheck.run import Result
+
 DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
 
 
@@ -28,16 +35,34 @@ def main(arguments: list[str] | None = None) -> int:
     if not any(isinstance(handler, Terminal) for handler in LOG.handlers):
         LOG.addHandler(Terminal())
     try:
-        return int(options.command(options))
+        with _terminable():
+            return int(options.command(options))
     except SceneError as error:
         print(f"ringwear: {error}", file=sys.stderr)
         return BAD_INPUT
     except RingwearError as error:
         print(f"ringwear: {error}", file=sys.stderr)
         return FAILED
+    except OSError as error:
+        print(f"ringwear: {error.filename or 'a file'} could not be written: {error.strerror or error}", file=sys.stderr)
+        return FAILED
     except KeyboardInterrupt:
         print("ringwear: stopped; nothing half-written was left", file=sys.stderr)
         return FAILED
+
+
+@contextmanager
+def _terminable() -> Iterator[None]:
+    """SIGTERM ends the work as Ctrl-C does."""
+
+    def stop(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -46,13 +71,18 @@ def _parser() -> argparse.ArgumentParser:
         description="Wear of a ringed punch on an elastic half-space: finite elements, dimensionality reduction and "
         "direct integration, side by side.",
     )
+    parser.add_argument("--version", action="version", version=f"ringwear {_version()}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     run = commands.add_parser("run", help="compute a scene by every method it names, and compare them")
     run.add_argument("scene", nargs="?", default="five_rings", help="a TOML file or a bundled scene (default: five_rings)")
-    run.add_argument("--out", type=Path, default=None, help="directory for results (default: results/SCENE)")
+    run.add_argument("--out", type=_directory, help="directory for results (default: results/SCENE)")
     run.add_argument("--rtol", type=float, help="relative accuracy, in place of the scene's")
     run.add_argument("--methods", help="methods, comma-separated, in place of the scene's")
+    run.add_argument("--no-figures", action="store_true", help="numbers only: neither figures nor the report")
+    run.add_argument("--no-report", action="store_true", help="figures, but no report.html")
+    run.add_argument("--csv", action="store_true", help="the results as CSV tables, too")
+    run.add_argument("--animate", action="store_true", help="the wearing punch as animation.gif, too")
     run.set_defaults(command=_run)
 
     plan = commands.add_parser("plan", help="say what a scene will take, without computing it")
@@ -62,8 +92,16 @@ def _parser() -> argparse.ArgumentParser:
 
     mesh = commands.add_parser("mesh", help="mesh the half-space of a scene: a VTU file and a figure")
     mesh.add_argument("scene", help="a TOML file or a bundled scene")
-    mesh.add_argument("--out", type=Path, default=None, help="directory (default: results/SCENE)")
+    mesh.add_argument("--out", type=_directory, help="directory (default: results/SCENE)")
     mesh.set_defaults(command=_mesh)
+
+    compare = commands.add_parser("compare", help="two folders of results, or scenes: what differs, drawn together")
+    for side in "AB":
+        compare.add_argument(side, help="a folder that `ringwear run` has written, a TOML file or a bundled scene")
+    compare.add_argument(
+        "--out", type=_directory, default=Path("results/compare"), help="directory (default: results/compare)"
+    )
+    compare.set_defaults(command=_compare)
 
     studies = commands.add_parser("study", help="a study: figures, tables and a conclusion")
     names = studies.add_subparsers(required=True, metavar="NAME")
@@ -77,11 +115,24 @@ def _parser() -> argparse.ArgumentParser:
 
 def _add_study(parser: argparse.ArgumentParser, name: str, study: Study) -> None:
     parser.add_argument("scene", nargs="?", default=study.scene, help=f"a scene (default: {study.scene})")
-    parser.add_argument("--out", type=Path, default=None, help=f"directory for results (default: results/{name})")
+    parser.add_argument("--out", type=_directory, help=f"directory for results (default: results/{name})")
     parser.add_argument("--quick", action="store_true", help="a smaller version of the study")
     for flag, settings in study.options:
         parser.add_argument(flag, **settings)
     parser.set_defaults(command=_study, study=name)
+
+
+def _version() -> str:
+    try:
+        return version("ringwear")
+    except PackageNotFoundError:
+        return "(not installed)"
+
+
+def _directory(text: str) -> Path:
+    if not text.strip():
+        raise argparse.ArgumentTypeError("is empty: give a directory")
+    return Path(text)
 
 
 class Terminal(logging.Handler):
@@ -95,85 +146,73 @@ class Terminal(logging.Handler):
             print(line, file=sys.stderr)
 
 
-def _directory(options: argparse.Namespace) -> Path:
-    out = options.out or Path("results") / Path(options.scene).stem
-    if out.exists() and not out.is_dir():
-        raise SceneError(f"--out {out} is a file: give a directory")
-    return Path(out)
+def _results_of(options: argparse.Namespace) -> Path:
+    return options.out or Path("results") / Path(options.scene).stem
 
 
 def _run(options: argparse.Namespace) -> int:
-    from ringwear.studies.crosscheck import agreement
-    from ringwear.studies.crosscheck.run import run
-    from ringwear.studies.output import write
-
     scene = Scene.load(options.scene)
     if options.rtol is not None:
         scene = scene.changed(accuracy__rtol=options.rtol)
     if options.methods is not None:
         scene = scene.changed(methods=[name.strip() for name in options.methods.split(",") if name.strip()])
-    out = _directory(options)
-    result = run(scene)
-    written = write(result, out)
-    _say_what(scene)
-    _say_verdict(result)
-    print(f"\n{len(written)} files in {out}: {', '.join(written)}")
+    # that the folder can be written to is known before the work
+    with held(_results_of(options), "run") as folder:
+        from ringwear.studies.crosscheck import agreement
+        from ringwear.studies.crosscheck.run import run
+        from ringwear.studies.output.of_run import write
+        from ringwear.studies.output.side_by_side import Job, make
+        from ringwear.studies.report.printed import print_result
+
+        result = run(scene)
+        failures = write(result, folder, figures=not options.no_figures, tables=options.csv)
+        if options.animate:
+            failures += make([Job("animation.gif", lambda path: _animate(result, path))], [], folder.hidden)
+        if not (options.no_figures or options.no_report):
+            failures += make(
+                [Job("report.html", lambda path: _write_report(result, folder.hidden, path))], [], folder.hidden
+            )
+        print_result(result)
+    _say_files(folder)
+    for failure in failures:
+        print(f"ringwear: {failure}", file=sys.stderr)
+    if failures:
+        return FAILED
     return DISAGREE if result.verdict == agreement.DISAGREE or result.short_of else DONE
 
 
-def _say_what(scene: Scene) -> None:
-    from ringwear.studies.crosscheck.scope import left_out, modelled
+def _write_report(result: "Result", figures: Path, path: Path) -> None:
+    from ringwear.studies.report.page import write_report
 
-    print(f"\n{scene.title or 'Untitled scene'}\n\nModelled")
-    for line in modelled(scene):
-        print(f"  {line}")
-    print("Left out")
-    for what, why in left_out(scene).items():
-        print(f"  {what}: {why}")
+    write_report(result, figures, path)
 
 
-def _say_verdict(result: "Result") -> None:
-    print("\nMethod    unknowns   seconds   own error estimate (relative, of the indentation)")
-    for name, solution in result.solutions.items():
-        seconds = sum(result.stages[name].seconds.values())
-        parts = ", ".join(f"{part} {value:.1e}" for part, value in solution.parts.items())
-        print(f"{name:<9}{solution.unknowns:>9}{seconds:>10.3f}   {parts}")
-    if result.agreement:
-        print("\nAgreement, relative             difference  uncertainty")
-    for row in result.agreement:
-        pair, verdict = f"{row.methods[0]}, {row.methods[1]}", "" if row.agrees else f"   {row.verdict}"
-        print(f"  {row.quantity:<24}{pair:<14}{row.difference:8.1e}{row.uncertainty:10.1e}{verdict}")
-    for both in result.operators:
-        print(
-            f"As operators, {both.methods[0]} and {both.methods[1]} differ by {both.rings:.1e} over all steady states and "
-            f"{both.history:.1e} along this history; stability {both.stability:.2f}, residual {both.residual:.1e}"
-        )
-    for anchor in result.anchors:
-        if not anchor.holds:
-            print(f"{anchor.method} does not hold to {anchor.name}: off by {anchor.difference:.1e}, "
-                  f"more than {anchor.tolerance:.1e}")  # fmt: skip
-    print(f"{len(result.anchors)} anchors (closed forms and balances), "
-          f"{'all hold' if all(anchor.holds for anchor in result.anchors) else 'NOT ALL HOLD'}.")  # fmt: skip
-    rtol = result.scene.accuracy.rtol
-    for name, solution in result.solutions.items():
-        if beyond := solution.beyond(rtol):
-            listed = ", ".join(f"{quantity} {error:.1e}" for quantity, error in beyond.items())
-            print(f"{name} says of itself that it errs by more than the {rtol:.0e} asked for in: {listed}")
-    for row in result.agreement:
-        if row.remark:
-            print(f"{row.quantity} is undecided between {row.methods[0]} and {row.methods[1]}: {row.remark}")
-    for note in result.notes:
+def _animate(result: "Result", path: Path) -> None:
+    from ringwear.studies.figures.animation import animate
+
+    animate(result.scene, result.solutions, path)
+
+
+def _say_files(folder: Folder) -> None:
+    print(f"\n{len(folder.published)} files in {folder.out}: {', '.join(folder.published)}")
+    for note in folder.notes:
         print(f"note: {note}")
-    if result.agreement:
-        print(result.verdict_in_words)
+    if foreign := folder.foreign():
+        shown = ", ".join(foreign[:5]) + (" ..." if len(foreign) > 5 else "")
+        print(f"note: {len(foreign)} other files there are not of ringwear, and were left alone: {shown}")
 
 
 def _plan(options: argparse.Namespace) -> int:
     from ringwear.studies.crosscheck.run import run
-    from ringwear.studies.crosscheck.scope import plan
+    from ringwear.studies.crosscheck.scope import plan, time_scale
+    from ringwear.studies.report.printed import print_scope
 
     scene = Scene.load(options.scene)
-    _say_what(scene)
+    print(f"\n{scene.title or 'Untitled scene'}")
+    for line in time_scale(scene):
+        print(line)
+    print()
+    print_scope(scene)
     print("\nBy method")
     for line in plan(scene):
         print(f"  {line}")
@@ -187,33 +226,58 @@ def _plan(options: argparse.Namespace) -> int:
 
 
 def _mesh(options: argparse.Namespace) -> int:
-    from ringwear.meshes.half_space import quality
-    from ringwear.studies.methods.fem import half_space_mesh
-    from ringwear.studies.output import write_mesh
+    scene = Scene.load(options.scene)
+    with held(_results_of(options), "mesh") as folder:
+        from ringwear.meshes.half_space import quality
+        from ringwear.studies.methods.fem import half_space_mesh
+        from ringwear.studies.output.of_run import write_mesh
 
-    scene, out = Scene.load(options.scene), _directory(options)
-    meshed = half_space_mesh(scene.problem)
-    written = write_mesh(scene, meshed, out)
+        meshed = half_space_mesh(scene.problem)
+        write_mesh(scene, meshed, folder)
     mesh, shape = meshed.mesh, quality(meshed.mesh)
     kind = {3: "triangles", 4: "quadrilaterals"}[len(mesh.t)]
     print(f"{mesh.nelements} {kind} by {meshed.mesher}, {len(mesh.boundaries['contact'])} facets on the contact, "
           f"quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean {shape.mean():.2f}")  # fmt: skip
     for note in meshed.notes:
         print(f"note: {note}")
-    print(f"{len(written)} files in {out}: {', '.join(written)}")
+    _say_files(folder)
+    return DONE
+
+
+def _compare(options: argparse.Namespace) -> int:
+    with held(options.out, "compare") as folder:
+        from ringwear.studies.figures.comparison import OVER_RADIUS, OVER_TIME, draw_comparison
+        from ringwear.studies.report import comparison
+        from ringwear.studies.report.printed import print_rows
+        from ringwear.studies.tables import Table
+
+        one, other = comparison.both(options.A, options.B)
+        keys, answers = comparison.scene_rows(one, other), comparison.answer_rows(one, other)
+        curves = {name: (one.curve(name), other.curve(name)) for name in (*OVER_RADIUS, *OVER_TIME)}
+        if not any(found is not None for pair in curves.values() for found in pair):
+            raise SceneError("neither result holds a history or a steady state: there is nothing to compare")
+        Table(folder.hidden / "scenes.csv", keys.headers, keys.rows)
+        Table(folder.hidden / "answers.csv", answers.headers, answers.rows)
+        draw_comparison((one.scene, other.scene), curves, folder.hidden / "comparison.png")
+    print(f"A: {one.name}\nB: {other.name}\n")
+    print_rows(keys)
+    print()
+    print_rows(answers)
+    _say_files(folder)
     return DONE
 
 
 def _study(options: argparse.Namespace) -> int:
-    from ringwear.studies.output import whole
-
     scene = Scene.load(options.scene)
-    options.out = out = options.out or Path("results") / options.study
-    with whole(_directory(options)) as hidden:
-        conclusions = STUDIES[options.study].conduct(scene, hidden, options)
-        written = sorted(file.name for file in hidden.iterdir())
+    with held(options.out or Path("results") / options.study, f"study {options.study}") as folder:
+        study = STUDIES[options.study]
+        conclusions = study.conduct(scene, folder.hidden, options)
+        folder.publish()
+        from ringwear.studies.report.page import write_study
+
+        write_study(options.study, study.purpose, scene, conclusions, folder.out)
     print("\n".join(conclusions))
-    print(f"{len(written)} files in {out}: {', '.join(written)}")
+    _say_files(folder)
     return FAILED if INTERRUPTED in conclusions else DONE
 
 
@@ -221,3 +285,7 @@ def _scenes(_: argparse.Namespace) -> int:
     for name in bundled():
         print(f"{name:<14}{Scene.load(name).title}")
     return DONE
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

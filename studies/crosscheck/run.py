@@ -25,7 +25,16 @@ FINER, WORTH = 10.0, 3.0
 
 
 def run(scene: Scene) -> Result:
-    """Compute everything that a scene asks for.
+    """Compute everything that a scene asks for, by every method it names, and compare them.
+
+    Parameters
+    ----------
+    scene : what is computed; its numbers in any consistent units
+
+    Returns
+    -------
+    Result
+        `dataset` (xarray, in the scene's units), `answers` by method, `verdict`, `agreement`, `anchors`, `summary`
 
     Progress goes to the logger `ringwear`.
 

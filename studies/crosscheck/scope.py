@@ -5,6 +5,11 @@ import numpy as np
 from ringwear.studies.methods.base import method
 from ringwear.studies.problem.defaults import truncation
 from ringwear.studies.problem.scene import Scene
+from ringwear.studies.problem.time_scale import MOST_RINGS, slowest_relaxation_time
+from ringwear.studies.problem.unit_names import UnitNames
+
+# counts of the slowest relaxation time before which little has happened, and after which nothing does
+BEFORE, AFTER = 0.01, 5.0
 
 
 def _marches(scene: Scene) -> bool:
@@ -53,7 +58,17 @@ def left_out(scene: Scene) -> dict[str, str]:
 
 
 def plan(scene: Scene) -> list[str]:
-    """What each method will be made of and cost, without making it; then what is worth knowing before it runs."""
+    """What each method will be made of and cost, without making it; then what is worth knowing before it runs.
+
+    Parameters
+    ----------
+    scene : what would be computed
+
+    Returns
+    -------
+    list of str
+        lines of text: sizes, seconds on one thread, GiB, and the error that each method's own estimate will be about
+    """
     problem = scene.problem
     lines, seconds = [], {}
     for name in scene.methods:
@@ -76,3 +91,28 @@ def plan(scene: Scene) -> list[str]:
         lines.append(f"note: a fixed boundary at {outer:g} a will err by {1.1 / outer:.1e}; "
                      "far_field = 'boussinesq' does not")  # fmt: skip
     return lines
+
+
+def time_scale(scene: Scene) -> list[str]:
+    """How long running-in will take, and whether the times asked for show it; nothing without a history."""
+    if not scene.problem.earliest:
+        return []
+    slowest = slowest_relaxation_time(scene.problem.rings)
+    if not np.isfinite(slowest):
+        return [f"running-in: not known beforehand for more than {MOST_RINGS} rings"]
+    names, times = UnitNames.of(scene.units), [time for time in scene.wear.times if time]
+    first, last = scene.problem.earliest / slowest, float(scene.problem.times[-1]) / slowest
+    told = names.write(slowest * scene.problem.units.time, "time", 3)
+    lines = [f"running-in: slowest relaxation time {told}; the {len(times)} times after the start go from {first:.2g} to "
+             f"{last:.2g} of it"]  # fmt: skip
+    return lines + outside(first, last)
+
+
+def outside(first: float, last: float) -> list[str]:
+    """A warning if all times, as counts of the slowest relaxation time, lie before or after the running-in."""
+    remedy = 'times = "running-in" shows all of it'
+    if last < BEFORE:
+        return [f"note: all times lie before the running-in, of which hardly anything is seen by then: {remedy}"]
+    if first > AFTER:
+        return [f"note: all times lie after the running-in, so that nothing of it is seen: {remedy}"]
+    return []

@@ -74,6 +74,8 @@ class Units:
     modulus: float = 1.0
     force: float = 1.0
     time: float = 1.0
+    wear_coefficient: float = 1.0
+    share: float = 1.0
 
     @property
     def pressure(self) -> float:
@@ -93,6 +95,11 @@ class Units:
     def wear_rate(self) -> float:
         """Of df/dt."""
         return self.displacement / self.time
+
+    @property
+    def volume(self) -> float:
+        """Of worn material."""
+        return self.length**2 * self.displacement
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,9 +149,10 @@ class Problem:
         coefficients = given if len(given) == count else given[np.arange(count) % 2]
         modulus = half_space.plane_strain_modulus or (half_space.youngs_modulus or 0.0) / (1 - half_space.poisson_ratio**2)
         force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * length**2
-        time = length / modulus / float(coefficients.max()) / load.sliding_speed
+        fastest = float(coefficients.max())
+        time = length / modulus / fastest / load.sliding_speed
         return cls(
-            rings=Rings(ring_edges, coefficients / coefficients.max()),
+            rings=Rings(ring_edges, coefficients / fastest),
             times=np.array(wear.times) / time,
             steady=wear.steady,
             poisson_ratio=half_space.poisson_ratio,
@@ -155,7 +163,7 @@ class Problem:
             output_radii=None if output.radii is None else np.array(output.radii) / length,
             fem=accuracy.fem,
             mdr=accuracy.mdr,
-            units=Units(length, modulus, force, time),
+            units=Units(length, modulus, force, time, fastest),
         )
 
     @cached_property
@@ -191,6 +199,8 @@ class Problem:
         rings = self.merged
         rim = float(np.clip(0.1 * (self.earliest or 1.0), 1e-13, 1e-6))
         breakpoints = graded_breakpoints(rings.ring_edges, 1e-4 * rings.narrower, rim, factor=0.25)
+        # the integral over each ring that the scene names, also where nothing happens at its edge
+        breakpoints = np.union1d(breakpoints, self.ring_edges)
         node, weight = unit_gauss(6)
         width = np.diff(breakpoints)[:, None]
         radii = (breakpoints[:-1, None] + width * node).ravel()

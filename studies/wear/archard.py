@@ -115,6 +115,26 @@ class RunningIn:
         """(m,) slowest first."""
         return self._modes.relaxation[: self._modes.exact]
 
+    def left(self, times: Array) -> Array:
+        """(T,) share of its way from the flat start to the steady state that the approach ``d(t) - w t`` has yet to make.
+
+        It is a sum of decaying exponentials, all positive.
+        """
+        ways = self._modes.amplitudes**2 * self._modes.relaxation
+        return np.asarray(np.exp(-times[:, None] / self._modes.relaxation) @ ways / ways.sum())
+
+    def time_to(self, share: float) -> float:
+        """Time after which the approach, less steady wear, has made a share of its way; there is one such time."""
+        # the slowest mode alone would take longest
+        earlier, later = 0.0, float(self._modes.relaxation[0]) * np.log(1 / (1 - share))
+        for _ in range(60):
+            middle = (earlier + later) / 2
+            if self.left(np.array([middle]))[0] > 1 - share:
+                earlier = middle
+            else:
+                later = middle
+        return later
+
     def modal(self, times: Array) -> History:
         """The exact history at any times from `earliest` on, none of which depends on another."""
         if (times[times > 0] < self.earliest * (1 - 1e-12)).any():
