@@ -147,7 +147,7 @@ def test_figures(done: Path) -> None:
     assert {"profiles_and_pressures.png", "history.png", "steady_state.png", "mesh.png"} <= set(figures)
     for file in figures.values():
         assert file.read_bytes().startswith(b"\x89PNG")
-    assert {file.name for file in done.iterdir()} == FILES | set(figures) | {".ringwear.json"}
+    assert {file.name for file in done.iterdir()} == FILES | set(figures) | {".ringwear.json", "report.html"}
 
 
 @pytest.mark.parametrize(
