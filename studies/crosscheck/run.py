@@ -1,6 +1,6 @@
 """Run a scene: every method, its own error estimate, and the verdict on how far they agree."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -41,7 +41,7 @@ def run(scene: Scene) -> Result:
     stages = {name: Stages(name) for name in methods}
     # the dense matrices are small: threads of two linear algebra libraries would spend their time waiting on each other
     with threadpool_limits(1):
-        solutions = {name: solved_to_accuracy(one, problem, stages[name]) for name, one in methods.items()}
+        solutions = {name: solved_to_accuracy(one, [problem], stages[name])[0] for name, one in methods.items()}
         operators = tuple(compare_operators(problem, solutions))
         held = tuple(anchor for name, solution in solutions.items() for anchor in anchors(problem, name, solution))
     agreement = tuple(
@@ -50,28 +50,41 @@ def run(scene: Scene) -> Result:
     return Result(scene, solutions, stages, agreement, held, operators)
 
 
-def solved_to_accuracy(one: Method, problem: Problem, stages: Stages) -> Solution:
-    """Solve; as long as the method's own estimates fall short of the accuracy asked for, again with finer sizes.
+def solved_to_accuracy(one: Method, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+    """Solve problems on the same ring edges; those whose own estimates fall short of the accuracy again, with finer sizes.
 
     Sizes given by the user stay, and what finer sizes do not mend (roundoff, a time step, layers thinner than coordinates
     can tell) is left to the verdict.
     """
-    asked = working = problem.rtol
-    solution = one.solve(problem, stages)
+    solutions, working = one.solve_all(problems, stages), [problem.rtol for problem in problems]
+    short = [number for number, problem in enumerate(problems) if not one.sizes_given(problem)]
     for _ in range(MOST_REFINEMENTS):
-        estimate = error_of_sizes(problem, solution)
-        if estimate <= A_FEW / 2 * asked or working <= FINEST or one.sizes_given(problem):
+        short = [number for number in short if _falls_short(problems[number], solutions[number], working[number])]
+        if not short:
             break
-        working = max(FINEST, working * max(0.5 * asked / estimate, 1 / FINER))
-        LOG.info("%8s  its estimate %.1e is above %.1e: refining ...", one.name, estimate, asked)
-        finer = one.solve(replace(problem, rtol=working), stages)
-        gained = estimate / error_of_sizes(problem, finer)
-        if gained > 1:
-            note = f"{one.name}: refined from rtol {asked:.1e} to {working:.1e}, for its estimates fell short"
-            solution = replace(finer, notes=(*finer.notes, note))
-        if gained < WORTH:
-            break
-    return solution
+        for number in short:
+            asked, estimate = problems[number].rtol, error_of_sizes(problems[number], solutions[number])
+            working[number] = max(FINEST, working[number] * max(0.5 * asked / estimate, 1 / FINER))
+            LOG.info("%8s  its estimate %.1e is above %.1e: refining ...", one.name, estimate, asked)
+        finer = one.solve_all([replace(problems[number], rtol=working[number]) for number in short], stages)
+        gained = {}
+        for number, solution in zip(short, finer, strict=True):
+            gained[number] = _ratio(problems[number], solutions[number], solution)
+            if gained[number] > 1:
+                asked = problems[number].rtol
+                note = f"{one.name}: refined from rtol {asked:.1e} to {working[number]:.1e}, for its estimates fell short"
+                solutions[number] = replace(solution, notes=(*solution.notes, note))
+        short = [number for number in short if gained[number] >= WORTH]
+    return solutions
+
+
+def _falls_short(problem: Problem, solution: Solution, working: float) -> bool:
+    return working > FINEST and error_of_sizes(problem, solution) > A_FEW / 2 * problem.rtol
+
+
+def _ratio(problem: Problem, solution: Solution, finer: Solution) -> float:
+    """How many times better a refinement has made a result."""
+    return error_of_sizes(problem, solution) / error_of_sizes(problem, finer)
 
 
 def error_of_sizes(problem: Problem, solution: Solution) -> float:

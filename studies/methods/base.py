@@ -6,6 +6,7 @@ table in the package, `costs.json`, which `python -m ringwear.studies.benchmark.
 
 import json
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from importlib import import_module
 from importlib.resources import files
@@ -136,9 +137,13 @@ class Method(ABC):
     def counted(self, problem: Problem) -> tuple[int, int]:
         """Unknowns, and pressures among them, without making any."""
 
-    @abstractmethod
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Everything that the problem asks for."""
+        return self.solve_all([problem], stages)[0]
+
+    @abstractmethod
+    def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+        """Everything that problems on the same ring edges and half-space ask for; what they share is made once."""
 
     def refusal(self, problem: Problem) -> str:
         """Why it cannot solve the problem at all, with the remedy; empty if it can."""

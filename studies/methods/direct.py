@@ -1,5 +1,6 @@
 """Direct integration: the steady state in closed form (Eqs. 21 to 27)."""
 
+from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -8,9 +9,12 @@ import xarray
 from ringwear.mdr import direct
 from ringwear.meshes.radial import Array, ring_of
 from ringwear.studies.methods.base import Cost, Method, Solution
-from ringwear.studies.methods.quantities import labelled
+from ringwear.studies.methods.quantities import FIELDS, labelled
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
+
+# pressures whose greatest displacements are sought at once, few enough to stay in memory
+AT_ONCE = 2**16
 
 
 class Direct(Method):
@@ -31,29 +35,44 @@ class Direct(Method):
         rings = len(problem.merged.wear_coefficients)
         return Cost(0, rings, 1e-3 + 4e-6 * rings**2, 0.1, 1e-12)
 
-    def solve(self, problem: Problem, stages: Stages) -> Solution:
-        ring_edges, wear_coefficients = problem.merged
+    def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+        ring_edges, average = problems[0].merged.ring_edges, problems[0].gradient_average
+        pressures = np.stack([direct.steady_pressures(*problem.merged) for problem in problems], axis=1)
+        slopes = greatest = np.empty(0)
         with stages("integrating"):
-            pressures = direct.steady_pressures(ring_edges, wear_coefficients)
-            greatest = direct.greatest_displacement(ring_edges, pressures)
-            slope = direct.rms_slope(ring_edges, pressures, problem.gradient_average)
+            if any(problem.wants("steady_rms_slope") for problem in problems):
+                slopes = direct.rms_slopes(ring_edges, pressures, average)
+            if any(problem.wants("steady_displacement_max") or problem.wants("steady_profile") for problem in problems):
+                parts = np.array_split(pressures, 1 + pressures.size // AT_ONCE, axis=1)
+                greatest = np.concatenate([direct.greatest_displacements(ring_edges, part) for part in parts])
+            # a narrow ring of high pressure is the small difference of two discs
+            lost = np.abs(direct.pressure_steps(pressures)).T @ ring_edges[1:]
+            return [
+                _solution(problem, pressures[:, i], greatest[i : i + 1], slopes[i : i + 1], float(lost[i]))
+                for i, problem in enumerate(problems)
+            ]
 
-            def at(radii: Array) -> xarray.Dataset:
-                values = {
-                    "steady_pressure": pressures[ring_of(ring_edges, radii)],
-                    "steady_profile": np.maximum(greatest - direct.displacement(ring_edges, pressures, radii), 0.0),
-                    "steady_displacement_max": np.asarray(greatest),
-                    "steady_rms_slope": np.asarray(slope),
-                    "steady_wear_rate": np.asarray(wear_coefficients[0] * pressures[0]),
-                }
-                return labelled(values, np.empty(0), radii)
 
-            results, checked = at(problem.radii), at(problem.face.radii)
-        # a narrow ring of high pressure is the small difference of two discs
-        steps = np.abs(direct.pressure_steps(pressures))
-        roundoff = 1e-12 + 4 * np.finfo(float).eps * float(steps @ ring_edges[1:]) / greatest
-        errors = {str(name): np.asarray(roundoff) for name in results.data_vars}
-        return Solution(results, checked, errors, {"roundoff": roundoff})
+def _solution(problem: Problem, pressures: Array, greatest: Array, slope: Array, lost: float) -> Solution:
+    """One steady state; `greatest` and `slope` are empty where they are not wanted."""
+    ring_edges, wear_coefficients = problem.merged
+
+    def at(radii: Array) -> xarray.Dataset:
+        values: dict[str, Callable[[], Array]] = {
+            "steady_pressure": lambda: pressures[ring_of(ring_edges, radii)],
+            "steady_profile": lambda: np.maximum(greatest - direct.displacement(ring_edges, pressures, radii), 0.0),
+            "steady_displacement_max": lambda: greatest[0],
+            "steady_rms_slope": lambda: slope[0],
+            "steady_wear_rate": lambda: np.asarray(wear_coefficients[0] * pressures[0]),
+        }
+        return labelled({name: value() for name, value in values.items() if problem.wants(name)}, np.empty(0), radii)
+
+    results = at(problem.radii)
+    checked = at(problem.face.radii) if problem.quantities is None or problem.quantities & FIELDS else results
+    # the mean displacement is at least that of the mean pressure at the rim (Betti)
+    roundoff = 1e-12 + 4 * np.finfo(float).eps * lost / (greatest[0] if len(greatest) else 4 / np.pi**2)
+    errors = {str(name): np.asarray(roundoff) for name in results.data_vars}
+    return Solution(results, checked, errors, {"roundoff": roundoff})
 
 
 METHOD = Direct()

@@ -1,5 +1,6 @@
 """The paper's own algorithm beside the others: springs on a uniform grid, explicit steps in time, no steady state."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -43,7 +44,10 @@ class MdrGrid(Method):
             return "mdr-grid marches in time and knows no steady state: give wear.times, or leave it out of methods"
         return ""
 
-    def solve(self, problem: Problem, stages: Stages) -> Solution:
+    def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+        return [self._marched_and_estimated(problem, stages) for problem in problems]
+
+    def _marched_and_estimated(self, problem: Problem, stages: Stages) -> Solution:
         count, step = problem.mdr.grid, self._step(problem)
         with stages("marching"):
             marched = _marched(problem, count, step)

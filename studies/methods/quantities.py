@@ -59,6 +59,11 @@ QUANTITIES = {
 }
 
 
+HISTORIES = frozenset(name for name, quantity in QUANTITIES.items() if "time" in quantity.dims)
+FIELDS = frozenset(name for name, quantity in QUANTITIES.items() if "radius" in quantity.dims)
+STEADY = frozenset(name for name in QUANTITIES if name.startswith("steady_"))
+
+
 def labelled(values: Mapping[str, Array | float], times: Array, radii: Array) -> xarray.Dataset:
     """Values of quantities as an xarray Dataset, non-dimensional."""
     variables = {name: (QUANTITIES[name].dims, value) for name, value in values.items()}

@@ -18,7 +18,16 @@ from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.radial import Array, Indices
 from ringwear.studies.wear.contact import FlatStart, SteadyState, flat_start, steady_state
-from ringwear.studies.wear.modes import LARGE, LARGEST, BandedCholesky, Modes, TooEarlyError, every_mode, excited_modes
+from ringwear.studies.wear.modes import (
+    LARGE,
+    LARGEST,
+    BandedCholesky,
+    Modes,
+    TooEarlyError,
+    every_mode,
+    excited_modes,
+    slowest_times,
+)
 
 MOST_STEPS = 2_000_000
 # smallest element above which eigenvalues are as good as singular values, at a quarter of the time (measured: no
@@ -76,7 +85,6 @@ class RunningIn:
         """(size, n) wear rates, and so worn profiles, by the same unknowns."""
         return self.compliance.space.joined()
 
-    @cached_property
     def _factor(self) -> Array:
         return self.compliance.factor @ self._to_pressure
 
@@ -108,12 +116,17 @@ class RunningIn:
                 if len(moments) > LARGEST:
                     raise
                 gentle = False
-        return every_mode(self._factor, self._mass_factor, self._weights, moments, gentle)
+        return every_mode(self._energy, self._factor, self._mass_factor, self._weights, moments, gentle)
 
     @property
     def relaxation_times(self) -> Array:
         """(m,) slowest first."""
         return self._modes.relaxation[: self._modes.exact]
+
+    @cached_property
+    def slowest_times(self) -> Array:
+        """(m,) the slowest of them, where no history is wanted."""
+        return slowest_times(self._energy, self._mass_factor, self._weights)
 
     def modal(self, times: Array) -> History:
         """The exact history at any times from `earliest` on, none of which depends on another."""
