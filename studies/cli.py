@@ -6,6 +6,7 @@ the accuracy asked for; 2 bad input; 1 anything else, and when stopped by Ctrl-C
 
 import argparse
 import logging
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +17,7 @@ from ringwear.studies.progress import LOG, STAGES
 from ringwear.studies.registry import INTERRUPTED, STUDIES, Study
 
 if TYPE_CHECKING:
-    from ringwear.studies.crosscheck.run import Result
+    from ringwear.studies.crosscheck.dataset import Result
 DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
 
 
@@ -69,6 +70,16 @@ def _parser() -> argparse.ArgumentParser:
     names = studies.add_subparsers(required=True, metavar="NAME")
     for name, study in STUDIES.items():
         _add_study(names.add_parser(name, help=study.purpose), name, study)
+
+    sweep = commands.add_parser("sweep", help="a map: many scenes over axes of scene keys, kept in one labelled store")
+    sweep.add_argument("file", help="a sweep file (studies/sweep/README.md), or a bundled sweep")
+    sweep.add_argument("--out", type=Path, default=None, help="directory for the store (default: results/FILE)")
+    sweep.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, to compute on its workers")
+    cores = os.cpu_count() or 1
+    sweep.add_argument("--workers", type=int, default=cores, help="processes on this machine (default: its cores)")
+    sweep.add_argument("--dry-run", action="store_true", help="say what it will take, without computing")
+    sweep.add_argument("--resume", action="store_true", help="go on with what is in the directory")
+    sweep.set_defaults(command=_sweep)
 
     scenes = commands.add_parser("scenes", help="list the bundled scenes")
     scenes.set_defaults(command=_scenes)
@@ -215,6 +226,17 @@ def _study(options: argparse.Namespace) -> int:
     print("\n".join(conclusions))
     print(f"{len(written)} files in {out}: {', '.join(written)}")
     return FAILED if INTERRUPTED in conclusions else DONE
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from ringwear.studies.sweep.run import swept
+
+    if options.workers < 1:
+        raise SceneError(f"--workers {options.workers}: give 1 or more")
+    options.scene = options.file
+    conclusions, complete = swept(options.file, _directory(options), options)
+    print("\n".join(conclusions))
+    return DONE if complete else FAILED
 
 
 def _scenes(_: argparse.Namespace) -> int:

@@ -14,7 +14,7 @@ from ringwear.studies.problem.scene import Scene
 from ringwear.studies.progress import LOG
 
 if TYPE_CHECKING:
-    from ringwear.studies.crosscheck.run import Result
+    from ringwear.studies.crosscheck.dataset import Result
     from ringwear.studies.methods.fem import Meshed
 
 

@@ -13,7 +13,8 @@ import pytest
 
 from ringwear import Scene, run
 from ringwear.meshes.radial import ring_areas
-from ringwear.studies.crosscheck.run import Result, solved_to_accuracy
+from ringwear.studies.crosscheck.accuracy import solved_to_accuracy
+from ringwear.studies.crosscheck.run import Result
 from ringwear.studies.estimates import study
 from ringwear.studies.estimates.scenes import random_scenes
 from ringwear.studies.methods.by_compliance import Discretised

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
@@ -15,12 +14,11 @@ from ringwear.studies.crosscheck.anchors import Anchor
 from ringwear.studies.crosscheck.operators import OperatorDifference
 from ringwear.studies.crosscheck.scope import left_out, modelled
 from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import NORMS, QUANTITIES, common, error_name, values
+from ringwear.studies.methods.quantities import ERROR, NORMS, QUANTITIES, common, error_name, values
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.progress import Stages
-
-MODES = 20
-ERROR = "relative error of {}, the method's own estimate: {}"
+from ringwear.studies.versions import versions
+from ringwear.studies.wear.modes import SHOWN
 
 DEFINITIONS = {
     "verdict": "agree: every difference is within the uncertainty, and that within a few rtol; disagree: a difference "
@@ -112,7 +110,7 @@ def dataset(scene: Scene, solutions: Mapping[str, Solution]) -> xarray.Dataset:
     """All results over dimensions solver, time, radius, ring and mode; NaN where a method does not give a quantity."""
     problem = scene.problem
     stated = scene.units or "the scene's own consistent units"
-    sizes = {"time": len(problem.times), "radius": len(problem.radii), "ring": len(problem.wear_coefficients), "mode": MODES}
+    sizes = {"time": len(problem.times), "radius": len(problem.radii), "ring": len(problem.wear_coefficients), "mode": SHOWN}
     every = [values(solution.results) for solution in solutions.values()]
     errors = [solution.errors for solution in solutions.values()]
     variables: dict[str, Any] = {}
@@ -124,13 +122,15 @@ def dataset(scene: Scene, solutions: Mapping[str, Solution]) -> xarray.Dataset:
         about = {"long_name": ERROR.format(name, NORMS[quantity.norm]), "units": "1"}
         shape = tuple(sizes[dim] for dim in quantity.error_dims)
         variables[error_name(name)] = (("solver", *quantity.error_dims), _gathered(errors, name, shape), about)
-    time, radius = problem.times * problem.units.time, problem.radii * problem.units.length
+    # as they were asked for: by way of the non-dimensional ones they would differ in the last digit
+    time, given = np.array(scene.wear.times, dtype=float), scene.output.radii
+    radius = problem.radii * problem.units.length if given is None else np.array(given, dtype=float)
     coordinates = {
         "solver": list(solutions),
         "time": ("time", time, {"long_name": "time of sliding", "units": stated}),
         "radius": ("radius", radius, {"long_name": "distance from the axis", "units": stated}),
         "ring": ("ring", np.arange(1, sizes["ring"] + 1), {"long_name": "ring, counted from the centre"}),
-        "mode": ("mode", np.arange(1, MODES + 1), {"long_name": "wear mode, slowest first"}),
+        "mode": ("mode", np.arange(1, SHOWN + 1), {"long_name": "wear mode, slowest first"}),
     }
     return xarray.Dataset(variables, coordinates, _attributes(scene, stated))
 
@@ -154,17 +154,6 @@ def _attributes(scene: Scene, units: str) -> dict[str, str]:
         "versions": json.dumps(versions()),
         "scene": scene.to_toml(),
     }
-
-
-def versions() -> dict[str, str]:
-    """Versions of ringwear and of what it computes with."""
-    known = {}
-    for name in ("ringwear", "numpy", "scipy", "scikit-fem", "gmsh", "meshio", "xarray"):
-        try:
-            known[name] = version(name)
-        except PackageNotFoundError:
-            known[name] = "not installed"
-    return known
 
 
 def summary(result: Result) -> dict[str, Any]:

@@ -9,6 +9,11 @@ import xarray
 from ringwear.meshes.radial import Array
 from ringwear.studies.problem.problem import Face
 
+# times the accuracy asked for that the uncertainty of two methods may be, each of which is to be that accurate
+A_FEW = 4.0
+# the finest accuracy that can be asked for
+FINEST = 1e-9
+ERROR = "relative error of {}, the method's own estimate: {}"
 # relaxation times that are promised and compared: the slowest, which last
 COMPARED_MODES = 3
 # quantities that converge twice as fast as fields do
