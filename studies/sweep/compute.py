@@ -1,10 +1,9 @@
 """Compute one block of scenes: those that can share a discretisation share it, and one that fails fails alone."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from threading import Lock
-from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -20,27 +19,12 @@ from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.shared import groups
 from ringwear.studies.progress import Stages
 from ringwear.studies.sweep.axes import Sweep
+from ringwear.studies.sweep.blocks import DONE, FAILED, Outcome
 from ringwear.studies.sweep.kept import asked_for
 from ringwear.studies.sweep.layout import Layout
 
-PENDING, DONE, FAILED = 0, 1, 2
 # gmsh has one state for a whole process, whose threads a cluster may give several blocks
 ONE_AT_A_TIME = Lock()
-
-
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """What a block has become.
-
-    Parameters
-    ----------
-    values : of the layout's variables, the first axis running over the scenes of the block
-    status, reason : of each scene
-    """
-
-    values: dict[str, Array]
-    status: Any
-    reason: list[str]
 
 
 def computed(sweep: Sweep, layout: Layout) -> Outcome:

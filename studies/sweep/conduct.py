@@ -18,8 +18,8 @@ import numpy as np
 from ringwear.meshes.errors import SceneError, SolverError
 from ringwear.studies.progress import LOG
 from ringwear.studies.sweep.axes import Sweep
-from ringwear.studies.sweep.blocks import Block, blocks
-from ringwear.studies.sweep.compute import FAILED, Outcome, computed
+from ringwear.studies.sweep.blocks import FAILED, Block, Outcome, blocks
+from ringwear.studies.sweep.compute import computed
 from ringwear.studies.sweep.layout import Layout
 from ringwear.studies.sweep.store import Store
 
