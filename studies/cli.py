@@ -1,13 +1,17 @@
-"""The command line: `ringwear run | plan | mesh | scenes`.
+"""The command line: `ringwear run | plan | mesh | study | sweep | scenes`.
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree, or one cannot reach
-the accuracy asked for; 2 bad input; 1 anything else, and when stopped by Ctrl-C (the finished rows of a study are kept).
+the accuracy asked for; 2 bad input; 1 anything else, and when stopped by Ctrl-C or SIGTERM (finished rows of a study
+and scenes of a sweep are kept).
 """
 
 import argparse
 import logging
 import os
+import signal
 import sys
+import threading
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,13 +23,17 @@ from ringwear.studies.registry import INTERRUPTED, STUDIES, Study
 if TYPE_CHECKING:
     from ringwear.studies.crosscheck.dataset import Result
 DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
+EVERY = 10.0  # seconds between lines of progress that are not for a terminal
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     options = _parser().parse_args(arguments)
     LOG.setLevel(logging.INFO)
-    STAGES.setLevel(logging.WARNING if options.command is _study else logging.NOTSET)
+    STAGES.setLevel(logging.WARNING if options.command in (_study, _sweep) else logging.NOTSET)
+    # a batch system ends a job by SIGTERM: as by Ctrl-C, what is finished is kept and nothing half-written is left
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
     if not any(isinstance(handler, Terminal) for handler in LOG.handlers):
         LOG.addHandler(Terminal())
     try:
@@ -96,14 +104,18 @@ def _add_study(parser: argparse.ArgumentParser, name: str, study: Study) -> None
 
 
 class Terminal(logging.Handler):
-    """The log on standard error: on a terminal unfinished lines are written over; elsewhere only finished ones show."""
+    """The log on standard error: on a terminal unfinished lines are written over; elsewhere one shows now and then."""
+
+    _last = float("-inf")
 
     def emit(self, record: logging.LogRecord) -> None:
-        line = record.getMessage()
+        line, now = record.getMessage(), time.monotonic()
+        unfinished = line.endswith("...")
         if sys.stderr.isatty():
-            print(f"\r\033[K{line}", end="" if line.endswith("...") else "\n", file=sys.stderr, flush=True)
-        elif not line.endswith("..."):
-            print(line, file=sys.stderr)
+            print(f"\r\033[K{line}", end="" if unfinished else "\n", file=sys.stderr, flush=True)
+        elif not unfinished or now - self._last > EVERY:
+            self._last = now
+            print(line, file=sys.stderr, flush=True)
 
 
 def _directory(options: argparse.Namespace) -> Path:
@@ -217,11 +229,18 @@ def _mesh(options: argparse.Namespace) -> int:
 
 def _study(options: argparse.Namespace) -> int:
     from ringwear.studies.output import whole
+    from ringwear.studies.tables import keeping_rows
 
     scene = Scene.load(options.scene)
     options.out = out = options.out or Path("results") / options.study
     with whole(_directory(options)) as hidden:
-        conclusions = STUDIES[options.study].conduct(scene, hidden, options)
+        conclusions = list[str]()
+        with keeping_rows(conclusions):
+            conclusions += STUDIES[options.study].conduct(scene, hidden, options)
+        if conclusions == [INTERRUPTED]:
+            # stopped between its rows: tables are whole after every row, but a figure may be half there
+            for file in set(hidden.iterdir()) - set(hidden.glob("*.csv")):
+                file.unlink()
         written = sorted(file.name for file in hidden.iterdir())
     print("\n".join(conclusions))
     print(f"{len(written)} files in {out}: {', '.join(written)}")

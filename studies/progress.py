@@ -29,8 +29,10 @@ class Stages:
 
 
 def progress(items: Sequence[T], of: str, label: Callable[[T], object] = str) -> Iterator[T]:
-    """The items one by one, each logged with its number and the time gone by."""
+    """The items one by one, each logged with its number, the time gone by and about the time left."""
     start = time.perf_counter()
-    for number, item in enumerate(items, 1):
-        LOG.info("%8s  %d of %d, %.0f s: %s ...", of, number, len(items), time.perf_counter() - start, label(item))
+    for number, item in enumerate(items):
+        gone = time.perf_counter() - start
+        ahead = f", about {gone / number * (len(items) - number):.0f} s left" if number else ""
+        LOG.info("%8s  %d of %d, %.0f s%s: %s ...", of, number + 1, len(items), gone, ahead, label(item))
         yield item

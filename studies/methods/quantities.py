@@ -72,7 +72,9 @@ STEADY = frozenset(name for name in QUANTITIES if name.startswith("steady_"))
 def labelled(values: Mapping[str, Array | float], times: Array, radii: Array) -> xarray.Dataset:
     """Values of quantities as an xarray Dataset, non-dimensional."""
     variables = {name: (QUANTITIES[name].dims, value) for name, value in values.items()}
-    return xarray.Dataset(variables, {"time": times, "radius": radii})
+    used = {dim for name in values for dim in QUANTITIES[name].dims}
+    # labels take longer to make than most values do
+    return xarray.Dataset(variables, {dim: of for dim, of in (("time", times), ("radius", radii)) if dim in used})
 
 
 def error_name(name: str) -> str:

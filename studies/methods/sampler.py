@@ -158,5 +158,5 @@ class Evaluation:
             times = self.wear.relaxation_times if marched else self.wear.slowest_times
             parts.append(xarray.Dataset({"relaxation_time": ("mode", times)}))
         if problem.steady and any(map(problem.wants, STEADY)):
-            parts.append(self.sampler.steady(self.wear.steady, on_face).drop_vars("time"))
+            parts.append(self.sampler.steady(self.wear.steady, on_face))
         return xarray.merge(parts)

@@ -30,9 +30,9 @@ from ringwear.studies.wear.modes import (
 )
 
 MOST_STEPS = 2_000_000
-# smallest element above which eigenvalues are as good as singular values, at a quarter of the time (measured: no
-# digit of indentation, relaxation time or slope differs from rtol 1e-3 to 1e-9). Below it the stiff modes would be lost
-# to roundoff of the slowest
+# smallest element, or first time, above which eigenvalues are as good as singular values, at a quarter of the time
+# (measured: no digit of indentation, relaxation time or slope differs from rtol 1e-3 to 1e-9). Below it the stiff modes
+# would be lost to roundoff of the slowest
 GENTLEST = 1e-10
 
 # (state, step, how many) -> (state, wear of each unknown in between)
@@ -108,7 +108,9 @@ class RunningIn:
     def _modes(self) -> Modes:
         moments = self._to_pressure.T @ self.steady.moments
         large = len(moments) > LARGE
-        gentle = large or float(np.diff(self.compliance.space.breakpoints).min()) > GENTLEST
+        # what relaxes before the first time is not felt, and need not be known
+        fastest = max(float(np.diff(self.compliance.space.breakpoints).min()), self.earliest)
+        gentle = large or fastest > GENTLEST
         if self.earliest and large:
             try:
                 return excited_modes(self._energy, self._mass_factor, self._weights, moments, self.earliest)
