@@ -117,7 +117,8 @@ def dataset(scene: Scene, solutions: Mapping[str, Solution]) -> xarray.Dataset:
     for name, quantity in QUANTITIES.items():
         shape = tuple(sizes[dim] for dim in quantity.dims)
         about = {"long_name": quantity.definition, "units": "1" if quantity.unit == "slope" else stated}
-        scaled = _gathered(every, name, shape) * getattr(problem.units, quantity.unit)
+        scaled = _gathered(every, name, shape)
+        scaled *= getattr(problem.units, quantity.unit)
         variables[name] = (("solver", *quantity.dims), scaled, about)
         about = {"long_name": ERROR.format(name, NORMS[quantity.norm]), "units": "1"}
         shape = tuple(sizes[dim] for dim in quantity.error_dims)

@@ -124,7 +124,7 @@ def estimated(problem: Problem, compliance: Compliance, pairs: tuple[Pair, ...])
             errors["ring_force"] = errors["ring_force"] + np.where(start, np.finfo(float).eps / np.sqrt(size) / 2, 0.0)
     if "indentation" in errors and problem.march != "modal":
         exact = result.sampler.history(result.wear.modal(problem.times), on_face=True)
-        steps = differences(result.sampler.history(result.history, on_face=True), exact, problem.face)
+        steps = differences(result.sampler.history(result.marched, on_face=True), exact, problem.face)
         errors |= {name: errors[name] + step for name, step in steps.items()}
         parts["time step"] = float(steps["indentation"].max())
     return Estimate(result, errors, parts)

@@ -1,6 +1,6 @@
 """From coefficients on a pressure space to the quantities that are asked for, labelled. Non-dimensional."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -9,13 +9,15 @@ from scipy.sparse import csr_matrix
 
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import Array
-from ringwear.studies.methods.quantities import FIELDS, HISTORIES, STEADY, labelled
+from ringwear.meshes.radial import Array, Indices
+from ringwear.studies.methods.quantities import FIELDS, HISTORIES, STEADY, array, labelled
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.wear.archard import History, RunningIn
 from ringwear.studies.wear.contact import SteadyState
 
 AVERAGES = ("line", "area")
+# times whose coefficients are held at once
+AT_ONCE = 1024
 
 
 def radial_weight(radii: Array, average: str) -> Array:
@@ -128,31 +130,37 @@ class Evaluation:
         self.sampler = Sampler(problem, compliance.space)
 
     @cached_property
-    def history(self) -> History:
-        """At the times asked for, by the march asked for."""
+    def marched(self) -> History:
+        """At the times asked for, in the steps asked for."""
         return self.wear.history(self.problem.times, self.problem.march, self.problem.step)
+
+    def _history(self, which: Indices) -> History:
+        """At some of the times asked for, by the march asked for."""
+        return self.wear.modal(self.problem.times[which]) if self.problem.march == "modal" else self.marched[which]
 
     @cached_property
     def results(self) -> xarray.Dataset:
         """At the times and radii asked for."""
-        return self._of(lambda: self.history)
+        every = np.arange(len(self.problem.times))
+        # coefficients of a hundred thousand times would fill the memory
+        return self._of(self._history(which) for which in np.array_split(every, 1 + len(every) // AT_ONCE))
 
     @cached_property
     def checked(self) -> xarray.Dataset:
         """At the times that are checked, on the face of the punch: what is compared with another method."""
         if self.problem.quantities is not None and not self.problem.quantities & FIELDS:
             return self.results.isel(time=self.problem.checked) if "time" in self.results.dims else self.results
-        return self._of(lambda: self.history[self.problem.checked], on_face=True)
+        return self._of((self._history(which) for which in (self.problem.checked,)), on_face=True)
 
     @cached_property
     def for_estimate(self) -> xarray.Dataset:
         """At the times that errors are estimated at, on the face of the punch, exact in time."""
-        return self._of(lambda: self.wear.modal(self.problem.estimate_times), on_face=True)
+        return self._of((self.wear.modal(times) for times in (self.problem.estimate_times,)), on_face=True)
 
-    def _of(self, history: Callable[[], History], on_face: bool = False) -> xarray.Dataset:
+    def _of(self, pieces: Iterator[History], on_face: bool = False) -> xarray.Dataset:
         problem, parts = self.problem, []
         if marched := bool(len(problem.times)) and any(map(problem.wants, HISTORIES)):
-            parts.append(self.sampler.history(history(), on_face))
+            parts.append(_joined([self.sampler.history(piece, on_face) for piece in pieces]))
         # by itself, a relaxation time needs no history
         if problem.wants("relaxation_time") and (len(problem.times) or problem.quantities is not None):
             times = self.wear.relaxation_times if marched else self.wear.slowest_times
@@ -160,3 +168,15 @@ class Evaluation:
         if problem.steady and any(map(problem.wants, STEADY)):
             parts.append(self.sampler.steady(self.wear.steady, on_face))
         return xarray.merge(parts)
+
+
+def _joined(parts: list[xarray.Dataset]) -> xarray.Dataset:
+    """Datasets of successive times as one, without holding all of it twice."""
+    if len(parts) == 1:
+        return parts[0]
+    times, radii = np.concatenate([array(part, "time") for part in parts]), array(parts[0], "radius")
+    found = {}
+    for name in map(str, list(parts[0].data_vars)):
+        found[name] = np.concatenate([array(part, name) for part in parts])
+        parts = [part.drop_vars(name) for part in parts]
+    return labelled(found, times, radii)
