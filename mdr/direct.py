@@ -21,6 +21,7 @@ from ringwear.meshes.radial import Array, ring_areas, unit_gauss
 EDGE_NODES = 24
 PANEL_NODES, PANEL_RATIO = 18, 0.15
 EDGE_POWER = 7
+AT_ONCE = 2**16  # pairs of a radius and a disc evaluated together, few enough to stay in the cache
 
 SMALL_MODULUS = 0.04  # square of r/c below which K - E is summed as a series, where the difference would cancel
 SERIES_TERMS = 11
@@ -89,8 +90,10 @@ _SERIES = _difference_series()
 
 
 def displacement(ring_edges: Array, pressures: Array, radii: Array) -> Array:
-    """Eq. 21: displacement at `radii` by a constant pressure on each ring."""
-    return disc_displacement(ring_edges[1:], np.asarray(radii, dtype=float)[:, None]) @ pressure_steps(pressures)
+    """Eq. 21: displacement at `radii` by a constant pressure on each ring; (R,) or (R, M) by (N,) or (N, M) pressures."""
+    steps, radii = pressure_steps(pressures), np.asarray(radii, dtype=float)[:, None]
+    parts = np.array_split(radii, 1 + radii.size * len(steps) // AT_ONCE)
+    return np.concatenate([disc_displacement(ring_edges[1:], part) @ steps for part in parts])
 
 
 def slope(ring_edges: Array, pressures: Array, radii: Array) -> Array:
@@ -113,7 +116,7 @@ def greatest_displacements(ring_edges: Array, pressures: Array) -> Array:
     steps, each = pressure_steps(pressures), np.arange(pressures.shape[1])
     within = np.linspace(0, 1, 33)[:, None]
     radii = np.append((ring_edges[:-1] + np.diff(ring_edges) * within[:-1]).T.ravel(), 1.0)
-    values = disc_displacement(ring_edges[1:], radii[:, None]) @ steps
+    values = displacement(ring_edges, pressures, radii)
     radii = np.broadcast_to(radii[:, None], values.shape)
     for _ in range(2):
         # again between the neighbours of the greatest, sixteen times closer
@@ -139,14 +142,13 @@ def limiting_profile(ring_edges: Array, pressures: Array, radii: Array) -> Array
     return greatest_displacement(ring_edges, pressures) - displacement(ring_edges, pressures, radii)
 
 
-def slope_gram(ring_edges: Array, patterns: Array, block: int = 2**16) -> tuple[Array, Array]:
+def slope_gram(ring_edges: Array, patterns: Array) -> tuple[Array, Array]:
     """Mean products of the slopes of several ring-wise constant pressures: for `line` and `area` averages.
 
     Parameters
     ----------
     ring_edges : (N+1,) ring edges, 0 to 1
     patterns : (N, m) pressures
-    block : pairs of a radius and a disc evaluated at once, few enough to stay in the cache
 
     Returns
     -------
@@ -156,7 +158,7 @@ def slope_gram(ring_edges: Array, patterns: Array, block: int = 2**16) -> tuple[
     radii, gaps, weights, edge = _edge_quadrature(ring_edges)
     steps = pressure_steps(patterns)
     line, area = (np.zeros((patterns.shape[1],) * 2) for _ in range(2))
-    rows = max(1, block // len(steps))
+    rows = max(1, AT_ONCE // len(steps))
     for start in range(0, len(radii), rows):
         part = slice(start, start + rows)
         r = radii[part, None]

@@ -62,6 +62,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--out", type=Path, default=None, help="directory for results (default: results/SCENE)")
     run.add_argument("--rtol", type=float, help="relative accuracy, in place of the scene's")
     run.add_argument("--methods", help="methods, comma-separated, in place of the scene's")
+    _add_memory(run)
     run.set_defaults(command=_run)
 
     plan = commands.add_parser("plan", help="say what a scene will take, without computing it")
@@ -85,6 +86,7 @@ def _parser() -> argparse.ArgumentParser:
     sweep.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, to compute on its workers")
     cores = os.cpu_count() or 1
     sweep.add_argument("--workers", type=int, default=cores, help="processes on this machine (default: its cores)")
+    _add_memory(sweep)
     sweep.add_argument("--dry-run", action="store_true", help="say what it will take, without computing")
     sweep.add_argument("--resume", action="store_true", help="go on with what is in the directory")
     sweep.set_defaults(command=_sweep)
@@ -92,6 +94,11 @@ def _parser() -> argparse.ArgumentParser:
     scenes = commands.add_parser("scenes", help="list the bundled scenes")
     scenes.set_defaults(command=_scenes)
     return parser
+
+
+def _add_memory(parser: argparse.ArgumentParser) -> None:
+    help = "most memory in GiB; what would need more is refused before it starts (default: what the machine has)"
+    parser.add_argument("--memory", type=float, metavar="GIB", help=help)
 
 
 def _add_study(parser: argparse.ArgumentParser, name: str, study: Study) -> None:
@@ -128,6 +135,7 @@ def _directory(options: argparse.Namespace) -> Path:
 def _run(options: argparse.Namespace) -> int:
     from ringwear.studies.crosscheck import agreement
     from ringwear.studies.crosscheck.run import run
+    from ringwear.studies.crosscheck.scope import beyond_memory, expected, machine_memory
     from ringwear.studies.output import write
 
     scene = Scene.load(options.scene)
@@ -136,6 +144,8 @@ def _run(options: argparse.Namespace) -> int:
     if options.methods is not None:
         scene = scene.changed(methods=[name.strip() for name in options.methods.split(",") if name.strip()])
     out = _directory(options)
+    if refusal := beyond_memory(expected(scene), options.memory or machine_memory()):
+        raise SceneError(refusal)
     result = run(scene)
     written = write(result, out)
     _say_what(scene)

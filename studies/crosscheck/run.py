@@ -12,6 +12,7 @@ from ringwear.studies.crosscheck.agreement import agreements
 from ringwear.studies.crosscheck.anchors import anchors
 from ringwear.studies.crosscheck.dataset import Result
 from ringwear.studies.crosscheck.operators import OperatorDifference, difference
+from ringwear.studies.crosscheck.scope import refusals
 from ringwear.studies.methods.base import Solution, method
 from ringwear.studies.methods.by_compliance import AnySpaceMethod
 from ringwear.studies.problem.problem import Problem
@@ -30,9 +31,8 @@ def run(scene: Scene) -> Result:
         if a method cannot solve the scene, or a mesh or a system fails; the message names the remedy
     """
     problem, methods = scene.problem, {name: method(name) for name in scene.methods}
-    refusals = [refusal for one in methods.values() if (refusal := one.refusal(problem))]
-    if refusals:
-        raise SceneError(refusals[0])
+    if refused := refusals(scene):
+        raise SceneError(refused[0])
     stages = {name: Stages(name) for name in methods}
     # the dense matrices are small: threads of two linear algebra libraries would spend their time waiting on each other
     with threadpool_limits(1):

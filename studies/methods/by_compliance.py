@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.studies.methods.base import Method, Solution, method
+from ringwear.studies.methods.costs import steps
 from ringwear.studies.methods.estimate import Pair, estimated
+from ringwear.studies.problem.marching import refused_steps
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.shared import Shared
 from ringwear.studies.progress import Stages
@@ -49,9 +51,14 @@ def compliance_method(name: str) -> "ComplianceMethod":
 class ComplianceMethod(Method):
     """A method that yields a compliance on a pressure space."""
 
+    operator = True
+
     @abstractmethod
     def discretised(self, problem: Problem, stages: Stages, pairs: bool = True) -> Discretised:
         """The method made ready for a problem; without `pairs`, its error cannot be estimated."""
+
+    def refusal(self, problem: Problem) -> str:
+        return refused_steps(steps(problem), "give a larger wear.step, or march = 'modal'")
 
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         """Discretise once, for the sharpest of the problems; then wear, sample and estimate each."""

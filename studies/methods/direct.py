@@ -8,7 +8,8 @@ import xarray
 
 from ringwear.mdr import direct
 from ringwear.meshes.radial import Array, ring_of
-from ringwear.studies.methods.base import Cost, Method, Solution
+from ringwear.studies.methods.base import Method, Solution
+from ringwear.studies.methods.costs import Cost, direct_terms, rates
 from ringwear.studies.methods.quantities import FIELDS, labelled
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
@@ -33,7 +34,7 @@ class Direct(Method):
 
     def cost(self, problem: Problem) -> Cost:
         rings = len(problem.merged.wear_coefficients)
-        return Cost(0, rings, 1e-3 + 4e-6 * rings**2, 0.1, 1e-12)
+        return Cost(0, rings, float(rates()["direct"]["seconds"] @ direct_terms(rings)), 1e-12)
 
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         ring_edges, average = problems[0].merged.ring_edges, problems[0].gradient_average

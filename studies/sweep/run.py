@@ -8,11 +8,14 @@ from typing import Any
 
 import xarray
 
+from ringwear.studies.crosscheck.scope import machine_memory
 from ringwear.studies.problem.scene import Scene
+from ringwear.studies.progress import LOG
 from ringwear.studies.sweep.axes import Sweep
 from ringwear.studies.sweep.blocks import block_shape
 from ringwear.studies.sweep.conduct import Tally, conduct
 from ringwear.studies.sweep.layout import layout
+from ringwear.studies.sweep.plan import planned
 from ringwear.studies.sweep.store import NAME, Store, alone, write_whole
 from ringwear.studies.sweep.summary import summary
 
@@ -78,6 +81,11 @@ def swept(source: str, out: Path, options: argparse.Namespace) -> tuple[list[str
     from ringwear.studies.sweep.figure import drawn
 
     made = Sweep.load(source)
+    plan = planned(made, options.memory or machine_memory(), options.workers).said(options.workers)
+    if options.dry_run:
+        return plan, True
+    for line in plan:
+        LOG.info("   sweep  %s", line)
     with alone(out):
         store = _store(made, out, options.resume)
         tally = conduct(store, options.workers, options.scheduler)

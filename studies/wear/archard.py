@@ -17,6 +17,7 @@ from scipy.sparse import csr_matrix
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.radial import Array, Indices
+from ringwear.studies.problem.marching import refused_steps, steps_between
 from ringwear.studies.wear.contact import FlatStart, SteadyState, flat_start, steady_state
 from ringwear.studies.wear.modes import (
     LARGE,
@@ -29,7 +30,6 @@ from ringwear.studies.wear.modes import (
     slowest_times,
 )
 
-MOST_STEPS = 2_000_000
 # smallest element, or first time, above which eigenvalues are as good as singular values, at a quarter of the time
 # (measured: no digit of indentation, relaxation time or slope differs from rtol 1e-3 to 1e-9). Below it the stiff modes
 # would be lost to roundoff of the slowest
@@ -209,10 +209,9 @@ class RunningIn:
         return self._marched(times, step, advance)
 
     def _marched(self, times: Array, step: float, advance: Advance) -> History:
-        steps = np.ceil(np.diff(times, prepend=0.0) / step * (1 - 1e-12)).astype(np.int64)
-        if steps.sum() > MOST_STEPS:
-            raise SceneError(f"{steps.sum()} steps are needed to the last time, more than {MOST_STEPS}: "
-                             "give a larger wear.step, or march = 'modal'")  # fmt: skip
+        steps = steps_between(times, step)
+        if refusal := refused_steps(float(steps.sum()), "give a larger wear.step, or march = 'modal'"):
+            raise SceneError(refusal)
         state, worn, now = self._start, np.zeros_like(self._start), 0.0
         states, profiles = [], []
         for time, count in zip(times, steps, strict=True):
