@@ -138,7 +138,7 @@ def graded(
     layers = patch_layers(widths, np.append(np.broadcast_to(sizes, len(ring_edges) - 2), rim_size), factor)
     if missing := gmsh_session.unavailable():
         raise MeshError(missing)
-    sharpness = sharpness or Sharpness(0.0, np.zeros(len(widths)), np.zeros(len(widths)))
+    sharpness = sharpness or Sharpness(0.0, np.zeros(len(widths)), np.ones(len(widths)))
     candidates = []
     for way in WAYS:
         try:

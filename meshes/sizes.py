@@ -100,22 +100,30 @@ class Sharpness:
     """How much stands behind the highest degree of an element near a ring edge or the rim, relative to the rest.
 
     It has to become smaller than the accuracy. Wear blunts the pressure beside an edge over a length that grows in time,
-    on each side as its material wears: between the two lengths the edge of the slower ring is sharp, as the rim is. The worn
-    profile keeps ``x log x`` there, and its slope, whose square counts, ``log x``. At the start the pressure at the
-    rim is infinite as a root.
+    on each side as its material wears: between the two lengths the edge of the slower ring is sharp, as the rim is. At a
+    distance it is sharpest when the slower side has just been blunted so far. The worn profile keeps ``x log x`` there, and
+    its slope, whose square counts, ``log x``. At the start the pressure at the rim is infinite as a root.
 
     Parameters
     ----------
     accuracy : wanted
-    slow, fast : (N,) lengths that wear has blunted at the first time after the start, beside each edge but the centre,
-        on the side that wears slower and faster; infinite if no history is wanted
+    slow : (N,) length that wear has blunted at the first time after the start, beside each edge but the centre, on the side
+        that wears slower; infinite if no history is wanted
+    ratio : (N,) of the length on the other side to it, at least 1
+    span : last time over the first
     start : whether the start is wanted
     """
 
     accuracy: float
     slow: Array
-    fast: Array
+    ratio: Array
+    span: float = 1.0
     start: bool = True
+
+    @property
+    def fast(self) -> Array:
+        """(N,) length that wear has blunted at the first time on the side that wears faster."""
+        return self.slow * self.ratio
 
     def __call__(self, distance: Array, half: Array, edge: Indices) -> Array:
         """Of elements whose far end has a distance from the nearest edge, by its number, in rings of given half width."""
@@ -123,7 +131,9 @@ class Sharpness:
         with np.errstate(divide="ignore"):
             sharp = np.minimum(1.0, distance / slow)
             within = np.minimum(1.0, distance / np.minimum(slow, half))
-        whole = np.where(at_rim, 1.0, np.sqrt(np.minimum(1.0, np.maximum(distance, self.fast[edge]) / half)))
+        fast, ratio = self.fast[edge], self.ratio[edge]
+        blunted = np.maximum(distance, np.minimum(np.maximum(fast, distance * ratio), fast * self.span))
+        whole = np.where(at_rim, 1.0, np.sqrt(np.minimum(1.0, blunted / half)))
         pressure = whole * sharp**1.5
         if self.start:
             pressure = np.where(at_rim, np.maximum(pressure, np.sqrt(distance)), pressure)

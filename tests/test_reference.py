@@ -20,7 +20,7 @@ WEAR = np.array([1.0, 0.1, 1.0, 0.3])
 def five(reference: dict[str, Any]) -> tuple[Reference, NDArray[np.float64]]:
     wear = np.array(reference["wear_coefficients"])
     times = np.array([state["time"] for state in reference["states"]]) * wear.max()
-    return Reference(np.array(reference["ring_edges"]), wear / wear.max(), smallest=1e-10), times
+    return Reference(np.array(reference["ring_edges"]), wear / wear.max(), np.full(5, 1e-13)), times
 
 
 def test_history_of_five_rings(five: tuple[Reference, NDArray[np.float64]], reference: dict[str, Any]) -> None:
@@ -43,7 +43,7 @@ def test_history_of_five_rings(five: tuple[Reference, NDArray[np.float64]], refe
 
 
 def test_late_it_is_the_steady_state_in_closed_form() -> None:
-    punch = Reference(EDGES, WEAR, smallest=1e-10)
+    punch = Reference(EDGES, WEAR, np.full(4, 1e-13))
     pressures = direct.steady_pressures(EDGES, WEAR)
     assert punch.wear_rate == pytest.approx(WEAR[0] * pressures[0], rel=1e-12)
     pressure, worn, indentation = punch.at(np.array([1e3]))
@@ -57,7 +57,7 @@ def test_late_it_is_the_steady_state_in_closed_form() -> None:
 
 
 def test_forces_and_worn_volumes_add_up() -> None:
-    punch, times = Reference(EDGES, WEAR, smallest=1e-9), np.array([1e-6, 1e-3, 1.0])
+    punch, times = Reference(EDGES, WEAR, np.full(4, 1e-12)), np.array([1e-6, 1e-3, 1.0])
     pressure, _, _ = punch.at(times)
     np.testing.assert_allclose(punch.ring_forces(pressure).sum(axis=1), 1, rtol=1e-13)
 

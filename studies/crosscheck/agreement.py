@@ -5,7 +5,7 @@ they disagree where the difference is beyond it. Where the uncertainty is greate
 decided, and it is said what would decide it.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import NamedTuple
@@ -50,17 +50,13 @@ class Agreement:
         return self.verdict == AGREE
 
 
-class Opponents(NamedTuple):
-    """Two methods by name, with what they found."""
-
-    names: tuple[str, str]
-    solutions: tuple[Solution, Solution]
-
-
 def agreements(problem: Problem, names: tuple[str, str], solutions: tuple[Solution, Solution]) -> list[Agreement]:
     """Compare two methods in every quantity that both give, at the times that are checked."""
     found = differences(solutions[0].checked, solutions[1].checked, problem.face)
-    return [_agreement(problem, name, difference, Opponents(names, solutions)) for name, difference in found.items()]
+    return [
+        _agreement(problem, name, names, *_compared(problem, name, difference, solutions))
+        for name, difference in found.items()
+    ]
 
 
 class Worst(NamedTuple):
@@ -76,15 +72,14 @@ class Worst(NamedTuple):
     effectivity: float
 
 
-def worst(problem: Problem, solutions: Mapping[str, Solution], keep: Collection[str]) -> Worst:
+def worst(problem: Problem, solutions: Collection[Solution], keep: Collection[str]) -> Worst:
     """The worst of the quantities to keep."""
     disagreement = effectivity = np.nan
-    for names in combinations(solutions, 2):
-        of = Opponents(names, (solutions[names[0]], solutions[names[1]]))
-        found = differences(of.solutions[0].checked, of.solutions[1].checked, problem.face)
+    for both in combinations(solutions, 2):
+        found = differences(both[0].checked, both[1].checked, problem.face)
         for name in found.keys() & set(keep):
-            difference, first, second = _compared(problem, name, found[name], of)
-            uncertainty = uncertainties(problem, first, second)
+            difference, first, second = _compared(problem, name, found[name], both)
+            uncertainty = _uncertainty(problem, first, second)
             disagreement = np.fmax(disagreement, np.max(difference / uncertainty, initial=0.0))
             counted = difference > NOTHING * problem.rtol
             for stated, other in ((first, second), (second, first)):
@@ -93,40 +88,38 @@ def worst(problem: Problem, solutions: Mapping[str, Solution], keep: Collection[
     return Worst(float(disagreement), float(effectivity) if np.isfinite(effectivity) else np.nan)
 
 
-def uncertainties(problem: Problem, first: Array, second: Array) -> Array:
+def _uncertainty(problem: Problem, first: Array, second: Array) -> Array:
     """Of a difference, by what two methods say of their errors."""
     return np.maximum(first + second, NOTHING * problem.rtol)
 
 
-def _compared(problem: Problem, name: str, difference: Array, of: Opponents) -> tuple[Array, Array, Array]:
+def _compared(
+    problem: Problem, name: str, difference: Array, solutions: tuple[Solution, Solution]
+) -> tuple[Array, Array, Array]:  # fmt: skip
     """The difference and both methods' own errors, where all are known."""
-    errors = [solution.checked_error(problem, name) for solution in of.solutions]
+    errors = [solution.checked_error(problem, name) for solution in solutions]
     if "mode" in QUANTITIES[name].dims:
         difference, *errors = (one[:COMPARED_MODES] for one in (difference, *errors))
-    known = common(common_shape(difference, errors[0]), errors[1].shape)
+    known = common(difference.shape, *(error.shape for error in errors))
     difference, first, second = (np.atleast_1d(one[known]) for one in (difference, *errors))
     return difference, first, second
 
 
-def _agreement(problem: Problem, name: str, difference: Array, of: Opponents) -> Agreement:
-    difference, first, second = _compared(problem, name, difference, of)
-    uncertainty = uncertainties(problem, first, second)
+def _agreement(
+    problem: Problem, name: str, of: tuple[str, str], difference: Array, first: Array, second: Array
+) -> Agreement:  # fmt: skip
+    uncertainty = _uncertainty(problem, first, second)
     beyond = difference > uncertainty
     if beyond.any():
-        worst = int(np.argmax(np.where(beyond, difference / np.maximum(uncertainty, np.finfo(float).tiny), 0.0)))
-        return Agreement(name, of.names, float(difference[worst]), float(uncertainty[worst]), DISAGREE)
+        worst = int(np.argmax(difference / uncertainty))
+        return Agreement(name, of, float(difference[worst]), float(uncertainty[worst]), DISAGREE)
     worst = int(np.argmax(uncertainty))
-    row = Agreement(name, of.names, float(difference[worst]), float(uncertainty[worst]), AGREE)
+    row = Agreement(name, of, float(difference[worst]), float(uncertainty[worst]), AGREE)
     if uncertainty[worst] <= A_FEW * problem.rtol:
         return row
-    loser = of.names[int(second[worst] > first[worst])]
+    loser = of[int(second[worst] > first[worst])]
     when = _when(problem, name, uncertainty > A_FEW * problem.rtol)
     return replace(row, verdict=UNDECIDED, remark=f"{when}{remedy(problem, name, loser, float(uncertainty[worst]))}")
-
-
-def common_shape(one: Array, other: Array) -> tuple[int, ...]:
-    """The shape that two arrays have in common."""
-    return tuple(part.stop for part in common(one.shape, other.shape))
 
 
 def _when(problem: Problem, name: str, undecided: NDArray[np.bool_]) -> str:

@@ -3,8 +3,8 @@
 With ``s = 1 - r^2`` the line density of the MDR is Abel's integral ``q(x) = int_0^x p(s) / sqrt(x - s) ds``, the energy
 is ``int u p dA = int_0^1 q^2 / sqrt(1 - x) dx``, and an area ``pi ds``. On a mesh graded to every ring edge Legendre
 polynomials, orthonormal with the wear coefficient as weight, turn the law of wear into one singular value problem: no
-continuity is asked of pressure or wear rate, and no half-space, mesh, basis or quadrature is shared with any method. At
-the rim coordinates are distances, so that layers may be as thin as a double.
+continuity is asked of pressure or wear rate, and no half-space, mesh, basis or quadrature is shared with any method.
+Coordinates are distances from the nearest ring edge, so that layers may be far thinner than `s` itself could tell.
 """
 
 from dataclasses import dataclass
@@ -16,14 +16,14 @@ from numpy.polynomial.legendre import legder, leggauss, legval, legvander
 from scipy.linalg import qr, svd
 from scipy.special import roots_jacobi
 
-from ringwear.mdr import direct
-from ringwear.meshes.radial import Array, Indices, ring_of
+from ringwear.meshes.radial import Array, Indices
+from ringwear.studies.estimates.layers import Layers
+from ringwear.studies.methods.direct import steady
 from ringwear.studies.methods.quantities import labelled
 from ringwear.studies.problem.problem import D0, Problem
 
-# smaller elements would have too few digits; at the rim s is a distance, and any will do
-SMALLEST, SMALLEST_RIM = 2e-11, 1e-15
-HIGHEST = 20
+# elements, in s: thinner layers would be felt by slopes alone, and by little
+SMALLEST = 1e-14
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,16 +33,14 @@ class Reference:
     Parameters
     ----------
     ring_edges, wear_coefficients : of the punch, from 0 to 1
-    smallest : smallest element at ring edges, in s
-    rim : smallest element at the rim, in s
+    smallest : (N,) smallest element at each edge but the centre, in s, the rim last
     degree : highest degree
     factor : by which elements shrink towards ring edges and rim
     """
 
     ring_edges: Array
     wear_coefficients: Array
-    smallest: float = 1e-11
-    rim: float = 1e-13
+    smallest: Array
     degree: int = 12
     factor: float = 0.25
 
@@ -52,27 +50,13 @@ class Reference:
         return ((1 - self.ring_edges) * (1 + self.ring_edges))[::-1]
 
     @cached_property
-    def breakpoints(self) -> Array:
-        """Element boundaries in s."""
-        pieces = [np.zeros(1)]
-        for number, (left, right) in enumerate(zip(self.edges[:-1], self.edges[1:], strict=True)):
-            half = (right - left) / 2
-            smallest = self.smallest if number else self.rim
-            count = max(0, int(np.ceil(np.log(smallest / half) / np.log(self.factor))))
-            pieces.append(left + half * self.factor ** np.arange(count, -1.0, -1))
-            if right < 1:
-                count = max(0, int(np.ceil(np.log(self.smallest / half) / np.log(self.factor))))
-                pieces.append(right - half * self.factor ** np.arange(1.0, count + 1))
-            pieces.append(np.array([right]))
-        return np.concatenate(pieces)
+    def _layers(self) -> Layers:
+        return Layers.graded(self.edges, self.smallest[::-1], self.factor)
 
     @cached_property
     def degrees(self) -> Indices:
         """Of each element: rising with the distance from ring edges and rim, in elements."""
-        marks = np.searchsorted(self.breakpoints, self.edges[:-1])
-        index = np.arange(len(self.breakpoints) - 1)
-        layer = np.minimum(np.abs(index[:, None] - marks), np.abs(index[:, None] + 1 - marks)).min(axis=1)
-        return np.minimum(4 + layer, self.degree)
+        return np.minimum(4 + self._layers.between, self.degree)
 
     @cached_property
     def _starts(self) -> Indices:
@@ -81,44 +65,49 @@ class Reference:
     @cached_property
     def _wear(self) -> Array:
         """Wear coefficient of each element."""
-        middle = (self.breakpoints[1:] + self.breakpoints[:-1]) / 2
-        return self.wear_coefficients[::-1][np.searchsorted(self.edges, middle) - 1]
+        return self.wear_coefficients[::-1][self._layers.ring]
 
     def _scale(self, element: int) -> Array:
         """Factors that make the Legendre polynomials of an element orthonormal in the mass of weight `k`."""
-        width = self.breakpoints[element + 1] - self.breakpoints[element]
-        return np.sqrt((2 * np.arange(self.degrees[element] + 1.0) + 1) / (np.pi * width * self._wear[element]))
+        per_area = np.pi * self._layers.widths[element] * self._wear[element]
+        return np.sqrt((2 * np.arange(self.degrees[element] + 1.0) + 1) / per_area)
 
     @cached_property
-    def _positions(self) -> tuple[Array, Array]:
-        """Positions x and weights for energies, root singularities on the right of every breakpoint and at the axis."""
+    def _positions(self) -> tuple[Array, Array, Array]:
+        """Positions x (an edge, and the distance from it) and weights for energies.
+
+        Root singularities are on the right of every breakpoint and at the axis.
+        """
         count = 2 * self.degree + 12
         node, weight = leggauss(count)
         y, w = (1 + node) / 2, weight / 2
-        left, width = self.breakpoints[:-1, None], np.diff(self.breakpoints)[:, None]
-        positions, weights = left + width * y**2, width * 2 * y * w / np.sqrt(1 - left - width * y**2)
+        base, low, width = (part[:, None] for part in (self._layers.edge, self._layers.low, self._layers.widths))
+        distance = low + width * y**2
+        weights = width * 2 * y * w / np.sqrt(1 - base - distance)
         # the last panel ends at the axis: 1 - x = width (1 - y) (1 + y)
         node, weight = roots_jacobi(count + 12, -0.5, 0)
         y, w = (1 + node) / 2, weight / np.sqrt(2)
-        positions = np.append(positions[:-1].ravel(), left[-1] + width[-1] * y**2)
-        return positions, np.append(weights[:-1].ravel(), np.sqrt(width[-1]) * 2 * y * w / np.sqrt(1 + y))
+        edge = np.append(np.repeat(base[:-1], count), np.repeat(base[-1], count + 12))
+        distance = np.append(distance[:-1].ravel(), low[-1] + width[-1] * y**2)
+        return edge, distance, np.append(weights[:-1].ravel(), np.sqrt(width[-1]) * 2 * y * w / np.sqrt(1 + y))
 
     def _factor(self) -> Array:
         """(positions, size) factor H of the energy."""
-        positions, weights = self._positions
-        out = np.zeros((len(positions), self._starts[-1]))
+        (edge, distance, weights), layers = self._positions, self._layers
+        out = np.zeros((len(weights), self._starts[-1]))
         far_node, far_weight = leggauss(self.degree + 24)
         near_node, near_weight = leggauss(self.degree + 2)
-        for element, (left, right) in enumerate(zip(self.breakpoints[:-1], self.breakpoints[1:], strict=True)):
-            half, degree, scale = (right - left) / 2, self.degrees[element], self._scale(element)
+        for element, (base, low, width) in enumerate(zip(layers.edge, layers.low, layers.widths, strict=True)):
+            half, degree, scale = width / 2, self.degrees[element], self._scale(element)
             columns = slice(self._starts[element], self._starts[element + 1])
-            far = np.flatnonzero(positions - right > right - left)
-            s = left + half * (1 + far_node)
-            kernel = half * far_weight / np.sqrt(positions[far, None] - s)
+            # from the left end of the element to each position
+            beyond = (edge - base) + (distance - low)
+            far = np.flatnonzero(beyond > 2 * width)
+            kernel = half * far_weight / np.sqrt(beyond[far, None] - half * (1 + far_node))
             out[far, columns] = kernel @ legvander(far_node, degree) * scale
-            near = np.flatnonzero((positions > left) & (positions - right <= right - left))
-            gap = positions[near] - left
-            last, first = np.sqrt(gap), np.sqrt(np.maximum(positions[near] - right, 0))
+            near = np.flatnonzero((beyond > 0) & (beyond <= 2 * width))
+            gap = beyond[near]
+            last, first = np.sqrt(gap), np.sqrt(np.maximum(gap - width, 0))
             v = (last + first)[:, None] / 2 + (last - first)[:, None] / 2 * near_node
             local = (gap[:, None] - v**2) / half - 1
             values = legvander(local, degree) * ((last - first)[:, None] * near_weight)[:, :, None]
@@ -130,8 +119,7 @@ class Reference:
         """(size,) force of each function."""
         out = np.zeros(self._starts[-1])
         for element, start in enumerate(self._starts[:-1]):
-            width = self.breakpoints[element + 1] - self.breakpoints[element]
-            out[start] = np.pi * width * self._scale(element)[0]
+            out[start] = np.pi * self._layers.widths[element] * self._scale(element)[0]
         return out
 
     @cached_property
@@ -176,9 +164,9 @@ class Reference:
     def _element_of(self, radii: Array) -> tuple[Indices, Array]:
         s = (1 - radii) * (1 + radii)
         # a radius on a ring edge belongs to the ring outside it, which is the lesser s
-        element = np.clip(np.searchsorted(self.breakpoints, s, side="left") - 1, 0, len(self.degrees) - 1)
-        left, right = self.breakpoints[element], self.breakpoints[element + 1]
-        return element, ((s - left) - (right - s)) / (right - left)
+        element = np.clip(np.searchsorted(self._layers.breakpoints, s, side="left") - 1, 0, len(self.degrees) - 1)
+        base, low, widths = (part[element] for part in (self._layers.edge, self._layers.low, self._layers.widths))
+        return element, np.clip(2 * ((s - base) - low) / widths - 1, -1, 1)
 
     def values(self, coefficients: Array, radii: Array) -> Array:
         """(T, len(radii)) values of functions."""
@@ -196,22 +184,20 @@ class Reference:
 
     def ring_forces(self, pressure: Array) -> Array:
         """(T, N) force on each ring, from the centre."""
-        rings = np.searchsorted(self.edges, (self.breakpoints[1:] + self.breakpoints[:-1]) / 2) - 1
         force = pressure[:, self._starts[:-1]] * self._weights[self._starts[:-1]]
         out = np.zeros((len(pressure), len(self.wear_coefficients)))
-        np.add.at(out.T, rings, force.T)
+        np.add.at(out.T, self._layers.ring, force.T)
         return out[:, ::-1]
 
     def rms_slopes(self, worn: Array, average: str = "line") -> Array:
         """(T,) root mean square of the slope of worn heights."""
         node, weight = leggauss(2 * self.degree + 4)
         total = np.zeros(len(worn))
-        for e, (left, right) in enumerate(zip(self.breakpoints[:-1], self.breakpoints[1:], strict=True)):
-            half = (right - left) / 2
+        for e, (left, half) in enumerate(zip(self._layers.breakpoints[:-1], self._layers.widths / 2, strict=True)):
             columns = slice(self._starts[e], self._starts[e + 1])
             series = (worn[:, columns] * self._scale(e) * self._wear[e]).T
             y, w = node, weight
-            if right == 1 and average == "line":
+            if e == len(self._layers.widths) - 1 and average == "line":
                 # the root of 1 - s at the axis
                 x, w = leggauss(2 * self.degree + 4)
                 y, w = 1 - (1 - x) ** 2 / 2, w * (1 - x)
@@ -224,8 +210,8 @@ class Reference:
     def greatest(self, coefficients: Array, shift: Array) -> Array:
         """(T,) greatest value of ``shift - f`` over the punch: samples, and the top of a parabola through the best three."""
         within = (1 - np.cos(np.pi * np.arange(1, 400) / 400)) / 2
-        left, width = self.breakpoints[:-1, None], np.diff(self.breakpoints)[:, None]
-        s = np.append(0.0, np.append((left + width * within).ravel(), 1.0))
+        left, width = self._layers.breakpoints[:-1, None], self._layers.widths[:, None]
+        s = np.unique(np.append([0.0, 1.0], (left + width * within).ravel()))
         values = shift[:, None] - self.worn(coefficients, np.sqrt(1 - s))
         row, best = np.arange(len(values)), np.clip(values.argmax(axis=1), 1, len(s) - 2)
         y0, y1, y2 = values[row, best - 1], values[row, best], values[row, best + 1]
@@ -245,17 +231,20 @@ def known(problem: Problem, finer: float = 0.01) -> xarray.Dataset:
     The start and the steady state are closed forms.
     """
     rings, face, times = problem.merged, problem.face, problem.times[problem.checked]
-    smallest = max(0.1 * finer * problem.rtol * float(rings.widths.min()), SMALLEST)
-    rim = max(1e-6 * (problem.earliest or 1.0), SMALLEST_RIM)
-    degree = min(int(np.ceil(np.log(1 / (finer * problem.rtol)) / np.log(3))) + 1, HIGHEST)
-    punch = Reference(rings.ring_edges, rings.wear_coefficients, smallest, min(rim, smallest), degree)
-    parts = [_steady(problem)] if problem.steady else []
+    error = finer * problem.rtol
+    # wear blunts the pressure beside an edge as the slower ring wears
+    slower = np.minimum(rings.wear_coefficients, np.append(rings.wear_coefficients[1:], np.inf))
+    narrowest = np.minimum(rings.widths.min(), slower * (problem.earliest or np.inf))
+    smallest = np.maximum(0.1 * error * narrowest, SMALLEST * finer / 0.01)
+    degree = int(np.ceil(np.log(1 / error) / np.log(3))) + 1
+    punch = Reference(rings.ring_edges, rings.wear_coefficients, smallest, degree)
+    parts = [steady(problem, face.radii)] if problem.steady else []
     if len(times):
         parts += [
             _history(problem, punch, times),
             xarray.Dataset({"relaxation_time": ("mode", punch.relaxation_times[:20])}),
         ]
-    return xarray.merge(parts).assign_coords(radius=face.radii)
+    return xarray.merge(parts)
 
 
 def _history(problem: Problem, punch: Reference, times: Array) -> xarray.Dataset:
@@ -282,18 +271,4 @@ def _history(problem: Problem, punch: Reference, times: Array) -> xarray.Dataset
     if len(ring_edges) == len(problem.merged.ring_edges):
         start = -np.diff(np.sqrt((1 - ring_edges) * (1 + ring_edges)))
         values["ring_force"] = with_start(punch.ring_forces(pressure), start)
-    return labelled(values, times, face.radii)
-
-
-def _steady(problem: Problem) -> xarray.Dataset:
-    rings, radii = problem.merged, problem.face.radii
-    pressures = direct.steady_pressures(*rings)
-    greatest = direct.greatest_displacement(rings.ring_edges, pressures)
-    values = {
-        "steady_pressure": pressures[ring_of(rings.ring_edges, radii)],
-        "steady_profile": np.maximum(greatest - direct.displacement(rings.ring_edges, pressures, radii), 0.0),
-        "steady_displacement_max": greatest,
-        "steady_rms_slope": direct.rms_slope(rings.ring_edges, pressures, problem.gradient_average),
-        "steady_wear_rate": rings.wear_coefficients[0] * pressures[0],
-    }
-    return labelled(values, np.empty(0), radii).drop_vars("time")
+    return labelled(values, face.radii, times)

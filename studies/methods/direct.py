@@ -1,7 +1,7 @@
 """Direct integration: the steady state in closed form (Eqs. 21 to 27)."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import xarray
@@ -37,41 +37,57 @@ class Direct(Method):
         return Cost(0, rings, float(rates()["direct"]["seconds"] @ direct_terms(rings)), 1e-12)
 
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
-        ring_edges, average = problems[0].merged.ring_edges, problems[0].gradient_average
-        pressures = np.stack([direct.steady_pressures(*problem.merged) for problem in problems], axis=1)
-        slopes = greatest = np.empty(0)
         with stages("integrating"):
-            if any(problem.wants("steady_rms_slope") for problem in problems):
-                slopes = direct.rms_slopes(ring_edges, pressures, average)
-            if any(problem.wants("steady_displacement_max") or problem.wants("steady_profile") for problem in problems):
-                parts = np.array_split(pressures, 1 + pressures.size // AT_ONCE, axis=1)
-                greatest = np.concatenate([direct.greatest_displacements(ring_edges, part) for part in parts])
-            # a narrow ring of high pressure is the small difference of two discs
-            lost = np.abs(direct.pressure_steps(pressures)).T @ ring_edges[1:]
-            return [
-                _solution(problem, pressures[:, i], greatest[i : i + 1], slopes[i : i + 1], float(lost[i]))
-                for i, problem in enumerate(problems)
-            ]
+            states = _states(problems)
+            return [_solution(problem, state) for problem, state in zip(problems, states, strict=True)]
 
 
-def _solution(problem: Problem, pressures: Array, greatest: Array, slope: Array, lost: float) -> Solution:
-    """One steady state; `greatest` and `slope` are empty where they are not wanted."""
-    ring_edges, wear_coefficients = problem.merged
+class State(NamedTuple):
+    """A steady state: (N,) pressures, greatest displacement and RMS slope; nan where these are not wanted."""
 
-    def at(radii: Array) -> xarray.Dataset:
-        values: dict[str, Callable[[], Array]] = {
-            "steady_pressure": lambda: pressures[ring_of(ring_edges, radii)],
-            "steady_profile": lambda: np.maximum(greatest - direct.displacement(ring_edges, pressures, radii), 0.0),
-            "steady_displacement_max": lambda: greatest[0],
-            "steady_rms_slope": lambda: slope[0],
-            "steady_wear_rate": lambda: np.asarray(wear_coefficients[0] * pressures[0]),
-        }
-        return labelled({name: value() for name, value in values.items() if problem.wants(name)}, np.empty(0), radii)
+    pressures: Array
+    greatest: float
+    slope: float
 
-    results = at(problem.radii)
-    checked = at(problem.face.radii) if problem.quantities is None or problem.quantities & FIELDS else results
+
+def _states(problems: Sequence[Problem]) -> list[State]:
+    """Of problems on the same rings."""
+    ring_edges = problems[0].merged.ring_edges
+    pressures = np.stack([direct.steady_pressures(*problem.merged) for problem in problems], axis=1)
+    slopes = greatest = np.full(len(problems), np.nan)
+    if any(problem.wants("steady_rms_slope") for problem in problems):
+        slopes = direct.rms_slopes(ring_edges, pressures, problems[0].gradient_average)
+    if any(problem.wants("steady_displacement_max") or problem.wants("steady_profile") for problem in problems):
+        parts = np.array_split(pressures, 1 + pressures.size // AT_ONCE, axis=1)
+        greatest = np.concatenate([direct.greatest_displacements(ring_edges, part) for part in parts])
+    return [State(pressures[:, at], float(greatest[at]), float(slopes[at])) for at in range(len(problems))]
+
+
+def steady(problem: Problem, radii: Array) -> xarray.Dataset:
+    """The steady state in closed form, its fields at radii (R,); non-dimensional."""
+    return _sampled(problem, radii, _states([problem])[0])
+
+
+def _sampled(problem: Problem, radii: Array, state: State) -> xarray.Dataset:
+    (ring_edges, wear_coefficients), pressures = problem.merged, state.pressures
+    values: dict[str, Callable[[], Array]] = {
+        "steady_pressure": lambda: pressures[ring_of(ring_edges, radii)],
+        "steady_profile": lambda: np.maximum(state.greatest - direct.displacement(ring_edges, pressures, radii), 0.0),
+        "steady_displacement_max": lambda: np.asarray(state.greatest),
+        "steady_rms_slope": lambda: np.asarray(state.slope),
+        "steady_wear_rate": lambda: np.asarray(wear_coefficients[0] * pressures[0]),
+    }
+    return labelled({name: value() for name, value in values.items() if problem.wants(name)}, radii)
+
+
+def _solution(problem: Problem, state: State) -> Solution:
+    results = _sampled(problem, problem.radii, state)
+    fields = problem.quantities is None or problem.quantities & FIELDS
+    checked = _sampled(problem, problem.face.radii, state) if fields else results
+    # a narrow ring of high pressure is the small difference of two discs
+    lost = float(np.abs(direct.pressure_steps(state.pressures)) @ problem.merged.ring_edges[1:])
     # the mean displacement is at least that of the mean pressure at the rim (Betti)
-    roundoff = 1e-12 + 4 * np.finfo(float).eps * lost / (greatest[0] if len(greatest) else 4 / np.pi**2)
+    roundoff = 1e-12 + 4 * np.finfo(float).eps * lost / float(np.fmax(state.greatest, 4 / np.pi**2))
     errors = {str(name): np.asarray(roundoff) for name in results.data_vars}
     return Solution(results, checked, errors, {"roundoff": roundoff})
 

@@ -14,14 +14,12 @@ import numpy as np
 
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.radial import Array
-from ringwear.studies.methods.quantities import ENERGIES, QUANTITIES, differences
+from ringwear.studies.methods.quantities import ENERGIES, QUANTITIES, common, differences
 from ringwear.studies.methods.sampler import Evaluation
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.sections import FemAccuracy
 
 NEAR = 2.5
-# the RMS slope is made of what rim and ring edges add, which converge from either side, and crosses zero slowly
-NEAR_SLOPE = 4.0
 SLOPES = ("rms_slope", "steady_rms_slope")
 
 
@@ -37,11 +35,11 @@ class Safety(NamedTuple):
 
 
 # on the radial mesh: one degree less; one layer less at every singular point, which only slopes feel
-RADIAL, LAYERS = Safety(0.5, 1.6, 1.0), Safety(0.05, 0.5, 1.2)
+RADIAL, LAYERS = Safety(0.7, 1.6, 0.65), Safety(0.5, 0.5, 1.2)
 # where nothing is left to coarsen, the pair is finer than the result, and the difference the error itself
 RADIAL_FINER = Safety(1.5, 2.0, 3.0)
 # of finite elements: one degree of the pressure less; then one degree of the displacement (and a layer) less
-QUAD_MULTIPLIERS, QUADS = Safety(0.1, 1.4, 0.9), Safety(2.0, 1.9, 1.3)
+QUAD_MULTIPLIERS, QUADS = Safety(0.1, 1.4, 0.7), Safety(1.5, 1.9, 1.0)
 TRIANGLE_MULTIPLIERS, TRIANGLES, TRIANGLES_FINER = Safety(20.0, 2.0, 8.0), Safety(12.0, 1.0, 8.0), Safety(2.0, 3.0, 8.0)
 # with half the springs and twice the step, what is of first order doubles; slopes and jumps at ring edges are of half that
 GRID = Safety(1.5, 2.5, 2.5)
@@ -59,7 +57,7 @@ def of_triangles(growth: float, safety: Safety) -> Safety:
 
 def of_truncation(chosen: FemAccuracy, truncation: float) -> Safety:
     """Each pole takes the truncation error down by four orders in a/R (`ringwear study truncation`)."""
-    factor = 1.1 if chosen.far_field == "fixed" else 6 / truncation**4
+    factor = 1.1 if chosen.far_field == "fixed" else 8 / truncation**4
     return Safety(factor, factor, factor)
 
 
@@ -134,14 +132,12 @@ def at_times(problem: Problem, name: str, error: Array) -> Array:
     """The error of a quantity at each time asked for, by those at the times of the estimate: the greatest near it."""
     if QUANTITIES[name].dims[:1] != ("time",):
         return error
-    grid, near = problem.estimate_times, NEAR_SLOPE if name == "rms_slope" else NEAR
-    within = (grid >= problem.times[:, None] / near) & (grid <= problem.times[:, None] * near)
+    grid = problem.estimate_times
+    within = (grid >= problem.times[:, None] / NEAR) & (grid <= problem.times[:, None] * NEAR)
     return np.asarray(np.where(within, error, 0.0).max(axis=1))
 
 
 def _added(one: Array, other: Array) -> Array:
-    """The sum of two parts of an error; of relaxation times, each may know another number."""
-    if not one.ndim:
-        return one + other
-    known = min(len(one), len(other))
-    return np.asarray(one[:known] + other[:known])
+    """The sum of two parts of an error."""
+    known = common(one.shape, other.shape)
+    return np.asarray(one[known] + other[known])

@@ -76,11 +76,10 @@ class Mdr(AnySpaceMethod):
         if not pairs:
             return Discretised(fine, (), fine.space.size, smallest(sizes))
         with stages("estimating"):
-            return Discretised(fine, self._pairs(problem, fine), fine.space.size, smallest(sizes))
+            return Discretised(fine, self._pairs(problem, sizes, fine), fine.space.size, smallest(sizes))
 
-    def _pairs(self, problem: Problem, fine: Compliance) -> tuple[Pair, ...]:
+    def _pairs(self, problem: Problem, sizes: dict[str, Any], fine: Compliance) -> tuple[Pair, ...]:
         """One degree less, and one layer less at every singular point."""
-        sizes = mdr_sizes(problem)
         layer, narrowest = sizes["grading"], 0.1 * float(problem.merged.widths.min())
         if sizes["degree"] <= LOWEST:
             # nothing is left to coarsen, so the pair is finer, and the difference the error itself

@@ -104,7 +104,7 @@ def _sampled(problem: Problem, marched: Marched, radii: Array) -> xarray.Dataset
         "rms_slope": np.sqrt(np.trapezoid(squared, own, axis=1)),
         "ring_force": np.diff(at(within, problem.ring_edges), axis=1),
     }
-    return labelled(values, problem.times, radii)
+    return labelled(values, radii, problem.times)
 
 
 def _near(difference: Array) -> Array:

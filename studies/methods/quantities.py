@@ -69,8 +69,8 @@ FIELDS = frozenset(name for name, quantity in QUANTITIES.items() if "radius" in 
 STEADY = frozenset(name for name in QUANTITIES if name.startswith("steady_"))
 
 
-def labelled(values: Mapping[str, Array | float], times: Array, radii: Array) -> xarray.Dataset:
-    """Values of quantities as an xarray Dataset, non-dimensional."""
+def labelled(values: Mapping[str, Array | float], radii: Array, times: Array | None = None) -> xarray.Dataset:
+    """Values of quantities as an xarray Dataset, non-dimensional; without times those of the steady state."""
     variables = {name: (QUANTITIES[name].dims, value) for name, value in values.items()}
     used = {dim for name in values for dim in QUANTITIES[name].dims}
     # labels take longer to make than most values do
@@ -92,9 +92,9 @@ def values(results: xarray.Dataset) -> dict[str, Array]:
     return {str(name): array(results, str(name)) for name in results.data_vars}
 
 
-def common(one: tuple[int, ...], other: tuple[int, ...]) -> tuple[slice, ...]:
-    """The part that arrays of two shapes have in common: of relaxation times each method may know another number."""
-    return tuple(slice(0, min(sizes)) for sizes in zip(one, other, strict=True))
+def common(*shapes: tuple[int, ...]) -> tuple[slice, ...]:
+    """The part that arrays of these shapes have in common: of relaxation times each method may know another number."""
+    return tuple(slice(0, min(sizes)) for sizes in zip(*shapes, strict=True))
 
 
 def differences(results: xarray.Dataset, against: xarray.Dataset, face: Face) -> dict[str, Array]:

@@ -112,13 +112,13 @@ class Sampler:
             "steady_rms_slope": lambda: self._rms_slope(state.displacement[None])[0],
             "steady_wear_rate": lambda: np.asarray(state.wear_rate),
         }
-        return self._wanted(values, "steady_displacement_max", np.empty(0), on_face)
+        return self._wanted(values, "steady_displacement_max", None, on_face)
 
     def _wanted(
-        self, values: dict[str, Callable[[], Array]], always: str, times: Array, on_face: bool
+        self, values: dict[str, Callable[[], Array]], always: str, times: Array | None, on_face: bool
     ) -> xarray.Dataset:  # fmt: skip
         found = {name: value() for name, value in values.items() if name == always or self.problem.wants(name)}
-        return labelled(found, times, self.problem.face.radii if on_face else self.problem.radii)
+        return labelled(found, self.problem.face.radii if on_face else self.problem.radii, times)
 
 
 class Evaluation:
@@ -179,4 +179,4 @@ def _joined(parts: list[xarray.Dataset]) -> xarray.Dataset:
     for name in map(str, list(parts[0].data_vars)):
         found[name] = np.concatenate([array(part, name) for part in parts])
         parts = [part.drop_vars(name) for part in parts]
-    return labelled(found, times, radii)
+    return labelled(found, radii, times)

@@ -106,8 +106,7 @@ def edge_sizes(problem: Problem) -> Array:
 
 def at_smallest(problem: Problem) -> bool:
     """Whether a size wanted is below what coordinates can tell."""
-    sizes = edge_sizes(problem)
-    return bool(sizes[-1] <= SMALLEST or sizes.min() <= SMALLEST)
+    return bool(edge_sizes(problem).min() <= SMALLEST)
 
 
 def rim_size(problem: Problem) -> float:

@@ -36,17 +36,20 @@ class Face(NamedTuple):
 
 
 class Blunted(NamedTuple):
-    """What wear has blunted at the first time after the start.
+    """What wear has blunted.
 
     Parameters
     ----------
-    slow, fast : (N,) lengths beside each edge but the centre, on the side that wears slower and faster; infinite if no
-        history is wanted
+    slow : (N,) length at the first time after the start, beside each edge but the centre, on the side that wears slower;
+        infinite if no history is wanted
+    ratio : (N,) of the length on the other side to it, at least 1
+    span : last time over the first
     start : whether the start is wanted
     """
 
     slow: Array
-    fast: Array
+    ratio: Array
+    span: float
     start: bool
 
 
@@ -194,11 +197,13 @@ class Problem:
 
     @property
     def blunted(self) -> Blunted:
-        """What wear has blunted at the earliest time."""
+        """What wear has blunted, by which sizes go."""
         wear, earliest = self.merged.wear_coefficients, self.earliest or np.inf
         outside = np.append(wear[1:], wear[-1])
+        slower = np.minimum(wear, outside)
+        span = float(self.times[-1] / earliest) if self.earliest else 1.0
         start = bool(len(self.times)) and self.times[0] == 0
-        return Blunted(np.minimum(wear, outside) * earliest, np.maximum(wear, outside) * earliest, start)
+        return Blunted(slower * earliest, np.maximum(wear, outside) / slower, span, start)
 
     def wants(self, quantity: str) -> bool:
         """Whether a quantity is wanted."""

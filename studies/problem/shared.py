@@ -1,7 +1,7 @@
 """Problems on the same ring edges and half-space: one discretisation serves every wear, load and time.
 
 A compliance knows nothing of wear, only its sizes do: those beside each edge follow the length that wear has blunted there
-by the earliest time. What all of several problems need is the least of these lengths.
+by the earliest time. What all of several problems need is the least of them on the slower side, the greatest on the faster.
 """
 
 from collections.abc import Hashable, Sequence
@@ -35,8 +35,13 @@ class Shared(Problem):
 
     @property
     def blunted(self) -> Blunted:
-        slow, fast, start = zip(*(one.blunted for one in self.members), strict=True)
-        return Blunted(np.min(slow, axis=0), np.min(fast, axis=0), any(start))
+        every = [one.blunted for one in self.members]
+        slow = np.min([one.slow for one in every], axis=0)
+        # what is blunted on the faster side leaves the edge of the slower alone, and sharp
+        with np.errstate(invalid="ignore"):
+            ratio = np.max([one.slow * one.ratio for one in every], axis=0) / slow
+        whole = np.where(np.isfinite(slow), ratio, np.max([one.ratio for one in every], axis=0))
+        return Blunted(slow, whole, max(one.span for one in every), any(one.start for one in every))
 
     @property
     def earliest(self) -> float:

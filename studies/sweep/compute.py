@@ -61,7 +61,7 @@ def _computed(sweep: Sweep, layout: Layout) -> Outcome:
         for name, solution in solutions[number].items():
             put(values, (number, layout.solvers.index(name)), problem, solution, sweep.keep)
         if len(layout.solvers) > 1:
-            for name, value in worst(problem, solutions[number], sweep.keep)._asdict().items():
+            for name, value in worst(problem, list(solutions[number].values()), sweep.keep)._asdict().items():
                 values[name][number] = value
     status = np.array([FAILED if why else DONE for why in reason], dtype=np.uint8)
     return Outcome(values, status, reason)
