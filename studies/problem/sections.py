@@ -51,7 +51,11 @@ class PunchSection(Section):
             if not self.ring_edges or abs(self.ring_edges[-1] / self.radius - 1) > 1e-9:
                 raise ValueError(f"ring_edges = {self.ring_edges} must end at punch.radius = {self.radius}")
         count = self.rings or len(self.ring_edges or [])
-        self._has_one_of("wear_coefficients", "wear_coefficient")
+        if self.wear_coefficients is None and self.wear_coefficient is None:
+            raise ValueError("missing key punch.wear_coefficients; give positive numbers, two that alternate from the centre "
+                             "or one for each ring, or wear_coefficient with wear_ratio")  # fmt: skip
+        if self.wear_coefficients is not None and (self.wear_coefficient or self.wear_ratio):
+            raise ValueError("give either wear_coefficients or wear_coefficient with wear_ratio, and not both")
         if (self.wear_coefficient is None) != (self.wear_ratio is None):
             raise ValueError("wear_ratio = k2/k1 goes with wear_coefficient = k1: give both, or the list wear_coefficients")
         given = len(self.coefficients)
