@@ -1,37 +1,37 @@
-"""The command line: `ringwear run | plan | mesh | compare | study | scenes`.
+"""The command line: `ringwear run | plan | mesh | compare | study | sweep | scenes`.
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree, or one cannot reach
 the accuracy asked for; 2 bad input; 1 anything else, such as a figure that could not be drawn, and when stopped by Ctrl-C or
-SIGTERM (the finished rows of a study are kept).
+SIGTERM (finished rows of a study and scenes of a sweep are kept).
 """
 
 import argparse
 import logging
+import os
 import signal
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ringwear.meshes.errors import RingwearError, SceneError
-from ringwear.studies.output.folder import Folder, held
-from ringwear.studies.problem.scene import Scene, bundled
-from ringwear.studies.progress import LOG, STAGES
-from ringwear.studies.registry import INTERRUPTED, STUDIES, Study
+from ringwear.studies import commands as does
+from ringwear.studies.commands import BAD_INPUT, FAILED
+from ringwear.studies.progress import LOG, STAGES, Terminal
+from ringwear.studies.registry import STUDIES, Study
 
 if TYPE_CHECKING:
-    from ringwear.studies.crosscheck.run import Result
-
-DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
+    pass
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     options = _parser().parse_args(arguments)
     LOG.setLevel(logging.INFO)
-    STAGES.setLevel(logging.WARNING if options.command is _study else logging.NOTSET)
+    STAGES.setLevel(logging.WARNING if options.command in (does.study, does.sweep) else logging.NOTSET)
     if not any(isinstance(handler, Terminal) for handler in LOG.handlers):
         LOG.addHandler(Terminal())
     try:
@@ -53,12 +53,11 @@ def main(arguments: list[str] | None = None) -> int:
 
 @contextmanager
 def _terminable() -> Iterator[None]:
-    """SIGTERM ends the work as Ctrl-C does."""
-
-    def stop(*_: Any) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, stop)
+    """SIGTERM, by which a batch system ends a job, ends the work as Ctrl-C does."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         yield
     finally:
@@ -83,17 +82,18 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--no-report", action="store_true", help="figures, but no report.html")
     run.add_argument("--csv", action="store_true", help="the results as CSV tables, too")
     run.add_argument("--animate", action="store_true", help="the wearing punch as animation.gif, too")
-    run.set_defaults(command=_run)
+    _add_memory(run)
+    run.set_defaults(command=does.run)
 
     plan = commands.add_parser("plan", help="say what a scene will take, without computing it")
     plan.add_argument("scene", help="a TOML file or a bundled scene")
     plan.add_argument("--check", action="store_true", help="also condense it, and report the stability of the multipliers")
-    plan.set_defaults(command=_plan)
+    plan.set_defaults(command=does.plan)
 
     mesh = commands.add_parser("mesh", help="mesh the half-space of a scene: a VTU file and a figure")
     mesh.add_argument("scene", help="a TOML file or a bundled scene")
     mesh.add_argument("--out", type=_directory, help="directory (default: results/SCENE)")
-    mesh.set_defaults(command=_mesh)
+    mesh.set_defaults(command=does.mesh)
 
     compare = commands.add_parser("compare", help="two folders of results, or scenes: what differs, drawn together")
     for side in "AB":
@@ -101,16 +101,32 @@ def _parser() -> argparse.ArgumentParser:
     compare.add_argument(
         "--out", type=_directory, default=Path("results/compare"), help="directory (default: results/compare)"
     )
-    compare.set_defaults(command=_compare)
+    compare.set_defaults(command=does.compare)
 
     studies = commands.add_parser("study", help="a study: figures, tables and a conclusion")
     names = studies.add_subparsers(required=True, metavar="NAME")
     for name, study in STUDIES.items():
         _add_study(names.add_parser(name, help=study.purpose), name, study)
 
+    sweep = commands.add_parser("sweep", help="a map: many scenes over axes of scene keys, kept in one labelled store")
+    sweep.add_argument("file", help="a sweep file (studies/sweep/README.md), or a bundled sweep")
+    sweep.add_argument("--out", type=Path, default=None, help="directory for the store (default: results/FILE)")
+    sweep.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, to compute on its workers")
+    cores = os.cpu_count() or 1
+    sweep.add_argument("--workers", type=int, default=cores, help="processes on this machine (default: its cores)")
+    _add_memory(sweep)
+    sweep.add_argument("--dry-run", action="store_true", help="say what it will take, without computing")
+    sweep.add_argument("--resume", action="store_true", help="go on with what is in the directory")
+    sweep.set_defaults(command=does.sweep)
+
     scenes = commands.add_parser("scenes", help="list the bundled scenes")
-    scenes.set_defaults(command=_scenes)
+    scenes.set_defaults(command=does.scenes)
     return parser
+
+
+def _add_memory(parser: argparse.ArgumentParser) -> None:
+    help = "most memory in GiB; what would need more is refused before it starts (default: what the machine has)"
+    parser.add_argument("--memory", type=float, metavar="GIB", help=help)
 
 
 def _add_study(parser: argparse.ArgumentParser, name: str, study: Study) -> None:
@@ -119,7 +135,7 @@ def _add_study(parser: argparse.ArgumentParser, name: str, study: Study) -> None
     parser.add_argument("--quick", action="store_true", help="a smaller version of the study")
     for flag, settings in study.options:
         parser.add_argument(flag, **settings)
-    parser.set_defaults(command=_study, study=name)
+    parser.set_defaults(command=does.study, study=name)
 
 
 def _version() -> str:
@@ -133,158 +149,6 @@ def _directory(text: str) -> Path:
     if not text.strip():
         raise argparse.ArgumentTypeError("is empty: give a directory")
     return Path(text)
-
-
-class Terminal(logging.Handler):
-    """The log on standard error: on a terminal unfinished lines are written over; elsewhere only finished ones show."""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        line = record.getMessage()
-        if sys.stderr.isatty():
-            print(f"\r\033[K{line}", end="" if line.endswith("...") else "\n", file=sys.stderr, flush=True)
-        elif not line.endswith("..."):
-            print(line, file=sys.stderr)
-
-
-def _results_of(options: argparse.Namespace) -> Path:
-    return options.out or Path("results") / Path(options.scene).stem
-
-
-def _run(options: argparse.Namespace) -> int:
-    scene = Scene.load(options.scene)
-    if options.rtol is not None:
-        scene = scene.changed(accuracy__rtol=options.rtol)
-    if options.methods is not None:
-        scene = scene.changed(methods=[name.strip() for name in options.methods.split(",") if name.strip()])
-    # that the folder can be written to is known before the work
-    with held(_results_of(options), "run") as folder:
-        from ringwear.studies.crosscheck import agreement
-        from ringwear.studies.crosscheck.run import run
-        from ringwear.studies.output.of_run import write
-        from ringwear.studies.output.side_by_side import Job, make
-        from ringwear.studies.report.printed import print_result
-
-        result = run(scene)
-        failures = write(result, folder, figures=not options.no_figures, tables=options.csv)
-        if options.animate:
-            failures += make([Job("animation.gif", lambda path: _animate(result, path))], [], folder.hidden)
-        if not (options.no_figures or options.no_report):
-            failures += make(
-                [Job("report.html", lambda path: _write_report(result, folder.hidden, path))], [], folder.hidden
-            )
-        print_result(result)
-    _say_files(folder)
-    for failure in failures:
-        print(f"ringwear: {failure}", file=sys.stderr)
-    if failures:
-        return FAILED
-    return DISAGREE if result.verdict == agreement.DISAGREE or result.short_of else DONE
-
-
-def _write_report(result: "Result", figures: Path, path: Path) -> None:
-    from ringwear.studies.report.page import write_report
-
-    write_report(result, figures, path)
-
-
-def _animate(result: "Result", path: Path) -> None:
-    from ringwear.studies.figures.animation import animate
-
-    animate(result.scene, result.solutions, path)
-
-
-def _say_files(folder: Folder) -> None:
-    print(f"\n{len(folder.published)} files in {folder.out}: {', '.join(folder.published)}")
-    for note in folder.notes:
-        print(f"note: {note}")
-    if foreign := folder.foreign():
-        shown = ", ".join(foreign[:5]) + (" ..." if len(foreign) > 5 else "")
-        print(f"note: {len(foreign)} other files there are not of ringwear, and were left alone: {shown}")
-
-
-def _plan(options: argparse.Namespace) -> int:
-    from ringwear.studies.crosscheck.run import run
-    from ringwear.studies.crosscheck.scope import plan, time_scale
-    from ringwear.studies.report.printed import print_scope
-
-    scene = Scene.load(options.scene)
-    print(f"\n{scene.title or 'Untitled scene'}")
-    for line in time_scale(scene):
-        print(line)
-    print()
-    print_scope(scene)
-    print("\nBy method")
-    for line in plan(scene):
-        print(f"  {line}")
-    # the finite elements' multipliers against a compliance that resolves every pressure they have
-    for both in run(scene.changed(methods=["mdr", "fem"])).operators if options.check else ():
-        print(
-            f"\nMultipliers: inf-sup constant {both.stability**0.5:.2f}, least ratio of energies {both.stability:.2f} "
-            f"({both.methods[0]} over {both.methods[1]}); over all steady states they differ by {both.rings:.1e}"
-        )
-    return DONE
-
-
-def _mesh(options: argparse.Namespace) -> int:
-    scene = Scene.load(options.scene)
-    with held(_results_of(options), "mesh") as folder:
-        from ringwear.meshes.half_space import quality
-        from ringwear.studies.methods.fem import half_space_mesh
-        from ringwear.studies.output.of_run import write_mesh
-
-        meshed = half_space_mesh(scene.problem)
-        write_mesh(scene, meshed, folder)
-    mesh, shape = meshed.mesh, quality(meshed.mesh)
-    kind = {3: "triangles", 4: "quadrilaterals"}[len(mesh.t)]
-    print(f"{mesh.nelements} {kind} by {meshed.mesher}, {len(mesh.boundaries['contact'])} facets on the contact, "
-          f"quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean {shape.mean():.2f}")  # fmt: skip
-    for note in meshed.notes:
-        print(f"note: {note}")
-    _say_files(folder)
-    return DONE
-
-
-def _compare(options: argparse.Namespace) -> int:
-    with held(options.out, "compare") as folder:
-        from ringwear.studies.figures.comparison import OVER_RADIUS, OVER_TIME, draw_comparison
-        from ringwear.studies.report import comparison
-        from ringwear.studies.report.printed import print_rows
-        from ringwear.studies.tables import Table
-
-        one, other = comparison.both(options.A, options.B)
-        keys, answers = comparison.scene_rows(one, other), comparison.answer_rows(one, other)
-        curves = {name: (one.curve(name), other.curve(name)) for name in (*OVER_RADIUS, *OVER_TIME)}
-        if not any(found is not None for pair in curves.values() for found in pair):
-            raise SceneError("neither result holds a history or a steady state: there is nothing to compare")
-        Table(folder.hidden / "scenes.csv", keys.headers, keys.rows)
-        Table(folder.hidden / "answers.csv", answers.headers, answers.rows)
-        draw_comparison((one.scene, other.scene), curves, folder.hidden / "comparison.png")
-    print(f"A: {one.name}\nB: {other.name}\n")
-    print_rows(keys)
-    print()
-    print_rows(answers)
-    _say_files(folder)
-    return DONE
-
-
-def _study(options: argparse.Namespace) -> int:
-    scene = Scene.load(options.scene)
-    with held(options.out or Path("results") / options.study, f"study {options.study}") as folder:
-        study = STUDIES[options.study]
-        conclusions = study.conduct(scene, folder.hidden, options)
-        folder.publish()
-        from ringwear.studies.report.page import write_study
-
-        write_study(options.study, study.purpose, scene, conclusions, folder.out)
-    print("\n".join(conclusions))
-    _say_files(folder)
-    return FAILED if INTERRUPTED in conclusions else DONE
-
-
-def _scenes(_: argparse.Namespace) -> int:
-    for name in bundled():
-        print(f"{name:<14}{Scene.load(name).title}")
-    return DONE
 
 
 if __name__ == "__main__":

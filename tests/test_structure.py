@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[1]
 ROOMS = (
     {"meshes"},
     {"mdr", "fem"},
-    {"studies.registry", "studies.progress"},
+    {"studies.registry", "studies.progress", "studies.versions"},
     {"studies.tables", "studies.problem"},
     {"studies.wear"},
     {"studies.methods"},

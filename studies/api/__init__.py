@@ -24,11 +24,16 @@ from ringwear.studies.problem.scene import Scene
 if TYPE_CHECKING:
     from ringwear.studies.crosscheck.run import run
     from ringwear.studies.crosscheck.scope import plan
+    from ringwear.studies.sweep.run import sweep
 
-__all__ = ["Scene", "plan", "run"]
+__all__ = ["Scene", "plan", "run", "sweep"]
 
 # a scene alone does not need the numerics that these bring in
-LATER = {"run": "ringwear.studies.crosscheck.run", "plan": "ringwear.studies.crosscheck.scope"}
+LATER = {
+    "run": "ringwear.studies.crosscheck.run",
+    "plan": "ringwear.studies.crosscheck.scope",
+    "sweep": "ringwear.studies.sweep.run",
+}
 
 
 def __getattr__(name: str) -> object:

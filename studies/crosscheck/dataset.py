@@ -3,7 +3,6 @@
 import json
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
@@ -16,14 +15,14 @@ from ringwear.studies.crosscheck.answer import ALSO, ANSWER, STATES, answer
 from ringwear.studies.crosscheck.operators import OperatorDifference
 from ringwear.studies.crosscheck.scope import left_out, modelled
 from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import NORMS, QUANTITIES, array, common, error_name, values
+from ringwear.studies.methods.quantities import ERROR, NORMS, QUANTITIES, array, common, error_name, values
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.unit_names import UnitNames
 from ringwear.studies.progress import Stages
+from ringwear.studies.versions import versions
+from ringwear.studies.wear.modes import SHOWN
 
-MODES = 20
 UNSTATED = "the scene's own consistent units"
-ERROR = "relative error of {}, the method's own estimate: {}"
 
 DEFINITIONS = {
     "verdict": "agree: every difference is within the uncertainty, and that within a few rtol; disagree: a difference "
@@ -129,7 +128,7 @@ def dataset(result: Result) -> xarray.Dataset:
     """All results over dimensions solver, time, radius, ring and mode; NaN where a method does not give a quantity."""
     scene, solutions = result.scene, result.solutions
     problem, names = scene.problem, UnitNames.of(scene.units)
-    sizes = {"time": len(problem.times), "radius": len(problem.radii), "ring": len(problem.wear_coefficients), "mode": MODES}
+    sizes = {"time": len(problem.times), "radius": len(problem.radii), "ring": len(problem.wear_coefficients), "mode": SHOWN}
     sizes["state"] = len(STATES)
     every = [values(solution.results) for solution in solutions.values()]
     errors = [solution.errors for solution in solutions.values()]
@@ -140,7 +139,8 @@ def dataset(result: Result) -> xarray.Dataset:
     variables: dict[str, Any] = {}
     for name, quantity in QUANTITIES.items():
         shape = tuple(sizes[dim] for dim in quantity.dims)
-        scaled = _gathered(every, name, shape) * getattr(problem.units, quantity.unit)
+        scaled = _gathered(every, name, shape)
+        scaled *= getattr(problem.units, quantity.unit)
         variables[name] = (("solver", *quantity.dims), scaled, about(quantity.definition, quantity.unit))
         shape = tuple(sizes[dim] for dim in quantity.error_dims)
         of_error = about(ERROR.format(name, NORMS[quantity.norm]), "share")
@@ -153,8 +153,13 @@ def dataset(result: Result) -> xarray.Dataset:
             _gathered(answers, name, shape),
             about(quantity.definition, quantity.unit),
         )
-    radius, edges = problem.radii * problem.units.length, problem.ring_edges * problem.units.length
-    coefficients = problem.wear_coefficients * problem.units.wear_coefficient
+    edges, coefficients = (
+        problem.ring_edges * problem.units.length,
+        problem.wear_coefficients * problem.units.wear_coefficient,
+    )
+    # as they were asked for: by way of the non-dimensional ones they would differ in the last digit
+    given = scene.output.radii
+    radius = problem.radii * problem.units.length if given is None else np.array(given, dtype=float)
     coordinates = {
         "solver": list(solutions),
         "time": ("time", np.array(scene.wear.times), about("time of sliding", "time")),
@@ -163,7 +168,7 @@ def dataset(result: Result) -> xarray.Dataset:
         "ring_inner_radius": ("ring", edges[:-1], about("inner edge of the ring", "length")),
         "ring_outer_radius": ("ring", edges[1:], about("outer edge of the ring", "length")),
         "wear_coefficient": ("ring", coefficients, about("k of df/dt = k p v0 on the ring", "wear_coefficient")),
-        "mode": ("mode", np.arange(1, MODES + 1), {"long_name": "wear mode, slowest first"}),
+        "mode": ("mode", np.arange(1, SHOWN + 1), {"long_name": "wear mode, slowest first"}),
         "state": list(STATES),
     }
     return xarray.Dataset(variables, coordinates, _attributes(scene))
@@ -188,17 +193,6 @@ def _attributes(scene: Scene) -> dict[str, str]:
         "versions": json.dumps(versions()),
         "scene": scene.to_toml(),
     }
-
-
-def versions() -> dict[str, str]:
-    """Versions of ringwear and of what it computes with."""
-    known = {}
-    for name in ("ringwear", "numpy", "scipy", "scikit-fem", "gmsh", "meshio", "xarray"):
-        try:
-            known[name] = version(name)
-        except PackageNotFoundError:
-            known[name] = "not installed"
-    return known
 
 
 def summary(result: Result) -> dict[str, Any]:

@@ -1,8 +1,12 @@
 """What a scene requires, and what it does not: said before a run by `plan`, and after it in the summary."""
 
+import os
+from itertools import combinations
+
 import numpy as np
 
 from ringwear.studies.methods.base import method
+from ringwear.studies.methods.costs import Expected, check_terms, memory_terms, output_terms, rates
 from ringwear.studies.problem.defaults import truncation
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.time_scale import MOST_RINGS, slowest_relaxation_time
@@ -57,6 +61,42 @@ def left_out(scene: Scene) -> dict[str, str]:
     return reasons
 
 
+def expected(scene: Scene) -> Expected:
+    """What a run of a scene will take, check, files and figures included."""
+    problem = scene.problem
+    costs = {name: method(name).cost(problem) for name in scene.methods}
+    known = rates()
+    compliances = [name for name in scene.methods if method(name).operator]
+    # compared on the space of a method that has one of its own, else on the other's
+    check = sum(
+        float(known["check"]["seconds"] @ check_terms((costs.get("fem") or costs[one]).pressures, problem))
+        for one, other in combinations(compliances, 2)
+        if {one, other} != {"fem"}
+    )
+    output = float(known["output"]["seconds"] @ output_terms(problem, list(costs.values()), costs.get("fem")))
+    memory = {key: float(known["memory"]["gib"] @ part) for key, part in memory_terms(problem, costs).items()}
+    return Expected(costs, check, output, memory)
+
+
+def beyond_memory(whole: Expected, limit: float) -> str:
+    """Why a run would not fit into so many GiB, and the key that causes it; empty if it fits."""
+    if whole.gib <= limit:
+        return ""
+    key = max(whole.memory, key=whole.memory.__getitem__)
+    needed = f"about {whole.gib:.2g} GiB are needed, {whole.memory[key]:.2g} of them for {key}"
+    return f"{needed}, and {limit:.2g} are allowed: ask for less there, or give --memory GIB if there is more"
+
+
+def machine_memory() -> float:
+    """GiB of this machine."""
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
+
+
+def refusals(scene: Scene) -> list[str]:
+    """Why methods cannot compute a scene, each with its remedy."""
+    return [refusal for name in scene.methods if (refusal := method(name).refusal(scene.problem))]
+
+
 def plan(scene: Scene) -> list[str]:
     """What each method will be made of and cost, without making it; then what is worth knowing before it runs.
 
@@ -71,16 +111,21 @@ def plan(scene: Scene) -> list[str]:
     """
     problem = scene.problem
     lines, seconds = [], {}
-    for name in scene.methods:
-        cost = method(name).cost(problem)
+    whole = expected(scene)
+    for name, cost in whole.by_method.items():
         lines.append(f"{name}: {method(name).described(problem)}")
         error = "error by the sizes given" if np.isnan(cost.error) else f"error about {cost.error:.0e}"
         size = f"about {cost.unknowns} unknowns, {cost.pressures} pressures"
-        lines.append(f"    {size}, {cost.seconds:.2g} s, {cost.memory:.2g} GiB, {error}")
+        lines.append(f"    {size}, {cost.seconds:.2g} s, {error}")
         if np.isfinite(cost.seconds) and not ("history" in method(name).lacks and scene.wear.times):
             seconds[name] = cost.seconds
     if seconds:
         lines.append(f"cheapest for rtol {problem.rtol:.0e}: {min(seconds, key=seconds.__getitem__)}")
+    checked = f"comparing operators {whole.check:.2g} s, " if whole.check else ""
+    most = max(whole.memory, key=whole.memory.__getitem__)
+    lines.append(f"in all: {whole.seconds:.2g} s ({checked}files and figures {whole.output:.2g} s), {whole.gib:.2g} GiB, "
+                 f"most of it for {most}")  # fmt: skip
+    lines += [f"refused: {refusal}" for refusal in refusals(scene)]
     lines += [f"note: {note}" for name in scene.methods for note in method(name).notes(problem)]
     if "fem" in scene.methods and {"mdr", "bem"}.isdisjoint(scene.methods):
         lines.append(

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from ringwear.fem.condensation import solver
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.gmsh_session import unavailable
+from ringwear.meshes.sizes import NARROWEST
 from ringwear.studies.methods import fem_counts
 from ringwear.studies.methods.by_compliance import ComplianceMethod, Discretised
 from ringwear.studies.methods.estimate import (
@@ -133,6 +134,13 @@ class Fem(ComplianceMethod):
 
     def counted(self, problem: Problem) -> tuple[int, int]:
         return fem_counts.counted(usable_here(problem)[0])
+
+    def refusal(self, problem: Problem) -> str:
+        narrowest = float(problem.merged.widths.min())
+        if narrowest < NARROWEST:
+            less = f"rings narrower than {NARROWEST:g} a cannot be meshed: the narrowest is {narrowest:.2g} a"
+            return f"{less}; merge it with a neighbour, or leave fem out of methods"
+        return super().refusal(problem)
 
     def notes(self, problem: Problem) -> tuple[str, ...]:
         return usable_here(problem)[1]

@@ -9,6 +9,11 @@ import xarray
 from ringwear.meshes.radial import Array
 from ringwear.studies.problem.problem import Face
 
+# times the accuracy asked for that the uncertainty of two methods may be, each of which is to be that accurate
+A_FEW = 4.0
+# the finest accuracy that can be asked for
+FINEST = 1e-9
+ERROR = "relative error of {}, the method's own estimate: {}"
 # relaxation times that are promised and compared: the slowest, which last
 COMPARED_MODES = 3
 # quantities that converge twice as fast as fields do
@@ -59,10 +64,17 @@ QUANTITIES = {
 }
 
 
+HISTORIES = frozenset(name for name, quantity in QUANTITIES.items() if "time" in quantity.dims)
+FIELDS = frozenset(name for name, quantity in QUANTITIES.items() if "radius" in quantity.dims)
+STEADY = frozenset(name for name in QUANTITIES if name.startswith("steady_"))
+
+
 def labelled(values: Mapping[str, Array | float], radii: Array, times: Array | None = None) -> xarray.Dataset:
     """Values of quantities as an xarray Dataset, non-dimensional; without times those of the steady state."""
     variables = {name: (QUANTITIES[name].dims, value) for name, value in values.items()}
-    return xarray.Dataset(variables, {"radius": radii} if times is None else {"time": times, "radius": radii})
+    used = {dim for name in values for dim in QUANTITIES[name].dims}
+    # labels take longer to make than most values do
+    return xarray.Dataset(variables, {dim: of for dim, of in (("time", times), ("radius", radii)) if dim in used})
 
 
 def error_name(name: str) -> str:

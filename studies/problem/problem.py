@@ -35,6 +35,24 @@ class Face(NamedTuple):
     weights: Array
 
 
+class Blunted(NamedTuple):
+    """What wear has blunted.
+
+    Parameters
+    ----------
+    slow : (N,) length at the first time after the start, beside each edge but the centre, on the side that wears slower;
+        infinite if no history is wanted
+    ratio : (N,) of the length on the other side to it, at least 1
+    span : last time over the first
+    start : whether the start is wanted
+    """
+
+    slow: Array
+    ratio: Array
+    span: float
+    start: bool
+
+
 class Rings(NamedTuple):
     """Rings of a punch: (N+1,) edges from 0 to 1, and (N,) wear coefficients over the greatest."""
 
@@ -118,6 +136,7 @@ class Problem:
     output_radii : None for a grid that shows every ring
     fem, mdr : sizes that the user has given
     units : sizes of the units
+    quantities : names of those wanted; None for all that go with times and steady state
     """
 
     rings: Rings
@@ -132,6 +151,7 @@ class Problem:
     fem: FemAccuracy = field(default_factory=FemAccuracy)
     mdr: MdrAccuracy = field(default_factory=MdrAccuracy)
     units: Units = Units()
+    quantities: frozenset[str] | None = None
 
     @classmethod
     def posed(
@@ -145,7 +165,7 @@ class Problem:
         else:
             ring_edges = np.array([0.0, *punch.ring_edges]) / length
             ring_edges[-1] = 1.0
-        count, given = len(ring_edges) - 1, np.array(punch.wear_coefficients)
+        count, given = len(ring_edges) - 1, np.array(punch.coefficients)
         coefficients = given if len(given) == count else given[np.arange(count) % 2]
         modulus = half_space.plane_strain_modulus or (half_space.youngs_modulus or 0.0) / (1 - half_space.poisson_ratio**2)
         force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * length**2
@@ -182,6 +202,20 @@ class Problem:
     def earliest(self) -> float:
         """The first time after the start; 0 without any."""
         return float(min(self.times[self.times > 0], default=0.0))
+
+    @property
+    def blunted(self) -> Blunted:
+        """What wear has blunted, by which sizes go."""
+        wear, earliest = self.merged.wear_coefficients, self.earliest or np.inf
+        outside = np.append(wear[1:], wear[-1])
+        slower = np.minimum(wear, outside)
+        span = float(self.times[-1] / earliest) if self.earliest else 1.0
+        start = bool(len(self.times)) and self.times[0] == 0
+        return Blunted(slower * earliest, np.maximum(wear, outside) / slower, span, start)
+
+    def wants(self, quantity: str) -> bool:
+        """Whether a quantity is wanted."""
+        return self.quantities is None or quantity in self.quantities
 
     @cached_property
     def radii(self) -> Array:

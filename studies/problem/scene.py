@@ -191,7 +191,7 @@ def _explain(error: ValidationError) -> str:
     first = min(error.errors(include_url=False), key=lambda item: item["type"] != "extra_forbidden")
     location = [str(part) for part in first["loc"]]
     key = ".".join(location)
-    section, field = _declaration(location)
+    section, field = declaration(location)
     if first["type"] == "extra_forbidden":
         known = [info.alias or name for name, info in section.model_fields.items()]
         close = difflib.get_close_matches(location[-1], known, 1, 0.0)
@@ -207,7 +207,7 @@ def _explain(error: ValidationError) -> str:
     return f"{key} = {first['input']!r}: {message[0].lower()}{message[1:]}{remedy}"
 
 
-def _declaration(location: list[str]) -> tuple[type[Section], Any]:
+def declaration(location: list[str]) -> tuple[type[Section], Any]:
     """The section that a location lies in, and its field if it is known."""
     section: type[Section] = Scene
     field = None

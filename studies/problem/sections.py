@@ -48,9 +48,11 @@ class PunchSection(Section):
     ring_edges: list[Positive] | None = Field(
         default=None, description="the outer radius of each ring, increasing, the last equal to punch.radius"
     )
-    wear_coefficients: list[Positive] = Field(
-        description="positive numbers: two, alternating from the centre, or one for each ring"
+    wear_coefficients: list[Positive] | None = Field(
+        default=None, description="positive numbers: two, alternating from the centre, or one for each ring"
     )
+    wear_coefficient: Positive | None = Field(default=None, description="that of odd rings, k1, a positive number")
+    wear_ratio: Positive | None = Field(default=None, description="k2/k1 of two materials that alternate from the centre")
 
     @model_validator(mode="after")
     def _rings_are_given_once(self) -> Self:
@@ -62,13 +64,29 @@ class PunchSection(Section):
             if not self.ring_edges or abs(self.ring_edges[-1] / self.radius - 1) > 1e-9:
                 raise ValueError(f"ring_edges = {self.ring_edges} must end at punch.radius = {self.radius}")
         count = self.rings or len(self.ring_edges or [])
-        given = len(self.wear_coefficients)
+        if self.wear_coefficients is None and self.wear_coefficient is None:
+            raise ValueError("missing key punch.wear_coefficients; give positive numbers, two that alternate from the "
+                             "centre or one for each ring; or wear_coefficient with wear_ratio")  # fmt: skip
+        if self.wear_coefficients is not None and (self.wear_coefficient or self.wear_ratio):
+            raise ValueError("give either wear_coefficients or wear_coefficient with wear_ratio, and not both")
+        if (self.wear_coefficient is None) != (self.wear_ratio is None):
+            raise ValueError("wear_ratio = k2/k1 goes with wear_coefficient = k1: give both, or the list wear_coefficients")
+        given = len(self.coefficients)
         if given not in (2, count):
             raise ValueError(
                 f"wear_coefficients has {given} values for {count} rings: "
                 f"give {count}, or two, which alternate from the centre"
             )
         return self
+
+    @property
+    def coefficients(self) -> list[float]:
+        """Wear coefficients: two, alternating from the centre, or one for each ring."""
+        if self.wear_coefficients is not None:
+            return self.wear_coefficients
+        assert self.wear_coefficient is not None
+        assert self.wear_ratio is not None
+        return [self.wear_coefficient, self.wear_coefficient * self.wear_ratio]
 
 
 class HalfSpaceSection(Section):

@@ -1,0 +1,178 @@
+"""What each command of the command line does; each returns the exit status."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.output.folder import Folder, held
+from ringwear.studies.problem.scene import Scene, bundled
+from ringwear.studies.registry import INTERRUPTED, STUDIES
+
+if TYPE_CHECKING:
+    from ringwear.studies.crosscheck.dataset import Result
+
+DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
+
+
+def _results_of(options: argparse.Namespace) -> Path:
+    return options.out or Path("results") / Path(options.scene).stem
+
+
+def run(options: argparse.Namespace) -> int:
+    scene = Scene.load(options.scene)
+    if options.rtol is not None:
+        scene = scene.changed(accuracy__rtol=options.rtol)
+    if options.methods is not None:
+        scene = scene.changed(methods=[name.strip() for name in options.methods.split(",") if name.strip()])
+    # that the folder can be written to is known before the work
+    with held(_results_of(options), "run") as folder:
+        from ringwear.studies.crosscheck import agreement
+        from ringwear.studies.crosscheck.run import run
+        from ringwear.studies.crosscheck.scope import beyond_memory, expected, machine_memory
+        from ringwear.studies.output.of_run import write
+        from ringwear.studies.output.side_by_side import Job, make
+        from ringwear.studies.report.printed import print_result
+
+        if refusal := beyond_memory(expected(scene), options.memory or machine_memory()):
+            raise SceneError(refusal)
+        result = run(scene)
+        failures = write(result, folder, figures=not options.no_figures, tables=options.csv)
+        if options.animate:
+            failures += make([Job("animation.gif", lambda path: _animate(result, path))], [], folder.hidden)
+        if not (options.no_figures or options.no_report):
+            failures += make(
+                [Job("report.html", lambda path: _write_report(result, folder.hidden, path))], [], folder.hidden
+            )
+        print_result(result)
+    _say_files(folder)
+    for failure in failures:
+        print(f"ringwear: {failure}", file=sys.stderr)
+    if failures:
+        return FAILED
+    return DISAGREE if result.verdict == agreement.DISAGREE or result.short_of else DONE
+
+
+def _write_report(result: "Result", figures: Path, path: Path) -> None:
+    from ringwear.studies.report.page import write_report
+
+    write_report(result, figures, path)
+
+
+def _animate(result: "Result", path: Path) -> None:
+    from ringwear.studies.figures.animation import animate
+
+    animate(result.scene, result.solutions, path)
+
+
+def _say_files(folder: Folder) -> None:
+    print(f"\n{len(folder.published)} files in {folder.out}: {', '.join(folder.published)}")
+    for note in folder.notes:
+        print(f"note: {note}")
+    if foreign := folder.foreign():
+        shown = ", ".join(foreign[:5]) + (" ..." if len(foreign) > 5 else "")
+        print(f"note: {len(foreign)} other files there are not of ringwear, and were left alone: {shown}")
+
+
+def plan(options: argparse.Namespace) -> int:
+    from ringwear.studies.crosscheck.run import run
+    from ringwear.studies.crosscheck.scope import plan, time_scale
+    from ringwear.studies.report.printed import print_scope
+
+    scene = Scene.load(options.scene)
+    print(f"\n{scene.title or 'Untitled scene'}")
+    for line in time_scale(scene):
+        print(line)
+    print()
+    print_scope(scene)
+    print("\nBy method")
+    for line in plan(scene):
+        print(f"  {line}")
+    # the finite elements' multipliers against a compliance that resolves every pressure they have
+    for both in run(scene.changed(methods=["mdr", "fem"])).operators if options.check else ():
+        print(
+            f"\nMultipliers: inf-sup constant {both.stability**0.5:.2f}, least ratio of energies {both.stability:.2f} "
+            f"({both.methods[0]} over {both.methods[1]}); over all steady states they differ by {both.rings:.1e}"
+        )
+    return DONE
+
+
+def mesh(options: argparse.Namespace) -> int:
+    scene = Scene.load(options.scene)
+    with held(_results_of(options), "mesh") as folder:
+        from ringwear.meshes.half_space import quality
+        from ringwear.studies.methods.fem import half_space_mesh
+        from ringwear.studies.output.of_run import write_mesh
+
+        meshed = half_space_mesh(scene.problem)
+        write_mesh(scene, meshed, folder)
+    mesh, shape = meshed.mesh, quality(meshed.mesh)
+    kind = {3: "triangles", 4: "quadrilaterals"}[len(mesh.t)]
+    print(f"{mesh.nelements} {kind} by {meshed.mesher}, {len(mesh.boundaries['contact'])} facets on the contact, "
+          f"quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean {shape.mean():.2f}")  # fmt: skip
+    for note in meshed.notes:
+        print(f"note: {note}")
+    _say_files(folder)
+    return DONE
+
+
+def compare(options: argparse.Namespace) -> int:
+    with held(options.out, "compare") as folder:
+        from ringwear.studies.figures.comparison import OVER_RADIUS, OVER_TIME, draw_comparison
+        from ringwear.studies.report import comparison
+        from ringwear.studies.report.printed import print_rows
+        from ringwear.studies.tables import Table
+
+        one, other = comparison.both(options.A, options.B)
+        keys, answers = comparison.scene_rows(one, other), comparison.answer_rows(one, other)
+        curves = {name: (one.curve(name), other.curve(name)) for name in (*OVER_RADIUS, *OVER_TIME)}
+        if not any(found is not None for pair in curves.values() for found in pair):
+            raise SceneError("neither result holds a history or a steady state: there is nothing to compare")
+        Table(folder.hidden / "scenes.csv", keys.headers, keys.rows)
+        Table(folder.hidden / "answers.csv", answers.headers, answers.rows)
+        draw_comparison((one.scene, other.scene), curves, folder.hidden / "comparison.png")
+    print(f"A: {one.name}\nB: {other.name}\n")
+    print_rows(keys)
+    print()
+    print_rows(answers)
+    _say_files(folder)
+    return DONE
+
+
+def study(options: argparse.Namespace) -> int:
+    from ringwear.studies.tables import keeping_rows
+
+    scene = Scene.load(options.scene)
+    with held(options.out or Path("results") / options.study, f"study {options.study}") as folder:
+        study, conclusions = STUDIES[options.study], list[str]()
+        with keeping_rows(conclusions):
+            conclusions += study.conduct(scene, folder.hidden, options)
+        if conclusions == [INTERRUPTED]:
+            # stopped between its rows: tables are whole after every row, but a figure may be half there
+            for file in set(folder.hidden.iterdir()) - set(folder.hidden.glob("*.csv")):
+                file.unlink()
+        folder.publish()
+        from ringwear.studies.report.page import write_study
+
+        write_study(options.study, study.purpose, scene, conclusions, folder.out)
+    print("\n".join(conclusions))
+    _say_files(folder)
+    return FAILED if INTERRUPTED in conclusions else DONE
+
+
+def sweep(options: argparse.Namespace) -> int:
+    from ringwear.studies.sweep.run import swept
+
+    if options.workers < 1:
+        raise SceneError(f"--workers {options.workers}: give 1 or more")
+    options.scene = options.file
+    conclusions, complete = swept(options.file, _results_of(options), options)
+    print("\n".join(conclusions))
+    return DONE if complete else FAILED
+
+
+def scenes(_: argparse.Namespace) -> int:
+    for name in bundled():
+        print(f"{name:<14}{Scene.load(name).title}")
+    return DONE
