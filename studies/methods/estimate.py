@@ -40,7 +40,7 @@ RADIAL, LAYERS = Safety(0.7, 1.6, 0.65), Safety(0.5, 0.5, 1.2)
 RADIAL_FINER = Safety(1.5, 2.0, 3.0)
 # of finite elements: one degree of the pressure less; then one degree of the displacement (and a layer) less
 QUAD_MULTIPLIERS, QUADS = Safety(0.1, 1.4, 0.7), Safety(1.5, 1.9, 1.0)
-TRIANGLE_MULTIPLIERS, TRIANGLES, TRIANGLES_FINER = Safety(20.0, 2.0, 8.0), Safety(12.0, 1.0, 8.0), Safety(2.0, 3.0, 8.0)
+TRIANGLE_MULTIPLIERS, TRIANGLES, TRIANGLES_FINER = Safety(20.0, 2.0, 12.0), Safety(12.0, 1.0, 12.0), Safety(2.0, 3.0, 12.0)
 # with half the springs and twice the step, what is of first order doubles; slopes and jumps at ring edges are of half that
 GRID = Safety(1.5, 2.5, 2.5)
 # fraction of d0 that the element at the rim costs, over its size and times its degree: it cannot hold a pressure that is
