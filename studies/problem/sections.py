@@ -53,8 +53,8 @@ class PunchSection(Section):
         count = self.rings or len(self.ring_edges or [])
         if self.wear_coefficients is None and self.wear_coefficient is None:
             raise ValueError(
-                "missing key punch.wear_coefficients; give positive numbers, two that alternate from the centre or one for each "
-                "ring; or wear_coefficient with wear_ratio"
+                "missing key punch.wear_coefficients; give positive numbers, two that alternate from the centre or one for "
+                "each ring; or wear_coefficient with wear_ratio"
             )
         if self.wear_coefficients is not None and (self.wear_coefficient or self.wear_ratio):
             raise ValueError("give either wear_coefficients or wear_coefficient with wear_ratio, and not both")
