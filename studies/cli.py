@@ -11,15 +11,15 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ringwear.meshes.errors import RingwearError, SceneError
 from ringwear.studies.output.folder import Folder, held
+from ringwear.studies.parser import parser
 from ringwear.studies.problem.scene import Scene, bundled
 from ringwear.studies.progress import LOG, STAGES
-from ringwear.studies.registry import INTERRUPTED, STUDIES, Study
+from ringwear.studies.registry import INTERRUPTED, STUDIES
 
 if TYPE_CHECKING:
     from ringwear.studies.crosscheck.run import Result
@@ -29,14 +29,14 @@ DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
-    options = _parser().parse_args(arguments)
+    options = parser().parse_args(arguments)
     LOG.setLevel(logging.INFO)
-    STAGES.setLevel(logging.WARNING if options.command is _study else logging.NOTSET)
+    STAGES.setLevel(logging.WARNING if options.command == "study" else logging.NOTSET)
     if not any(isinstance(handler, Terminal) for handler in LOG.handlers):
         LOG.addHandler(Terminal())
     try:
         with _terminable():
-            return int(options.command(options))
+            return COMMANDS[options.command](options)
     except SceneError as error:
         print(f"ringwear: {error}", file=sys.stderr)
         return BAD_INPUT
@@ -63,76 +63,6 @@ def _terminable() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGTERM, before)
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="ringwear",
-        description="Wear of a ringed punch on an elastic half-space: finite elements, dimensionality reduction and "
-        "direct integration, side by side.",
-    )
-    parser.add_argument("--version", action="version", version=f"ringwear {_version()}")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-
-    run = commands.add_parser("run", help="compute a scene by every method it names, and compare them")
-    run.add_argument("scene", nargs="?", default="five_rings", help="a TOML file or a bundled scene (default: five_rings)")
-    run.add_argument("--out", type=_directory, help="directory for results (default: results/SCENE)")
-    run.add_argument("--rtol", type=float, help="relative accuracy, in place of the scene's")
-    run.add_argument("--methods", help="methods, comma-separated, in place of the scene's")
-    run.add_argument("--no-figures", action="store_true", help="numbers only: neither figures nor the report")
-    run.add_argument("--no-report", action="store_true", help="figures, but no report.html")
-    run.add_argument("--csv", action="store_true", help="the results as CSV tables, too")
-    run.add_argument("--animate", action="store_true", help="the wearing punch as animation.gif, too")
-    run.set_defaults(command=_run)
-
-    plan = commands.add_parser("plan", help="say what a scene will take, without computing it")
-    plan.add_argument("scene", help="a TOML file or a bundled scene")
-    plan.add_argument("--check", action="store_true", help="also condense it, and report the stability of the multipliers")
-    plan.set_defaults(command=_plan)
-
-    mesh = commands.add_parser("mesh", help="mesh the half-space of a scene: a VTU file and a figure")
-    mesh.add_argument("scene", help="a TOML file or a bundled scene")
-    mesh.add_argument("--out", type=_directory, help="directory (default: results/SCENE)")
-    mesh.set_defaults(command=_mesh)
-
-    compare = commands.add_parser("compare", help="two folders of results, or scenes: what differs, drawn together")
-    for side in "AB":
-        compare.add_argument(side, help="a folder that `ringwear run` has written, a TOML file or a bundled scene")
-    compare.add_argument(
-        "--out", type=_directory, default=Path("results/compare"), help="directory (default: results/compare)"
-    )
-    compare.set_defaults(command=_compare)
-
-    studies = commands.add_parser("study", help="a study: figures, tables and a conclusion")
-    names = studies.add_subparsers(required=True, metavar="NAME")
-    for name, study in STUDIES.items():
-        _add_study(names.add_parser(name, help=study.purpose), name, study)
-
-    scenes = commands.add_parser("scenes", help="list the bundled scenes")
-    scenes.set_defaults(command=_scenes)
-    return parser
-
-
-def _add_study(parser: argparse.ArgumentParser, name: str, study: Study) -> None:
-    parser.add_argument("scene", nargs="?", default=study.scene, help=f"a scene (default: {study.scene})")
-    parser.add_argument("--out", type=_directory, help=f"directory for results (default: results/{name})")
-    parser.add_argument("--quick", action="store_true", help="a smaller version of the study")
-    for flag, settings in study.options:
-        parser.add_argument(flag, **settings)
-    parser.set_defaults(command=_study, study=name)
-
-
-def _version() -> str:
-    try:
-        return version("ringwear")
-    except PackageNotFoundError:
-        return "(not installed)"
-
-
-def _directory(text: str) -> Path:
-    if not text.strip():
-        raise argparse.ArgumentTypeError("is empty: give a directory")
-    return Path(text)
 
 
 class Terminal(logging.Handler):
@@ -272,13 +202,19 @@ def _study(options: argparse.Namespace) -> int:
     with held(options.out or Path("results") / options.study, f"study {options.study}") as folder:
         study = STUDIES[options.study]
         conclusions = study.conduct(scene, folder.hidden, options)
+        # before the page is made of them
         folder.publish()
+        from ringwear.studies.output.side_by_side import Job, make
         from ringwear.studies.report.page import write_study
 
-        write_study(options.study, study.purpose, scene, conclusions, folder.out)
+        named = options.study, study.purpose
+        page = Job("report.html", lambda path: write_study(named, scene, conclusions, folder.out, path))
+        failures = make([page], [], folder.hidden)
     print("\n".join(conclusions))
     _say_files(folder)
-    return FAILED if INTERRUPTED in conclusions else DONE
+    for failure in failures:
+        print(f"ringwear: {failure}", file=sys.stderr)
+    return FAILED if failures or INTERRUPTED in conclusions else DONE
 
 
 def _scenes(_: argparse.Namespace) -> int:
@@ -286,6 +222,8 @@ def _scenes(_: argparse.Namespace) -> int:
         print(f"{name:<14}{Scene.load(name).title}")
     return DONE
 
+
+COMMANDS = {"run": _run, "plan": _plan, "mesh": _mesh, "compare": _compare, "study": _study, "scenes": _scenes}
 
 if __name__ == "__main__":
     raise SystemExit(main())
