@@ -152,13 +152,19 @@ def study(options: argparse.Namespace) -> int:
             # stopped between its rows: tables are whole after every row, but a figure may be half there
             for file in set(folder.hidden.iterdir()) - set(folder.hidden.glob("*.csv")):
                 file.unlink()
+        # before the page is made of them
         folder.publish()
+        from ringwear.studies.output.side_by_side import Job, make
         from ringwear.studies.report.page import write_study
 
-        write_study(options.study, study.purpose, scene, conclusions, folder.out)
+        named = options.study, study.purpose
+        page = Job("report.html", lambda path: write_study(named, scene, conclusions, folder.out, path))
+        failures = make([page], [], folder.hidden)
     print("\n".join(conclusions))
     _say_files(folder)
-    return FAILED if INTERRUPTED in conclusions else DONE
+    for failure in failures:
+        print(f"ringwear: {failure}", file=sys.stderr)
+    return FAILED if failures or INTERRUPTED in conclusions else DONE
 
 
 def sweep(options: argparse.Namespace) -> int:

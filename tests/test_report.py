@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import re
 from collections.abc import Iterator
@@ -111,11 +112,23 @@ def test_every_part_of_a_scene_has_a_page(changes: dict[str, Any], states: int, 
 def test_the_page_of_a_study(tmp_path: Path) -> None:
     (tmp_path / "rows.csv").write_text("method,error\nmdr,0.000123456\n<fem>,\n", "utf-8")
     (tmp_path / "curve.png").write_bytes(b"\x89PNG")
-    write_study("march", "orders of marches", Scene.load("five_rings"), ["All is well.", "| a | table |"], tmp_path)
-    text = (tmp_path / "report.html").read_text("utf-8")
+    page = tmp_path / "report.html"
+    write_study(("march", "orders of marches"), Scene.load("five_rings"), ["All is well.", "| a | table |"], tmp_path, page)
+    text = page.read_text("utf-8")
     for told in ("All is well.", "0.0001235", "&lt;fem&gt;", "data:image/png;base64,iVBORw==", "orders of marches"):
         assert told in text
     assert "| a |" not in text
+
+
+def test_a_study_has_its_page_among_its_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def conduct(_: Scene, out: Path, __: argparse.Namespace) -> list[str]:
+        (out / "rows.csv").write_text("a,b\n1,2\n", "utf-8")
+        return ["Done."]
+
+    monkeypatch.setattr("ringwear.studies.time_steps.conduct", conduct)
+    assert main(["study", "march", "--out", str(tmp_path)]) == 0
+    assert json.loads((tmp_path / ".ringwear.json").read_text("utf-8")) == {"study march": ["report.html", "rows.csv"]}
+    assert "Done." in (tmp_path / "report.html").read_text("utf-8")
 
 
 def test_flags_leave_out_what_they_say(tmp_path: Path) -> None:

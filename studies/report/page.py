@@ -63,14 +63,15 @@ def write_report(result: Result, directory: Path, path: Path) -> None:
     )
 
 
-def write_study(name: str, purpose: str, scene: Scene, conclusions: Iterable[str], directory: Path) -> None:
-    """Write the page of a study beside its figures and tables."""
+def write_study(study: tuple[str, str], scene: Scene, conclusions: Iterable[str], directory: Path, path: Path) -> None:
+    """Write the page of a study, by its name and purpose; its figures and tables are those in the directory."""
+    name, purpose = study
     pictures = [_picture(file, file.stem.replace("_", " ")) for file in sorted(directory.glob("*.png"))]
     tables = {file.stem.replace("_", " "): _table(file) for file in sorted(directory.glob("*.csv"))}
     # tables stand below
     told = [line for line in conclusions if not line.startswith("|")]
     known: dict[str, Any] = {"pictures": pictures, "tables": tables, "scene": scene.to_toml(), "versions": versions()}
-    _write(directory / "report.html", "study.html.j2", title=f"Study: {name}", purpose=purpose, conclusions=told, **known)
+    _write(path, "study.html.j2", title=f"Study: {name}", purpose=purpose, conclusions=told, **known)
 
 
 def _write(path: Path, template: str, **known: Any) -> None:
