@@ -7,36 +7,37 @@ SIGTERM (finished rows of a study and scenes of a sweep are kept).
 
 import argparse
 import logging
-import os
 import signal
 import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ringwear.meshes.errors import RingwearError, SceneError
-from ringwear.studies import commands as does
-from ringwear.studies.commands import BAD_INPUT, FAILED
+from ringwear.studies.output.folder import Folder, held
+from ringwear.studies.parser import parser
+from ringwear.studies.problem.scene import Scene, bundled
 from ringwear.studies.progress import LOG, STAGES, Terminal
-from ringwear.studies.registry import STUDIES, Study
+from ringwear.studies.registry import INTERRUPTED, STUDIES
 
 if TYPE_CHECKING:
-    pass
+    from ringwear.studies.crosscheck.dataset import Result
+
+DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
-    options = _parser().parse_args(arguments)
+    options = parser().parse_args(arguments)
     LOG.setLevel(logging.INFO)
-    STAGES.setLevel(logging.WARNING if options.command in (does.study, does.sweep) else logging.NOTSET)
+    STAGES.setLevel(logging.WARNING if options.command in ("study", "sweep") else logging.NOTSET)
     if not any(isinstance(handler, Terminal) for handler in LOG.handlers):
         LOG.addHandler(Terminal())
     try:
         with _terminable():
-            return int(options.command(options))
+            return COMMANDS[options.command](options)
     except SceneError as error:
         print(f"ringwear: {error}", file=sys.stderr)
         return BAD_INPUT
@@ -64,92 +65,179 @@ def _terminable() -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="ringwear",
-        description="Wear of a ringed punch on an elastic half-space: finite elements, dimensionality reduction and "
-        "direct integration, side by side.",
-    )
-    parser.add_argument("--version", action="version", version=f"ringwear {_version()}")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-
-    run = commands.add_parser("run", help="compute a scene by every method it names, and compare them")
-    run.add_argument("scene", nargs="?", default="five_rings", help="a TOML file or a bundled scene (default: five_rings)")
-    run.add_argument("--out", type=_directory, help="directory for results (default: results/SCENE)")
-    run.add_argument("--rtol", type=float, help="relative accuracy, in place of the scene's")
-    run.add_argument("--methods", help="methods, comma-separated, in place of the scene's")
-    run.add_argument("--no-figures", action="store_true", help="numbers only: neither figures nor the report")
-    run.add_argument("--no-report", action="store_true", help="figures, but no report.html")
-    run.add_argument("--csv", action="store_true", help="the results as CSV tables, too")
-    run.add_argument("--animate", action="store_true", help="the wearing punch as animation.gif, too")
-    _add_memory(run)
-    run.set_defaults(command=does.run)
-
-    plan = commands.add_parser("plan", help="say what a scene will take, without computing it")
-    plan.add_argument("scene", help="a TOML file or a bundled scene")
-    plan.add_argument("--check", action="store_true", help="also condense it, and report the stability of the multipliers")
-    plan.set_defaults(command=does.plan)
-
-    mesh = commands.add_parser("mesh", help="mesh the half-space of a scene: a VTU file and a figure")
-    mesh.add_argument("scene", help="a TOML file or a bundled scene")
-    mesh.add_argument("--out", type=_directory, help="directory (default: results/SCENE)")
-    mesh.set_defaults(command=does.mesh)
-
-    compare = commands.add_parser("compare", help="two folders of results, or scenes: what differs, drawn together")
-    for side in "AB":
-        compare.add_argument(side, help="a folder that `ringwear run` has written, a TOML file or a bundled scene")
-    compare.add_argument(
-        "--out", type=_directory, default=Path("results/compare"), help="directory (default: results/compare)"
-    )
-    compare.set_defaults(command=does.compare)
-
-    studies = commands.add_parser("study", help="a study: figures, tables and a conclusion")
-    names = studies.add_subparsers(required=True, metavar="NAME")
-    for name, study in STUDIES.items():
-        _add_study(names.add_parser(name, help=study.purpose), name, study)
-
-    sweep = commands.add_parser("sweep", help="a map: many scenes over axes of scene keys, kept in one labelled store")
-    sweep.add_argument("file", help="a sweep file (studies/sweep/README.md), or a bundled sweep")
-    sweep.add_argument("--out", type=Path, default=None, help="directory for the store (default: results/FILE)")
-    sweep.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, to compute on its workers")
-    cores = os.cpu_count() or 1
-    sweep.add_argument("--workers", type=int, default=cores, help="processes on this machine (default: its cores)")
-    _add_memory(sweep)
-    sweep.add_argument("--dry-run", action="store_true", help="say what it will take, without computing")
-    sweep.add_argument("--resume", action="store_true", help="go on with what is in the directory")
-    sweep.set_defaults(command=does.sweep)
-
-    scenes = commands.add_parser("scenes", help="list the bundled scenes")
-    scenes.set_defaults(command=does.scenes)
-    return parser
+def _results_of(options: argparse.Namespace) -> Path:
+    return options.out or Path("results") / Path(options.scene).stem
 
 
-def _add_memory(parser: argparse.ArgumentParser) -> None:
-    help = "most memory in GiB; what would need more is refused before it starts (default: what the machine has)"
-    parser.add_argument("--memory", type=float, metavar="GIB", help=help)
+def _run(options: argparse.Namespace) -> int:
+    scene = Scene.load(options.scene)
+    if options.rtol is not None:
+        scene = scene.changed(accuracy__rtol=options.rtol)
+    if options.methods is not None:
+        scene = scene.changed(methods=[name.strip() for name in options.methods.split(",") if name.strip()])
+    # that the folder can be written to is known before the work
+    with held(_results_of(options), "run") as folder:
+        from ringwear.studies.crosscheck import agreement
+        from ringwear.studies.crosscheck.run import run
+        from ringwear.studies.crosscheck.scope import beyond_memory, expected, machine_memory
+        from ringwear.studies.output.of_run import write
+        from ringwear.studies.output.side_by_side import Job, make
+        from ringwear.studies.report.printed import print_result
+
+        if refusal := beyond_memory(expected(scene), options.memory or machine_memory()):
+            raise SceneError(refusal)
+        result = run(scene)
+        failures = write(result, folder, figures=not options.no_figures, tables=options.csv)
+        if options.animate:
+            failures += make([Job("animation.gif", lambda path: _animate(result, path))], [], folder.hidden)
+        if not (options.no_figures or options.no_report):
+            failures += make(
+                [Job("report.html", lambda path: _write_report(result, folder.hidden, path))], [], folder.hidden
+            )
+        print_result(result)
+    _say_files(folder)
+    for failure in failures:
+        print(f"ringwear: {failure}", file=sys.stderr)
+    if failures:
+        return FAILED
+    return DISAGREE if result.verdict == agreement.DISAGREE or result.short_of else DONE
 
 
-def _add_study(parser: argparse.ArgumentParser, name: str, study: Study) -> None:
-    parser.add_argument("scene", nargs="?", default=study.scene, help=f"a scene (default: {study.scene})")
-    parser.add_argument("--out", type=_directory, help=f"directory for results (default: results/{name})")
-    parser.add_argument("--quick", action="store_true", help="a smaller version of the study")
-    for flag, settings in study.options:
-        parser.add_argument(flag, **settings)
-    parser.set_defaults(command=does.study, study=name)
+def _write_report(result: "Result", figures: Path, path: Path) -> None:
+    from ringwear.studies.report.page import write_report
+
+    write_report(result, figures, path)
 
 
-def _version() -> str:
-    try:
-        return version("ringwear")
-    except PackageNotFoundError:
-        return "(not installed)"
+def _animate(result: "Result", path: Path) -> None:
+    from ringwear.studies.figures.animation import animate
+
+    animate(result.scene, result.solutions, path)
 
 
-def _directory(text: str) -> Path:
-    if not text.strip():
-        raise argparse.ArgumentTypeError("is empty: give a directory")
-    return Path(text)
+def _say_files(folder: Folder) -> None:
+    print(f"\n{len(folder.published)} files in {folder.out}: {', '.join(folder.published)}")
+    for note in folder.notes:
+        print(f"note: {note}")
+    if foreign := folder.foreign():
+        shown = ", ".join(foreign[:5]) + (" ..." if len(foreign) > 5 else "")
+        print(f"note: {len(foreign)} other files there are not of ringwear, and were left alone: {shown}")
 
+
+def _plan(options: argparse.Namespace) -> int:
+    from ringwear.studies.crosscheck.run import run
+    from ringwear.studies.crosscheck.scope import plan, time_scale
+    from ringwear.studies.report.printed import print_scope
+
+    scene = Scene.load(options.scene)
+    print(f"\n{scene.title or 'Untitled scene'}")
+    for line in time_scale(scene):
+        print(line)
+    print()
+    print_scope(scene)
+    print("\nBy method")
+    for line in plan(scene):
+        print(f"  {line}")
+    # the finite elements' multipliers against a compliance that resolves every pressure they have
+    for both in run(scene.changed(methods=["mdr", "fem"])).operators if options.check else ():
+        print(
+            f"\nMultipliers: inf-sup constant {both.stability**0.5:.2f}, least ratio of energies {both.stability:.2f} "
+            f"({both.methods[0]} over {both.methods[1]}); over all steady states they differ by {both.rings:.1e}"
+        )
+    return DONE
+
+
+def _mesh(options: argparse.Namespace) -> int:
+    scene = Scene.load(options.scene)
+    with held(_results_of(options), "mesh") as folder:
+        from ringwear.meshes.half_space import quality
+        from ringwear.studies.methods.fem import half_space_mesh
+        from ringwear.studies.output.of_run import write_mesh
+
+        meshed = half_space_mesh(scene.problem)
+        write_mesh(scene, meshed, folder)
+    mesh, shape = meshed.mesh, quality(meshed.mesh)
+    kind = {3: "triangles", 4: "quadrilaterals"}[len(mesh.t)]
+    print(f"{mesh.nelements} {kind} by {meshed.mesher}, {len(mesh.boundaries['contact'])} facets on the contact, "
+          f"quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean {shape.mean():.2f}")  # fmt: skip
+    for note in meshed.notes:
+        print(f"note: {note}")
+    _say_files(folder)
+    return DONE
+
+
+def _compare(options: argparse.Namespace) -> int:
+    with held(options.out, "compare") as folder:
+        from ringwear.studies.figures.comparison import OVER_RADIUS, OVER_TIME, draw_comparison
+        from ringwear.studies.report import comparison
+        from ringwear.studies.report.printed import print_rows
+        from ringwear.studies.tables import Table
+
+        one, other = comparison.both(options.A, options.B)
+        keys, answers = comparison.scene_rows(one, other), comparison.answer_rows(one, other)
+        curves = {name: (one.curve(name), other.curve(name)) for name in (*OVER_RADIUS, *OVER_TIME)}
+        if not any(found is not None for pair in curves.values() for found in pair):
+            raise SceneError("neither result holds a history or a steady state: there is nothing to compare")
+        Table(folder.hidden / "scenes.csv", keys.headers, keys.rows)
+        Table(folder.hidden / "answers.csv", answers.headers, answers.rows)
+        draw_comparison((one.scene, other.scene), curves, folder.hidden / "comparison.png")
+    print(f"A: {one.name}\nB: {other.name}\n")
+    print_rows(keys)
+    print()
+    print_rows(answers)
+    _say_files(folder)
+    return DONE
+
+
+def _study(options: argparse.Namespace) -> int:
+    from ringwear.studies.tables import keeping_rows
+
+    scene = Scene.load(options.scene)
+    with held(options.out or Path("results") / options.study, f"study {options.study}") as folder:
+        study, conclusions = STUDIES[options.study], list[str]()
+        with keeping_rows(conclusions):
+            conclusions += study.conduct(scene, folder.hidden, options)
+        if conclusions == [INTERRUPTED]:
+            # stopped between its rows: tables are whole after every row, but a figure may be half there
+            for file in set(folder.hidden.iterdir()) - set(folder.hidden.glob("*.csv")):
+                file.unlink()
+            if not any(folder.hidden.iterdir()):
+                raise KeyboardInterrupt
+        # before the page is made of them
+        folder.publish()
+        from ringwear.studies.output.side_by_side import Job, make
+        from ringwear.studies.report.page import write_study
+
+        named = options.study, study.purpose
+        page = Job("report.html", lambda path: write_study(named, scene, conclusions, folder.out, path))
+        failures = make([page], [], folder.hidden)
+    print("\n".join(conclusions))
+    _say_files(folder)
+    for failure in failures:
+        print(f"ringwear: {failure}", file=sys.stderr)
+    return FAILED if failures or INTERRUPTED in conclusions else DONE
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from ringwear.studies.sweep.conduct import swept
+
+    if options.workers < 1:
+        raise SceneError(f"--workers {options.workers}: give 1 or more")
+    options.scene = options.file
+    conclusions, complete = swept(options.file, _results_of(options), options)
+    print("\n".join(conclusions))
+    return DONE if complete else FAILED
+
+
+def _scenes(_: argparse.Namespace) -> int:
+    for name in bundled():
+        print(f"{name:<14}{Scene.load(name).title}")
+    return DONE
+
+
+COMMANDS = {
+    "run": _run, "plan": _plan, "mesh": _mesh, "compare": _compare, "study": _study, "sweep": _sweep, "scenes": _scenes,
+}  # fmt: skip
 
 if __name__ == "__main__":
     raise SystemExit(main())

@@ -20,8 +20,9 @@ from ringwear import Scene, sweep
 from ringwear.meshes.errors import RingwearError, SceneError
 from ringwear.studies.sweep import conduct, store
 from ringwear.studies.sweep.axes import Sweep
-from ringwear.studies.sweep.blocks import Block, Outcome
-from ringwear.studies.sweep.run import _store
+from ringwear.studies.sweep.blocks import Block
+from ringwear.studies.sweep.conduct import _store
+from ringwear.studies.sweep.layout import Outcome
 
 # three blocks of eight scenes
 BASE = Scene.load("five_rings").changed(methods=["mdr", "direct"], accuracy__rtol=1e-1)

@@ -24,7 +24,7 @@ from ringwear.studies.problem.scene import Scene
 if TYPE_CHECKING:
     from ringwear.studies.crosscheck.run import run
     from ringwear.studies.crosscheck.scope import plan
-    from ringwear.studies.sweep.run import sweep
+    from ringwear.studies.sweep.conduct import sweep
 
 __all__ = ["Scene", "plan", "run", "sweep"]
 
@@ -32,7 +32,7 @@ __all__ = ["Scene", "plan", "run", "sweep"]
 LATER = {
     "run": "ringwear.studies.crosscheck.run",
     "plan": "ringwear.studies.crosscheck.scope",
-    "sweep": "ringwear.studies.sweep.run",
+    "sweep": "ringwear.studies.sweep.conduct",
 }
 
 

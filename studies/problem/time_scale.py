@@ -8,7 +8,7 @@ elements in each ring are enough.
 import numpy as np
 from scipy.linalg import eigh, qr
 
-from ringwear.mdr.energy import compliance
+from ringwear.mdr.transforms import line_density, panel_quadrature
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import graded_breakpoints
 from ringwear.studies.problem.problem import Rings
@@ -26,7 +26,9 @@ def slowest_relaxation_time(rings: Rings) -> float:
     breakpoints = graded_breakpoints(rings.ring_edges, 0.2 * rings.narrower, min(RIM, 0.1 * rings.widths[-1]), GRADING)
     space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, DEGREE), rings.ring_edges)
     worn = space.joined(rings.wear_coefficients)
-    factor, mass = compliance(space).factor @ worn, (worn.T @ space.mass(rings.wear_coefficients) @ worn).toarray()
+    positions, weights = panel_quadrature(space)
+    factor = np.sqrt(2 * weights)[:, None] * (line_density(space, positions) @ worn)
+    mass = (worn.T @ space.mass(rings.wear_coefficients) @ worn).toarray()
     # an orthonormal basis of the wear rates that carry no force
     free = qr((worn.T @ space.weights)[:, None])[0][:, 1:]
     last = free.shape[1] - 1

@@ -105,7 +105,7 @@ class Sweep:
         table["base"] = _without_alternatives(table["base"], {key for axis in axes for key in axis.columns}, name)
         sweep = cls(table, axes, (), name)
         sweep._try_out()
-        keep = checked_keep(table.get("keep"), sweep.scene((0,) * len(axes)), name)
+        keep = checked_keep(table.get("keep"), sweep.scene((0,) * len(axes)).wear, name)
         return cls(table | {"keep": list(keep)}, axes, keep, name)
 
     @property

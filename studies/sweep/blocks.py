@@ -8,9 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from math import ceil, prod
-from typing import Any
 
-from ringwear.meshes.radial import Array
 from ringwear.studies.sweep.axes import Axis, Sweep
 from ringwear.studies.sweep.layout import Layout
 
@@ -18,8 +16,6 @@ from ringwear.studies.sweep.layout import Layout
 SHARING = ("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs", "load.", "wear.", "output.", "title")
 # least and most scenes of a block: of closed forms, which take a fraction of a millisecond each; and of any others
 OF_CLOSED_FORMS, OF_OTHERS = (256, 1024), (8, 64)
-# what may become of a scene
-PENDING, DONE, FAILED = 0, 1, 2
 # most numbers of a block
 NUMBERS = 2**23
 
@@ -43,21 +39,6 @@ class Block:
     def count(self) -> int:
         """Number of scenes."""
         return prod(self.shape)
-
-
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """What a block has become.
-
-    Parameters
-    ----------
-    values : of the layout's variables, the first axis running over the scenes of the block
-    status, reason : of each scene
-    """
-
-    values: dict[str, Array]
-    status: Any
-    reason: list[str]
 
 
 def shares(axis: Axis) -> bool:

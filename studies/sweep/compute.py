@@ -19,9 +19,8 @@ from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.shared import groups
 from ringwear.studies.progress import Stages
 from ringwear.studies.sweep.axes import Sweep
-from ringwear.studies.sweep.blocks import DONE, FAILED, Outcome
 from ringwear.studies.sweep.kept import asked_for
-from ringwear.studies.sweep.layout import Layout
+from ringwear.studies.sweep.layout import DONE, FAILED, Layout, Outcome
 
 # gmsh has one state for a whole process, whose threads a cluster may give several blocks
 ONE_AT_A_TIME = Lock()
@@ -70,7 +69,7 @@ def _computed(sweep: Sweep, layout: Layout) -> Outcome:
 def posed(scene: Scene, keep: tuple[str, ...]) -> Problem:
     """The problem of a scene, asking for what is kept and nothing else."""
     problem = scene.problem
-    kept = frozenset(name for name in keep if name == "relaxation_time" or asked_for(scene, name))
+    kept = frozenset(name for name in keep if name == "relaxation_time" or asked_for(scene.wear, name))
     times = problem.times if kept & HISTORIES else np.empty(0)
     return replace(problem, quantities=kept, times=times, march=problem.march if len(times) else "modal")
 

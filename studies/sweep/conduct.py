@@ -1,27 +1,35 @@
-"""Conduct a sweep: every block that is not finished yet, by processes here or by a Dask cluster, as far as it gets."""
+"""Conduct a sweep, as a command or in Python: blocks that are not finished yet, by processes here or by a Dask cluster."""
 
+import argparse
+import json
 import multiprocessing
 import os
 import signal
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import islice
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray
 
 from ringwear.meshes.errors import SceneError, SolverError
+from ringwear.studies.crosscheck.scope import machine_memory
+from ringwear.studies.problem.scene import Scene
 from ringwear.studies.progress import LOG
 from ringwear.studies.sweep.axes import Sweep
-from ringwear.studies.sweep.blocks import FAILED, Block, Outcome, blocks
+from ringwear.studies.sweep.blocks import Block, block_shape, blocks
 from ringwear.studies.sweep.compute import computed
-from ringwear.studies.sweep.layout import Layout
-from ringwear.studies.sweep.store import Store
+from ringwear.studies.sweep.layout import FAILED, Layout, Outcome, layout
+from ringwear.studies.sweep.plan import planned
+from ringwear.studies.sweep.store import NAME, Store, alone, write_whole
+from ringwear.studies.sweep.summary import summary
 
 # seconds between lines of progress, and that a scheduler has for an answer
 EVERY, ANSWER = 2.0, 20
@@ -57,10 +65,10 @@ def conduct(store: Store, workers: int = 1, scheduler: str | None = None) -> Tal
 
     Blocks whose worker dies again and again are left, and counted as such.
     """
-    sweep, layout = store.sweep, store.layout
-    tally, last = Tally(sweep.count), 0.0
+    whole = store.sweep
+    tally, last = Tally(whole.count), 0.0
     unfinished = []
-    for block in blocks(sweep, store.block_shape):
+    for block in blocks(whole, store.block_shape):
         if (statuses := store.statuses(block)) is None:
             unfinished.append(block)
         else:
@@ -68,7 +76,7 @@ def conduct(store: Store, workers: int = 1, scheduler: str | None = None) -> Tal
     tally.found = tally.finished + tally.failed
     if tally.found:
         LOG.info("   sweep  %d of %d scenes are finished and sound", tally.found, tally.scenes)
-    for block, outcome in _outcomes(sweep, layout, unfinished, workers, scheduler):
+    for block, outcome in _outcomes(whole, store.layout, unfinished, workers, scheduler):
         store.write(block, outcome)
         _count(tally, outcome.status)
         if time.perf_counter() - last > EVERY or not tally.left:
@@ -84,30 +92,30 @@ def _count(tally: Tally, statuses: Any) -> None:
 
 
 def _outcomes(
-    sweep: Sweep, layout: Layout, todo: list[Block], workers: int, scheduler: str | None
+    whole: Sweep, laid_out: Layout, todo: list[Block], workers: int, scheduler: str | None
 ) -> Iterator[tuple[Block, Outcome]]:  # fmt: skip
     """Blocks as they are finished."""
     if scheduler is not None:
         with _cluster(scheduler) as (executor, count):
-            yield from _from(executor, sweep, layout, todo, {}, AHEAD * count)
+            yield from _from(executor, whole, laid_out, todo, {}, AHEAD * count)
     elif workers > 1 and len(todo) > 1:
-        yield from _from_processes(sweep, layout, todo, workers)
+        yield from _from_processes(whole, laid_out, todo, workers)
     else:
         for block in todo:
-            yield block, computed(sweep.part(block.bounds), layout)
+            yield block, computed(whole.part(block.bounds), laid_out)
 
 
 Running = dict[Future[Outcome], Block]
 
 
 def _from(
-    executor: Executor, sweep: Sweep, layout: Layout, todo: list[Block], running: Running, window: int
+    executor: Executor, whole: Sweep, laid_out: Layout, todo: list[Block], running: Running, window: int
 ) -> Iterator[tuple[Block, Outcome]]:  # fmt: skip
     """Blocks from an executor, a few at a time, so that neither work nor results pile up."""
     rest = iter(todo)
     while True:
         for block in islice(rest, window - len(running)):
-            running[executor.submit(computed, sweep.part(block.bounds), layout)] = block
+            running[executor.submit(computed, whole.part(block.bounds), laid_out)] = block
         if not running:
             return
         for future in sorted(wait(running, return_when=FIRST_COMPLETED).done, key=lambda one: running[one].number):
@@ -115,7 +123,7 @@ def _from(
             yield running.pop(future), outcome
 
 
-def _from_processes(sweep: Sweep, layout: Layout, todo: list[Block], workers: int) -> Iterator[tuple[Block, Outcome]]:
+def _from_processes(whole: Sweep, laid_out: Layout, todo: list[Block], workers: int) -> Iterator[tuple[Block, Outcome]]:
     """Blocks from processes on this machine. When one dies they begin anew, and what was running comes last, one by one."""
     deaths = {block.number: 0 for block in todo}
     while deaths:
@@ -125,7 +133,7 @@ def _from_processes(sweep: Sweep, layout: Layout, todo: list[Block], workers: in
         running: Running = {}
         try:
             with _processes(count) as executor:
-                for block, outcome in _from(executor, sweep, layout, batch, running, AHEAD * count):
+                for block, outcome in _from(executor, whole, laid_out, batch, running, AHEAD * count):
                     del deaths[block.number]
                     yield block, outcome
         except BrokenProcessPool:
@@ -192,3 +200,85 @@ def _cluster(scheduler: str) -> Iterator[tuple[Executor, int]]:
         except TimeoutError:
             raise SolverError(f"the scheduler {scheduler} has no workers: start some by `dask worker {scheduler}`") from None
         yield client.get_executor(pure=False, retries=MOST_DEATHS), sum(client.nthreads().values())
+
+
+def sweep(
+    base: Scene | str | Mapping[str, Any],
+    axes: Mapping[str, Any] | None = None,
+    keep: Sequence[str] | None = None,
+    *,
+    zip: Mapping[str, Any] | None = None,
+    random: Mapping[str, Any] | None = None,
+    out: str | Path | None = None,
+    workers: int = 1,
+    scheduler: str | None = None,
+    resume: bool = False,
+) -> xarray.Dataset:
+    """Compute scenes over axes of scene keys.
+
+    Parameters
+    ----------
+    base : the scene that all others are changed from: a Scene, a bundled name, a file or nested dictionaries
+    axes : values of scene keys such as ``"punch.rings"``, each crossed with every other: a list, ``{"linspace": [...]}`` or
+        ``{"geomspace": [first, last, count]}``
+    keep : names of quantities; by default all that need neither radius nor ring
+    zip : keys whose values go together
+    random : ``count``, ``seed``, and what to draw each key from
+    out : directory to keep the store in, readable while it grows; by default results stay in memory
+    workers, scheduler : processes on this machine (in a script, call from under ``if __name__ == "__main__"`` if more than
+        one), or the address of a Dask scheduler
+    resume : go on with what is in `out`
+
+    Returns
+    -------
+    Dataset whose dimensions are the axes, then solver, time and so on, in the scenes' own units: the quantities kept, the
+    relative error that each method states of them (``<quantity>_error``), and `status` (1 done, 2 failed) and `reason` of
+    each scene.
+
+    Raises
+    ------
+    SceneError
+        if the axes or the base are not understood; single scenes that fail raise nothing
+    """
+    table: dict[str, Any] = {"base": base.table() if isinstance(base, Scene) else base}
+    given = {"axes": axes, "zip": zip, "random": random, "keep": None if keep is None else list(keep)}
+    made = Sweep.of(table | {name: value for name, value in given.items() if value is not None})
+    if out is None:
+        store = _store(made, None, resume)
+        conduct(store, workers, scheduler)
+        return store.dataset().load()
+    with alone(Path(out)):
+        store = _store(made, Path(out), resume)
+        conduct(store, workers, scheduler)
+        return store.dataset()
+
+
+def _store(made: Sweep, directory: Path | None, resume: bool) -> Store:
+    kept = layout(made)
+    return Store(made, kept, block_shape(made, kept), directory, resume)
+
+
+def swept(source: str, out: Path, options: argparse.Namespace) -> tuple[list[str], bool]:
+    """The command: what it found, a line each, and whether all scenes are finished."""
+    from ringwear.studies.sweep.figure import drawn
+
+    made = Sweep.load(source)
+    plan = planned(made, options.memory or machine_memory(), options.workers).said(options.workers)
+    if options.dry_run:
+        return plan, True
+    for line in plan:
+        LOG.info("   sweep  %s", line)
+    with alone(out):
+        store = _store(made, out, options.resume)
+        tally = conduct(store, options.workers, options.scheduler)
+        dataset = store.dataset()
+        found = summary(dataset, made)
+        write_whole(out / "summary.json", (json.dumps(found, indent=1) + "\n").encode())
+        write_whole(out / "sweep.png", drawn(dataset, made))
+    return [*_said(tally, found), f"{NAME}, sweep.png and summary.json in {out}"], not tally.left
+
+
+def _said(tally: Tally, found: dict[str, Any]) -> list[str]:
+    lines = [f"{tally.finished} scenes finished, {tally.failed} failed, {tally.left} left"]
+    lines += [f"failed: {reason} ({count} scenes)" for reason, count in found["reasons"].items()]
+    return [*lines, *found["conclusions"]]

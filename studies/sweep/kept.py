@@ -3,7 +3,7 @@
 from typing import Any
 
 from ringwear.meshes.errors import SceneError
-from ringwear.studies.problem.scene import Scene
+from ringwear.studies.problem.sections import WearSection
 
 # of scenes that several methods compute, by the quantities kept
 JUDGED = {
@@ -12,24 +12,24 @@ JUDGED = {
 }
 
 
-def checked_keep(keep: Any, first: Scene, name: str) -> tuple[str, ...]:
+def checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
     """The quantities to keep: those named, or all that need no radius and no ring and that the scene asks for."""
     from ringwear.studies.methods.quantities import HISTORIES, QUANTITIES
 
     if keep is None:
         plain = [name for name, quantity in QUANTITIES.items() if not {"radius", "ring"} & set(quantity.dims)]
-        return tuple(name for name in plain if asked_for(first, name))
+        return tuple(name for name in plain if asked_for(wear, name))
     if not (isinstance(keep, list) and keep and all(isinstance(one, str) for one in keep)):
         raise SceneError(f"{name}: keep = {keep!r}: give a list of quantities, some of {', '.join(QUANTITIES)}")
     for one in keep:
         if one not in QUANTITIES:
             raise SceneError(f"{name}: keep names '{one}', which is no quantity: give some of {', '.join(QUANTITIES)}")
-        if not asked_for(first, one) and one != "relaxation_time":
+        if not asked_for(wear, one) and one != "relaxation_time":
             missing = "wear.times" if one in HISTORIES else "wear.steady = true"
             raise SceneError(f"{name}: keep names '{one}', which the base does not ask for: give it {missing}")
     return tuple(dict.fromkeys(keep))
 
 
-def asked_for(scene: Scene, name: str) -> bool:
-    """Whether a scene asks for a quantity."""
-    return scene.wear.steady if name.startswith("steady_") else bool(scene.wear.times)
+def asked_for(wear: WearSection, name: str) -> bool:
+    """Whether a scene with such times asks for a quantity."""
+    return wear.steady if name.startswith("steady_") else bool(wear.times)

@@ -12,6 +12,9 @@ from ringwear.studies.sweep.axes import Sweep
 from ringwear.studies.sweep.kept import JUDGED
 from ringwear.studies.wear.modes import SHOWN
 
+# what may become of a scene
+PENDING, DONE, FAILED = 0, 1, 2
+
 
 @dataclass(frozen=True, eq=False)
 class Variable:
@@ -36,6 +39,21 @@ class Layout:
     solvers: tuple[str, ...]
     coordinates: dict[str, Array]
     variables: dict[str, Variable]
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What a block has become.
+
+    Parameters
+    ----------
+    values : of the layout's variables, the first axis running over the scenes of the block
+    status, reason : of each scene
+    """
+
+    values: dict[str, Array]
+    status: Any
+    reason: list[str]
 
 
 def layout(sweep: Sweep) -> Layout:

@@ -23,8 +23,8 @@ from zarr.storage import LocalStore, MemoryStore
 from ringwear.meshes.errors import RingwearError, SceneError
 from ringwear.meshes.radial import Array
 from ringwear.studies.sweep.axes import Sweep
-from ringwear.studies.sweep.blocks import DONE, FAILED, PENDING, Block, Outcome
-from ringwear.studies.sweep.layout import Layout
+from ringwear.studies.sweep.blocks import Block
+from ringwear.studies.sweep.layout import DONE, FAILED, PENDING, Layout, Outcome
 from ringwear.studies.versions import versions
 
 NAME = "sweep.zarr"

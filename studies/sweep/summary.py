@@ -8,7 +8,7 @@ import xarray
 
 from ringwear.meshes.radial import Array
 from ringwear.studies.sweep.axes import Sweep, described
-from ringwear.studies.sweep.blocks import DONE, FAILED
+from ringwear.studies.sweep.layout import DONE, FAILED
 
 # the commonest reasons of failures that are listed
 REASONS = 10
