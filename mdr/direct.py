@@ -12,10 +12,7 @@ are integrated by a substitution that removes them (Eq. 18). Non-dimensional: pu
 Eq. 25 of the paper integrates over the angle twice, beside its factor 2 pi; Eq. 26 is right.
 """
 
-import itertools
-
 import numpy as np
-from scipy.optimize import minimize_scalar
 from scipy.special import ellipe, ellipkm1
 
 from ringwear.meshes.radial import Array, ring_areas, unit_gauss
@@ -24,6 +21,7 @@ from ringwear.meshes.radial import Array, ring_areas, unit_gauss
 EDGE_NODES = 24
 PANEL_NODES, PANEL_RATIO = 18, 0.15
 EDGE_POWER = 7
+AT_ONCE = 2**16  # pairs of a radius and a disc evaluated together, few enough to stay in the cache
 
 SMALL_MODULUS = 0.04  # square of r/c below which K - E is summed as a series, where the difference would cancel
 SERIES_TERMS = 11
@@ -92,8 +90,10 @@ _SERIES = _difference_series()
 
 
 def displacement(ring_edges: Array, pressures: Array, radii: Array) -> Array:
-    """Eq. 21: displacement at `radii` by a constant pressure on each ring."""
-    return disc_displacement(ring_edges[1:], np.asarray(radii, dtype=float)[:, None]) @ pressure_steps(pressures)
+    """Eq. 21: displacement at `radii` by a constant pressure on each ring; (R,) or (R, M) by (N,) or (N, M) pressures."""
+    steps, radii = pressure_steps(pressures), np.asarray(radii, dtype=float)[:, None]
+    parts = np.array_split(radii, 1 + radii.size * len(steps) // AT_ONCE)
+    return np.concatenate([disc_displacement(ring_edges[1:], part) @ steps for part in parts])
 
 
 def slope(ring_edges: Array, pressures: Array, radii: Array) -> Array:
@@ -111,21 +111,30 @@ def pressure_steps(pressures: Array) -> Array:
     return -np.diff(np.concatenate([pressures, outside]), axis=0)
 
 
-def greatest_displacement(ring_edges: Array, pressures: Array) -> float:
-    """Greatest displacement under the punch, ``u_max`` of Eq. 27, to roundoff."""
-    radii = np.concatenate([a + (b - a) * np.linspace(0, 1, 33)[:-1] for a, b in itertools.pairwise(ring_edges)])
+def greatest_displacements(ring_edges: Array, pressures: Array) -> Array:
+    """(M,) greatest displacement under the punch, ``u_max`` of Eq. 27, to roundoff, by (N, M) pressures on its rings."""
+    steps, each = pressure_steps(pressures), np.arange(pressures.shape[1])
+    within = np.linspace(0, 1, 33)[:, None]
+    radii = np.append((ring_edges[:-1] + np.diff(ring_edges) * within[:-1]).T.ravel(), 1.0)
     values = displacement(ring_edges, pressures, radii)
-    best = int(values.argmax())
-    if best == 0:
-        return float(values[0])
-    bounds = (radii[best - 1], radii[best + 1] if best + 1 < len(radii) else 1.0)
-    optimum = minimize_scalar(
-        lambda r: -displacement(ring_edges, pressures, np.array([r]))[0],
-        bounds=bounds,
-        method="bounded",
-        options={"xatol": 1e-9},
-    )
-    return float(max(-optimum.fun, values[best]))
+    radii = np.broadcast_to(radii[:, None], values.shape)
+    for _ in range(2):
+        # again between the neighbours of the greatest, sixteen times closer
+        best = values.argmax(axis=0)
+        low, high = radii[np.maximum(best - 1, 0), each], radii[np.minimum(best + 1, len(radii) - 1), each]
+        radii = low + (high - low) * within
+        values = np.einsum("rmn,nm->rm", disc_displacement(ring_edges[1:], radii[..., None]), steps)
+    # and the top of the parabola through the last three
+    best = np.clip(values.argmax(axis=0), 1, len(values) - 2)
+    before, middle, after = values[best - 1, each], values[best, each], values[best + 1, each]
+    rise, bend = after - before, 2 * middle - before - after
+    above = np.divide(rise**2, 8 * bend, out=np.zeros(len(each)), where=np.abs(rise) < 2 * bend)
+    return np.maximum(values.max(axis=0), middle + above)
+
+
+def greatest_displacement(ring_edges: Array, pressures: Array) -> float:
+    """`greatest_displacements` of one set of (N,) pressures."""
+    return float(greatest_displacements(ring_edges, pressures[:, None])[0])
 
 
 def limiting_profile(ring_edges: Array, pressures: Array, radii: Array) -> Array:
@@ -133,14 +142,13 @@ def limiting_profile(ring_edges: Array, pressures: Array, radii: Array) -> Array
     return greatest_displacement(ring_edges, pressures) - displacement(ring_edges, pressures, radii)
 
 
-def slope_gram(ring_edges: Array, patterns: Array, block: int = 2**16) -> tuple[Array, Array]:
+def slope_gram(ring_edges: Array, patterns: Array) -> tuple[Array, Array]:
     """Mean products of the slopes of several ring-wise constant pressures: for `line` and `area` averages.
 
     Parameters
     ----------
     ring_edges : (N+1,) ring edges, 0 to 1
     patterns : (N, m) pressures
-    block : pairs of a radius and a disc evaluated at once, few enough to stay in the cache
 
     Returns
     -------
@@ -150,7 +158,7 @@ def slope_gram(ring_edges: Array, patterns: Array, block: int = 2**16) -> tuple[
     radii, gaps, weights, edge = _edge_quadrature(ring_edges)
     steps = pressure_steps(patterns)
     line, area = (np.zeros((patterns.shape[1],) * 2) for _ in range(2))
-    rows = max(1, block // len(steps))
+    rows = max(1, AT_ONCE // len(steps))
     for start in range(0, len(radii), rows):
         part = slice(start, start + rows)
         r = radii[part, None]
@@ -192,7 +200,18 @@ def _edge_quadrature(ring_edges: Array) -> tuple[Array, Array, Array, Array]:
     return ring_edges[edge[owners]] + side[owners] * gaps, gaps, weights, edge[owners]
 
 
+def rms_slopes(ring_edges: Array, pressures: Array, average: str = "line") -> Array:
+    """(M,) Eq. 18 for the limiting profiles of (N, M) pressures; `average` is `line` (over the radius) or `area`."""
+    # rings whose pressures keep one proportion throughout, such as those of one material, are one pattern
+    _, first, kind = np.unique(pressures, axis=0, return_index=True, return_inverse=True)
+    if len(first) < pressures.shape[1]:
+        patterns, parts = np.asarray(kind.ravel()[:, None] == np.arange(len(first)), dtype=float), pressures[first]
+    else:
+        patterns, parts = pressures, np.eye(pressures.shape[1])
+    line, area = slope_gram(ring_edges, patterns)
+    return np.asarray(np.sqrt(np.einsum("im,ij,jm->m", parts, {"line": line, "area": area}[average], parts)))
+
+
 def rms_slope(ring_edges: Array, pressures: Array, average: str = "line") -> float:
-    """Eq. 18 for the limiting profile; `average` is `line` (over the radius) or `area`."""
-    line, area = slope_gram(ring_edges, pressures[:, None])
-    return float(np.sqrt({"line": line, "area": area}[average][0, 0]))
+    """`rms_slopes` of one set of (N,) pressures."""
+    return float(rms_slopes(ring_edges, pressures[:, None], average)[0])

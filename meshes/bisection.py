@@ -13,7 +13,7 @@ from skfem import MeshTri
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.half_space import half_space
 from ringwear.meshes.radial import Array, Indices
-from ringwear.meshes.sizes import SizeField
+from ringwear.meshes.sizes import NARROWEST, SizeField
 
 
 def mesh(field: SizeField) -> MeshTri:
@@ -49,7 +49,8 @@ def _dyadic_image(ring_edges: Array) -> tuple[Array, float]:
     """A dyadic radius for each edge, in order and close to it, and the spacing of that dyadic grid."""
     level = int(np.ceil(np.log2(2 / np.diff(ring_edges).min())))
     if level > 40:
-        raise MeshError(f"rings narrower than 1e-12 a cannot be meshed: the narrowest is {np.diff(ring_edges).min():.2g} a")
+        narrowest = np.diff(ring_edges).min()
+        raise MeshError(f"rings narrower than {NARROWEST:g} a cannot be meshed: the narrowest is {narrowest:.2g} a")
     return np.round(ring_edges * 2.0**level) / 2.0**level, 0.5**level
 
 

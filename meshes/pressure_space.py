@@ -112,12 +112,16 @@ class PressureSpace:
         left, half = self.breakpoints[:-1, None], np.diff(self.breakpoints)[:, None] / 2
         return left + half * (1 + local), half * weight, local
 
-    def mass(self, ring_values: ArrayLike = 1.0) -> csr_matrix:
-        """(size, size) ``int c phi_i phi_j dA`` with the constant `c` of each ring, or one for all."""
+    @cached_property
+    def _masses(self) -> Array:
+        """(n, top+1, top+1) ``int phi_i phi_j dA`` of each element."""
         radii, weight, local = self.quadrature
         values = shapes(local, self.top)
-        blocks = np.einsum("eq,qi,qj->eij", 2 * np.pi * radii * weight, values, values, optimize=True)
-        return self._gram(blocks * np.broadcast_to(ring_values, len(self.ring_edges) - 1)[self.ring, None, None])
+        return np.asarray(np.einsum("eq,qi,qj->eij", 2 * np.pi * radii * weight, values, values, optimize=True))
+
+    def mass(self, ring_values: ArrayLike = 1.0) -> csr_matrix:
+        """(size, size) ``int c phi_i phi_j dA`` with the constant `c` of each ring, or one for all."""
+        return self._gram(self._masses * np.broadcast_to(ring_values, len(self.ring_edges) - 1)[self.ring, None, None])
 
     @cached_property
     def weights(self) -> Array:

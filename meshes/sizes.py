@@ -14,6 +14,8 @@ from ringwear.meshes.radial import Array, Indices
 
 # greatest quadrilaterals between the patches, over the truncation
 LARGEST = 0.4
+# rings, in a, that any mesher can tell from an edge
+NARROWEST = 1e-12
 # least degree that the displacement may fall to towards a ring edge or the rim: it goes with a stable linear pressure
 LOWEST = 3
 

@@ -1,179 +1,140 @@
-"""The command line: `ringwear run | plan | mesh | scenes`.
+"""The command line: `ringwear run | plan | mesh | compare | study | sweep | scenes`.
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree, or one cannot reach
-the accuracy asked for; 2 bad input; 1 anything else, and when stopped by Ctrl-C (the finished rows of a study are kept).
+the accuracy asked for; 2 bad input; 1 anything else, such as a figure that could not be drawn, and when stopped by Ctrl-C or
+SIGTERM (finished rows of a study and scenes of a sweep are kept).
 """
 
 import argparse
 import logging
+import signal
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ringwear.meshes.errors import RingwearError, SceneError
+from ringwear.studies.output.folder import Folder, held
+from ringwear.studies.parser import parser
 from ringwear.studies.problem.scene import Scene, bundled
-from ringwear.studies.progress import LOG, STAGES
-from ringwear.studies.registry import INTERRUPTED, STUDIES, Study
+from ringwear.studies.progress import LOG, STAGES, Terminal
+from ringwear.studies.registry import INTERRUPTED, STUDIES
 
 if TYPE_CHECKING:
-    from ringwear.studies.crosscheck.run import Result
+    from ringwear.studies.crosscheck.dataset import Result
+
 DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
-    options = _parser().parse_args(arguments)
+    options = parser().parse_args(arguments)
     LOG.setLevel(logging.INFO)
-    STAGES.setLevel(logging.WARNING if options.command is _study else logging.NOTSET)
+    STAGES.setLevel(logging.WARNING if options.command in ("study", "sweep") else logging.NOTSET)
     if not any(isinstance(handler, Terminal) for handler in LOG.handlers):
         LOG.addHandler(Terminal())
     try:
-        return int(options.command(options))
+        with _terminable():
+            return COMMANDS[options.command](options)
     except SceneError as error:
         print(f"ringwear: {error}", file=sys.stderr)
         return BAD_INPUT
     except RingwearError as error:
         print(f"ringwear: {error}", file=sys.stderr)
         return FAILED
+    except OSError as error:
+        print(f"ringwear: {error.filename or 'a file'} could not be written: {error.strerror or error}", file=sys.stderr)
+        return FAILED
     except KeyboardInterrupt:
         print("ringwear: stopped; nothing half-written was left", file=sys.stderr)
         return FAILED
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="ringwear",
-        description="Wear of a ringed punch on an elastic half-space: finite elements, dimensionality reduction and "
-        "direct integration, side by side.",
-    )
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-
-    run = commands.add_parser("run", help="compute a scene by every method it names, and compare them")
-    run.add_argument("scene", nargs="?", default="five_rings", help="a TOML file or a bundled scene (default: five_rings)")
-    run.add_argument("--out", type=Path, default=None, help="directory for results (default: results/SCENE)")
-    run.add_argument("--rtol", type=float, help="relative accuracy, in place of the scene's")
-    run.add_argument("--methods", help="methods, comma-separated, in place of the scene's")
-    run.set_defaults(command=_run)
-
-    plan = commands.add_parser("plan", help="say what a scene will take, without computing it")
-    plan.add_argument("scene", help="a TOML file or a bundled scene")
-    plan.add_argument("--check", action="store_true", help="also condense it, and report the stability of the multipliers")
-    plan.set_defaults(command=_plan)
-
-    mesh = commands.add_parser("mesh", help="mesh the half-space of a scene: a VTU file and a figure")
-    mesh.add_argument("scene", help="a TOML file or a bundled scene")
-    mesh.add_argument("--out", type=Path, default=None, help="directory (default: results/SCENE)")
-    mesh.set_defaults(command=_mesh)
-
-    studies = commands.add_parser("study", help="a study: figures, tables and a conclusion")
-    names = studies.add_subparsers(required=True, metavar="NAME")
-    for name, study in STUDIES.items():
-        _add_study(names.add_parser(name, help=study.purpose), name, study)
-
-    scenes = commands.add_parser("scenes", help="list the bundled scenes")
-    scenes.set_defaults(command=_scenes)
-    return parser
+@contextmanager
+def _terminable() -> Iterator[None]:
+    """SIGTERM, by which a batch system ends a job, ends the work as Ctrl-C does."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
-def _add_study(parser: argparse.ArgumentParser, name: str, study: Study) -> None:
-    parser.add_argument("scene", nargs="?", default=study.scene, help=f"a scene (default: {study.scene})")
-    parser.add_argument("--out", type=Path, default=None, help=f"directory for results (default: results/{name})")
-    parser.add_argument("--quick", action="store_true", help="a smaller version of the study")
-    for flag, settings in study.options:
-        parser.add_argument(flag, **settings)
-    parser.set_defaults(command=_study, study=name)
-
-
-class Terminal(logging.Handler):
-    """The log on standard error: on a terminal unfinished lines are written over; elsewhere only finished ones show."""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        line = record.getMessage()
-        if sys.stderr.isatty():
-            print(f"\r\033[K{line}", end="" if line.endswith("...") else "\n", file=sys.stderr, flush=True)
-        elif not line.endswith("..."):
-            print(line, file=sys.stderr)
-
-
-def _directory(options: argparse.Namespace) -> Path:
-    out = options.out or Path("results") / Path(options.scene).stem
-    if out.exists() and not out.is_dir():
-        raise SceneError(f"--out {out} is a file: give a directory")
-    return Path(out)
+def _results_of(options: argparse.Namespace) -> Path:
+    return options.out or Path("results") / Path(options.scene).stem
 
 
 def _run(options: argparse.Namespace) -> int:
-    from ringwear.studies.crosscheck import agreement
-    from ringwear.studies.crosscheck.run import run
-    from ringwear.studies.output import write
-
     scene = Scene.load(options.scene)
     if options.rtol is not None:
         scene = scene.changed(accuracy__rtol=options.rtol)
     if options.methods is not None:
         scene = scene.changed(methods=[name.strip() for name in options.methods.split(",") if name.strip()])
-    out = _directory(options)
-    result = run(scene)
-    written = write(result, out)
-    _say_what(scene)
-    _say_verdict(result)
-    print(f"\n{len(written)} files in {out}: {', '.join(written)}")
+    # that the folder can be written to is known before the work
+    with held(_results_of(options), "run") as folder:
+        from ringwear.studies.crosscheck import agreement
+        from ringwear.studies.crosscheck.run import run
+        from ringwear.studies.crosscheck.scope import beyond_memory, expected, machine_memory
+        from ringwear.studies.output.of_run import write
+        from ringwear.studies.output.side_by_side import Job, make
+        from ringwear.studies.report.printed import print_result
+
+        if refusal := beyond_memory(expected(scene), options.memory or machine_memory()):
+            raise SceneError(refusal)
+        result = run(scene)
+        failures = write(result, folder, figures=not options.no_figures, tables=options.csv)
+        if options.animate:
+            failures += make([Job("animation.gif", lambda path: _animate(result, path))], [], folder.hidden)
+        if not (options.no_figures or options.no_report):
+            failures += make(
+                [Job("report.html", lambda path: _write_report(result, folder.hidden, path))], [], folder.hidden
+            )
+        print_result(result)
+    _say_files(folder)
+    for failure in failures:
+        print(f"ringwear: {failure}", file=sys.stderr)
+    if failures:
+        return FAILED
     return DISAGREE if result.verdict == agreement.DISAGREE or result.short_of else DONE
 
 
-def _say_what(scene: Scene) -> None:
-    from ringwear.studies.crosscheck.scope import left_out, modelled
+def _write_report(result: "Result", figures: Path, path: Path) -> None:
+    from ringwear.studies.report.page import write_report
 
-    print(f"\n{scene.title or 'Untitled scene'}\n\nModelled")
-    for line in modelled(scene):
-        print(f"  {line}")
-    print("Left out")
-    for what, why in left_out(scene).items():
-        print(f"  {what}: {why}")
+    write_report(result, figures, path)
 
 
-def _say_verdict(result: "Result") -> None:
-    print("\nMethod    unknowns   seconds   own error estimate (relative, of the indentation)")
-    for name, solution in result.solutions.items():
-        seconds = sum(result.stages[name].seconds.values())
-        parts = ", ".join(f"{part} {value:.1e}" for part, value in solution.parts.items())
-        print(f"{name:<9}{solution.unknowns:>9}{seconds:>10.3f}   {parts}")
-    if result.agreement:
-        print("\nAgreement, relative             difference  uncertainty")
-    for row in result.agreement:
-        pair, verdict = f"{row.methods[0]}, {row.methods[1]}", "" if row.agrees else f"   {row.verdict}"
-        print(f"  {row.quantity:<24}{pair:<14}{row.difference:8.1e}{row.uncertainty:10.1e}{verdict}")
-    for both in result.operators:
-        print(
-            f"As operators, {both.methods[0]} and {both.methods[1]} differ by {both.rings:.1e} over all steady states and "
-            f"{both.history:.1e} along this history; stability {both.stability:.2f}, residual {both.residual:.1e}"
-        )
-    for anchor in result.anchors:
-        if not anchor.holds:
-            print(f"{anchor.method} does not hold to {anchor.name}: off by {anchor.difference:.1e}, "
-                  f"more than {anchor.tolerance:.1e}")  # fmt: skip
-    print(f"{len(result.anchors)} anchors (closed forms and balances), "
-          f"{'all hold' if all(anchor.holds for anchor in result.anchors) else 'NOT ALL HOLD'}.")  # fmt: skip
-    rtol = result.scene.accuracy.rtol
-    for name, solution in result.solutions.items():
-        if beyond := solution.beyond(rtol):
-            listed = ", ".join(f"{quantity} {error:.1e}" for quantity, error in beyond.items())
-            print(f"{name} says of itself that it errs by more than the {rtol:.0e} asked for in: {listed}")
-    for row in result.agreement:
-        if row.remark:
-            print(f"{row.quantity} is undecided between {row.methods[0]} and {row.methods[1]}: {row.remark}")
-    for note in result.notes:
+def _animate(result: "Result", path: Path) -> None:
+    from ringwear.studies.figures.animation import animate
+
+    animate(result.scene, result.solutions, path)
+
+
+def _say_files(folder: Folder) -> None:
+    print(f"\n{len(folder.published)} files in {folder.out}: {', '.join(folder.published)}")
+    for note in folder.notes:
         print(f"note: {note}")
-    if result.agreement:
-        print(result.verdict_in_words)
+    if foreign := folder.foreign():
+        shown = ", ".join(foreign[:5]) + (" ..." if len(foreign) > 5 else "")
+        print(f"note: {len(foreign)} other files there are not of ringwear, and were left alone: {shown}")
 
 
 def _plan(options: argparse.Namespace) -> int:
     from ringwear.studies.crosscheck.run import run
-    from ringwear.studies.crosscheck.scope import plan
+    from ringwear.studies.crosscheck.scope import plan, time_scale
+    from ringwear.studies.report.printed import print_scope
 
     scene = Scene.load(options.scene)
-    _say_what(scene)
+    print(f"\n{scene.title or 'Untitled scene'}")
+    for line in time_scale(scene):
+        print(line)
+    print()
+    print_scope(scene)
     print("\nBy method")
     for line in plan(scene):
         print(f"  {line}")
@@ -187,40 +148,100 @@ def _plan(options: argparse.Namespace) -> int:
 
 
 def _mesh(options: argparse.Namespace) -> int:
-    from ringwear.meshes.half_space import quality
-    from ringwear.studies.methods.fem import half_space_mesh
-    from ringwear.studies.output import write_mesh
+    scene = Scene.load(options.scene)
+    with held(_results_of(options), "mesh") as folder:
+        from ringwear.meshes.half_space import quality
+        from ringwear.studies.methods.fem import half_space_mesh
+        from ringwear.studies.output.of_run import write_mesh
 
-    scene, out = Scene.load(options.scene), _directory(options)
-    meshed = half_space_mesh(scene.problem)
-    written = write_mesh(scene, meshed, out)
+        meshed = half_space_mesh(scene.problem)
+        write_mesh(scene, meshed, folder)
     mesh, shape = meshed.mesh, quality(meshed.mesh)
     kind = {3: "triangles", 4: "quadrilaterals"}[len(mesh.t)]
     print(f"{mesh.nelements} {kind} by {meshed.mesher}, {len(mesh.boundaries['contact'])} facets on the contact, "
           f"quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean {shape.mean():.2f}")  # fmt: skip
     for note in meshed.notes:
         print(f"note: {note}")
-    print(f"{len(written)} files in {out}: {', '.join(written)}")
+    _say_files(folder)
+    return DONE
+
+
+def _compare(options: argparse.Namespace) -> int:
+    with held(options.out, "compare") as folder:
+        from ringwear.studies.figures.comparison import OVER_RADIUS, OVER_TIME, draw_comparison
+        from ringwear.studies.report import comparison
+        from ringwear.studies.report.printed import print_rows
+        from ringwear.studies.tables import Table
+
+        one, other = comparison.both(options.A, options.B)
+        keys, answers = comparison.scene_rows(one, other), comparison.answer_rows(one, other)
+        curves = {name: (one.curve(name), other.curve(name)) for name in (*OVER_RADIUS, *OVER_TIME)}
+        if not any(found is not None for pair in curves.values() for found in pair):
+            raise SceneError("neither result holds a history or a steady state: there is nothing to compare")
+        Table(folder.hidden / "scenes.csv", keys.headers, keys.rows)
+        Table(folder.hidden / "answers.csv", answers.headers, answers.rows)
+        draw_comparison((one.scene, other.scene), curves, folder.hidden / "comparison.png")
+    print(f"A: {one.name}\nB: {other.name}\n")
+    print_rows(keys)
+    print()
+    print_rows(answers)
+    _say_files(folder)
     return DONE
 
 
 def _study(options: argparse.Namespace) -> int:
-    from ringwear.studies.output import whole
+    from ringwear.studies.tables import keeping_rows
 
     scene = Scene.load(options.scene)
-    if scene.problem.profile is not None and not STUDIES[options.study].any_punch:
+    study = STUDIES[options.study]
+    if scene.problem.profile is not None and not study.any_punch:
         raise SceneError(f"study {options.study} is about flat punches under a force: leave out punch.recess and "
                          "punch.profile, and give load.normal_force; or study compare")  # fmt: skip
-    options.out = out = options.out or Path("results") / options.study
-    with whole(_directory(options)) as hidden:
-        conclusions = STUDIES[options.study].conduct(scene, hidden, options)
-        written = sorted(file.name for file in hidden.iterdir())
+    with held(options.out or Path("results") / options.study, f"study {options.study}") as folder:
+        conclusions = list[str]()
+        with keeping_rows(conclusions):
+            conclusions += study.conduct(scene, folder.hidden, options)
+        if conclusions == [INTERRUPTED]:
+            # stopped between its rows: tables are whole after every row, but a figure may be half there
+            for file in set(folder.hidden.iterdir()) - set(folder.hidden.glob("*.csv")):
+                file.unlink()
+            if not any(folder.hidden.iterdir()):
+                raise KeyboardInterrupt
+        # before the page is made of them
+        folder.publish()
+        from ringwear.studies.output.side_by_side import Job, make
+        from ringwear.studies.report.page import write_study
+
+        named = options.study, study.purpose
+        page = Job("report.html", lambda path: write_study(named, scene, conclusions, folder.out, path))
+        failures = make([page], [], folder.hidden)
     print("\n".join(conclusions))
-    print(f"{len(written)} files in {out}: {', '.join(written)}")
-    return FAILED if INTERRUPTED in conclusions else DONE
+    _say_files(folder)
+    for failure in failures:
+        print(f"ringwear: {failure}", file=sys.stderr)
+    return FAILED if failures or INTERRUPTED in conclusions else DONE
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from ringwear.studies.sweep.conduct import swept
+
+    if options.workers < 1:
+        raise SceneError(f"--workers {options.workers}: give 1 or more")
+    options.scene = options.file
+    conclusions, complete = swept(options.file, _results_of(options), options)
+    print("\n".join(conclusions))
+    return DONE if complete else FAILED
 
 
 def _scenes(_: argparse.Namespace) -> int:
     for name in bundled():
         print(f"{name:<14}{Scene.load(name).title}")
     return DONE
+
+
+COMMANDS = {
+    "run": _run, "plan": _plan, "mesh": _mesh, "compare": _compare, "study": _study, "sweep": _sweep, "scenes": _scenes,
+}  # fmt: skip
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,6 +1,7 @@
 """What happens, as it happens: the log, timed stages of a method, and progress through long work."""
 
 import logging
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -10,6 +11,7 @@ from typing import TypeVar
 T = TypeVar("T")
 LOG = logging.getLogger("ringwear")
 STAGES = LOG.getChild("stages")  # of single methods: more than a study wants to show
+EVERY = 10.0  # seconds between lines of progress that are not for a terminal
 
 
 @dataclass
@@ -29,8 +31,25 @@ class Stages:
 
 
 def progress(items: Sequence[T], of: str, label: Callable[[T], object] = str) -> Iterator[T]:
-    """The items one by one, each logged with its number and the time gone by."""
+    """The items one by one, each logged with its number, the time gone by and about the time left."""
     start = time.perf_counter()
-    for number, item in enumerate(items, 1):
-        LOG.info("%8s  %d of %d, %.0f s: %s ...", of, number, len(items), time.perf_counter() - start, label(item))
+    for number, item in enumerate(items):
+        gone = time.perf_counter() - start
+        ahead = f", about {gone / number * (len(items) - number):.0f} s left" if number else ""
+        LOG.info("%8s  %d of %d, %.0f s%s: %s ...", of, number + 1, len(items), gone, ahead, label(item))
         yield item
+
+
+class Terminal(logging.Handler):
+    """The log on standard error: on a terminal unfinished lines are written over; elsewhere one shows now and then."""
+
+    _last = float("-inf")
+
+    def emit(self, record: logging.LogRecord) -> None:
+        line, now = record.getMessage(), time.monotonic()
+        unfinished = line.endswith("...")
+        if sys.stderr.isatty():
+            print(f"\r\033[K{line}", end="" if unfinished else "\n", file=sys.stderr, flush=True)
+        elif not unfinished or now - self._last > EVERY:
+            self._last = now
+            print(line, file=sys.stderr, flush=True)

@@ -5,10 +5,34 @@ A method is a file with an object ``METHOD`` (`studies/methods/base.py`). A stud
 line each; `INTERRUPTED` is among them if it was stopped.
 """
 
+from argparse import ArgumentTypeError
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
+
+
+def at_least(least: int) -> Callable[[str], int]:
+    """What turns the text of an option into a count, and refuses less."""
+
+    def count(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            raise ArgumentTypeError(f"{text!r} is not a whole number: give {least} or more") from None
+        if value < least:
+            raise ArgumentTypeError(f"{value} is too few: give {least} or more")
+        return value
+
+    return count
+
+
+def name_of_file(text: str) -> str:
+    """What refuses an option without text."""
+    if not text.strip():
+        raise ArgumentTypeError("is empty: give a file")
+    return text
+
 
 METHODS = ("mdr", "mdr-grid", "bem", "direct", "fem")
 INTERRUPTED = "INTERRUPTED: tables and figures hold the rows that were finished."
@@ -44,16 +68,18 @@ STUDIES: dict[str, Study] = {
     "refinement": Study(
         "refinement.study",
         "uniform, graded and self-refining meshes, and a mesh file of your own, against what is known",
-        options=(("--mesh", {"metavar": "FILE", "help": "a mesh file of yours: .msh of gmsh, .vtu, ..."}),),
+        options=(
+            ("--mesh", {"type": name_of_file, "metavar": "FILE", "help": "a mesh file of yours: .msh of gmsh, .vtu, ..."}),
+        ),
     ),
     "extremes": Study("extremes.study", "a map of the limits: every method at extreme parameters against closed forms"),
     "estimates": Study(
         "estimates.study",
         "are stated errors honest, and is the accuracy reached? every quantity, on scenes drawn at random",
         options=(
-            ("--seed", {"type": int, "default": 0, "help": "seed that the scenes are drawn from (default: 0)"}),
-            ("--count", {"type": int, "default": 40, "help": "how many scenes (default: 40)"}),
-            ("--rings", {"type": int, "default": 8, "help": "most rings of a scene (default: 8; 24 takes long)"}),
+            ("--seed", {"type": at_least(0), "default": 0, "help": "seed that the scenes are drawn from (default: 0)"}),
+            ("--count", {"type": at_least(1), "default": 40, "help": "how many scenes (default: 40)"}),
+            ("--rings", {"type": at_least(1), "default": 8, "help": "most rings of a scene (default: 8; 24 takes long)"}),
         ),
     ),
     "tradeoff": Study("tradeoff", "error against seconds for every method and family of settings"),

@@ -21,7 +21,7 @@ from ringwear.studies.methods.quantities import array
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.sections import FemAccuracy, MdrAccuracy
-from ringwear.studies.progress import LOG
+from ringwear.studies.progress import LOG, progress
 from ringwear.studies.tables import Row, Table, keeping_rows, write_page
 
 FIELDS = ("family", "setting", "unknowns", "seconds", "error", "estimate", "remark")
@@ -37,9 +37,10 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
         problem = replace(problem, times=np.array([0.01, 0.1, 1.0]))
     table = Table(out / "tradeoff.csv", FIELDS)
     with keeping_rows(conclusions), threadpool_limits(1):
+        LOG.info("   trade  reference ...")
         known = array(exact(problem), "indentation")
-        for name, family, setting, asked in settings(problem, options.quick):
-            LOG.info("   trade  %s, %s ...", family, setting)
+        every = list(settings(problem, options.quick))
+        for name, family, setting, asked in progress(every, "trade", lambda one: f"{one[1]}, {one[2]}"):
             table.add(family=family, setting=setting, **measured(name, asked, known, options.quick))
     rows = [row for row in table.rows if "error" in row]
     front, of_elements = pareto_front(rows), pareto_front(row for row in rows if row["family"].startswith("fem"))

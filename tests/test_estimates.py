@@ -13,7 +13,8 @@ import pytest
 
 from ringwear import Scene, run
 from ringwear.meshes.radial import ring_areas
-from ringwear.studies.crosscheck.run import Result, solved_to_accuracy
+from ringwear.studies.crosscheck.accuracy import solved_to_accuracy
+from ringwear.studies.crosscheck.run import Result
 from ringwear.studies.estimates import study
 from ringwear.studies.estimates.scenes import random_scenes
 from ringwear.studies.methods.by_compliance import Discretised
@@ -103,7 +104,7 @@ def test_refined_until_the_accuracy_is_reached(caplog: pytest.LogCaptureFixture)
     """Sizes that are far too hopeful are noticed by the estimate, and made up for."""
     scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-5)
     with caplog.at_level(logging.INFO, "ringwear"):
-        solution = solved_to_accuracy(Hopeful(), scene.problem, Stages("mdr"))
+        (solution,) = solved_to_accuracy(Hopeful(), [scene.problem], Stages("mdr"))
     assert max(solution.greatest_error(name) for name in solution.errors) <= 1.5e-5
     for error, estimate in study.true_errors(replace(run(scene), solutions={"mdr": solution}))["mdr"].values():
         assert (error <= estimate).all()

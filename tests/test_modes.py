@@ -22,7 +22,7 @@ def test_the_flat_start_excites_few_modes(prepare: Any, earliest: float) -> None
     """The Krylov space carries the history from its earliest time on, and the slowest relaxation times."""
     wear = prepare("many_rings", "mdr", accuracy__rtol=1e-2).wear
     mass, weights, moments = pencil(wear)
-    whole = every_mode(wear._factor, mass, weights, moments, gentle=False)
+    whole = every_mode(wear._energy, wear._factor, mass, weights, moments, gentle=False)
     few = excited_modes(wear._energy, mass, weights, moments, earliest)
     assert len(few.relaxation) < len(whole.relaxation)
     assert few.exact >= 5
@@ -38,7 +38,7 @@ def test_a_start_that_excites_nothing_more_ends_the_search(prepare: Any) -> None
     """Two modes of a two-dimensional invariant space are found exactly."""
     wear = prepare("five_rings", "mdr", accuracy__rtol=1e-2).wear
     mass, weights, moments = pencil(wear)
-    whole = every_mode(wear._factor, mass, weights, moments, gentle=True)
+    whole = every_mode(wear._energy, wear._factor, mass, weights, moments, gentle=True)
     start = wear._mass @ whole.shapes[:, [1, 4]] @ np.ones(2)
     few = excited_modes(wear._energy, mass, weights, start, 1e-3)
     np.testing.assert_allclose(few.relaxation[:2], whole.relaxation[[1, 4]], rtol=1e-12)

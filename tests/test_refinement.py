@@ -15,7 +15,7 @@ from ringwear import Scene
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.stresses import displacements
 from ringwear.meshes import bisection
-from ringwear.meshes.errors import MeshError
+from ringwear.meshes.errors import MeshError, SceneError
 from ringwear.meshes.half_space import contact_radii, quality
 from ringwear.meshes.sizes import SizeField
 from ringwear.studies.refinement import study as refinement
@@ -98,5 +98,5 @@ def test_a_mesh_file_is_refused_where_it_does_not_fit(tmp_path: Path, own: Path)
     fitting = replace(problem, rings=refinement.Rings(np.array([0.0, 0.5, 1.0]), np.array([1.0, 0.1])))
     name, _ = refinement.own_mesh(fitting, str(own))
     assert name == "mine.vtu"
-    with pytest.raises(MeshError, match="no such file"):
+    with pytest.raises(SceneError, match="no such file"):
         refinement.conduct(Scene.load("five_rings"), tmp_path, argparse.Namespace(quick=True, mesh=str(tmp_path / "absent")))

@@ -152,7 +152,7 @@ def test_bad_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         ("no_such_scene", "no such file"),
         (str(tmp_path), "is a directory"),
         (str(binary), "not a text file"),
-        (str(empty), "missing key punch"),
+        (str(empty), "missing keys punch"),
         (str(empty / "below"), "below"),
     ):
         assert named in refused(["run", source], out, capsys)

@@ -18,12 +18,14 @@ ROOT = Path(__file__).parents[1]
 ROOMS = (
     {"meshes"},
     {"mdr", "fem"},
-    {"studies.registry", "studies.progress"},
-    {"studies.tables", "studies.problem"},
+    {"studies.registry", "studies.progress", "studies.versions"},
+    {"studies.tables", "studies.problem", "studies.parser"},
     {"studies.wear"},
     {"studies.methods"},
     {"studies.crosscheck"},
     {"studies.figures"},
+    {"studies.report"},
+    {"studies.output"},
     {"studies"},  # the studies themselves and the command line
 )
 FILES = {

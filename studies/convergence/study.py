@@ -80,6 +80,10 @@ def draw(sequences: list[Sequence], path: Path) -> None:
     legend_below(unknowns, ncols=2)
     for axes, what in ((punch, "flat start"), (rings, "rings on quadrilaterals")):
         raised = [one for one in sequences if one.name.endswith(DIGITS) and (one.quantity == "d0") == (axes is punch)]
+        if not raised:
+            # without gmsh there are no quadrilaterals
+            axes.set_visible(False)
+            continue
         names = [f"{one.name.split(',')[0]}, {one.quantity}: {10**one.order:.1f} per degree" for one in raised]
         curves = {name: (-np.log10(one.sizes), one.errors) for name, one in zip(names, raised, strict=True)}
         draw_errors(axes, curves, xlabel="polynomial degree $k$", ylabel="relative error", title=f"degree raised, {what}")

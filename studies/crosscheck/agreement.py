@@ -5,22 +5,24 @@ they disagree where the difference is beyond it. Where the uncertainty is greate
 decided, and it is said what would decide it.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ringwear.meshes.radial import Array
 from ringwear.studies.methods.base import Solution, method
-from ringwear.studies.methods.quantities import COMPARED_MODES, ENERGIES, QUANTITIES, common, differences
+from ringwear.studies.methods.quantities import A_FEW, COMPARED_MODES, ENERGIES, FINEST, QUANTITIES, common, differences
 from ringwear.studies.problem.defaults import at_smallest, field_accuracy
 from ringwear.studies.problem.problem import Problem
 
-# times the accuracy asked for that the uncertainty of two methods may be, each of which is to be that accurate
-A_FEW = 4.0
 # part of the accuracy asked for below which differences mean nothing: estimates of errors so small may be of chance
 NOTHING = 0.05
-FINEST = 1e-9
+# times as accurate that a method has to be to show what another's error is
+BETTER = 10.0
 AGREE, DISAGREE, UNDECIDED = "agree", "disagree", "undecided"
 
 
@@ -52,17 +54,61 @@ def agreements(problem: Problem, names: tuple[str, str], solutions: tuple[Soluti
     """Compare two methods in every quantity that both give, at the times that are checked."""
     found = differences(solutions[0].checked, solutions[1].checked, problem.face)
     return [
-        _agreement(problem, name, names, difference, [solution.checked_error(problem, name) for solution in solutions])
+        _agreement(problem, name, names, *_compared(problem, name, difference, solutions))
         for name, difference in found.items()
     ]
 
 
-def _agreement(problem: Problem, name: str, of: tuple[str, str], difference: Array, errors: list[Array]) -> Agreement:
+class Worst(NamedTuple):
+    """Of some quantities and every two methods, the worst; NaN where there is nothing to compare.
+
+    Parameters
+    ----------
+    disagreement : greatest difference over its uncertainty: above 1 they disagree
+    effectivity : least stated error over the error that a method at least `BETTER` times as accurate shows
+    """
+
+    disagreement: float
+    effectivity: float
+
+
+def worst(problem: Problem, solutions: Collection[Solution], keep: Collection[str]) -> Worst:
+    """The worst of the quantities to keep."""
+    disagreement = effectivity = np.nan
+    for both in combinations(solutions, 2):
+        found = differences(both[0].checked, both[1].checked, problem.face)
+        for name in found.keys() & set(keep):
+            difference, first, second = _compared(problem, name, found[name], both)
+            uncertainty = _uncertainty(problem, first, second)
+            disagreement = np.fmax(disagreement, np.max(difference / uncertainty, initial=0.0))
+            counted = difference > NOTHING * problem.rtol
+            for stated, other in ((first, second), (second, first)):
+                shown = counted & (stated > BETTER * other)
+                effectivity = np.fmin(effectivity, np.min(stated[shown] / difference[shown], initial=np.inf))
+    return Worst(float(disagreement), float(effectivity) if np.isfinite(effectivity) else np.nan)
+
+
+def _uncertainty(problem: Problem, first: Array, second: Array) -> Array:
+    """Of a difference, by what two methods say of their errors."""
+    return np.maximum(first + second, NOTHING * problem.rtol)
+
+
+def _compared(
+    problem: Problem, name: str, difference: Array, solutions: tuple[Solution, Solution]
+) -> tuple[Array, Array, Array]:  # fmt: skip
+    """The difference and both methods' own errors, where all are known."""
+    errors = [solution.checked_error(problem, name) for solution in solutions]
     if "mode" in QUANTITIES[name].dims:
         difference, *errors = (one[:COMPARED_MODES] for one in (difference, *errors))
     known = common(difference.shape, *(error.shape for error in errors))
     difference, first, second = (np.atleast_1d(one[known]) for one in (difference, *errors))
-    uncertainty = np.maximum(first + second, NOTHING * problem.rtol)
+    return difference, first, second
+
+
+def _agreement(
+    problem: Problem, name: str, of: tuple[str, str], difference: Array, first: Array, second: Array
+) -> Agreement:  # fmt: skip
+    uncertainty = _uncertainty(problem, first, second)
     beyond = difference > uncertainty
     if beyond.any():
         worst = int(np.argmax(difference / uncertainty))

@@ -80,7 +80,7 @@ def _of_profile(problem: Problem, name: str, checked: xarray.Dataset) -> Iterato
     forces, times = array(checked, "ring_force").sum(axis=1), array(checked, "time")
     if problem.indentation is None:
         yield _worst("ring forces add up to F", name, np.abs(forces - 1), np.full(len(forces), EXACT))
-        worn = array(checked, "worn_volume")[times > 0] @ (1 / problem.wear_coefficients)
+        worn = array(checked, "ring_worn_volume")[times > 0] @ (1 / problem.wear_coefficients)
         wrong = np.abs(worn / times[times > 0] - 1)
         if len(wrong):
             yield _worst("worn volume over k, F v0 t", name, wrong, np.full(len(wrong), EXACT))

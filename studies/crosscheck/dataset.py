@@ -1,9 +1,8 @@
 """The result of a run, as an xarray Dataset (netCDF-4) and as a summary (JSON), in the scene's units."""
 
 import json
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from importlib.metadata import PackageNotFoundError, version
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,15 +11,18 @@ import xarray
 from ringwear.meshes.radial import Array
 from ringwear.studies.crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, worst_verdict
 from ringwear.studies.crosscheck.anchors import Anchor
+from ringwear.studies.crosscheck.answer import ALSO, ANSWER, STATES, answer
 from ringwear.studies.crosscheck.operators import OperatorDifference
 from ringwear.studies.crosscheck.scope import left_out, modelled
 from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import NORMS, OF_PROFILES, QUANTITIES, common, error_name, values
+from ringwear.studies.methods.quantities import ERROR, NORMS, OF_PROFILES, QUANTITIES, array, common, error_name, values
 from ringwear.studies.problem.scene import Scene
+from ringwear.studies.problem.unit_names import UnitNames
 from ringwear.studies.progress import Stages
+from ringwear.studies.versions import versions
+from ringwear.studies.wear.modes import SHOWN
 
-MODES = 20
-ERROR = "relative error of {}, the method's own estimate: {}"
+UNSTATED = "the scene's own consistent units"
 
 DEFINITIONS = {
     "verdict": "agree: every difference is within the uncertainty, and that within a few rtol; disagree: a difference "
@@ -33,6 +35,8 @@ DEFINITIONS = {
     "(space, worst at worst_radius); stability: their least ratio, the square of the inf-sup constant; residual: "
     "first method's pressures put into the second, against the worn profile, in the energy norm",
     "error_estimate": "relative, of the indentation, over all times",
+    "answer": "by each method, in the scene's units; of rings a list from the centre, first at the start, then steady; "
+    "null: infinite, or not given",
     "beyond_rtol": "quantities that the method cannot bring to rtol by its own estimate, with the greatest estimate",
 }
 
@@ -97,10 +101,22 @@ class Result:
     def notes(self) -> tuple[str, ...]:
         return tuple(note for solution in self.solutions.values() for note in solution.notes)
 
+    @cached_property
+    def answers(self) -> dict[str, dict[str, Array]]:
+        """What a user asked of the punch, by method: `answer.ANSWER`, and the steady wear rate and slope; scene's units."""
+        units, found = self.scene.problem.units, {}
+        for name, solution in self.solutions.items():
+            own = answer(self.scene.problem, solution)
+            found[name] = {key: value * getattr(units, ANSWER[key].unit) for key, value in own.items()}
+            for key in ALSO:
+                value = array(solution.results, key) if key in solution.results else np.array(np.nan)
+                found[name][key] = value * getattr(units, QUANTITIES[key].unit)
+        return found
+
     @property
     def dataset(self) -> xarray.Dataset:
         """The results as an xarray Dataset, in the scene's units."""
-        return dataset(self.scene, self.solutions)
+        return dataset(self)
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -108,39 +124,62 @@ class Result:
         return summary(self)
 
 
-def dataset(scene: Scene, solutions: Mapping[str, Solution]) -> xarray.Dataset:
+def dataset(result: Result) -> xarray.Dataset:
     """All results over dimensions solver, time, radius, ring and mode; NaN where a method does not give a quantity."""
-    problem = scene.problem
-    stated = scene.units or "the scene's own consistent units"
-    sizes = {"time": len(problem.times), "radius": len(problem.radii), "ring": len(problem.wear_coefficients), "mode": MODES}
+    scene, solutions = result.scene, result.solutions
+    problem, names = scene.problem, UnitNames.of(scene.units)
+    sizes = {"time": len(problem.times), "radius": len(problem.radii), "ring": len(problem.wear_coefficients), "mode": SHOWN}
+    sizes["state"] = len(STATES)
     every = [values(solution.results) for solution in solutions.values()]
     errors = [solution.errors for solution in solutions.values()]
     # a flat punch has no more to say
-    given = [name for name in QUANTITIES if name not in OF_PROFILES or any(name in one for one in every)]
+    told = [name for name in QUANTITIES if name not in OF_PROFILES or any(name in one for one in every)]
     sizes["edge"] = max((one["contact_edge"].shape[1] for one in every if "contact_edge" in one), default=0)
+
+    def about(definition: str, kind: str) -> dict[str, str]:
+        return {"long_name": definition, "units": names.name(kind) or scene.units or UNSTATED}
+
     variables: dict[str, Any] = {}
-    for name, quantity in ((name, QUANTITIES[name]) for name in given):
+    for name, quantity in ((name, QUANTITIES[name]) for name in told):
         shape = tuple(sizes[dim] for dim in quantity.dims)
-        about = {"long_name": quantity.definition, "units": "1" if quantity.unit == "slope" else stated}
-        scaled = _gathered(every, name, shape) * getattr(problem.units, quantity.unit)
-        variables[name] = (("solver", *quantity.dims), scaled, about)
+        scaled = _gathered(every, name, shape)
+        scaled *= getattr(problem.units, quantity.unit)
+        variables[name] = (("solver", *quantity.dims), scaled, about(quantity.definition, quantity.unit))
         if name in ("contact", "contact_edge"):
             continue
-        about = {"long_name": ERROR.format(name, NORMS[quantity.norm]), "units": "1"}
         shape = tuple(sizes[dim] for dim in quantity.error_dims)
-        variables[error_name(name)] = (("solver", *quantity.error_dims), _gathered(errors, name, shape), about)
-    time, radius = problem.times * problem.units.time, problem.radii * problem.units.length
+        of_error = about(ERROR.format(name, NORMS[quantity.norm]), "share")
+        variables[error_name(name)] = (("solver", *quantity.error_dims), _gathered(errors, name, shape), of_error)
+    answers = list(result.answers.values())
+    for name, quantity in ANSWER.items():
+        shape = tuple(sizes[dim] for dim in quantity.dims)
+        variables[name] = (
+            ("solver", *quantity.dims),
+            _gathered(answers, name, shape),
+            about(quantity.definition, quantity.unit),
+        )
+    edges, coefficients = (
+        problem.ring_edges * problem.units.length,
+        problem.wear_coefficients * problem.units.wear_coefficient,
+    )
+    # as they were asked for: by way of the non-dimensional ones they would differ in the last digit
+    given = scene.output.radii
+    radius = problem.radii * problem.units.length if given is None else np.array(given, dtype=float)
     coordinates = {
         "solver": list(solutions),
-        "time": ("time", time, {"long_name": "time of sliding", "units": stated}),
-        "radius": ("radius", radius, {"long_name": "distance from the axis", "units": stated}),
+        "time": ("time", np.array(scene.wear.times), about("time of sliding", "time")),
+        "radius": ("radius", radius, about("distance from the axis", "length")),
         "ring": ("ring", np.arange(1, sizes["ring"] + 1), {"long_name": "ring, counted from the centre"}),
-        "mode": ("mode", np.arange(1, MODES + 1), {"long_name": "wear mode, slowest first"}),
+        "ring_inner_radius": ("ring", edges[:-1], about("inner edge of the ring", "length")),
+        "ring_outer_radius": ("ring", edges[1:], about("outer edge of the ring", "length")),
+        "wear_coefficient": ("ring", coefficients, about("k of df/dt = k p v0 on the ring", "wear_coefficient")),
+        "mode": ("mode", np.arange(1, SHOWN + 1), {"long_name": "wear mode, slowest first"}),
+        "state": list(STATES),
     }
     if sizes["edge"]:
-        about = {"long_name": "edge of the contact: inner and outer of each part in turn, from the centre"}
-        coordinates["edge"] = ("edge", np.arange(1, sizes["edge"] + 1), about)
-    return xarray.Dataset(variables, coordinates, _attributes(scene, stated))
+        meaning = "edge of the contact: inner and outer of each part in turn, from the centre"
+        coordinates["edge"] = ("edge", np.arange(1, sizes["edge"] + 1), {"long_name": meaning})
+    return xarray.Dataset(variables, coordinates, _attributes(scene))
 
 
 def _gathered(every: list[dict[str, Array]], name: str, shape: tuple[int, ...]) -> Array:
@@ -153,26 +192,15 @@ def _gathered(every: list[dict[str, Array]], name: str, shape: tuple[int, ...]) 
     return out
 
 
-def _attributes(scene: Scene, units: str) -> dict[str, str]:
+def _attributes(scene: Scene) -> dict[str, str]:
     return {
         "title": scene.title,
-        "units": units,
+        "units": scene.units or UNSTATED,
         "definitions": "positive profile: material gone; in contact u_z = d - f; means over the radius (line) or area",
         "gradient_average": scene.output.gradient_average,
         "versions": json.dumps(versions()),
         "scene": scene.to_toml(),
     }
-
-
-def versions() -> dict[str, str]:
-    """Versions of ringwear and of what it computes with."""
-    known = {}
-    for name in ("ringwear", "numpy", "scipy", "scikit-fem", "gmsh", "meshio", "xarray"):
-        try:
-            known[name] = version(name)
-        except PackageNotFoundError:
-            known[name] = "not installed"
-    return known
 
 
 def summary(result: Result) -> dict[str, Any]:
@@ -197,6 +225,7 @@ def summary(result: Result) -> dict[str, Any]:
         "units": scene.units,
         "verdict": result.verdict,
         "quantities": result.quantities,
+        "answer": {name: {key: _json(value) for key, value in one.items()} for name, one in result.answers.items()},
         "methods": methods,
         "agreement": [asdict(row) | {"agrees": row.agrees} for row in result.agreement],
         "agrees": result.agrees,
@@ -204,9 +233,18 @@ def summary(result: Result) -> dict[str, Any]:
         "operator_difference": [
             {"methods": list(row.methods)} | {name: getattr(row, name) for name in numbers} for row in result.operators
         ],
-        "definitions": DEFINITIONS | {name: NORMS[quantity.norm] for name, quantity in QUANTITIES.items()},
+        "definitions": DEFINITIONS
+        | {name: NORMS[quantity.norm] for name, quantity in QUANTITIES.items()}
+        | {name: quantity.definition for name, quantity in ANSWER.items()},
         "modelled": modelled(scene),
         "left_out": left_out(scene),
         "notes": result.notes,
         "versions": versions(),
     }
+
+
+def _json(value: Array) -> Any:
+    """Numbers as JSON has them: null for what is infinite or unknown."""
+    if value.ndim:
+        return [_json(part) for part in value]
+    return float(value) if np.isfinite(value) else None

@@ -74,11 +74,11 @@ def difference(problem: Problem, methods: tuple[str, str], first: RunningIn, sec
     return OperatorDifference(
         methods=methods,
         rings=_greatest(one, other, one.space.ring_indicator()),
-        history=_along_history(problem.times, first, second),
+        history=_along_history(problem.times[problem.checked], first, second),
         space=float(np.abs(ratios[worst] - 1)),
         worst_radius=float(fine[np.abs(pressure).argmax()]) * problem.units.length,
         stability=float(ratios.min()),
-        residual=_residual(problem.times, first, other),
+        residual=_residual(problem.times[problem.checked], first, other),
         wavelengths=wavelengths * problem.units.length,
         differences=by_mode,
     )

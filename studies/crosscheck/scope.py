@@ -1,10 +1,19 @@
 """What a scene requires, and what it does not: said before a run by `plan`, and after it in the summary."""
 
+import os
+from itertools import combinations
+
 import numpy as np
 
 from ringwear.studies.methods.base import method
+from ringwear.studies.methods.costs import Expected, check_terms, memory_terms, output_terms, rates
 from ringwear.studies.problem.defaults import truncation
 from ringwear.studies.problem.scene import Scene
+from ringwear.studies.problem.time_scale import MOST_RINGS, slowest_relaxation_time
+from ringwear.studies.problem.unit_names import UnitNames
+
+# counts of the slowest relaxation time before which little has happened, and after which nothing does
+BEFORE, AFTER = 0.01, 5.0
 
 
 def _marches(scene: Scene) -> bool:
@@ -46,7 +55,8 @@ def left_out(scene: Scene) -> dict[str, str]:
         reasons["springs' rule of the MDR"] = (
             "q = d - g holds only while contact is one disc; the energy of the MDR needs no disc"
         )
-        reasons["relaxation modes"] = "they are those of a contact that does not change"
+        reasons["relaxation modes"] = "they, and the running-in times, are those of a contact that does not change"
+        reasons["ring pressures at the start"] = "they may be infinite at edges of the contact, or on its axis"
         reasons["inside of the half-space"] = "stresses are computed for flat punches only"
         reasons["methods as operators"] = "compared for flat punches only"
     if not scene.wear.times:
@@ -71,24 +81,77 @@ def left_out(scene: Scene) -> dict[str, str]:
     return reasons
 
 
+def expected(scene: Scene) -> Expected:
+    """What a run of a scene will take, check, files and figures included."""
+    problem = scene.problem
+    costs = {name: method(name).cost(problem) for name in scene.methods}
+    known = rates()
+    flat = problem.profile is None
+    # neither operators nor the inside of the half-space are looked at elsewhere
+    compliances = [name for name in scene.methods if method(name).operator and flat]
+    # compared on the space of a method that has one of its own, else on the other's
+    check = sum(
+        float(known["check"]["seconds"] @ check_terms((costs.get("fem") or costs[one]).pressures, problem))
+        for one, other in combinations(compliances, 2)
+        if {one, other} != {"fem"}
+    )
+    output = float(
+        known["output"]["seconds"] @ output_terms(problem, list(costs.values()), costs.get("fem") if flat else None)
+    )
+    memory = {key: float(known["memory"]["gib"] @ part) for key, part in memory_terms(problem, costs).items()}
+    return Expected(costs, check, output, memory)
+
+
+def beyond_memory(whole: Expected, limit: float) -> str:
+    """Why a run would not fit into so many GiB, and the key that causes it; empty if it fits."""
+    if whole.gib <= limit:
+        return ""
+    key = max(whole.memory, key=whole.memory.__getitem__)
+    needed = f"about {whole.gib:.2g} GiB are needed, {whole.memory[key]:.2g} of them for {key}"
+    return f"{needed}, and {limit:.2g} are allowed: ask for less there, or give --memory GIB if there is more"
+
+
+def machine_memory() -> float:
+    """GiB of this machine."""
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
+
+
+def refusals(scene: Scene) -> list[str]:
+    """Why methods cannot compute a scene, each with its remedy."""
+    return [refusal for name in scene.methods if (refusal := method(name).refusal(scene.problem))]
+
+
 def plan(scene: Scene) -> list[str]:
-    """What each method will be made of and cost, without making it; then what is worth knowing before it runs."""
+    """What each method will be made of and cost, without making it; then what is worth knowing before it runs.
+
+    Parameters
+    ----------
+    scene : what would be computed
+
+    Returns
+    -------
+    list of str
+        lines of text: sizes, seconds on one thread, GiB, and the error that each method's own estimate will be about
+    """
     problem = scene.problem
     lines, seconds = [], {}
-    for name in scene.methods:
-        cost = method(name).cost(problem)
+    whole = expected(scene)
+    for name, cost in whole.by_method.items():
         lines.append(f"{name}: {method(name).described(problem)}")
         unknown = "error by the sizes given" if problem.profile is None else "error told by the run"
         error = unknown if np.isnan(cost.error) else f"error about {cost.error:.0e}"
         size = f"about {cost.unknowns} unknowns, {cost.pressures} pressures"
-        lines.append(f"    {size}, {cost.seconds:.2g} s, {cost.memory:.2g} GiB, {error}")
+        lines.append(f"    {size}, {cost.seconds:.2g} s, {error}")
         if np.isfinite(cost.seconds) and not ("history" in method(name).lacks and scene.wear.times):
             seconds[name] = cost.seconds
     if seconds:
         lines.append(f"cheapest for rtol {problem.rtol:.0e}: {min(seconds, key=seconds.__getitem__)}")
+    checked = f"comparing operators {whole.check:.2g} s, " if whole.check else ""
+    most = max(whole.memory, key=whole.memory.__getitem__)
+    lines.append(f"in all: {whole.seconds:.2g} s ({checked}files and figures {whole.output:.2g} s), {whole.gib:.2g} GiB, "
+                 f"most of it for {most}")  # fmt: skip
+    lines += [f"refused: {refusal}" for refusal in refusals(scene)]
     lines += [f"note: {note}" for name in scene.methods for note in method(name).notes(problem)]
-    if problem.profile is not None:
-        lines += [f"note: it will not run: {no}" for name in scene.methods if (no := method(name).refusal(problem))]
     if "fem" in scene.methods and {"mdr", "bem"}.isdisjoint(scene.methods):
         lines.append(
             "note: in full contact the MDR gives the same at a fraction of the cost; add 'mdr' to see how far they agree"
@@ -98,3 +161,30 @@ def plan(scene: Scene) -> list[str]:
         lines.append(f"note: a fixed boundary at {outer:g} a will err by {1.1 / outer:.1e}; "
                      "far_field = 'boussinesq' does not")  # fmt: skip
     return lines
+
+
+def time_scale(scene: Scene) -> list[str]:
+    """How long running-in will take, and whether the times asked for show it; nothing without a history."""
+    if not scene.problem.earliest:
+        return []
+    if scene.problem.profile is not None:
+        return ["running-in: not known beforehand where contact opens, closes and spreads"]
+    slowest = slowest_relaxation_time(scene.problem.rings)
+    if not np.isfinite(slowest):
+        return [f"running-in: not known beforehand for more than {MOST_RINGS} rings"]
+    names, times = UnitNames.of(scene.units), [time for time in scene.wear.times if time]
+    first, last = scene.problem.earliest / slowest, float(scene.problem.times[-1]) / slowest
+    told = names.write(slowest * scene.problem.units.time, "time", 3)
+    lines = [f"running-in: slowest relaxation time {told}; the {len(times)} times after the start go from {first:.2g} to "
+             f"{last:.2g} of it"]  # fmt: skip
+    return lines + outside(first, last)
+
+
+def outside(first: float, last: float) -> list[str]:
+    """A warning if all times, as counts of the slowest relaxation time, lie before or after the running-in."""
+    remedy = 'times = "running-in" shows all of it'
+    if last < BEFORE:
+        return [f"note: all times lie before the running-in, of which hardly anything is seen by then: {remedy}"]
+    if first > AFTER:
+        return [f"note: all times lie after the running-in, so that nothing of it is seen: {remedy}"]
+    return []

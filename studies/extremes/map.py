@@ -12,6 +12,12 @@ from ringwear.studies.tables import Row, Table
 # marker, shade and size of each verdict, from the best to the worst; only defects are red
 LOOKS = {"within": ("s", "0.8", 20), "degraded": ("^", GREYS[4], 24), "refused": ("_", GREYS[0], 28),
          "wrong": ("X", RED, 40), "crashed": ("*", RED, 60)}  # fmt: skip
+# what each verdict means, for the legend
+MEANINGS = {
+    "within": "within: its error is within its own estimate",
+    "degraded": "degraded: less accurate than asked for, and says so",
+    "refused": "refused: says why it cannot", "wrong": "wrong: less accurate than it says", "crashed": "crashed",
+}  # fmt: skip
 COLUMNS = 5
 
 
@@ -35,7 +41,7 @@ def draw(rows: Sequence[Row], path: Path) -> None:
         for verdict, (marker, shade, size) in LOOKS.items():
             cells = [row for row in own if row["verdict"] == verdict]
             at = [xs.index(row["x"]) for row in cells], [ys.index(row["y"]) for row in cells]
-            axes.scatter(*at, s=size, color=shade, marker=marker, label=verdict)
+            axes.scatter(*at, s=size, color=shade, marker=marker, label=MEANINGS[verdict])
         for axis, values, most in ((axes.xaxis, xs, 3), (axes.yaxis, ys, 9)):
             places = np.linspace(0, len(values) - 1, min(len(values), most)).round().astype(int)
             shown = (values[place] for place in places)

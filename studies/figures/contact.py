@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from ringwear.meshes.radial import Array
-from ringwear.studies.figures.run import time_axis
-from ringwear.studies.figures.style import curve, legend_of, method_curve, new_figure, titled
+from ringwear.studies.figures.style import curve, legend_of, method_curve, new_figure, save, styled, time_axis, titled
 from ringwear.studies.methods.base import Solution
 from ringwear.studies.methods.quantities import array
 from ringwear.studies.problem.scene import Scene
@@ -16,6 +15,7 @@ from ringwear.studies.problem.scene import Scene
 MOST_RINGS = 6
 
 
+@styled
 def draw_contact(scene: Scene, solutions: Mapping[str, Solution], path: Path) -> None:
     """Edges of the contact by every method, its inside shaded; and forces and worn volumes of rings by the first."""
     every = {name: one.results for name, one in solutions.items() if "contact_edge" in one.results}
@@ -42,7 +42,7 @@ def draw_contact(scene: Scene, solutions: Mapping[str, Solution], path: Path) ->
     rings = np.unique(np.linspace(0, len(problem.wear_coefficients) - 1, MOST_RINGS).round().astype(int))
     for number, ring in enumerate(rings):
         force.plot(times, array(first, "ring_force")[:, ring], **curve(number), label=f"ring {ring + 1}")
-        volume.plot(times, array(first, "worn_volume")[:, ring], **curve(number))
+        volume.plot(times, array(first, "ring_worn_volume")[:, ring], **curve(number))
     force.plot(times, array(first, "normal_force"), color="black", linewidth=0.8, label="all")
     force.set_ylim(0, 1.1 * float(array(first, "normal_force").max()))
     force.set_ylabel("force on a ring over $F$" if problem.indentation is None else r"force over $2 a E^* d$")
@@ -52,7 +52,7 @@ def draw_contact(scene: Scene, solutions: Mapping[str, Solution], path: Path) ->
         axes.set_xlabel("time $t$" + (f" ({scene.units})" if scene.units else ""))
     legend_of(figure, [force])
     figure.suptitle(titled(scene.title, "contact over time"), fontsize=10)
-    figure.savefig(path)
+    save(figure, path)
 
 
 def _once(axes: Any) -> None:

@@ -8,51 +8,56 @@ from matplotlib.collections import PolyCollection
 from matplotlib.ticker import MaxNLocator
 
 from ringwear.meshes.radial import Array
-from ringwear.studies.crosscheck.interior import MEAN_PRESSURE, NEAR, Interior
-from ringwear.studies.figures.style import RED, new_figure, titled
-from ringwear.studies.problem.problem import P0
+from ringwear.studies.crosscheck.interior import NEAR, Interior
+from ringwear.studies.figures.scale import Scale
+from ringwear.studies.figures.style import PAGE, RED, Margins, footing, heading, page, save, styled, titled
 from ringwear.studies.problem.scene import Scene
 
 
+@styled
 def draw_stress(scene: Scene, fields: Interior, path: Path) -> None:
     """Von Mises stress under the rings, at every state whose inside was recovered."""
-    ring_edges, count = scene.problem.ring_edges, len(fields.labels)
-    figure = new_figure(4.4 * count + 0.8, 4.6)
-    panels = figure.subplots(1, count, sharey=True, squeeze=False)[0]
+    ring_edges, count, scale = scene.problem.ring_edges, len(fields.labels), Scale(scene)
+    width = min(PAGE, 0.5 + 2.7 * count + 0.9)
+    margins = Margins(top=0.5, bottom=0.55, right=0.75, across=0.1)
+    side = (width - margins.left - margins.right - (count - 1) * margins.across) / count
+    figure, panels = page(1, count, side * 1.08 / 1.3, margins, width, sharey=True)
     r, z = fields.points
     beneath = (r < 1.3) & (z > 0.04) & (z < 1.0)
-    levels = MaxNLocator(18).tick_values(0, 1.2 * float(fields.von_mises[:, beneath].max() / P0))
-    # over p0, as the colours are: the mean pressure is twice that
-    errors = fields.errors["von_mises"] * MEAN_PRESSURE / P0
-    for values, label, error, axes in zip(fields.von_mises / P0, fields.labels, errors, panels, strict=True):
-        filled = axes.tricontourf(r, z, fields.triangles.T, values, levels, cmap="viridis", extend="max")
-        axes.plot([0, 1], [-0.02, -0.02], color=RED, linewidth=2.5)
-        axes.plot(ring_edges[1:-1], np.full(len(ring_edges) - 2, -0.045), "v", color=RED, markersize=3)
-        axes.set(xlim=(0, 1.3), ylim=(1.0, -0.08), aspect="equal", xlabel="$r/a$")
-        state = "steady state" if label == "steady" else f"${label}$"
-        axes.set_title(f"{state}: error {error:.1e}", fontsize=9)
-    panels[0].set_ylabel("depth $z/a$")
-    figure.colorbar(filled, ax=panels, label="von Mises stress over $p_0$", shrink=0.9)
-    figure.suptitle(titled(scene.title, "von Mises stress under the rings"), fontsize=10)
-    note = f"error: its own estimate, over $p_0$, further than {NEAR:g} a from the rim and from ring edges"
-    figure.supxlabel(note, fontsize=8)
-    figure.savefig(path)
+    shown = fields.von_mises * scale.pressure.factor
+    levels = MaxNLocator(12).tick_values(0, 1.2 * float(shown[:, beneath].max()))
+    near = fields.triangles[:, (r[fields.triangles].min(axis=0) < 1.3) & (z[fields.triangles].min(axis=0) < 1.0)]
+    for values, label, error, axes in zip(shown, fields.labels, fields.errors["von_mises"], panels[0], strict=True):
+        filled = axes.tricontourf(r, z, near.T, values, levels, cmap="viridis", extend="max")
+        axes.plot([0, 1], [-0.02, -0.02], color=RED, linewidth=2)
+        axes.plot(ring_edges[1:-1], np.full(len(ring_edges) - 2, -0.05), "|", color=RED, markersize=3)
+        axes.set(xlim=(0, 1.3), ylim=(1.0, -0.08), aspect="equal", xlabel="$r/a$", anchor="W")
+        state = "steady state" if label == "steady" else scale.when(float(label.removeprefix("t=")))
+        axes.set_title(f"{state}; errors up to {error:.0e} F/(πa²)")
+    panels[0, 0].set_ylabel("depth $z/a$")
+    low, high = margins.bottom / figure.get_figheight(), 1 - margins.top / figure.get_figheight()
+    bar = figure.add_axes((1 - 0.62 / width, low, 0.12 / width, high - low))
+    figure.colorbar(filled, cax=bar, label=scale.pressure.label("von Mises stress", "\\sigma"))
+    note = f"errors: by their own estimate, further than {NEAR:g} a from the rim and from ring edges, which are marked"
+    footing(figure, (), "; ".join(part for part in (note, scale.note.rpartition(", ")[2]) if part))
+    heading(figure, titled(scene.title, "von Mises stress under the rings"))
+    save(figure, path)
 
 
+@styled
 def draw_mesh(mesh: Any, mesher: str, ring_edges: Array, path: Path) -> None:
     """The whole mesh, the mesh under the punch, and the mesh at the rim."""
     from ringwear.meshes.half_space import contact_radii, truncation
 
-    figure = new_figure(11, 3.9)
-    panels = figure.subplots(1, 3)
+    figure, (panels,) = page(1, 3, 2.05, Margins(top=0.45, bottom=0.35, across=0.4))
     rim = max(30 * float(np.diff(contact_radii(mesh)).min()), 1e-6)
     mesh_panel(panels[0], mesh, (0, truncation(mesh)), "whole", "$r/a$")
     mesh_panel(panels[1], mesh, (0, 1.15), "under the punch", "$r/a$")
-    panels[1].plot(ring_edges[1:-1], np.full(len(ring_edges) - 2, -0.035), "v", color=RED, markersize=3)
+    panels[1].plot(ring_edges[1:-1], np.full(len(ring_edges) - 2, -0.035), "|", color=RED, markersize=3)
     mesh_panel(panels[2], mesh, (-rim, rim), "at the rim", "$(r-a)/a$", centre=1.0)
     panels[0].set_ylabel("depth $z/a$")
-    figure.suptitle(f"half-space mesh by {mesher}; the punch is red, ring edges are marked", fontsize=10)
-    figure.savefig(path)
+    heading(figure, f"half-space mesh by {mesher}; the punch is red, ring edges are marked")
+    save(figure, path)
 
 
 def mesh_panel(axes: Any, mesh: Any, view: tuple[float, float], name: str, label: str, centre: float = 0.0) -> None:
@@ -64,9 +69,9 @@ def mesh_panel(axes: Any, mesh: Any, view: tuple[float, float], name: str, label
     shown = corners[inside & (corners[:, :, 1].min(axis=1) <= depth)]
     width = 0.35 if len(shown) < 3000 else 0.15
     axes.add_collection(PolyCollection(shown, facecolors="none", edgecolors="black", linewidths=width))
-    axes.plot([low, min(high, 1 - centre)], [-0.015 * depth] * 2, color=RED, linewidth=2.5)
+    axes.plot([low, min(high, 1 - centre)], [-0.015 * depth] * 2, color=RED, linewidth=2)
     axes.set(xlim=(low, high), ylim=(depth, -0.06 * depth), aspect="equal")
-    axes.set_title(f"{name}: {len(shown)} elements", fontsize=9)
+    axes.set_title(f"{name}: {len(shown)} elements")
     power = int(np.floor(np.log10(depth))) if depth < 0.1 else 0
     axes.set_xlabel(label + (rf" in $10^{{{power}}}$" if power else ""))
     for axis in (axes.xaxis, axes.yaxis):

@@ -1,20 +1,19 @@
 """What every method is: an object that knows its sizes at an accuracy, solves a problem, and says how good the result is.
 
-Before it solves, it says what it will cost: unknowns by counting, seconds and memory by measured rates. These are a small
-table in the package, `costs.json`, which `python -m ringwear.studies.benchmark.rates` measures again.
+Before it solves, it says what it will cost (`costs.py`).
 """
 
-import json
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from importlib import import_module
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import xarray
 
 from ringwear.meshes.radial import Array
+from ringwear.studies.methods.costs import Cost, by_rates
 from ringwear.studies.methods.quantities import COMPARED_MODES, QUANTITIES
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
@@ -74,37 +73,6 @@ class Solution:
         return float(sum(self.parts.get(part, 0.0) for part in ("pressure space", "layers", "discretisation")))
 
 
-@dataclass(frozen=True)
-class Cost:
-    """Predicted cost of one method: unknowns, pressures among them, seconds on one thread and GiB.
-
-    `error` is what its own estimate of the indentation will be about; nan where that is not known, because the user gave
-    the sizes or nobody has measured it.
-    """
-
-    unknowns: int
-    pressures: int
-    seconds: float
-    memory: float
-    error: float
-
-
-def terms(unknowns: int, pressures: int) -> Array:
-    """What seconds are proportional to: a start, the mesh and its matrix, its factor, and dense algebra."""
-    return np.array([1.0, unknowns, unknowns**1.5, pressures**2, pressures**3], dtype=float)
-
-
-def by_rates(kind: str, unknowns: int, pressures: int, rtol: float) -> Cost:
-    """Cost by the rates measured for a kind of method; seconds and error are nan where there are none."""
-    # the factor, and a dozen dense matrices of the pressures
-    memory = 0.15 + (400.0 * unknowns * np.log2(max(unknowns, 2)) / 8 + 12 * 8.0 * pressures**2) / 2**30
-    rates = json.loads((files("ringwear.studies") / "costs.json").read_text("utf-8")).get(kind)
-    if rates is None:
-        return Cost(unknowns, pressures, np.nan, memory, np.nan)
-    error = float(10 ** np.polyval(rates["error"], np.log10(rtol)))
-    return Cost(unknowns, pressures, float(np.dot(rates["seconds"], terms(unknowns, pressures))), memory, error)
-
-
 def method(name: str) -> "Method":
     """The method of that name; its file is imported only now."""
     return import_module(f"ringwear.studies.methods.{name.replace('-', '_')}").METHOD
@@ -120,6 +88,7 @@ class Method(ABC):
     look : its curve in figures, as matplotlib takes it
     lacks : `history` or `steady state`, if it does not give that, and why
     own_march : whether it has its own way through time, whatever the march of the scene
+    operator : whether it yields a compliance, which can be compared with that of another as an operator
     """
 
     name: ClassVar[str]
@@ -127,6 +96,7 @@ class Method(ABC):
     look: ClassVar[dict[str, Any]]
     lacks: ClassVar[dict[str, str]] = {}
     own_march: ClassVar[bool] = False
+    operator: ClassVar[bool] = False
 
     @abstractmethod
     def described(self, problem: Problem) -> str:
@@ -136,9 +106,13 @@ class Method(ABC):
     def counted(self, problem: Problem) -> tuple[int, int]:
         """Unknowns, and pressures among them, without making any."""
 
-    @abstractmethod
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Everything that the problem asks for."""
+        return self.solve_all([problem], stages)[0]
+
+    @abstractmethod
+    def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+        """Everything that problems on the same ring edges and half-space ask for; what they share is made once."""
 
     def refusal(self, problem: Problem) -> str:
         """Why it cannot solve the problem at all, with the remedy; empty if it can."""
@@ -156,7 +130,7 @@ class Method(ABC):
 
     def cost(self, problem: Problem) -> Cost:
         """What it will cost, and how accurate it will be."""
-        cost = by_rates(self.kind(problem), *self.counted(problem), problem.rtol)
+        cost = by_rates(self.kind(problem), *self.counted(problem), problem)
         return replace(cost, error=np.nan) if self.sizes_given(problem) else cost
 
     def sizes_given(self, problem: Problem) -> bool:

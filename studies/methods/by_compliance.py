@@ -1,14 +1,18 @@
 """Methods that yield a compliance: contact, wear, steady states and estimates are written once, over that."""
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.studies.methods.base import Method, Solution, method
+from ringwear.studies.methods.costs import steps
 from ringwear.studies.methods.estimate import Pair, estimated
+from ringwear.studies.problem.marching import refused_steps
 from ringwear.studies.problem.problem import Problem
+from ringwear.studies.problem.shared import Shared
 from ringwear.studies.progress import Stages
 
 if TYPE_CHECKING:
@@ -53,32 +57,24 @@ def compliance_method(name: str) -> "ComplianceMethod":
 class ComplianceMethod(Method):
     """A method that yields a compliance on a pressure space."""
 
+    operator = True
+
     @abstractmethod
     def discretised(self, problem: Problem, stages: Stages, pairs: bool = True) -> Discretised:
         """The method made ready for a problem; without `pairs`, its error cannot be estimated."""
 
-    def solve(self, problem: Problem, stages: Stages) -> Solution:
-        """Discretise, wear, sample and estimate."""
-        if problem.profile is not None:
-            return self._with_profile(problem, stages)
-        one = self.discretised(problem, stages)
-        with stages("marching" if len(problem.times) else "steady state"):
-            known = estimated(problem, one.compliance, one.pairs)
-            results, checked = known.result.results, known.result.checked
-        return Solution(
-            results,
-            checked,
-            known.errors,
-            known.parts,
-            one.unknowns,
-            one.settings,
-            one.notes,
-            known.result.wear,
-            one.half_space,
-        )
+    def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+        """Discretise once, for the sharpest of the problems; then wear, sample and estimate each."""
+        if problems[0].profile is not None:
+            return [self._with_profile(problem, stages) for problem in problems]
+        one = self.discretised(Shared.of(problems) if len(problems) > 1 else problems[0], stages)
+        with stages("marching" if len(problems[0].times) else "steady state"):
+            return [_solved(problem, one) for problem in problems]
 
     def refusal(self, problem: Problem) -> str:
         """Contact that opens, closes and spreads is marched in implicit steps, from where the punch touches."""
+        if refused := refused_steps(steps(problem), "give a larger wear.step, or march = 'modal'"):
+            return refused
         if problem.profile is None:
             return ""
         if problem.march == "explicit":
@@ -114,6 +110,13 @@ class ComplianceMethod(Method):
             assert steady is not None
             return steady
         return solution.with_steady(solution.history(self.unilateral(problem), problem, stages), steady)
+
+
+def _solved(problem: Problem, one: Discretised) -> Solution:
+    known = estimated(problem, one.compliance, one.pairs)
+    results, checked = known.result.results, known.result.checked
+    found = results, checked, known.errors, known.parts
+    return Solution(*found, one.unknowns, one.settings, one.notes, known.result.wear, one.half_space)
 
 
 class AnySpaceMethod(ComplianceMethod):

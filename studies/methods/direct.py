@@ -1,31 +1,21 @@
 """Direct integration: the steady state in closed form (Eqs. 21 to 27)."""
 
-from typing import Any, ClassVar
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import xarray
 
 from ringwear.mdr import direct
 from ringwear.meshes.radial import Array, ring_of
-from ringwear.studies.methods.base import Cost, Method, Solution
-from ringwear.studies.methods.quantities import labelled
+from ringwear.studies.methods.base import Method, Solution
+from ringwear.studies.methods.costs import Cost, direct_terms, rates
+from ringwear.studies.methods.quantities import FIELDS, labelled
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 
-
-def steady(problem: Problem, radii: Array) -> xarray.Dataset:
-    """The steady state in closed form, its fields at radii (R,); non-dimensional."""
-    ring_edges, wear_coefficients = problem.merged
-    pressures = direct.steady_pressures(ring_edges, wear_coefficients)
-    greatest = direct.greatest_displacement(ring_edges, pressures)
-    values = {
-        "steady_pressure": pressures[ring_of(ring_edges, radii)],
-        "steady_profile": np.maximum(greatest - direct.displacement(ring_edges, pressures, radii), 0.0),
-        "steady_displacement_max": np.asarray(greatest),
-        "steady_rms_slope": np.asarray(direct.rms_slope(ring_edges, pressures, problem.gradient_average)),
-        "steady_wear_rate": np.asarray(wear_coefficients[0] * pressures[0]),
-    }
-    return labelled(values, radii)
+# pressures whose greatest displacements are sought at once, few enough to stay in memory
+AT_ONCE = 2**16
 
 
 class Direct(Method):
@@ -51,17 +41,62 @@ class Direct(Method):
 
     def cost(self, problem: Problem) -> Cost:
         rings = len(problem.merged.wear_coefficients)
-        return Cost(0, rings, 1e-3 + 4e-6 * rings**2, 0.1, 1e-12)
+        return Cost(0, rings, float(rates()["direct"]["seconds"] @ direct_terms(rings)), 1e-12)
 
-    def solve(self, problem: Problem, stages: Stages) -> Solution:
+    def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         with stages("integrating"):
-            results, checked = (steady(problem, radii) for radii in (problem.radii, problem.face.radii))
-        # a narrow ring of high pressure is the small difference of two discs
-        steps = np.abs(direct.pressure_steps(direct.steady_pressures(*problem.merged)))
-        greatest = float(results.steady_displacement_max)
-        roundoff = 1e-12 + 4 * np.finfo(float).eps * float(steps @ problem.merged.ring_edges[1:]) / greatest
-        errors = {str(name): np.asarray(roundoff) for name in results.data_vars}
-        return Solution(results, checked, errors, {"roundoff": roundoff})
+            states = _states(problems)
+            return [_solution(problem, state) for problem, state in zip(problems, states, strict=True)]
+
+
+class State(NamedTuple):
+    """A steady state: (N,) pressures, greatest displacement and RMS slope; nan where these are not wanted."""
+
+    pressures: Array
+    greatest: float
+    slope: float
+
+
+def _states(problems: Sequence[Problem]) -> list[State]:
+    """Of problems on the same rings."""
+    ring_edges = problems[0].merged.ring_edges
+    pressures = np.stack([direct.steady_pressures(*problem.merged) for problem in problems], axis=1)
+    slopes = greatest = np.full(len(problems), np.nan)
+    if any(problem.wants("steady_rms_slope") for problem in problems):
+        slopes = direct.rms_slopes(ring_edges, pressures, problems[0].gradient_average)
+    if any(problem.wants("steady_displacement_max") or problem.wants("steady_profile") for problem in problems):
+        parts = np.array_split(pressures, 1 + pressures.size // AT_ONCE, axis=1)
+        greatest = np.concatenate([direct.greatest_displacements(ring_edges, part) for part in parts])
+    return [State(pressures[:, at], float(greatest[at]), float(slopes[at])) for at in range(len(problems))]
+
+
+def steady(problem: Problem, radii: Array) -> xarray.Dataset:
+    """The steady state in closed form, its fields at radii (R,); non-dimensional."""
+    return _sampled(problem, radii, _states([problem])[0])
+
+
+def _sampled(problem: Problem, radii: Array, state: State) -> xarray.Dataset:
+    (ring_edges, wear_coefficients), pressures = problem.merged, state.pressures
+    values: dict[str, Callable[[], Array]] = {
+        "steady_pressure": lambda: pressures[ring_of(ring_edges, radii)],
+        "steady_profile": lambda: np.maximum(state.greatest - direct.displacement(ring_edges, pressures, radii), 0.0),
+        "steady_displacement_max": lambda: np.asarray(state.greatest),
+        "steady_rms_slope": lambda: np.asarray(state.slope),
+        "steady_wear_rate": lambda: np.asarray(wear_coefficients[0] * pressures[0]),
+    }
+    return labelled({name: value() for name, value in values.items() if problem.wants(name)}, radii)
+
+
+def _solution(problem: Problem, state: State) -> Solution:
+    results = _sampled(problem, problem.radii, state)
+    fields = problem.quantities is None or problem.quantities & FIELDS
+    checked = _sampled(problem, problem.face.radii, state) if fields else results
+    # a narrow ring of high pressure is the small difference of two discs
+    lost = float(np.abs(direct.pressure_steps(state.pressures)) @ problem.merged.ring_edges[1:])
+    # the mean displacement is at least that of the mean pressure at the rim (Betti)
+    roundoff = 1e-12 + 4 * np.finfo(float).eps * lost / float(np.fmax(state.greatest, 4 / np.pi**2))
+    errors = {str(name): np.asarray(roundoff) for name in results.data_vars}
+    return Solution(results, checked, errors, {"roundoff": roundoff})
 
 
 METHOD = Direct()

@@ -112,16 +112,17 @@ def estimated(problem: Problem, compliance: Compliance, pairs: tuple[Pair, ...])
             part = pair.safety.of(name) * at_times(problem, name, difference)
             errors[name] = _added(errors.get(name, np.full(part.shape, roundoff)), part)
         parts[pair.part] = pair.safety.energies * float(np.max(found.get("indentation", 0.0)))
-    if len(problem.times):
+    if "indentation" in errors:
         # at the flat start the element at the rim alone costs so much, whatever the rest
         start, size = problem.times == 0, float(np.diff(compliance.space.breakpoints)[-1])
         rim = AT_RIM / int(compliance.space.degrees[-1]) * size
         errors["indentation"] = np.maximum(errors["indentation"], np.where(start, rim, 0.0))
         # and its own width is known to roundoff only, with the force that it carries, the root of its width
-        errors["ring_force"] = errors["ring_force"] + np.where(start, np.finfo(float).eps / np.sqrt(size) / 2, 0.0)
-    if len(problem.times) and problem.march != "modal":
+        if "ring_force" in errors:
+            errors["ring_force"] = errors["ring_force"] + np.where(start, np.finfo(float).eps / np.sqrt(size) / 2, 0.0)
+    if "indentation" in errors and problem.march != "modal":
         exact = result.sampler.history(result.wear.modal(problem.times), on_face=True)
-        steps = differences(result.sampler.history(result.history, on_face=True), exact, problem.face)
+        steps = differences(result.sampler.history(result.marched, on_face=True), exact, problem.face)
         errors |= {name: errors[name] + step for name, step in steps.items()}
         parts["time step"] = float(steps["indentation"].max())
     return Estimate(result, errors, parts)

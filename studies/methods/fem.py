@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from ringwear.fem.condensation import solver
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.gmsh_session import unavailable
+from ringwear.meshes.sizes import NARROWEST
 from ringwear.studies.methods import fem_counts
 from ringwear.studies.methods.base import Cost
 from ringwear.studies.methods.by_compliance import ComplianceMethod, Discretised, marches_contact
@@ -150,6 +151,10 @@ class Fem(ComplianceMethod):
                 "accuracy.fem sizes the mesh of a flat punch: with an initial profile or a fixed indentation leave out all "
                 "but the mesher, which is that of the steady state"
             )
+        narrowest = float(problem.merged.widths.min())
+        if narrowest < NARROWEST:
+            less = f"rings narrower than {NARROWEST:g} a cannot be meshed: the narrowest is {narrowest:.2g} a"
+            return f"{less}; merge it with a neighbour, or leave fem out of methods"
         return super().refusal(problem)
 
     def notes(self, problem: Problem) -> tuple[str, ...]:

@@ -1,5 +1,6 @@
 """The paper's own algorithm beside the others: springs on a uniform grid, explicit steps in time, no steady state."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -9,11 +10,13 @@ from scipy.integrate import cumulative_trapezoid
 
 from ringwear.mdr.uniform_grid import UniformGrid
 from ringwear.meshes.radial import Array
-from ringwear.studies.methods.base import Cost, Method, Solution
+from ringwear.studies.methods.base import Method, Solution
+from ringwear.studies.methods.costs import Cost
 from ringwear.studies.methods.estimate import GRID
 from ringwear.studies.methods.quantities import differences, labelled
 from ringwear.studies.methods.sampler import radial_weight
 from ringwear.studies.problem.defaults import grid_step
+from ringwear.studies.problem.marching import refused_steps, steps_between
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 
@@ -35,8 +38,8 @@ class MdrGrid(Method):
 
     def cost(self, problem: Problem) -> Cost:
         # two products with full matrices a step, and half as many steps again for the estimate
-        points, steps = problem.mdr.grid + 1, float(problem.times.max(initial=0.0)) / self._step(problem)
-        return Cost(points, points, 1e-5 * steps + 1e-9 * steps * points**2, 0.1 + 1e-7 * points**2, np.nan)
+        points, steps = problem.mdr.grid + 1, self._steps(problem)
+        return Cost(points, points, 1e-5 * steps + 1e-9 * steps * points**2, np.nan)
 
     def refusal(self, problem: Problem) -> str:
         if problem.profile is not None:
@@ -46,9 +49,15 @@ class MdrGrid(Method):
             )
         if not len(problem.times):
             return "mdr-grid marches in time and knows no steady state: give wear.times, or leave it out of methods"
-        return ""
+        return refused_steps(self._steps(problem), "give a larger accuracy.mdr.step, or a coarser accuracy.mdr.grid")
 
-    def solve(self, problem: Problem, stages: Stages) -> Solution:
+    def _steps(self, problem: Problem) -> float:
+        return float(steps_between(problem.times, self._step(problem)).sum())
+
+    def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+        return [self._marched_and_estimated(problem, stages) for problem in problems]
+
+    def _marched_and_estimated(self, problem: Problem, stages: Stages) -> Solution:
         count, step = problem.mdr.grid, self._step(problem)
         with stages("marching"):
             marched = _marched(problem, count, step)

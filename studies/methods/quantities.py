@@ -9,6 +9,11 @@ import xarray
 from ringwear.meshes.radial import Array
 from ringwear.studies.problem.problem import Face
 
+# times the accuracy asked for that the uncertainty of two methods may be, each of which is to be that accurate
+A_FEW = 4.0
+# the finest accuracy that can be asked for
+FINEST = 1e-9
+ERROR = "relative error of {}, the method's own estimate: {}"
 # relaxation times that are promised and compared: the slowest, which last
 COMPARED_MODES = 3
 # quantities that converge twice as fast as fields do
@@ -40,7 +45,7 @@ NORMS = {
     "k (1 - r^2/a^2)",
 }
 # given where contact opens, closes or spreads only
-OF_PROFILES = ("normal_force", "worn_volume", "contact_radius", "contact", "contact_edge")
+OF_PROFILES = ("normal_force", "ring_worn_volume", "contact_radius", "contact", "contact_edge")
 QUANTITIES = {
     "pressure": Quantity(("time", "radius"), "pressure", "contact pressure p(r, t)", "pressure"),
     "profile": Quantity(
@@ -56,7 +61,7 @@ QUANTITIES = {
     "ring_force": Quantity(("time", "ring"), "force", "normal force on each ring, from the centre", "force"),
     "relaxation_time": Quantity(("mode",), "time", "relaxation times of the wear modes, slowest first"),
     "normal_force": Quantity(("time",), "force", "normal force on the punch"),
-    "worn_volume": Quantity(("time", "ring"), "volume", "volume that each ring has worn off, from the centre", "volume"),
+    "ring_worn_volume": Quantity(("time", "ring"), "volume", "volume worn off each ring, from the centre", "volume"),
     "contact_radius": Quantity(("time",), "length", "outermost radius of contact", "radius"),
     "contact": Quantity(("time", "radius"), "number", "1 in contact, 0 outside"),
     "contact_edge": Quantity(("time", "edge"), "length", "inner and outer radius of each part of the contact in turn"),
@@ -73,10 +78,17 @@ def radial_weight(radii: Array, average: str) -> Array:
     return np.ones_like(radii) if average == "line" else 2 * radii
 
 
+HISTORIES = frozenset(name for name, quantity in QUANTITIES.items() if "time" in quantity.dims)
+FIELDS = frozenset(name for name, quantity in QUANTITIES.items() if "radius" in quantity.dims)
+STEADY = frozenset(name for name in QUANTITIES if name.startswith("steady_"))
+
+
 def labelled(values: Mapping[str, Array | float], radii: Array, times: Array | None = None) -> xarray.Dataset:
     """Values of quantities as an xarray Dataset, non-dimensional; without times those of the steady state."""
     variables = {name: (QUANTITIES[name].dims, value) for name, value in values.items()}
-    return xarray.Dataset(variables, {"radius": radii} if times is None else {"time": times, "radius": radii})
+    used = {dim for name in values for dim in QUANTITIES[name].dims}
+    # labels take longer to make than most values do
+    return xarray.Dataset(variables, {dim: of for dim, of in (("time", times), ("radius", radii)) if dim in used})
 
 
 def error_name(name: str) -> str:

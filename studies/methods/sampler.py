@@ -1,20 +1,48 @@
 """From coefficients on a pressure space to the quantities that are asked for, labelled. Non-dimensional."""
 
-from collections.abc import Callable
-from functools import cached_property
+from collections.abc import Callable, Iterator
+from functools import cached_property, lru_cache
 
 import numpy as np
 import xarray
+from scipy.sparse import csr_matrix
 
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import Array
-from ringwear.studies.methods.quantities import labelled, radial_weight
+from ringwear.meshes.radial import Array, Indices
+from ringwear.studies.methods.quantities import FIELDS, HISTORIES, STEADY, array, labelled, radial_weight
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.wear.archard import History, RunningIn
 from ringwear.studies.wear.contact import SteadyState
 
 AVERAGES = ("line", "area")
+# times whose coefficients are held at once
+AT_ONCE = 1024
+
+
+# problems on one space differ in wear and load, not in where they are sampled
+@lru_cache(maxsize=32)
+def _matrix(space: PressureSpace, radii: bytes, derivative: bool = False) -> csr_matrix:
+    return space.matrix(np.frombuffer(radii), derivative)
+
+
+@lru_cache(maxsize=8)
+def _ring_forces(space: PressureSpace, ring_edges: bytes) -> Array:
+    return space.ring_forces(np.frombuffer(ring_edges))
+
+
+@lru_cache(maxsize=8)
+def _slopes(space: PressureSpace) -> csr_matrix:
+    return space.on_elements(space.quadrature[2], derivative=True)
+
+
+@lru_cache(maxsize=8)
+def _samples(space: PressureSpace) -> Array:
+    """Enough radii in each element that a cubic finds the greatest value between them to nine digits."""
+    count = 3 * (space.top + 2)
+    within = (1 - np.cos(np.pi * np.arange(count) / count)) / 2
+    starts, widths = space.breakpoints[:-1, None], np.diff(space.breakpoints)[:, None]
+    return np.append((starts + widths * within).ravel(), 1.0)
 
 
 class Sampler:
@@ -22,19 +50,14 @@ class Sampler:
 
     def __init__(self, problem: Problem, space: PressureSpace) -> None:
         self.problem, self.space = problem, space
-        self._at_radii, self._on_face = space.matrix(problem.radii), space.matrix(problem.face.radii)
-        self._at_centre = space.matrix(np.zeros(1)).toarray()[0]
-        # enough radii in each element that a cubic finds the greatest value between them to nine digits
-        count = 3 * (space.top + 2)
-        within = (1 - np.cos(np.pi * np.arange(count) / count)) / 2
-        starts, widths = space.breakpoints[:-1, None], np.diff(space.breakpoints)[:, None]
-        self._samples = np.append((starts + widths * within).ravel(), 1.0)
-        self._everywhere = space.matrix(self._samples)
-        self._slope_everywhere = space.matrix(self._samples, derivative=True)
-        self._ring_forces = space.ring_forces(problem.ring_edges)
-        radii, weights, local = space.quadrature
-        self._slopes = space.on_elements(local, derivative=True)
+        self._samples = _samples(space)
+        self._everywhere = _matrix(space, self._samples.tobytes())
+        self._slope_everywhere = _matrix(space, self._samples.tobytes(), derivative=True)
+        radii, weights, _ = space.quadrature
         self._slope_weights = (weights * radial_weight(radii, problem.gradient_average)).ravel()
+
+    def _at(self, on_face: bool) -> csr_matrix:
+        return _matrix(self.space, (self.problem.face.radii if on_face else self.problem.radii).tobytes())
 
     def _greatest(self, functions: Array) -> Array:
         """(T,) greatest value over the punch of (T, size) functions: the top of a cubic between two samples."""
@@ -54,40 +77,43 @@ class Sampler:
 
     def _rms_slope(self, profile: Array) -> Array:
         # by points, not by a Gram matrix, which would sum the square of a constant over a small element to roundoff
-        return np.sqrt(self._slope_weights @ (self._slopes @ profile.T) ** 2)
+        return np.sqrt(self._slope_weights @ (_slopes(self.space) @ profile.T) ** 2)
 
     def history(self, history: History, on_face: bool = False) -> xarray.Dataset:
         """The quantities that run over time; fields at the radii of the output, or on the face of the punch."""
         pressure, profile, indentation = history.pressure, history.profile, history.indentation
-        at = self._on_face if on_face else self._at_radii
-        worn = (at @ profile.T).T
-        values = {
-            "pressure": (at @ pressure.T).T,
-            "profile": worn,
-            "displacement": indentation[:, None] - worn,
-            "indentation": indentation,
-            "displacement_centre": indentation - profile @ self._at_centre,
-            "displacement_max": indentation + self._greatest(-profile),
-            "rms_slope": self._rms_slope(profile),
-            "ring_force": pressure @ self._ring_forces.T,
+        at = self._at(on_face)
+        values: dict[str, Callable[[], Array]] = {
+            "pressure": lambda: (at @ pressure.T).T,
+            "profile": lambda: (at @ profile.T).T,
+            "displacement": lambda: indentation[:, None] - (at @ profile.T).T,
+            "indentation": lambda: indentation,
+            "displacement_centre": lambda: indentation - profile @ _matrix(self.space, np.zeros(1).tobytes()).toarray()[0],
+            "displacement_max": lambda: indentation + self._greatest(-profile),
+            "rms_slope": lambda: self._rms_slope(profile),
+            "ring_force": lambda: pressure @ _ring_forces(self.space, self.problem.ring_edges.tobytes()).T,
         }
-        return labelled(values, self._radii(on_face), history.times)
+        # by the indentation the errors of the others are measured
+        return self._wanted(values, "indentation", history.times, on_face)
 
     def steady(self, state: SteadyState, on_face: bool = False) -> xarray.Dataset:
         """The quantities of the steady state."""
-        at = self._on_face if on_face else self._at_radii
+        at = self._at(on_face)
         greatest = self._greatest(state.displacement[None])
-        values = {
-            "steady_pressure": at @ state.pressure,
-            "steady_profile": np.maximum(greatest - at @ state.displacement, 0.0),
-            "steady_displacement_max": greatest[0],
-            "steady_rms_slope": self._rms_slope(state.displacement[None])[0],
-            "steady_wear_rate": np.asarray(state.wear_rate),
+        values: dict[str, Callable[[], Array]] = {
+            "steady_pressure": lambda: at @ state.pressure,
+            "steady_profile": lambda: np.maximum(greatest - at @ state.displacement, 0.0),
+            "steady_displacement_max": lambda: greatest[0],
+            "steady_rms_slope": lambda: self._rms_slope(state.displacement[None])[0],
+            "steady_wear_rate": lambda: np.asarray(state.wear_rate),
         }
-        return labelled(values, self._radii(on_face))
+        return self._wanted(values, "steady_displacement_max", None, on_face)
 
-    def _radii(self, on_face: bool) -> Array:
-        return self.problem.face.radii if on_face else self.problem.radii
+    def _wanted(
+        self, values: dict[str, Callable[[], Array]], always: str, times: Array | None, on_face: bool
+    ) -> xarray.Dataset:  # fmt: skip
+        found = {name: value() for name, value in values.items() if name == always or self.problem.wants(name)}
+        return labelled(found, self.problem.face.radii if on_face else self.problem.radii, times)
 
 
 class Evaluation:
@@ -99,30 +125,53 @@ class Evaluation:
         self.sampler = Sampler(problem, compliance.space)
 
     @cached_property
-    def history(self) -> History:
-        """At the times asked for, by the march asked for."""
+    def marched(self) -> History:
+        """At the times asked for, in the steps asked for."""
         return self.wear.history(self.problem.times, self.problem.march, self.problem.step)
+
+    def _history(self, which: Indices) -> History:
+        """At some of the times asked for, by the march asked for."""
+        return self.wear.modal(self.problem.times[which]) if self.problem.march == "modal" else self.marched[which]
 
     @cached_property
     def results(self) -> xarray.Dataset:
         """At the times and radii asked for."""
-        return self._of(lambda: self.history)
+        every = np.arange(len(self.problem.times))
+        # coefficients of a hundred thousand times would fill the memory
+        return self._of(self._history(which) for which in np.array_split(every, 1 + len(every) // AT_ONCE))
 
     @cached_property
     def checked(self) -> xarray.Dataset:
         """At the times that are checked, on the face of the punch: what is compared with another method."""
-        return self._of(lambda: self.history[self.problem.checked], on_face=True)
+        if self.problem.quantities is not None and not self.problem.quantities & FIELDS:
+            return self.results.isel(time=self.problem.checked) if "time" in self.results.dims else self.results
+        return self._of((self._history(which) for which in (self.problem.checked,)), on_face=True)
 
     @cached_property
     def for_estimate(self) -> xarray.Dataset:
         """At the times that errors are estimated at, on the face of the punch, exact in time."""
-        return self._of(lambda: self.wear.modal(self.problem.estimate_times), on_face=True)
+        return self._of((self.wear.modal(times) for times in (self.problem.estimate_times,)), on_face=True)
 
-    def _of(self, history: Callable[[], History], on_face: bool = False) -> xarray.Dataset:
-        parts = []
-        if len(self.problem.times):
-            parts.append(self.sampler.history(history(), on_face))
-            parts.append(xarray.Dataset({"relaxation_time": ("mode", self.wear.relaxation_times)}))
-        if self.problem.steady:
+    def _of(self, pieces: Iterator[History], on_face: bool = False) -> xarray.Dataset:
+        problem, parts = self.problem, []
+        if marched := bool(len(problem.times)) and any(map(problem.wants, HISTORIES)):
+            parts.append(_joined([self.sampler.history(piece, on_face) for piece in pieces]))
+        # by itself, a relaxation time needs no history
+        if problem.wants("relaxation_time") and (len(problem.times) or problem.quantities is not None):
+            times = self.wear.relaxation_times if marched else self.wear.slowest_times
+            parts.append(xarray.Dataset({"relaxation_time": ("mode", times)}))
+        if problem.steady and any(map(problem.wants, STEADY)):
             parts.append(self.sampler.steady(self.wear.steady, on_face))
         return xarray.merge(parts)
+
+
+def _joined(parts: list[xarray.Dataset]) -> xarray.Dataset:
+    """Datasets of successive times as one, without holding all of it twice."""
+    if len(parts) == 1:
+        return parts[0]
+    times, radii = np.concatenate([array(part, "time") for part in parts]), array(parts[0], "radius")
+    found = {}
+    for name in map(str, list(parts[0].data_vars)):
+        found[name] = np.concatenate([array(part, name) for part in parts])
+        parts = [part.drop_vars(name) for part in parts]
+    return labelled(found, radii, times)

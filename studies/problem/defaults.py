@@ -36,12 +36,7 @@ CELLS, FEWEST, MOST = 150, 80, 300
 
 def sharpness(problem: Problem) -> Sharpness:
     """Of the pressures that a problem asks for."""
-    wear, earliest = problem.merged.wear_coefficients, problem.earliest or np.inf
-    outside = np.append(wear[1:], wear[-1])
-    slower = np.minimum(wear, outside)
-    span = float(problem.times[-1] / earliest) if problem.earliest else 1.0
-    start = bool(len(problem.times)) and problem.times[0] == 0
-    return Sharpness(problem.rtol, slower * earliest, np.maximum(wear, outside) / slower, span, start)
+    return Sharpness(problem.rtol, *problem.blunted)
 
 
 def pressure_degree(problem: Problem, ratio: float) -> float:

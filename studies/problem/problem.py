@@ -29,7 +29,7 @@ D0, P0 = 0.5, 1 / (2 * np.pi)  # the paper's d0 = F/(2 a E*) and p0 = F/(2 pi a^
 MOST_CHECKED, MOST_ESTIMATED = 40, 60
 
 
-def _unilateral(punch: PunchSection, load: LoadSection) -> bool:
+def unilateral(punch: PunchSection, load: LoadSection) -> bool:
     """Whether contact can be lost or gained: a flat punch under a force keeps all of it."""
     return any(punch.recess or ()) or bool(punch.profile or punch.heights) or load.indentation is not None
 
@@ -39,6 +39,24 @@ class Face(NamedTuple):
 
     radii: Array
     weights: Array
+
+
+class Blunted(NamedTuple):
+    """What wear has blunted.
+
+    Parameters
+    ----------
+    slow : (N,) length at the first time after the start, beside each edge but the centre, on the side that wears slower;
+        infinite if no history is wanted
+    ratio : (N,) of the length on the other side to it, at least 1
+    span : last time over the first
+    start : whether the start is wanted
+    """
+
+    slow: Array
+    ratio: Array
+    span: float
+    start: bool
 
 
 class Rings(NamedTuple):
@@ -80,6 +98,8 @@ class Units:
     modulus: float = 1.0
     force: float = 1.0
     time: float = 1.0
+    wear_coefficient: float = 1.0
+    share: float = 1.0
 
     @property
     def pressure(self) -> float:
@@ -130,6 +150,7 @@ class Problem:
     profile : of the unworn face; None for a flat punch under a force, which never loses contact
     compared_on : radii over the punch that fields are compared at; None for those that suit the problem
     indentation : held fixed in place of the force, which then is what a flat punch would take; None under a force
+    quantities : names of those wanted; None for all that go with times and steady state
     """
 
     rings: Rings
@@ -147,6 +168,7 @@ class Problem:
     profile: InitialProfile | None = None
     indentation: float | None = None
     compared_on: Face | None = None
+    quantities: frozenset[str] | None = None
 
     @classmethod
     def posed(
@@ -160,15 +182,16 @@ class Problem:
         else:
             ring_edges = np.array([0.0, *punch.ring_edges]) / length
             ring_edges[-1] = 1.0
-        count, given = len(ring_edges) - 1, np.array(punch.wear_coefficients)
+        count, given = len(ring_edges) - 1, np.array(punch.coefficients)
         coefficients = given if len(given) == count else given[np.arange(count) % 2]
         modulus = half_space.plane_strain_modulus or (half_space.youngs_modulus or 0.0) / (1 - half_space.poisson_ratio**2)
         force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * length**2
         force = force or 2 * length * modulus * (load.indentation or 0.0)
-        units = Units(length, modulus, force, length / modulus / float(coefficients.max()) / load.sliding_speed)
-        time = units.time
+        fastest = float(coefficients.max())
+        time = length / modulus / fastest / load.sliding_speed
+        units = Units(length, modulus, force, time, fastest)
         return cls(
-            rings=Rings(ring_edges, coefficients / coefficients.max()),
+            rings=Rings(ring_edges, coefficients / fastest),
             times=np.array(wear.times) / time,
             steady=wear.steady,
             poisson_ratio=half_space.poisson_ratio,
@@ -180,7 +203,7 @@ class Problem:
             fem=accuracy.fem,
             mdr=accuracy.mdr,
             units=units,
-            profile=unworn(punch, ring_edges, length, units.displacement) if _unilateral(punch, load) else None,
+            profile=unworn(punch, ring_edges, length, units.displacement) if unilateral(punch, load) else None,
             indentation=None if load.indentation is None else D0,
         )
 
@@ -202,6 +225,20 @@ class Problem:
         """The first time after the start; 0 without any."""
         return float(min(self.times[self.times > 0], default=0.0))
 
+    @property
+    def blunted(self) -> Blunted:
+        """What wear has blunted, by which sizes go."""
+        wear, earliest = self.merged.wear_coefficients, self.earliest or np.inf
+        outside = np.append(wear[1:], wear[-1])
+        slower = np.minimum(wear, outside)
+        span = float(self.times[-1] / earliest) if self.earliest else 1.0
+        start = bool(len(self.times)) and self.times[0] == 0
+        return Blunted(slower * earliest, np.maximum(wear, outside) / slower, span, start)
+
+    def wants(self, quantity: str) -> bool:
+        """Whether a quantity is wanted."""
+        return self.quantities is None or quantity in self.quantities
+
     @cached_property
     def radii(self) -> Array:
         """Radii of the output: the user's, or a grid that crowds at every ring edge without touching it."""
@@ -220,6 +257,8 @@ class Problem:
         rings = self.merged
         rim = float(np.clip(0.1 * (self.earliest or 1.0), 1e-13, 1e-6))
         breakpoints = graded_breakpoints(rings.ring_edges, 1e-4 * rings.narrower, rim, factor=0.25)
+        # the integral over each ring that the scene names, also where nothing happens at its edge
+        breakpoints = np.union1d(breakpoints, self.ring_edges)
         node, weight = unit_gauss(6)
         width = np.diff(breakpoints)[:, None]
         radii = (breakpoints[:-1, None] + width * node).ravel()

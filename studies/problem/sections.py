@@ -5,9 +5,20 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+# beyond them squares and products of a few of them leave the range of double precision
+SMALLEST, LARGEST = 1e-40, 1e40
+
+
+def _computable(value: float) -> float:
+    if not SMALLEST <= value <= LARGEST:
+        raise ValueError(f"{value} is beyond {SMALLEST:.0e} to {LARGEST:.0e}, the range that can be computed with: "
+                         "give it in other units")  # fmt: skip
+    return value
+
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False), AfterValidator(_computable)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Size = Annotated[float, Field(ge=1e-12, le=0.5)]
 # degrees of the displacement that each mesher's elements can have; on triangles alone the highest is the default
@@ -104,12 +115,14 @@ def read_table(name: str) -> tuple[list[float], list[float]]:
 class PunchSection(Section):
     radius: Positive = Field(description="the punch radius, a positive length")
     rings: int | None = Field(default=None, ge=1, le=100_000, description="the number of rings, 1 or more")
-    width_ratio: Positive = Field(default=1.0, description="the width of even rings over that of odd rings, h2/h1")
+    width_ratio: float = Field(
+        default=1.0, ge=1e-9, le=1e9, description="the width of even rings over that of odd rings, h2/h1, from 1e-9 to 1e9"
+    )
     ring_edges: list[Positive] | None = Field(
         default=None, description="the outer radius of each ring, increasing, the last equal to punch.radius"
     )
-    wear_coefficients: list[Positive] = Field(
-        description="positive numbers: two, alternating from the centre, or one for each ring"
+    wear_coefficients: list[Positive] | None = Field(
+        default=None, description="positive numbers: two, alternating from the centre, or one for each ring"
     )
     recess: list[NotNegative] | None = Field(
         default=None, description="a height, 0 or more, for each ring: material missing"
@@ -118,6 +131,8 @@ class PunchSection(Section):
     heights: tuple[Callable[[Any], Any], ...] = Field(
         default=(), exclude=True, repr=False, description="functions, in Python only: see Scene.with_heights"
     )
+    wear_coefficient: Positive | None = Field(default=None, description="that of odd rings, k1, a positive number")
+    wear_ratio: Positive | None = Field(default=None, description="k2/k1 of two materials that alternate from the centre")
 
     @model_validator(mode="after")
     def _rings_are_given_once(self) -> Self:
@@ -129,7 +144,14 @@ class PunchSection(Section):
             if not self.ring_edges or abs(self.ring_edges[-1] / self.radius - 1) > 1e-9:
                 raise ValueError(f"ring_edges = {self.ring_edges} must end at punch.radius = {self.radius}")
         count = self.rings or len(self.ring_edges or [])
-        given = len(self.wear_coefficients)
+        if self.wear_coefficients is None and self.wear_coefficient is None:
+            raise ValueError("missing key punch.wear_coefficients; give positive numbers, two that alternate from the "
+                             "centre or one for each ring; or wear_coefficient with wear_ratio")  # fmt: skip
+        if self.wear_coefficients is not None and (self.wear_coefficient or self.wear_ratio):
+            raise ValueError("give either wear_coefficients or wear_coefficient with wear_ratio, and not both")
+        if (self.wear_coefficient is None) != (self.wear_ratio is None):
+            raise ValueError("wear_ratio = k2/k1 goes with wear_coefficient = k1: give both, or the list wear_coefficients")
+        given = len(self.coefficients)
         if given not in (2, count):
             raise ValueError(
                 f"wear_coefficients has {given} values for {count} rings: "
@@ -154,6 +176,15 @@ class PunchSection(Section):
                 f"profile.flat_radius = {profile.flat_radius} leaves nothing to round: give less than {self.radius}"
             )
         return self
+
+    @property
+    def coefficients(self) -> list[float]:
+        """Wear coefficients: two, alternating from the centre, or one for each ring."""
+        if self.wear_coefficients is not None:
+            return self.wear_coefficients
+        assert self.wear_coefficient is not None
+        assert self.wear_ratio is not None
+        return [self.wear_coefficient, self.wear_coefficient * self.wear_ratio]
 
 
 class HalfSpaceSection(Section):
@@ -187,7 +218,11 @@ class LoadSection(Section):
 
 
 class WearSection(Section):
-    times: list[NotNegative] = Field(default=[], description="increasing times, 0 or later; none for no history")
+    times: list[NotNegative] = Field(
+        default=[],
+        description="increasing times, 0 or later, none for no history; or 'running-in'; or counts of the slowest "
+        "relaxation time, { tau = [0.1, 1.0, 5.0] }",
+    )
     steady: bool = Field(default=True, description="true or false")
     march: Literal["modal", "implicit", "explicit"] = Field(default="modal", description="modal, implicit or explicit")
     step: Positive | None = Field(default=None, description="the time step of the implicit or explicit march")

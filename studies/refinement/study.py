@@ -19,7 +19,7 @@ from threadpoolctl import threadpool_limits
 
 from ringwear.mdr.direct import greatest_displacement, steady_pressures
 from ringwear.meshes import files
-from ringwear.meshes.errors import MeshError
+from ringwear.meshes.errors import MeshError, SceneError
 from ringwear.meshes.half_space import quality, truncation
 from ringwear.meshes.radial import Array
 from ringwear.studies.figures.mesh import mesh_panel
@@ -54,14 +54,15 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     conclusions, results = list[str](), dict[Case, Results]()
     with threadpool_limits(1), keeping_rows(conclusions):
         for case in every[::2] if options.quick and not options.mesh else every:
-            ways = families(case.problem, options.quick)
+            own = {}
             if options.mesh:
                 try:
-                    ways["file"] = [own_mesh(case.problem, options.mesh)]
+                    own["file"] = [own_mesh(case.problem, options.mesh)]
                 except MeshError as error:
                     if case is every[0]:  # what does not fit the flat punch fits nothing
-                        raise
+                        raise SceneError(f"--mesh {error}") from error
                     conclusions.append(f"{case.name}: refused: {error}")
+            ways = families(case.problem, options.quick) | own
             for name, family in ways.items():
                 LOG.info("refinement  %s: %s ...", case.name, name)
                 for refined, one in family:

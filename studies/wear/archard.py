@@ -17,13 +17,22 @@ from scipy.sparse import csr_matrix
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.radial import Array, Indices
+from ringwear.studies.problem.marching import refused_steps, steps_between
 from ringwear.studies.wear.contact import FlatStart, SteadyState, flat_start, steady_state
-from ringwear.studies.wear.modes import LARGE, LARGEST, BandedCholesky, Modes, TooEarlyError, every_mode, excited_modes
+from ringwear.studies.wear.modes import (
+    LARGE,
+    LARGEST,
+    BandedCholesky,
+    Modes,
+    TooEarlyError,
+    every_mode,
+    excited_modes,
+    slowest_times,
+)
 
-MOST_STEPS = 2_000_000
-# smallest element above which eigenvalues are as good as singular values, at a quarter of the time (measured: no
-# digit of indentation, relaxation time or slope differs from rtol 1e-3 to 1e-9). Below it the stiff modes would be lost
-# to roundoff of the slowest
+# smallest element, or first time, above which eigenvalues are as good as singular values, at a quarter of the time
+# (measured: no digit of indentation, relaxation time or slope differs from rtol 1e-3 to 1e-9). Below it the stiff modes
+# would be lost to roundoff of the slowest
 GENTLEST = 1e-10
 
 # (state, step, how many) -> (state, wear of each unknown in between)
@@ -76,7 +85,6 @@ class RunningIn:
         """(size, n) wear rates, and so worn profiles, by the same unknowns."""
         return self.compliance.space.joined()
 
-    @cached_property
     def _factor(self) -> Array:
         return self.compliance.factor @ self._to_pressure
 
@@ -100,7 +108,9 @@ class RunningIn:
     def _modes(self) -> Modes:
         moments = self._to_pressure.T @ self.steady.moments
         large = len(moments) > LARGE
-        gentle = large or float(np.diff(self.compliance.space.breakpoints).min()) > GENTLEST
+        # what relaxes before the first time is not felt, and need not be known
+        fastest = max(float(np.diff(self.compliance.space.breakpoints).min()), self.earliest)
+        gentle = large or fastest > GENTLEST
         if self.earliest and large:
             try:
                 return excited_modes(self._energy, self._mass_factor, self._weights, moments, self.earliest)
@@ -108,12 +118,37 @@ class RunningIn:
                 if len(moments) > LARGEST:
                     raise
                 gentle = False
-        return every_mode(self._factor, self._mass_factor, self._weights, moments, gentle)
+        return every_mode(self._energy, self._factor, self._mass_factor, self._weights, moments, gentle)
 
     @property
     def relaxation_times(self) -> Array:
         """(m,) slowest first."""
         return self._modes.relaxation[: self._modes.exact]
+
+    def left(self, times: Array) -> Array:
+        """(T,) share of its way from the flat start to the steady state that the approach ``d(t) - w t`` has yet to make.
+
+        It is a sum of decaying exponentials, all positive.
+        """
+        ways = self._modes.amplitudes**2 * self._modes.relaxation
+        return np.asarray(np.exp(-times[:, None] / self._modes.relaxation) @ ways / ways.sum())
+
+    def time_to(self, share: float) -> float:
+        """Time after which the approach, less steady wear, has made a share of its way; there is one such time."""
+        # the slowest mode alone would take longest
+        earlier, later = 0.0, float(self._modes.relaxation[0]) * np.log(1 / (1 - share))
+        for _ in range(60):
+            middle = (earlier + later) / 2
+            if self.left(np.array([middle]))[0] > 1 - share:
+                earlier = middle
+            else:
+                later = middle
+        return later
+
+    @cached_property
+    def slowest_times(self) -> Array:
+        """(m,) the slowest of them, where no history is wanted."""
+        return slowest_times(self._energy, self._mass_factor, self._weights)
 
     def modal(self, times: Array) -> History:
         """The exact history at any times from `earliest` on, none of which depends on another."""
@@ -194,10 +229,9 @@ class RunningIn:
         return self._marched(times, step, advance)
 
     def _marched(self, times: Array, step: float, advance: Advance) -> History:
-        steps = np.ceil(np.diff(times, prepend=0.0) / step * (1 - 1e-12)).astype(np.int64)
-        if steps.sum() > MOST_STEPS:
-            raise SceneError(f"{steps.sum()} steps are needed to the last time, more than {MOST_STEPS}: "
-                             "give a larger wear.step, or march = 'modal'")  # fmt: skip
+        steps = steps_between(times, step)
+        if refusal := refused_steps(float(steps.sum()), "give a larger wear.step, or march = 'modal'"):
+            raise SceneError(refusal)
         state, worn, now = self._start, np.zeros_like(self._start), 0.0
         states, profiles = [], []
         for time, count in zip(times, steps, strict=True):

@@ -1,6 +1,7 @@
 """Press a punch on any compliance: the flat start and the steady state. Non-dimensional, force 1."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -19,6 +20,7 @@ class FlatStart:
     indentation: float
 
 
+@lru_cache(maxsize=8)  # punches that differ in wear alone begin alike
 def flat_start(compliance: Compliance) -> FlatStart:
     """Contact of the unworn punch: ``A p = d b``, ``b . p = 1``, with the pressure continuous across ring edges."""
     space = compliance.space

@@ -6,6 +6,7 @@ of weight `k`. Small problems are diagonalised whole. Large ones are projected o
 times smaller than the pressure space.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from scipy.linalg import LinAlgError, cholesky_banded, eigh, eigh_tridiagonal, s
 from scipy.linalg.blas import dsymv
 from scipy.linalg.lapack import dtbtrs
 from scipy.sparse import csr_matrix, tril
+from scipy.sparse.linalg import eigsh
 
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.radial import Array
@@ -26,6 +28,8 @@ FIRST, MORE = 40, 1.2
 # share of the history, and of the slowest relaxation times, that the Krylov space may leave out
 NEGLIGIBLE = 1e-13
 SLOWEST = 5
+# relaxation times that are shown
+SHOWN = 20
 
 
 class BandedCholesky:
@@ -90,28 +94,60 @@ class Modes:
     exact: int
 
 
-def every_mode(factor: Array, mass: BandedCholesky, weights: Array, moments: Array, gentle: bool) -> Modes:
+def every_mode(
+    energy: Array, factor: Callable[[], Array], mass: BandedCholesky, weights: Array, moments: Array, gentle: bool
+) -> Modes:
     """All modes.
 
     Parameters
     ----------
-    factor : (m, n) factor of the compliance ``A = H^T H`` of wear rates
+    energy : (n, n) compliance `A` of wear rates
+    factor : yields its (m, n) factor, ``A = H^T H``
     mass : (n, n) of weight `k`
     weights : (n,) force that each wear rate carries
     moments : (n,) ``A`` times the steady state
     gentle : whether eigenvalues of `A` will do; else singular values of `H`, which keep the fastest modes
     """
-    scaled = mass.forward(factor.T).T
-    # a reflection that maps the steady state to the first axis: the other axes carry no force
-    axis = mass.forward(weights)
-    axis /= np.linalg.norm(axis)
-    axis[0] += np.copysign(1.0, axis[0])
-    axis /= np.linalg.norm(axis)
-    reflected = scaled - 2 * np.outer(scaled @ axis, axis)
-    relaxation, within = _squared_singular(reflected[:, 1:], gentle)
+    axis = _axis(mass, weights)
+    if gentle:
+        relaxation, within = eigh(_forceless(energy, mass, axis), driver="evd", overwrite_a=True, check_finite=False)
+    # or roundoff of the slowest has taken the fastest
+    if not gentle or relaxation[0] <= 0:
+        scaled = mass.forward(factor().T).T
+        scaled -= 2 * np.outer(scaled @ axis, axis)
+        _, singular, right = svd(scaled[:, 1:], full_matrices=False, check_finite=False)
+        relaxation, within = singular[::-1] ** 2, right[::-1].T
+    relaxation, within = relaxation[::-1], within[:, ::-1]
     shapes = np.concatenate([np.zeros((1, len(relaxation))), within])
     shapes -= 2 * np.outer(axis, axis @ shapes)
     return _modes(relaxation, mass.backward(shapes), moments, len(relaxation))
+
+
+def slowest_times(energy: Array, mass: BandedCholesky, weights: Array) -> Array:
+    """(m,) the `SHOWN` slowest relaxation times, all of them if there are fewer; parameters as for `every_mode`."""
+    forceless = _forceless(energy, mass, _axis(mass, weights))
+    size = len(forceless)
+    if size <= 4 * SHOWN:
+        return np.asarray(eigh(forceless, eigvals_only=True)[::-1][:SHOWN])
+    # a start of its own would be drawn at random
+    return np.asarray(np.sort(eigsh(forceless, SHOWN, which="LA", v0=np.ones(size), return_eigenvectors=False))[::-1])
+
+
+def _axis(mass: BandedCholesky, weights: Array) -> Array:
+    """Of the reflection that maps the steady state to the first axis, so that the other axes carry no force."""
+    axis = mass.forward(weights)
+    axis /= np.linalg.norm(axis)
+    axis[0] += np.copysign(1.0, axis[0])
+    return np.asarray(axis / np.linalg.norm(axis))
+
+
+def _forceless(energy: Array, mass: BandedCholesky, axis: Array) -> Array:
+    """(n-1, n-1) the compliance in coordinates orthonormal in `K`, reflected, on those that carry no force."""
+    scaled = mass.forward(mass.forward(energy).T)
+    image = scaled @ axis
+    image -= (axis @ image) * axis
+    scaled -= 2 * (np.outer(axis, image) + np.outer(image, axis))
+    return np.asarray(scaled[1:, 1:])
 
 
 def excited_modes(energy: Array, mass: BandedCholesky, weights: Array, moments: Array, earliest: float) -> Modes:
@@ -189,14 +225,3 @@ def _modes(relaxation: Array, shapes: Array, moments: Array, exact: int) -> Mode
     if not relaxation[-1] > 0:
         raise SolverError("the compliance is singular: the multipliers are unstable on this mesh")
     return Modes(relaxation, shapes, -(shapes.T @ moments) / relaxation, exact)
-
-
-def _squared_singular(factor: Array, gentle: bool) -> tuple[Array, Array]:
-    """Squared singular values, greatest first, and right singular vectors of a tall matrix."""
-    if gentle:
-        values, vectors = eigh(factor.T @ factor, driver="evd", overwrite_a=True, check_finite=False)
-        # else roundoff of the slowest has taken the fastest
-        if values[0] > 0:
-            return values[::-1], vectors[:, ::-1]
-    _, singular, right = svd(factor, full_matrices=False, check_finite=False)
-    return singular**2, right.T

@@ -31,7 +31,7 @@ def cost(problem: Problem, elements: bool) -> Cost:
     """Of the march and its estimate; its error is told by the run only."""
     unknowns, pressures = counted(problem, elements)
     seconds = 0.3 + STAGES * PER_STAGE * pressures**2 + (FITTED + PER_UNKNOWN * unknowns if elements else 0.0)
-    return Cost(unknowns, pressures, seconds, 0.2 + 2e-6 * unknowns + 1e-7 * pressures**2, np.nan)
+    return Cost(unknowns, pressures, seconds, np.nan)
 
 
 def _space(problem: Problem) -> PressureSpace:

@@ -69,7 +69,7 @@ class ContactSampler:
             "rms_slope": np.sqrt(self._slope_weights @ (self._unworn_slopes[:, None] + self._slopes @ worn.T) ** 2),
             "ring_force": forces,
             "normal_force": forces.sum(axis=1),
-            "worn_volume": worn @ self._ring_forces.T,
+            "ring_worn_volume": worn @ self._ring_forces.T,
             "contact_radius": np.array([one[-1][1] if one else 0.0 for one in edges]),
         }
         if on_face:

@@ -1,0 +1,65 @@
+"""Solve to the accuracy asked for: where a method's own estimates fall short of it, again with finer sizes."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ringwear.studies.methods.base import Method, Solution
+from ringwear.studies.methods.quantities import A_FEW, ENERGIES, FINEST
+from ringwear.studies.problem.defaults import at_smallest, field_accuracy
+from ringwear.studies.problem.problem import Problem
+from ringwear.studies.progress import LOG, Stages
+
+MOST_REFINEMENTS = 4
+# times finer that a refinement asks for at the most; times better that it has to make the result to be followed by another
+FINER, WORTH = 10.0, 3.0
+
+
+def solved_to_accuracy(one: Method, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+    """Solve problems on the same ring edges; those whose own estimates fall short of the accuracy again, with finer sizes.
+
+    Sizes given by the user stay, and what finer sizes do not mend (roundoff, a time step, layers thinner than coordinates
+    can tell) is left to the verdict.
+    """
+    solutions, working = one.solve_all(problems, stages), [problem.rtol for problem in problems]
+    short = [number for number, problem in enumerate(problems) if not one.sizes_given(problem)]
+    for _ in range(MOST_REFINEMENTS):
+        short = [number for number in short if _falls_short(problems[number], solutions[number], working[number])]
+        if not short:
+            break
+        for number in short:
+            asked, estimate = problems[number].rtol, error_of_sizes(problems[number], solutions[number])
+            working[number] = max(FINEST, working[number] * max(0.5 * asked / estimate, 1 / FINER))
+            LOG.info("%8s  its estimate %.1e is above %.1e: refining ...", one.name, estimate, asked)
+        finer = one.solve_all([replace(problems[number], rtol=working[number]) for number in short], stages)
+        gained = {}
+        for number, solution in zip(short, finer, strict=True):
+            gained[number] = _ratio(problems[number], solutions[number], solution)
+            if gained[number] > 1:
+                asked = problems[number].rtol
+                note = f"{one.name}: refined from rtol {asked:.1e} to {working[number]:.1e}, for its estimates fell short"
+                solutions[number] = replace(solution, notes=(*solution.notes, note))
+        short = [number for number in short if gained[number] >= WORTH]
+    return solutions
+
+
+def _falls_short(problem: Problem, solution: Solution, working: float) -> bool:
+    return working > FINEST and error_of_sizes(problem, solution) > A_FEW / 2 * problem.rtol
+
+
+def _ratio(problem: Problem, solution: Solution, finer: Solution) -> float:
+    """How many times better a refinement has made a result."""
+    return error_of_sizes(problem, solution) / error_of_sizes(problem, finer)
+
+
+def error_of_sizes(problem: Problem, solution: Solution) -> float:
+    """The greatest error of all quantities that finer sizes would mend."""
+    if problem.profile is not None:
+        # the cells of a march go by what was asked for
+        return 0.0
+    if problem.march != "modal" or not solution.error_of_sizes:
+        return solution.error_of_sizes
+    # fields follow neither on triangles, whose degree is low, nor with so many rings that they take too many pressures
+    energies = solution.settings.get("mesher", "quads") != "quads" or field_accuracy(problem) > problem.rtol
+    thin = ("rms_slope", "pressure") if at_smallest(problem) else ()
+    names = ENERGIES if energies else [name for name in solution.errors if name not in thin]
+    return max((solution.greatest_error(name) for name in names if name in solution.errors), default=0.0)

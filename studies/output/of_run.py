@@ -1,0 +1,101 @@
+"""The files of a run: numbers first, then what shows them, so that no failure of a figure loses a number."""
+
+import json
+from functools import cache
+from typing import TYPE_CHECKING
+
+from ringwear.meshes.errors import RingwearError
+from ringwear.studies.output.csv_tables import write_csv
+from ringwear.studies.output.folder import Folder
+from ringwear.studies.output.side_by_side import Job, make
+from ringwear.studies.problem.scene import Scene
+from ringwear.studies.progress import LOG
+
+if TYPE_CHECKING:
+    from ringwear.studies.crosscheck.run import Result
+    from ringwear.studies.methods.fem import Meshed
+
+
+def write(result: "Result", folder: Folder, figures: bool, tables: bool = False) -> list[str]:
+    """Write a run; numbers are in place before anything is drawn. Returns what could not be made, with the reason.
+
+    The inside of the half-space takes as long as the contact: it is left out with the figures unless the scene asks for it.
+    """
+    LOG.info("  output  writing ...")
+    dataset = result.dataset
+    try:
+        dataset.to_netcdf(folder.hidden / "results.nc", engine="netcdf4")
+    except RuntimeError as error:
+        # what netCDF makes of a full disk
+        raise RingwearError(f"results.nc could not be written to {folder.out} ({error}): is the disk full?") from error
+    (folder.hidden / "summary.json").write_text(json.dumps(result.summary, indent=1, allow_nan=False) + "\n", "utf-8")
+    if tables:
+        write_csv(dataset, folder.hidden)
+    folder.publish()
+    if not figures:
+        return make([], of_inside(result)[:1] if result.scene.output.field_times else [], folder.hidden)
+    LOG.info("  output  drawing ...")
+    inside = of_inside(result)
+    # the inside and its stresses take as long as all the others
+    return make([*of_contact(result), *of_operators(result), *inside[2:]], inside[:2], folder.hidden)
+
+
+def of_contact(result: "Result") -> list[Job]:
+    """Figures of what is on the face of the punch."""
+    from ringwear.studies.figures.history import draw_history
+    from ringwear.studies.figures.states import draw_states, draw_steady, given
+
+    scene, solutions, jobs = result.scene, result.solutions, []
+    if given("profile", solutions):
+        jobs.append(Job("profiles_and_pressures.png", lambda path: draw_states(scene, solutions, path)))
+        if scene.problem.earliest:
+            jobs.append(Job("history.png", lambda path: draw_history(scene, solutions, path)))
+            if scene.problem.profile is not None:
+                from ringwear.studies.figures.contact import draw_contact
+
+                jobs.append(Job("contact.png", lambda path: draw_contact(scene, solutions, path)))
+    if given("steady_profile", solutions):
+        jobs.append(Job("steady_state.png", lambda path: draw_steady(scene, solutions, path)))
+    return jobs
+
+
+def of_operators(result: "Result") -> list[Job]:
+    """The figure that compares methods for every pressure."""
+    from ringwear.studies.figures.operators import draw_operators
+
+    draw = Job("operator_difference.png", lambda path: draw_operators(result.scene, result.operators, path))
+    return [draw] if result.operators else []
+
+
+def of_inside(result: "Result") -> list[Job]:
+    """The inside of the half-space as a file, then its figures; for flat punches by finite elements only."""
+    fem = result.solutions.get("fem")
+    if fem is None or fem.half_space is None or result.scene.problem.profile is not None:
+        return []
+    from ringwear.studies.crosscheck import interior
+    from ringwear.studies.figures.mesh import draw_mesh, draw_stress
+
+    scene, solid, mesher = result.scene, fem.half_space.solid.mesh, fem.settings["mesher"]
+    fields = cache(lambda: interior.interior(scene, fem))
+    return [
+        Job("half_space.vtu", lambda path: interior.write_half_space(fields(), scene.problem.units, path)),
+        Job("stress.png", lambda path: draw_stress(scene, fields(), path)),
+        Job("mesh.png", lambda path: draw_mesh(solid, mesher, scene.problem.ring_edges, path)),
+    ]
+
+
+def write_mesh(scene: Scene, meshed: "Meshed", folder: Folder) -> None:
+    """Write the mesh as scikit-fem does, in the scene's units and with its boundaries, and its figure.
+
+    The file can be read back: by `skfem.Mesh.load`, and as a mesh of one's own by `ringwear study refinement --mesh`.
+    """
+    import numpy as np
+    from skfem.io.meshio import to_meshio
+
+    from ringwear.meshes.half_space import quality
+    from ringwear.studies.figures.mesh import draw_mesh
+
+    content = to_meshio(meshed.mesh.scaled(scene.punch.radius), cell_data={"quality": [quality(meshed.mesh)]})
+    content.points = np.column_stack([content.points, np.zeros(len(content.points))])
+    content.write(folder.hidden / "mesh.vtu", file_format="vtu")
+    draw_mesh(meshed.mesh, meshed.mesher, scene.problem.ring_edges, folder.hidden / "mesh.png")

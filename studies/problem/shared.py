@@ -1,0 +1,73 @@
+"""Problems on the same ring edges and half-space: one discretisation serves every wear, load and time.
+
+A compliance knows nothing of wear, only its sizes do: those beside each edge follow the length that wear has blunted there
+by the earliest time. What all of several problems need is the least of them on the slower side, the greatest on the faster.
+"""
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, fields
+from typing import Self
+
+import numpy as np
+
+from ringwear.studies.problem.problem import Blunted, Problem
+
+# greatest ratio of the lengths that wear has blunted in problems that share a discretisation: pressures that the sharper
+# needs cost the others their third power
+WIDEST = 100.0
+
+
+@dataclass(frozen=True, eq=False)
+class Shared(Problem):
+    """The first of several problems, to be discretised as sharply as the sharpest needs it.
+
+    Parameters
+    ----------
+    members : the problems, with the same `merged.ring_edges`
+    """
+
+    members: tuple[Problem, ...] = ()
+
+    @classmethod
+    def of(cls, members: Sequence[Problem]) -> Self:
+        first = {one.name: getattr(members[0], one.name) for one in fields(Problem)}
+        return cls(**first | {"rtol": min(one.rtol for one in members)}, members=tuple(members))
+
+    @property
+    def blunted(self) -> Blunted:
+        every = [one.blunted for one in self.members]
+        slow = np.min([one.slow for one in every], axis=0)
+        # what is blunted on the faster side leaves the edge of the slower alone, and sharp
+        with np.errstate(invalid="ignore"):
+            ratio = np.max([one.slow * one.ratio for one in every], axis=0) / slow
+        whole = np.where(np.isfinite(slow), ratio, np.max([one.ratio for one in every], axis=0))
+        return Blunted(slow, whole, max(one.span for one in every), any(one.start for one in every))
+
+    @property
+    def earliest(self) -> float:
+        return min((one.earliest for one in self.members if one.earliest), default=0.0)
+
+
+def discretised_alike(problem: Problem) -> Hashable:
+    """What a discretisation depends on, but for the sharpness."""
+    sizes = problem.fem.model_dump_json(), problem.mdr.model_dump_json()
+    numbers = problem.poisson_ratio, problem.rtol, problem.gradient_average
+    kinds = bool(len(problem.times)), problem.profile is None
+    return problem.merged.ring_edges.tobytes(), *numbers, *kinds, *sizes
+
+
+def groups(problems: Sequence[Problem]) -> list[list[int]]:
+    """Numbers of the problems that share a discretisation, the sharpest of each group first."""
+    sharpest = [float(one.blunted.slow.min()) for one in problems]
+    alike: dict[Hashable, list[int]] = {}
+    for number in sorted(range(len(problems)), key=lambda number: (sharpest[number], number)):
+        alike.setdefault(discretised_alike(problems[number]), []).append(number)
+    found: list[list[int]] = []
+    for numbers in alike.values():
+        start = 0
+        for at, number in enumerate(numbers):
+            if sharpest[number] > WIDEST * sharpest[numbers[start]]:
+                found.append(numbers[start:at])
+                start = at
+        found.append(numbers[start:])
+    return found

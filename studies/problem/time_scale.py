@@ -1,0 +1,38 @@
+"""The time scale of running-in, known before a run: the slowest relaxation time, by a coarse MDR.
+
+Deviations from the steady state decay in modes of the pencil ``A x = tau K x`` on the wear rates that carry no force, with
+the compliance `A` and the mass `K` of weight `k` (`studies/wear/archard.py`). The slowest is a long wave, for which a few
+elements in each ring are enough.
+"""
+
+import numpy as np
+from scipy.linalg import eigh, qr
+
+from ringwear.mdr.transforms import line_density, panel_quadrature
+from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.meshes.radial import graded_breakpoints
+from ringwear.studies.problem.problem import Rings
+
+DEGREE, RIM, GRADING = 3, 1e-3, 0.3
+# with more rings it would take longer than many a run
+MOST_RINGS = 64
+
+
+def slowest_relaxation_time(rings: Rings) -> float:
+    """The slowest relaxation time, non-dimensional, to a few digits; NaN for more than `MOST_RINGS`."""
+    rings = rings.merged()
+    if len(rings.wear_coefficients) > MOST_RINGS:
+        return float("nan")
+    breakpoints = graded_breakpoints(rings.ring_edges, 0.2 * rings.narrower, min(RIM, 0.1 * rings.widths[-1]), GRADING)
+    space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, DEGREE), rings.ring_edges)
+    worn = space.joined(rings.wear_coefficients)
+    positions, weights = panel_quadrature(space)
+    factor = np.sqrt(2 * weights)[:, None] * (line_density(space, positions) @ worn)
+    mass = (worn.T @ space.mass(rings.wear_coefficients) @ worn).toarray()
+    # an orthonormal basis of the wear rates that carry no force
+    free = qr((worn.T @ space.weights)[:, None])[0][:, 1:]
+    last = free.shape[1] - 1
+    (slowest,) = eigh(
+        (factor @ free).T @ (factor @ free), free.T @ mass @ free, eigvals_only=True, subset_by_index=[last, last]
+    )
+    return float(slowest)

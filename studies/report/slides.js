@@ -1,0 +1,156 @@
+"use strict";
+(() => {
+  const data = JSON.parse(document.getElementById("slides").textContent);
+  const last = data.labels.length - 1, radius = data.edges[data.edges.length - 1];
+  const slider = document.getElementById("state"), play = document.getElementById("play");
+  const box = { left: 52, right: 448, top: 10, bottom: 218 };
+
+  const make = (parent, name, attributes, text) => {
+    const node = document.createElementNS("http://www.w3.org/2000/svg", name);
+    for (const key in attributes) node.setAttribute(key, attributes[key]);
+    if (text !== undefined) node.textContent = text;
+    parent.appendChild(node);
+    return node;
+  };
+  const ticks = (top) => {
+    const raw = top / 4, power = 10 ** Math.floor(Math.log10(raw));
+    const step = [1, 2, 5, 10].find((one) => one * power >= raw) * power;
+    return Array.from({ length: Math.floor(top / step + 1e-9) + 1 }, (_, index) => +(index * step).toPrecision(6));
+  };
+  const across = (r) => box.left + (r / radius) * (box.right - box.left);
+  const rings = data.ring;
+
+  // axes and ghost of the last state once, the curve again for each state
+  const plot = (id, values, top, down, label) => {
+    const svg = document.getElementById(id);
+    const upright = (value) => {
+      const part = Math.min(9, value / top);
+      return down ? box.top + part * (box.bottom - box.top) : box.bottom - part * (box.bottom - box.top);
+    };
+    data.shade.forEach((shade, ring) => {
+      const x = across(data.edges[ring]), width = across(data.edges[ring + 1]) - x;
+      if (shade > 0.5) make(svg, "rect", { x, width, y: box.top, height: box.bottom - box.top, fill: "#e8e8e8" });
+    });
+    for (const tick of ticks(top)) {
+      make(svg, "line", { x1: box.left - 4, x2: box.left, y1: upright(tick), y2: upright(tick), stroke: "#1b1f24" });
+      make(svg, "text", { x: box.left - 7, y: upright(tick) + 4, "text-anchor": "end" }, tick);
+    }
+    for (const tick of ticks(radius)) {
+      make(svg, "line", { x1: across(tick), x2: across(tick), y1: box.bottom, y2: box.bottom + 4, stroke: "#1b1f24" });
+      make(svg, "text", { x: across(tick), y: box.bottom + 17, "text-anchor": "middle" }, tick);
+    }
+    const frame = { x: box.left, y: box.top, width: box.right - box.left, height: box.bottom - box.top };
+    make(svg, "rect", { ...frame, fill: "none", stroke: "#1b1f24" });
+    make(svg, "text", { x: (box.left + box.right) / 2, y: 254, "text-anchor": "middle" }, data.axes.radius);
+    const middle = (box.top + box.bottom) / 2;
+    make(svg, "text", { x: 12, y: middle, "text-anchor": "middle", transform: `rotate(-90 12 ${middle})` }, label);
+    const line = (row) => row.map((value, index) => {
+      // pressures jump at the edges of rings
+      const begins = index === 0 || (!down && rings[index] !== rings[index - 1]);
+      return `${begins ? "M" : "L"}${across(data.radii[index]).toFixed(1)},${upright(value).toFixed(1)}`;
+    }).join("");
+    const clip = make(make(svg, "clipPath", { id: `within-${id}` }), "rect", { ...frame });
+    clip.setAttribute("y", box.top - 2);
+    const look = { fill: "none", "stroke-linejoin": "round", "clip-path": `url(#within-${id})` };
+    if (last > 0) make(svg, "path", { ...look, d: line(values[last]), stroke: "#777", "stroke-dasharray": "2 3" });
+    const curve = make(svg, "path", { ...look, stroke: "#1f4e79", "stroke-width": 2 });
+    return (state) => curve.setAttribute("d", line(values[state]));
+  };
+  const drawProfile = plot("profile", data.profile, 1.08 * data.deepest, true, data.axes.profile);
+  const drawPressure = plot("pressure", data.pressure, data.highest, false, data.axes.pressure);
+
+  // the worn face as a surface of revolution, cut open: painted from the back to the front
+  const canvas = document.getElementById("solid"), pen = canvas.getContext("2d");
+  const AROUND = 72, OPEN = 17, TILT = 0.62, DEPTH = 0.32;
+  const kept = [];
+  let before = -1;
+  data.radii.forEach((r, index) => {
+    if (index === 0 || index === data.radii.length - 1 || r - before > radius / 110 || rings[index] !== rings[index - 1]) {
+      kept.push(index);
+      before = r;
+    }
+  });
+  let turn = 0.5;
+  const colour = (shade, light) => {
+    const mix = (a, b) => Math.round((a + (b - a) * shade) * light);
+    return `rgb(${mix(96, 224)},${mix(120, 208)},${mix(146, 170)})`;
+  };
+  const drawSolid = (state) => {
+    const height = (index) => -data.drawn * data.profile[state][index] / data.deepest;
+    const sin = Math.sin(TILT), cos = Math.cos(TILT), size = canvas.width * 0.34;
+    const place = (r, angle, z) => {
+      const x = r / radius * Math.cos(angle + turn), y = r / radius * Math.sin(angle + turn);
+      const down = canvas.height * 0.37 - size * (z * cos + y * sin);
+      return [canvas.width / 2 + size * x, down, y * cos - z * sin];
+    };
+    const faces = [];
+    const face = (corners, fill) => faces.push([corners.reduce((sum, one) => sum + one[2], 0), corners, fill]);
+    const angle = (step) => (step + OPEN) * 2 * Math.PI / AROUND - Math.PI;
+    for (let part = 0; part + 1 < kept.length; part += 1) {
+      const inner = kept[part], outer = kept[part + 1], a = data.radii[inner], b = data.radii[outer];
+      const shade = data.shade[rings[inner]], slope = (height(outer) - height(inner)) / Math.max((b - a) / radius, 1e-9);
+      for (let step = 0; step < AROUND - OPEN; step += 1) {
+        const one = angle(step), other = angle(step + 1), middle = (one + other) / 2 + turn;
+        const light = (1 - slope * (0.35 * Math.cos(middle) - 0.5 * Math.sin(middle))) / Math.hypot(1, slope) * 0.9;
+        const corners = [place(a, one, height(inner)), place(b, one, height(outer)),
+          place(b, other, height(outer)), place(a, other, height(inner))];
+        face(corners, colour(shade, Math.max(0.35, Math.min(1.1, light))));
+      }
+      for (const cut of [angle(0), angle(AROUND - OPEN)]) {
+        const corners = [place(a, cut, height(inner)), place(b, cut, height(outer)), place(b, cut, -DEPTH - data.drawn),
+          place(a, cut, -DEPTH - data.drawn)];
+        face(corners, colour(shade, 0.72));
+      }
+    }
+    const end = kept[kept.length - 1];
+    for (let step = 0; step < AROUND - OPEN; step += 1) {
+      const one = angle(step), other = angle(step + 1), foot = -DEPTH - data.drawn;
+      const corners = [place(radius, one, height(end)), place(radius, other, height(end)), place(radius, other, foot),
+        place(radius, one, foot)];
+      face(corners, colour(data.shade[data.shade.length - 1], 0.55 + 0.15 * Math.cos((one + other) / 2 + turn)));
+    }
+    faces.sort((one, other) => other[0] - one[0]);
+    pen.clearRect(0, 0, canvas.width, canvas.height);
+    pen.lineWidth = 0.8;
+    for (const [, corners, fill] of faces) {
+      pen.beginPath();
+      corners.forEach(([x, y], index) => (index ? pen.lineTo(x, y) : pen.moveTo(x, y)));
+      pen.closePath();
+      pen.fillStyle = pen.strokeStyle = fill;
+      pen.fill();
+      pen.stroke();
+    }
+  };
+
+  let shown = last;
+  const show = (state) => {
+    shown = state;
+    document.getElementById("when").textContent = data.labels[state];
+    if (slider) slider.value = state;
+    drawProfile(state);
+    drawPressure(state);
+    drawSolid(state);
+  };
+  if (slider) {
+    let timer = 0;
+    const stop = () => { clearInterval(timer); timer = 0; play.textContent = "Play"; };
+    slider.addEventListener("input", () => { stop(); show(+slider.value); });
+    play.addEventListener("click", () => {
+      if (timer) return stop();
+      play.textContent = "Stop";
+      let next = shown === last ? 0 : shown;
+      timer = setInterval(() => { show(next); next += 1; if (next > last) stop(); }, 120);
+      return undefined;
+    });
+  }
+  let from = null;
+  canvas.addEventListener("pointerdown", (event) => { from = event.clientX; canvas.setPointerCapture(event.pointerId); });
+  canvas.addEventListener("pointermove", (event) => {
+    if (from === null) return;
+    turn += (event.clientX - from) / 150;
+    from = event.clientX;
+    drawSolid(shown);
+  });
+  for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, () => { from = null; });
+  show(last);
+})();

@@ -1,0 +1,102 @@
+"""Compute one block of scenes: those that can share a discretisation share it, and one that fails fails alone."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import product
+from threading import Lock
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from ringwear.meshes.errors import RingwearError, SceneError
+from ringwear.meshes.radial import Array
+from ringwear.studies.crosscheck.accuracy import solved_to_accuracy
+from ringwear.studies.crosscheck.agreement import worst
+from ringwear.studies.methods.base import Method, Solution, method
+from ringwear.studies.methods.quantities import HISTORIES, QUANTITIES, common, error_name
+from ringwear.studies.problem.problem import Problem
+from ringwear.studies.problem.scene import Scene
+from ringwear.studies.problem.shared import groups
+from ringwear.studies.progress import Stages
+from ringwear.studies.sweep.axes import Sweep
+from ringwear.studies.sweep.kept import asked_for
+from ringwear.studies.sweep.layout import DONE, FAILED, Layout, Outcome
+
+# gmsh has one state for a whole process, whose threads a cluster may give several blocks
+ONE_AT_A_TIME = Lock()
+
+
+def computed(sweep: Sweep, layout: Layout) -> Outcome:
+    """Every scene of a block, which is a sweep of its own."""
+    with ONE_AT_A_TIME, threadpool_limits(1):
+        return _computed(sweep, layout)
+
+
+def _computed(sweep: Sweep, layout: Layout) -> Outcome:
+    count = sweep.count
+    values = {name: np.full((count, *one.shape), np.nan) for name, one in layout.variables.items()}
+    reason = [""] * count
+    scenes: dict[int, tuple[Scene, Problem]] = {}
+    for number, index in enumerate(product(*map(range, sweep.shape))):
+        try:
+            scene = sweep.scene(index)
+            scenes[number] = scene, posed(scene, sweep.keep)
+        except SceneError as error:
+            reason[number] = str(error)
+    solutions: dict[int, dict[str, Solution]] = {number: {} for number in scenes}
+    for name in layout.solvers:
+        numbers = [number for number in scenes if name in scenes[number][0].methods and not reason[number]]
+        for group in groups([scenes[number][1] for number in numbers]):
+            together = [numbers[at] for at in group]
+            found = solved(method(name), [scenes[number][1] for number in together])
+            for number, solution in zip(together, found, strict=True):
+                if isinstance(solution, str):
+                    reason[number] = f"{name}: {solution}"
+                else:
+                    solutions[number][name] = solution
+    for number, (_, problem) in scenes.items():
+        if reason[number]:
+            continue
+        for name, solution in solutions[number].items():
+            put(values, (number, layout.solvers.index(name)), problem, solution, sweep.keep)
+        if len(layout.solvers) > 1:
+            for name, value in worst(problem, list(solutions[number].values()), sweep.keep)._asdict().items():
+                values[name][number] = value
+    status = np.array([FAILED if why else DONE for why in reason], dtype=np.uint8)
+    return Outcome(values, status, reason)
+
+
+def posed(scene: Scene, keep: tuple[str, ...]) -> Problem:
+    """The problem of a scene, asking for what is kept and nothing else."""
+    problem = scene.problem
+    kept = frozenset(name for name in keep if name == "relaxation_time" or asked_for(scene.wear, name))
+    times = problem.times if kept & HISTORIES else np.empty(0)
+    return replace(problem, quantities=kept, times=times, march=problem.march if len(times) else "modal")
+
+
+def solved(one: Method, problems: Sequence[Problem]) -> list[Solution | str]:
+    """Each problem's solution, or the reason why it has none: what fails together is tried again by halves."""
+    try:
+        for problem in problems:
+            if refusal := one.refusal(problem):
+                raise SceneError(refusal)
+        return list(solved_to_accuracy(one, problems, Stages(one.name)))
+    except Exception as error:
+        if len(problems) > 1:
+            half = len(problems) // 2
+            return [*solved(one, problems[:half]), *solved(one, problems[half:])]
+        return [str(error) if isinstance(error, RingwearError) else f"{type(error).__name__}: {error}"]
+
+
+def put(
+    values: dict[str, Array], place: tuple[int, int], problem: Problem, solution: Solution, keep: tuple[str, ...]
+) -> None:  # fmt: skip
+    """Kept quantities of one scene by one method, in the scene's units, and their errors."""
+    for name in keep:
+        if name not in solution.results:
+            continue
+        found = np.asarray(solution.results.variables[name].values) * getattr(problem.units, QUANTITIES[name].unit)
+        for label, array in ((name, found), (error_name(name), np.asarray(solution.errors[name]))):
+            target = values[label][place[0]]
+            known = common(array.shape, target.shape[1:])
+            target[(place[1], *known)] = array[known]

@@ -1,0 +1,38 @@
+"""Which quantities of each scene are kept."""
+
+from typing import Any
+
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.problem.sections import WearSection
+
+# of scenes that several methods compute, by the quantities kept
+JUDGED = {
+    "disagreement": "greatest difference of two methods over its uncertainty: above 1 they disagree",
+    "effectivity": "least error stated, over the error that a far more accurate method shows",
+}
+
+
+def checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
+    """The quantities to keep: those named, or all that need no radius and no ring and that the scene asks for."""
+    from ringwear.studies.methods.quantities import HISTORIES, OF_PROFILES, QUANTITIES
+
+    known = {name: quantity for name, quantity in QUANTITIES.items() if name not in OF_PROFILES}
+    if keep is None:
+        plain = [name for name, quantity in known.items() if not {"radius", "ring"} & set(quantity.dims)]
+        return tuple(name for name in plain if asked_for(wear, name))
+    if not (isinstance(keep, list) and keep and all(isinstance(one, str) for one in keep)):
+        raise SceneError(f"{name}: keep = {keep!r}: give a list of quantities, some of {', '.join(known)}")
+    for one in keep:
+        if one not in known:
+            raise SceneError(
+                f"{name}: keep names '{one}', which is no quantity of a flat punch: give some of {', '.join(known)}"
+            )
+        if not asked_for(wear, one) and one != "relaxation_time":
+            missing = "wear.times" if one in HISTORIES else "wear.steady = true"
+            raise SceneError(f"{name}: keep names '{one}', which the base does not ask for: give it {missing}")
+    return tuple(dict.fromkeys(keep))
+
+
+def asked_for(wear: WearSection, name: str) -> bool:
+    """Whether a scene with such times asks for a quantity."""
+    return wear.steady if name.startswith("steady_") else bool(wear.times)

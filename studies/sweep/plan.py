@@ -1,0 +1,111 @@
+"""What a sweep will take, before it does: seconds, memory of a worker, bytes of the store; from a sample of its blocks."""
+
+from dataclasses import dataclass
+from math import ceil, prod
+
+import numpy as np
+
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.crosscheck.scope import beyond_memory, expected
+from ringwear.studies.methods.base import method
+from ringwear.studies.methods.costs import DISCRETISING, by_terms
+from ringwear.studies.problem.problem import Problem
+from ringwear.studies.problem.shared import Shared, groups
+from ringwear.studies.sweep.axes import Sweep
+from ringwear.studies.sweep.blocks import block_shape, blocks
+from ringwear.studies.sweep.compute import posed
+from ringwear.studies.sweep.layout import layout
+
+# blocks that a plan looks into
+SAMPLED = 40
+# seconds that a scene takes itself where it has no history: closed forms; else a start, and by the square of its pressures
+# (measured; `README.md`)
+CLOSED, SCENE, SQUARE = 7e-4, 3e-3, 3e-7
+# seconds and bytes to write a block, per variable, and to label a scene
+WRITTEN, CHUNK = 1.5e-3, 200
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a sweep will take.
+
+    Parameters
+    ----------
+    scenes, blocks : of the whole
+    seconds : of one process, of which `shared` for discretisations that several scenes share
+    memory : GiB of each process
+    size : bytes of the store, before compression
+    """
+
+    scenes: int
+    blocks: int
+    seconds: float
+    shared: float
+    memory: float
+    size: float
+
+    def said(self, workers: int) -> list[str]:
+        """In words."""
+        hours = self.seconds / workers / 3600
+        time = f"{hours:.3g} h" if hours > 2 else f"{self.seconds / workers:.2g} s"
+        return [
+            f"{self.scenes} scenes in {self.blocks} blocks: about {time} by {workers} processes, "
+            f"{100 * self.shared / self.seconds:.0f} % of it for discretisations that scenes share",
+            f"{self.memory:.2g} GiB for each process; a store of at most {self.size / 2**20:.3g} MiB",
+        ]
+
+
+def planned(sweep: Sweep, memory: float, workers: int) -> Plan:
+    """The plan of a sweep.
+
+    Raises
+    ------
+    SceneError
+        if its processes need more memory (GiB) than there is, with the key that causes it
+    """
+    kept = layout(sweep)
+    shape = block_shape(sweep, kept)
+    count = prod(ceil(length / step) for length, step in zip(sweep.shape, shape, strict=True))
+    wanted = set(np.linspace(0, count - 1, min(count, SAMPLED)).round().astype(int).tolist())
+    seconds = shared = most = 0.0
+    sampled = 0
+    for block in blocks(sweep, shape):
+        if block.number not in wanted:
+            continue
+        part = sweep.part(block.bounds)
+        sampled += block.count
+        problems: dict[str, list[Problem]] = {}
+        for index in np.ndindex(part.shape):
+            try:
+                scene = part.scene(index)
+            except SceneError:
+                continue
+            for name in scene.methods:
+                problems.setdefault(name, []).append(posed(scene, sweep.keep))
+            if not any(index):
+                whole = expected(scene)
+                if refusal := beyond_memory(whole, memory / workers):
+                    raise SceneError(refusal)
+                most = max(most, whole.gib)
+        for name, of_method in problems.items():
+            for numbers in groups(of_method):
+                once, each = _seconds(name, Shared.of([of_method[number] for number in numbers]))
+                shared += once
+                seconds += once + each * len(numbers)
+    factor = sweep.count / sampled
+    values = sum(prod(variable.shape) for variable in kept.variables.values())
+    size = sweep.count * (8.0 * values + 12) + CHUNK * count * (len(kept.variables) + 3)
+    written = WRITTEN * count * (len(kept.variables) + 3)
+    return Plan(sweep.count, count, factor * seconds + written, factor * shared, most, size)
+
+
+def _seconds(name: str, problem: Problem) -> tuple[float, float]:
+    """Of what is made once for a group, and of each scene."""
+    this = method(name)
+    if name == "direct":
+        return this.cost(problem).seconds, CLOSED
+    if this.own_march:
+        return 0.0, this.cost(problem).seconds
+    unknowns, pressures = this.counted(problem)
+    parts = by_terms(this.kind(problem), unknowns, pressures, problem)
+    return float(parts[:DISCRETISING].sum()), SCENE + SQUARE * pressures**2 + float(parts[DISCRETISING:].sum())

@@ -1,0 +1,187 @@
+"""Sweeps: the file, the grid, what is shared, and that every scene is what `run` says it is."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+
+from ringwear import Scene, run, sweep
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.cli import main
+from ringwear.studies.methods.quantities import QUANTITIES, error_name
+from ringwear.studies.paper import gradients
+from ringwear.studies.problem.defaults import sharpness
+from ringwear.studies.problem.problem import Problem
+from ringwear.studies.problem.shared import Shared, groups
+from ringwear.studies.sweep.axes import Sweep
+from ringwear.studies.sweep.blocks import block_shape, blocks
+from ringwear.studies.sweep.layout import layout
+
+FIVE = Scene.load("five_rings").changed(methods=["mdr", "direct"], accuracy__rtol=1e-3, wear__times=[0.0, 0.01, 0.3])
+RATIOS = {"punch.wear_ratio": [0.1, 1.0, 20.0]}
+
+
+def at(dataset: xarray.Dataset, **labels: Any) -> xarray.Dataset:
+    return dataset.sel(labels)
+
+
+@pytest.fixture(scope="module")
+def small() -> xarray.Dataset:
+    return sweep(FIVE, RATIOS | {"punch.rings": [2, 5], "load.normal_force": [1.0, 3.0]})
+
+
+def test_scenes_are_those_of_run(small: xarray.Dataset) -> None:
+    """Of each quantity, a scene of a sweep and the same by `run` differ by no more than both state."""
+    for ratio, rings, force in ((0.1, 5, 3.0), (20.0, 2, 1.0), (1.0, 5, 1.0)):
+        scene = FIVE.changed(punch__wear_coefficients=[1.0, ratio], punch__rings=rings, load__normal_force=force)
+        own = run(scene).dataset
+        there = at(small, wear_ratio=ratio, rings=rings, normal_force=force)
+        assert there["status"] == 1
+        for name in (name for name in QUANTITIES if name in small.data_vars):
+            value, mine = there[name].values, own[name].values
+            if "mode" in own[name].dims:
+                value, mine = value[..., :3], mine[..., :3]
+            assert (np.isfinite(value) == np.isfinite(mine)).all(), name
+            error = error_name(name)
+            stated = there[error].values[..., : value.shape[-1]] + own[error].values[..., : value.shape[-1]]
+            scale = there["indentation"].values if QUANTITIES[name].norm == "indentation" else np.abs(mine)
+            both = np.isfinite(value) & (scale > 0)
+            difference = np.divide(np.abs(value - mine), scale, out=np.zeros(value.shape), where=both)
+            assert (difference[both] <= np.maximum(stated, 1e-12)[both]).all(), name
+
+
+def test_labels_are_those_asked_for(small: xarray.Dataset) -> None:
+    assert small["indentation"].dims == ("wear_ratio", "rings", "normal_force", "solver", "time")
+    assert small["time"].values.tolist() == FIVE.wear.times
+    assert small["wear_ratio"].values.tolist() == RATIOS["punch.wear_ratio"]
+    assert small["rings"].values.tolist() == [2, 5]
+    assert (small["status"] == 1).all()
+    # two methods that state their errors honestly
+    assert float(small["disagreement"].max()) < 1
+    # three times the force: all of the same modes
+    np.testing.assert_array_equal(small["relaxation_time"][..., 0, :, :], small["relaxation_time"][..., 1, :, :])
+    np.testing.assert_allclose(small["indentation"][..., 1, 0, :], 3 * small["indentation"][..., 0, 0, :], rtol=1e-14)
+
+
+def test_one_discretisation_serves_every_wear() -> None:
+    """It is as sharp as the sharpest member needs it, and members much less sharp have one of their own."""
+    made = Sweep.of({"base": FIVE.table(), "axes": {"punch.wear_ratio": [1e-6, 0.1, 2.0, 5.0, 1.0]}})
+    problems = [made.scene((number,)).problem for number in range(5)]
+    found = groups(problems)
+    # equal wear leaves no ring edges
+    assert sorted(map(sorted, found)) == [[0], [1, 2, 3], [4]]
+    shared = Shared.of([problems[number] for number in (1, 2, 3)])
+    for number in (1, 2, 3):
+        # sharper at every distance from every edge
+        halves, edges = shared.merged.widths / 2, np.arange(5)
+        for distance in np.geomspace(1e-10, 0.1, 40):
+            behind = (sharpness(one)(np.full(5, distance), halves, edges) for one in (shared, problems[number]))
+            assert np.greater_equal(*behind).all()
+    assert isinstance(shared, Problem)
+
+
+@pytest.mark.parametrize("number", [6, 7])
+def test_the_figures_of_the_paper(number: int) -> None:
+    """The bundled sweeps, on fewer rings and every tenth ratio, against the study of the paper."""
+    made = Sweep.load(f"fig{number}")
+    assert len((Path(__file__).parents[1] / f"studies/sweep/files/fig{number}.toml").read_text("utf-8").splitlines()) < 20
+    table = made.table | {"axes": made.table["axes"] | {"punch.rings": [2, 8]}}
+    ratios, widths, _ = gradients.POINTS[number]
+    varied = {6: "punch.wear_ratio", 7: "punch.width_ratio"}[number]
+    asked = np.array(Sweep.of(table).axes[0].columns[varied])
+    np.testing.assert_allclose(asked, ratios if number == 6 else widths, rtol=1e-13)
+    table["axes"] |= {varied: asked[::10].tolist()}
+    slopes = sweep(table["base"], table["axes"], made.keep)["steady_rms_slope"].sel(solver="direct").values
+    homogeneous = gradients.homogeneous()
+    for place, count in enumerate((2, 8)):
+        for here in range(0, 201, 10):
+            edges = gradients.alternating_edges(count, widths[here])
+            known = gradients.direct_gradients(edges, ratios[here : here + 1])[:, 0]
+            np.testing.assert_allclose(slopes[here // 10, place] / homogeneous, known, rtol=1e-12)
+
+
+def test_a_failed_scene_fails_alone() -> None:
+    """Its reason is kept with it; those that would share its discretisation are what they are without it."""
+    # so many explicit steps are refused as the march begins
+    marched = FIVE.changed(methods=["mdr"], wear__march="implicit", wear__step=0.01)
+    steps = {"wear.step": [0.01, 1e-9, 0.05]}
+    dataset = sweep(marched, steps, keep=["indentation"])
+    assert dataset["status"].values.tolist() == [1, 2, 1]
+    assert "give a larger wear.step" in str(dataset["reason"].values[1])
+    assert np.isnan(dataset["indentation"].values[1]).all()
+    alone = sweep(marched, {"wear.step": [0.01]}, keep=["indentation"])
+    np.testing.assert_allclose(dataset["indentation"][0], alone["indentation"][0], rtol=1e-12)
+    zipped = {"punch.ring_edges": [[0.5, 1.0], [0.4, 0.7, 1.0]], "punch.wear_coefficients": [[1.0, 2.0], [1.0] * 4]}
+    with pytest.raises(SceneError, match="wear_coefficients has 4 values for 3 rings"):
+        sweep(FIVE, zip=zipped)
+
+
+def test_files(tmp_path: Path) -> None:
+    for text, message in (
+        ("", "missing key base"),
+        ("base = 'five_rings'", "nothing varies"),
+        ("base = 'six_rings'\naxes = {'punch.rings' = [2]}", "six_rings: no such file"),
+        ("base = 'five_rings'\n[axes]\n'punch.ring' = [2]", "did you mean rings"),
+        ("base = 'five_rings'\n[axes]\n'punch.rings' = [2, 2.5]", "punch.rings = 2.5"),
+        ("base = 'five_rings'\n[axes]\n'punch.rings' = { logspace = [1, 2, 3] }", "geomspace"),
+        ("base = 'five_rings'\nkeep = ['slope']\n[axes]\n'punch.rings' = [2]", "'slope', which is no quantity"),
+        ("base = 'five_rings'\nkeep = ['profile']\n[axes]\n'punch.rings' = [2]", "output.radii"),
+        ("base = 'five_rings'\nkeep = ['indentation']\n[axes]\n'wear.times' = [[0.1], [0.2]]", "wear.times varies"),
+        ("base = 'five_rings'\n[zip]\n'punch.rings' = [2]\n'punch.width_ratio' = [1.0, 2.0]", "of one length"),
+        ("base = 'five_rings'\n[random]\n'punch.rings' = [2]", "random.count"),
+        ("base = 'five_rings'\nkeeps = []\n[axes]\n'punch.rings' = [2]", "unknown key keeps"),
+    ):
+        with pytest.raises(SceneError, match=message):
+            layout(Sweep.of(tomllib.loads(text)))
+    (tmp_path / "bad.toml").write_text("base = ")
+    assert main(["sweep", str(tmp_path / "bad.toml"), "--out", str(tmp_path / "out")]) == 2
+    assert not (tmp_path / "out").exists()
+
+
+def test_axes_crossed_zipped_and_drawn() -> None:
+    table = {
+        "base": "five_rings",
+        "axes": {"accuracy.rtol": [1e-2, 1e-3], "punch.radius": [1.0]},
+        "zip": {"punch.rings": {"linspace": [2, 4, 3]}, "punch.width_ratio": [1.0, 2.0, 3.0]},
+        "random": {"count": 4, "seed": 7, "punch.wear_ratio": {"geomspace": [0.1, 9.0]}, "load.normal_force": [1.0, 2.0]},
+    }
+    made = Sweep.of(table)
+    # `radius` is a dimension of results already
+    assert made.dims == ("rtol", "punch_radius", "rings", "draw")
+    assert made.shape == (2, 1, 3, 4)
+    again = Sweep.of(json.loads(made.to_json()))
+    assert again.changes((1, 0, 2, 3)) == made.changes((1, 0, 2, 3))
+    scene = made.scene((1, 0, 2, 3))
+    assert (scene.punch.rings, scene.punch.width_ratio, scene.accuracy.rtol) == (4, 3.0, 1e-3)
+    assert 0.1 <= (scene.punch.wear_ratio or 0) <= 10
+    names = [name for name, _, _ in made.coordinates()]
+    assert names == ["rtol", "punch_radius", "rings", "width_ratio", "wear_ratio", "normal_force"]
+
+
+def test_blocks_cover_the_grid_once() -> None:
+    axes = {"punch.wear_ratio": {"geomspace": [0.1, 9.0, 150]}, "punch.rings": [2, 3, 4]}
+    made = Sweep.of({"base": "five_rings", "axes": axes})
+    seen = np.zeros(made.shape, dtype=int)
+    shape = block_shape(made, layout(made))
+    for block in blocks(made, shape):
+        assert block.shape[1] == 1
+        seen[block.region] += 1
+    assert (seen == 1).all()
+    assert shape == (50, 1)
+
+
+def test_wear_ratio_in_a_scene() -> None:
+    """`wear_coefficient` with `wear_ratio` is the list of two."""
+    table = Scene.load("five_rings").table()
+    del table["punch"]["wear_coefficients"]
+    scene = Scene.from_table(table | {"punch": table["punch"] | {"wear_coefficient": 2.0, "wear_ratio": 10.0}})
+    assert scene.punch.coefficients == [2.0, 20.0]
+    for given in ({"wear_coefficient": 2.0}, {"wear_ratio": 2.0}, {"wear_coefficients": [1.0, 2.0], "wear_ratio": 2.0}):
+        with pytest.raises(SceneError, match="wear_"):
+            Scene.from_table(table | {"punch": table["punch"] | given})
