@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -45,12 +45,12 @@ def other_rings(change: Callable[[Rings], Rings]) -> Fault:
     """The finite elements solve another punch."""
 
     def put(patch: pytest.MonkeyPatch) -> None:
-        right = Fem.solve
+        right = Fem.solve_all
 
-        def wrong(self: Fem, problem: Problem, stages: Stages) -> Solution:
-            return right(self, replace(problem, rings=change(problem.rings)), stages)
+        def wrong(self: Fem, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+            return right(self, [replace(problem, rings=change(problem.rings)) for problem in problems], stages)
 
-        patch.setattr(Fem, "solve", wrong)
+        patch.setattr(Fem, "solve_all", wrong)
 
     return put
 

@@ -11,7 +11,7 @@ from ringwear.studies.progress import LOG, Stages
 
 MOST_REFINEMENTS = 4
 # times finer that a refinement asks for at the most; times better that it has to make the result to be followed by another
-FINER, WORTH = 10.0, 3.0
+FINER, WORTH = 10.0, 2.0
 
 
 def solved_to_accuracy(one: Method, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
