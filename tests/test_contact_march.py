@@ -63,7 +63,7 @@ def cells(rings: Rings, count: int = 160, edge: float = 2e-4) -> ContactCells:
     return ContactCells(tuple(rings.ring_edges), 1 / count, edge)
 
 
-QUICK = ("recessed", "waves")
+QUICK = ("recessed",)
 
 
 @pytest.mark.parametrize("name", [one if one in QUICK else pytest.param(one, marks=pytest.mark.slow) for one in FACES])
