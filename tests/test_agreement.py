@@ -27,7 +27,9 @@ def undecided(result: Result) -> set[str]:
     return {row.quantity for row in result.agreement if row.verdict == "undecided"}
 
 
-@pytest.mark.parametrize("mesher", [pytest.param("quads", marks=pytest.mark.gmsh), "gmsh", "bisection"])
+@pytest.mark.parametrize(
+    "mesher", [pytest.param("quads", marks=pytest.mark.gmsh), pytest.param("gmsh", marks=pytest.mark.slow), "bisection"]
+)
 @pytest.mark.parametrize("name", FLAT)
 def test_bundled_scenes_agree(name: str, mesher: str) -> None:
     result = run(Scene.load(name).changed(accuracy__fem__mesher=mesher))

@@ -122,6 +122,7 @@ def test_sizes_of_the_user_are_not_refined() -> None:
     assert not result.notes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("poisson_ratio", [0.4999, 0.5])
 def test_nothing_locks(poisson_ratio: float) -> None:
     """Unequal rings, near incompressibility: of degree 3 at ring edges, errors exceed the estimate."""

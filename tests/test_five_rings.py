@@ -106,7 +106,7 @@ def test_the_dial_of_the_mdr(solve: Solve, reference: Reference, rtol: float) ->
 
 
 @pytest.mark.parametrize("mesher", MESHERS)
-@pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-5, 1e-8])
+@pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-5, pytest.param(1e-8, marks=pytest.mark.slow)])
 def test_the_dial_of_the_fem(solve: Solve, reference: Reference, rtol: float, mesher: str) -> None:
     found = solve(methods=("fem",), accuracy__rtol=rtol, accuracy__fem__mesher=mesher)
     assert worst(found.indentation, states(reference, "indentation")) <= rtol
@@ -144,7 +144,8 @@ def test_error_estimates_are_honest(solve: Solve, reference: Reference, scene: d
 
 
 @pytest.mark.parametrize(
-    "rtol", [1e-2, pytest.param(1e-4, marks=pytest.mark.gmsh), pytest.param(1e-7, marks=pytest.mark.gmsh)]
+    "rtol",
+    [1e-2, pytest.param(1e-4, marks=pytest.mark.gmsh), pytest.param(1e-7, marks=[pytest.mark.gmsh, pytest.mark.slow])],
 )
 def test_the_dial_bounds_every_quantity(reference: Reference, rtol: float) -> None:
     """In its own norm, at every time from the start to beyond the running-in; and no estimate is below the truth."""

@@ -62,7 +62,7 @@ SCENES: list[tuple[str, str, tuple[str, ...]]] = [
     ("plane_strain_modulus = 1.0", "youngs_modulus = 1.0\npoisson_ratio = 0.6", ("poisson_ratio", "0.5")),
     ("plane_strain_modulus = 1.0", "youngs_modulus = 1.0\npoisson_ratio = -1.0", ("poisson_ratio", "above -1")),
     ("normal_force = 2.0", "", ("normal_force", "mean_pressure")),
-    ("normal_force = 2.0", "normal_force = 2.0\nmean_pressure = 1.0", ("mean_pressure", "not both")),
+    ("normal_force = 2.0", "normal_force = 2.0\nmean_pressure = 1.0", ("mean_pressure", "not two")),
     ("normal_force = 2.0", "normal_force = 0.0", ("load.normal_force", "positive")),
     ("normal_force = 2.0", "normal_force = 2.0\nsliding_speed = 0.0", ("load.sliding_speed", "positive")),
     ("normal_force = 2.0", "normal_force = 1e-320", ("load.normal_force", "units")),
