@@ -1,6 +1,6 @@
 """The answer of a run: what a user asked of the punch, by each method. Non-dimensional.
 
-How long running-in takes is told by the approach of the punch, which a displacement sensor on its holder shows: once it
+How long running-in takes is seen from the approach of the punch, which a displacement sensor on its holder shows: once it
 has run in, it rises in a straight line. What ``d(t) - w t`` has still to rise falls as a sum of positive exponentials.
 """
 
@@ -29,7 +29,7 @@ ANSWER = {
     "force_share": Quantity(OF_RINGS, "share", "part of the normal force that each ring carries"),
     "worn_volume": Quantity(("ring",), "volume", "volume worn off each ring by the last of the times"),
 }  # fmt: skip
-# told with it, and kept as quantities of their own
+# given with it, and kept as quantities of their own
 ALSO = ("steady_wear_rate", "steady_rms_slope")
 
 

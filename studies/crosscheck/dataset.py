@@ -133,14 +133,14 @@ def dataset(result: Result) -> xarray.Dataset:
     every = [values(solution.results) for solution in solutions.values()]
     errors = [solution.errors for solution in solutions.values()]
     # a flat punch has no more to say
-    told = [name for name in QUANTITIES if name not in OF_PROFILES or any(name in one for one in every)]
+    shown = [name for name in QUANTITIES if name not in OF_PROFILES or any(name in one for one in every)]
     sizes["edge"] = max((one["contact_edge"].shape[1] for one in every if "contact_edge" in one), default=0)
 
     def about(definition: str, kind: str) -> dict[str, str]:
         return {"long_name": definition, "units": names.name(kind) or scene.units or UNSTATED}
 
     variables: dict[str, Any] = {}
-    for name, quantity in ((name, QUANTITIES[name]) for name in told):
+    for name, quantity in ((name, QUANTITIES[name]) for name in shown):
         shape = tuple(sizes[dim] for dim in quantity.dims)
         scaled = _gathered(every, name, shape)
         scaled *= getattr(problem.units, quantity.unit)

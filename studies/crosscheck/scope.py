@@ -138,7 +138,7 @@ def plan(scene: Scene) -> list[str]:
     whole = expected(scene)
     for name, cost in whole.by_method.items():
         lines.append(f"{name}: {method(name).described(problem)}")
-        unknown = "error by the sizes given" if problem.profile is None else "error told by the run"
+        unknown = "error by the sizes given" if problem.profile is None else "error known by the run"
         error = unknown if np.isnan(cost.error) else f"error about {cost.error:.0e}"
         size = f"about {cost.unknowns} unknowns, {cost.pressures} pressures"
         lines.append(f"    {size}, {cost.seconds:.2g} s, {error}")
@@ -174,8 +174,8 @@ def time_scale(scene: Scene) -> list[str]:
         return [f"running-in: not known beforehand for more than {MOST_RINGS} rings"]
     names, times = UnitNames.of(scene.units), [time for time in scene.wear.times if time]
     first, last = scene.problem.earliest / slowest, float(scene.problem.times[-1]) / slowest
-    told = names.write(slowest * scene.problem.units.time, "time", 3)
-    lines = [f"running-in: slowest relaxation time {told}; the {len(times)} times after the start go from {first:.2g} to "
+    written = names.write(slowest * scene.problem.units.time, "time", 3)
+    lines = [f"running-in: slowest relaxation time {written}; the {len(times)} times after the start go from {first:.2g} to "
              f"{last:.2g} of it"]  # fmt: skip
     return lines + outside(first, last)
 

@@ -1,6 +1,6 @@
 """Profiles and pressures over the radius: at several times (the paper's Fig. 4), and in the steady state.
 
-Profiles are shown less their least wear, which is told: most of what has worn is the same everywhere.
+Profiles are shown less their least wear, which the figure names: most of what has worn is the same everywhere.
 """
 
 from collections.abc import Mapping

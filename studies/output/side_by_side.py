@@ -28,15 +28,15 @@ def make(jobs: Sequence[Job], others: Sequence[Job], directory: Path) -> list[st
     try:
         failures = _make(jobs, directory)
         try:
-            told = receiver.recv()
+            reported = receiver.recv()
         except EOFError:
-            told = [f"{', '.join(job.name for job in others)}: the process that made them was killed"]
+            reported = [f"{', '.join(job.name for job in others)}: the process that made them was killed"]
     finally:
         child.terminate()
         child.join()
-    if told == INTERRUPTED:
+    if reported == INTERRUPTED:
         raise KeyboardInterrupt
-    return [*failures, *told]
+    return [*failures, *reported]
 
 
 def _can_fork() -> bool:

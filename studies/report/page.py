@@ -70,9 +70,9 @@ def write_study(study: tuple[str, str], scene: Scene, conclusions: Iterable[str]
     pictures = [_picture(file, file.stem.replace("_", " ")) for file in sorted(directory.glob("*.png"))]
     tables = {file.stem.replace("_", " "): _table(file) for file in sorted(directory.glob("*.csv"))}
     # tables stand below
-    told = [line for line in conclusions if not line.startswith("|")]
+    kept = [line for line in conclusions if not line.startswith("|")]
     known: dict[str, Any] = {"pictures": pictures, "tables": tables, "scene": scene.to_toml(), "versions": versions()}
-    _write(path, "study.html.j2", title=f"Study: {name}", purpose=purpose, conclusions=told, **known)
+    _write(path, "study.html.j2", title=f"Study: {name}", purpose=purpose, conclusions=kept, **known)
 
 
 def _write(path: Path, template: str, **known: Any) -> None:

@@ -40,7 +40,7 @@ def first_given(result: Result, key: str) -> Array:
 
 
 def answered_by(result: Result) -> str:
-    """The method whose answers are told."""
+    """The method whose answers are shown."""
     gives = [name for name, one in result.answers.items() if np.isfinite(one["running_in_time"])]
     return (gives or list(result.answers))[0]
 
@@ -49,27 +49,27 @@ def answer_lines(result: Result) -> list[Line]:
     """What the punch does, in a few lines."""
     scene, names = result.scene, UnitNames.of(result.scene.units)
 
-    def told(key: str, kind: str) -> str:
+    def text(key: str, kind: str) -> str:
         return names.write(float(first_given(result, key)), kind)
 
     lines = []
     if scene.wear.times:
         if np.isfinite(first_given(result, "running_in_time")):
-            ninety, all_but_one = told("time_to_90", "time"), told("time_to_99", "time")
+            ninety, all_but_one = text("time_to_90", "time"), text("time_to_99", "time")
             meaning = "slowest relaxation time: what is left of running-in falls to 1/e in it"
-            lines.append(Line("running-in time", told("running_in_time", "time"), meaning))
+            lines.append(Line("running-in time", text("running_in_time", "time"), meaning))
             meaning = "until the approach d(t) of the punch, less steady wear, has made 90 % (99 %) of its way"
             lines.append(Line("run in to 90 %, 99 %", f"{ninety}, {all_but_one}", meaning))
         flat = scene.problem.profile is None
         if flat or np.isfinite(first_given(result, "indentation_start")):
             meaning = "F / (2 a E*), flat punch" if flat else "of the unworn face plane"
-            lines.append(Line("indentation at the start", told("indentation_start", "displacement"), meaning))
+            lines.append(Line("indentation at the start", text("indentation_start", "displacement"), meaning))
     if scene.wear.steady and scene.problem.indentation is None:
         meaning = "depth of the foremost point of the worn punch"
         lines += [
-            Line("indentation when steady", told("indentation_steady", "displacement"), meaning),
-            Line("steady wear rate", told("steady_wear_rate", "wear_rate"), "height lost in a time, the same on every ring"),
-            Line("RMS slope when steady", told("steady_rms_slope", "slope"), f"of the limiting profile, {_average(result)}"),
+            Line("indentation when steady", text("indentation_steady", "displacement"), meaning),
+            Line("steady wear rate", text("steady_wear_rate", "wear_rate"), "height lost in a time, the same on every ring"),
+            Line("RMS slope when steady", text("steady_rms_slope", "slope"), f"of the limiting profile, {_average(result)}"),
         ]
     worn = first_given(result, "worn_volume")
     if np.isfinite(worn).all() and scene.wear.times:
@@ -140,7 +140,7 @@ def verdict(result: Result) -> str:
 def sentences(result: Result) -> list[str]:
     """How long it takes, which ring wears how much, and whether to believe it, for a reader of nothing else."""
     scene, names, problem = result.scene, UnitNames.of(result.scene.units), result.scene.problem
-    told, edges = [], problem.ring_edges * problem.units.length
+    said, edges = [], problem.ring_edges * problem.units.length
 
     def ring(number: int) -> str:
         unit, name = names.readable(float(edges[-1]), "length")
@@ -152,10 +152,10 @@ def sentences(result: Result) -> list[str]:
         text += f"{names.write(float(ninety), 'time', 3)}."
         if last < ninety:
             text += f" The times asked for end at {names.write(last, 'time', 3)}, before that."
-        told.append(text)
+        said.append(text)
     if np.isfinite(rate := first_given(result, "steady_wear_rate")):
-        when = "Then" if told else "In the steady state"
-        told.append(
+        when = "Then" if said else "In the steady state"
+        said.append(
             f"{when} every ring loses {names.write(float(rate), 'wear_rate', 3)} of height, and the profile stays as it is."
         )
     worn = first_given(result, "worn_volume")
@@ -166,15 +166,15 @@ def sentences(result: Result) -> list[str]:
         text += f"{names.write(float(heights[most]), 'displacement', 3)} on average"
         if most != least:
             text += f", the most, and {ring(least)} by {names.write(float(heights[least]), 'displacement', 3)}, the least"
-        told.append(f"{text}; {100 * worn[largest] / worn.sum():.0f} % of the worn volume is of {ring(largest)}.")
+        said.append(f"{text}; {100 * worn[largest] / worn.sum():.0f} % of the worn volume is of {ring(largest)}.")
     if result.agreement:
         worst = max(result.agreement, key=lambda row: row.difference)
         within = "within" if worst.difference <= worst.uncertainty else "more than"
-        told.append(
+        said.append(
             f"{len(result.solutions)} methods differ by at most {worst.difference:.0e} of the value ({worst.quantity}), "
             f"{within} the {worst.uncertainty:.0e} that their own error estimates allow."
         )
-    return told
+    return said
 
 
 def anchor_rows(result: Result) -> Rows:

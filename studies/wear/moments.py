@@ -1,4 +1,4 @@
-"""Moments of a profile against the pressures of a space: what contact is told of the punch face."""
+"""Moments of a profile against the pressures of a space: what contact knows of the punch face."""
 
 import numpy as np
 

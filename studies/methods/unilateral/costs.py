@@ -28,7 +28,7 @@ def counted(problem: Problem, elements: bool) -> tuple[int, int]:
 
 
 def cost(problem: Problem, elements: bool) -> Cost:
-    """Of the march and its estimate; its error is told by the run only."""
+    """Of the march and its estimate; its error is known by the run only."""
     unknowns, pressures = counted(problem, elements)
     seconds = 0.3 + STAGES * PER_STAGE * pressures**2 + (FITTED + PER_UNKNOWN * unknowns if elements else 0.0)
     return Cost(unknowns, pressures, seconds, np.nan)

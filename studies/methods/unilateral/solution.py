@@ -2,7 +2,7 @@
 
 Presses of the unworn face are fitted to the edges of the contact, histories are marched on linear pressures over cells
 all over the face, and the steady state, in which all of the face carries, is that of the flat punch. What results are
-worth is told by half as many cells and four times the error of a step, and at the start by a lower degree.
+worth is seen from half as many cells and four times the error of a step, and at the start by a lower degree.
 """
 
 from collections.abc import Callable
