@@ -155,9 +155,11 @@ def test_what_a_killed_run_left_is_swept(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_signals_end_a_run_cleanly(number: signal.Signals, tmp_path: Path) -> None:
-    code = "from ringwear.studies.cli import main; raise SystemExit(main())"
+    # where the tests themselves run in the background, the shell has told them to ignore SIGINT
+    code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    code += "from ringwear.studies.cli import main; raise SystemExit(main())"
     out = tmp_path / "out"
-    # forty rings by finite elements take long enough
+    # thirty-two rings by finite elements take long enough
     arguments = ["run", "many_rings", "--rtol", "1e-6", "--out", str(out)]
     run = subprocess.Popen([sys.executable, "-c", code, *arguments], stderr=subprocess.PIPE, text=True)
     for _ in range(600):
