@@ -34,8 +34,8 @@ MOST_PRESSURES = 2000
 SHARE = 10
 # distance from the rim and from ring edges, in a, from which on the estimate holds
 NEAR = 0.2
-# share of the energy that the poles may leave to the truncation: at the truncation radius itself stresses feel its root
-NEGLIGIBLE = 1e-13
+# share of the energy that the poles may leave to the truncation, where stresses feel its root: over their accuracy squared
+NEGLIGIBLE = 1e-3
 # stands for Poisson's ratio 1/2: inside, its error shows, but triangles lock the more the closer it is
 HIGHEST_RATIO = {"MeshQuad1": 0.499999, "MeshTri1": 0.49999}
 MEAN_PRESSURE = 2 * P0
@@ -116,12 +116,15 @@ def refined(problem: Problem, half_space: "HalfSpace", degree: int) -> Iterator[
     from ringwear.meshes.half_space import truncation
 
     highest_ratio = HIGHEST_RATIO[type(half_space.solid.mesh).__name__]
+    factored = half_space.solid.degree, half_space.solid.poisson_ratio, half_space.poles
 
     def with_degree(degree: int, poles: tuple[int, ...]) -> "HalfSpace":
         solid = replace(half_space.solid, degree=degree, highest_ratio=highest_ratio)
+        if (degree, solid.poisson_ratio, poles) == factored:
+            return half_space
         return replace(half_space, solid=solid, space=pressure_space(solid, problem.merged.ring_edges), poles=poles)
 
-    tied = enough_poles(truncation(half_space.solid.mesh), NEGLIGIBLE)
+    tied = enough_poles(truncation(half_space.solid.mesh), NEGLIGIBLE * min(SHARE * problem.rtol, 1e-3) ** 2)
     if half_space.poles:
         poles = half_space.poles if problem.fem.poles else tied
         fewer = poles[:-1]
@@ -178,4 +181,4 @@ def write_half_space(fields: Interior, units: Units, path: Path) -> None:
         data[f"von_mises {label}"] = fields.von_mises[state] * units.pressure
     r, z = fields.points * units.length
     upright = np.stack([r, -z, np.zeros_like(r)], axis=1)
-    meshio.Mesh(upright, [("triangle", fields.triangles.T)], point_data=data).write(path, file_format="vtu")
+    meshio.Mesh(upright, [("triangle", fields.triangles.T)], point_data=data).write(path, file_format="vtu", compression=None)

@@ -31,7 +31,7 @@ STYLE: dict[str, Any] = {
     "legend.fontsize": 7, "axes.linewidth": 0.6, "lines.linewidth": 1.1, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
     "xtick.major.size": 2.5, "ytick.major.size": 2.5, "xtick.minor.size": 1.5, "ytick.minor.size": 1.5,
     "xtick.minor.width": 0.4, "ytick.minor.width": 0.4, "xtick.major.pad": 2, "ytick.major.pad": 2, "axes.labelpad": 2,
-    "axes.titlepad": 3, "mathtext.default": "it",
+    "axes.titlepad": 3, "axes.titley": 1.0, "mathtext.default": "it",
 }  # fmt: skip
 P = ParamSpec("P")
 R = TypeVar("R")
