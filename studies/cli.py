@@ -235,7 +235,7 @@ def _sweep(options: argparse.Namespace) -> int:
 
 def _scenes(_: argparse.Namespace) -> int:
     for name in bundled():
-        print(f"{name:<14}{Scene.load(name).title}")
+        print(f"{name:<18}{Scene.load(name).title}")
     return DONE
 
 

@@ -113,7 +113,8 @@ def _agreement(
     if beyond.any():
         worst = int(np.argmax(difference / uncertainty))
         return Agreement(name, of, float(difference[worst]), float(uncertainty[worst]), DISAGREE)
-    worst = int(np.argmax(uncertainty))
+    # where many are as uncertain, the one that differs most
+    worst = int(np.lexsort((difference, uncertainty))[-1])
     row = Agreement(name, of, float(difference[worst]), float(uncertainty[worst]), AGREE)
     if uncertainty[worst] <= A_FEW * problem.rtol:
         return row

@@ -181,4 +181,6 @@ def write_half_space(fields: Interior, units: Units, path: Path) -> None:
         data[f"von_mises {label}"] = fields.von_mises[state] * units.pressure
     r, z = fields.points * units.length
     upright = np.stack([r, -z, np.zeros_like(r)], axis=1)
-    meshio.Mesh(upright, [("triangle", fields.triangles.T)], point_data=data).write(path, file_format="vtu", compression=None)
+    meshio.Mesh(upright, [("triangle", fields.triangles.T)], point_data=data).write(
+        path, file_format="vtu", compression=None
+    )

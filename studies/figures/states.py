@@ -30,7 +30,6 @@ from ringwear.studies.methods.quantities import array
 from ringwear.studies.problem.problem import P0, Problem
 from ringwear.studies.problem.scene import Scene
 
-SHADED = "shaded: rings that wear faster"
 # more rings than this take the whole width of a page, and lines without marks
 MANY = 24
 
@@ -90,6 +89,12 @@ class Panels:
         lower.plot(radii * self.scale.radius.factor, pressure, **FAINT, label="unworn punch")
 
     @property
+    def note(self) -> str:
+        """What is shaded, where anything is, and what the axes are over."""
+        shaded = "shaded: rings that wear faster" if np.ptp(self.problem.wear_coefficients) else ""
+        return "; ".join(part for part in (shaded, self.scale.note) if part)
+
+    @property
     def labels(self) -> tuple[str, str, str]:
         """Of heights, pressures and radii."""
         height = self.scale.height.label("worn height", "f").replace("$f", "$\\Delta f")
@@ -132,7 +137,7 @@ def draw_states(scene: Scene, solutions: Mapping[str, Solution], path: Path) -> 
             1.08 * (tallest or 1.0) * draw.scale.height.factor, -0.05 * (tallest or 1.0) * draw.scale.height.factor
         )
         lower.set_ylim(0, 1.25 * max(tops) * draw.scale.pressure.factor)
-    footing(figure, pairs[0, ::-1], "; ".join(part for part in (SHADED, draw.scale.note) if part))
+    footing(figure, pairs[0, ::-1], draw.note)
     heading(figure, titled(scene.title, "profiles and pressures"))
     save(figure, path)
 
@@ -151,11 +156,11 @@ def draw_steady(scene: Scene, solutions: Mapping[str, Solution], path: Path) -> 
     draw.profile(profile, {name: array(results, "steady_profile") for name, results in every.items()})
     draw.pressure(pressure, {name: array(results, "steady_pressure") for name, results in every.items()})
     profile.invert_yaxis()
-    pressure.set_ylim(bottom=0)
+    pressure.set_ylim(0, 1.05 * pressure.dataLim.ymax)
     profile.set_ylabel(draw.scale.height.label("limiting profile", "f_{stat}"))
     pressure.set_ylabel(draw.scale.pressure.label("steady pressure", "p"))
     for axes in [pressure] if many else [profile, pressure]:
         axes.set_xlabel(draw.labels[2])
-    footing(figure, [profile], "; ".join(part for part in (SHADED, draw.scale.note) if part))
+    footing(figure, [profile], draw.note)
     heading(figure, titled(scene.title, "steady state"))
     save(figure, path)

@@ -139,6 +139,8 @@ def shade_rings(axes: Any, ring_edges: Array, wear_coefficients: Array, radius: 
     axes.set_xlim(0, radius)
     if radius == 1:
         axes.set_xticks([0, 0.5, 1], ["0", "0.5", "1"])
+    else:
+        axes.locator_params(axis="x", nbins=4)
 
 
 def broken_at(ring_edges: Array, radii: Array, values: Array) -> tuple[Array, Array]:
