@@ -157,11 +157,14 @@ def draw(compared: dict[str, dict[str, list[Row]]], seed: int, path: Path) -> No
     """Effectivities of every quantity: medians over the times of each scene."""
     figure = new_figure(8.5, 4.6)
     axes = figure.subplots()
-    names = list(QUANTITIES)
+    found = {
+        name for rows in compared.values() for name in rows if any(np.isfinite(one["effectivity"]) for one in rows[name])
+    }
+    names = [name for name in QUANTITIES if name in found]
     for shift, (name, quantities) in zip((-0.15, 0.15), compared.items(), strict=True):
         look: dict[str, Any] = {"marker": "o" if name == "mdr" else "x", "color": "0.5" if name == "mdr" else "black"}
         points = [
-            (row["effectivity"], names.index(quantity) + shift) for quantity in quantities for row in quantities[quantity]
+            (row["effectivity"], names.index(quantity) + shift) for quantity in names for row in quantities.get(quantity, ())
         ]
         axes.plot(*np.array(points).T, linestyle="none", markersize=3, label=name.upper(), **look)
     axes.axvline(1, color="0.4", linewidth=0.8)
