@@ -97,7 +97,7 @@ def test_slides_go_from_the_flat_start_to_the_steady_state(result: Result) -> No
 
 
 @pytest.mark.parametrize(("changes", "states"), [
-    ({"methods": ["direct"], "wear__times": []}, 1), ({"methods": ["mdr-grid"], "wear__steady": False}, 0),
+    ({"methods": ["direct"], "wear__times": []}, 1), ({"methods": ["mdr-grid"], "wear__steady": False}, 7),
     ({"methods": ["mdr"], "wear__steady": False, "wear__times": [0.0]}, 49),
     ({"output__radii": [0.001], "methods": ["mdr"]}, 50),
 ])  # fmt: skip

@@ -23,9 +23,8 @@ DRAWN_HEIGHT = 0.3
 def slides(result: Result) -> dict[str, Any] | None:
     """What the script of the page draws, in the units of its axes; nothing where no state is known over the radius."""
     problem = replace(result.scene.problem, output_radii=None)
-    step = -(-len(problem.radii) // MOST_RADII)
-    problem = replace(problem, output_radii=problem.radii[::step])
-    found = _running_in(result, problem) or _steady(result)
+    problem = replace(problem, output_radii=problem.radii[:: _every(problem)])
+    found = _running_in(result, problem) or _as_given(result)
     if found is None:
         return None
     radii, labels, profiles, pressures = found
@@ -90,13 +89,31 @@ def slide_times(problem: Problem, solution: Solution) -> Array:
     return np.concatenate([[0.0], np.geomspace(first, max(float(problem.times[-1]), done, 2 * first), COUNT)])
 
 
-def _steady(result: Result) -> tuple[Array, list[str], Array, Array] | None:
-    """The steady state alone, by the first method that gives it over more than a few radii."""
-    for solution in result.solutions.values():
-        if "steady_profile" in solution.results and len(result.scene.problem.radii) > 10:
-            profile, pressure = (array(solution.results, f"steady_{name}")[None] for name in ("profile", "pressure"))
-            return result.scene.problem.radii, ["steady state"], profile, pressure
-    return None
+def _as_given(result: Result) -> tuple[Array, list[str], Array, Array] | None:
+    """The times asked for, and the steady state, by the first method that gives most of it over more than a few radii."""
+    scale, problem = Scale(result.scene), result.scene.problem
+    known = [one.results for one in result.solutions.values() if {"profile", "steady_profile"} & set(one.results)]
+    if not known or len(problem.radii) <= 10:
+        return None
+    best = max(known, key=lambda one: ("profile" in one, "steady_profile" in one))
+    shown = slice(None, None, _every(problem))
+    labels, profiles, pressures = list[str](), list[Array](), list[Array]()
+    if "profile" in best:
+        times = array(best, "time")
+        some = np.unique(np.linspace(0, len(times) - 1, min(len(times), COUNT)).round().astype(int))
+        labels += [f"{scale.when(time * problem.units.time)}{'' if time else ', unworn'}" for time in times[some]]
+        profiles += list(array(best, "profile")[some][:, shown])
+        pressures += list(array(best, "pressure")[some][:, shown])
+    if "steady_profile" in best:
+        labels.append("steady state")
+        profiles.append(array(best, "steady_profile")[shown])
+        pressures.append(array(best, "steady_pressure")[shown])
+    return problem.radii[shown], labels, np.array(profiles), np.array(pressures)
+
+
+def _every(problem: Problem) -> int:
+    """Which of the radii a slide shows."""
+    return -(-len(problem.radii) // MOST_RADII)
 
 
 def _short(values: Array) -> list[float]:
