@@ -80,21 +80,24 @@ def _run(options: argparse.Namespace) -> int:
         from ringwear.studies.crosscheck import agreement
         from ringwear.studies.crosscheck.run import run
         from ringwear.studies.crosscheck.scope import beyond_memory, expected, machine_memory
-        from ringwear.studies.output.of_run import write
+        from ringwear.studies.output.of_run import draw, write_numbers
         from ringwear.studies.output.side_by_side import Job, make
         from ringwear.studies.report.printed import print_result
 
         if refusal := beyond_memory(expected(scene), options.memory or machine_memory()):
             raise SceneError(refusal)
         result = run(scene)
-        failures = write(result, folder, figures=not options.no_figures, tables=options.csv)
+        write_numbers(result, folder, tables=options.csv)
+        print_result(result)
+        # nobody waits for the answer until all is drawn; and what is not out yet would be written by a forked process, too
+        sys.stdout.flush()
+        failures = draw(result, folder, figures=not options.no_figures)
         if options.animate:
             failures += make([Job("animation.gif", lambda path: _animate(result, path))], [], folder.hidden)
         if not (options.no_figures or options.no_report):
             failures += make(
                 [Job("report.html", lambda path: _write_report(result, folder.hidden, path))], [], folder.hidden
             )
-        print_result(result)
     _say_files(folder)
     for failure in failures:
         print(f"ringwear: {failure}", file=sys.stderr)

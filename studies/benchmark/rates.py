@@ -74,12 +74,12 @@ def scenes() -> Iterator[Scene]:
 def measured(scene: Scene, cholmod: bool = True) -> Measured:
     """Run a scene and write its results; what is loaded for the first run is not timed."""
     from ringwear.studies.output.folder import held
-    from ringwear.studies.output.of_run import write
+    from ringwear.studies.output.of_run import draw, write_numbers
 
     with patch.dict(sys.modules, {} if cholmod else {"kvxopt": None}), tempfile.TemporaryDirectory() as directory:
         first = Scene.load("flat_punch").changed(accuracy__rtol=1e-2, methods=scene.methods)
         with held(Path(directory), "run") as folder:
-            write(running.run(first), folder, figures=True)
+            draw(running.run(first), folder)
         seconds = dict[str, float]()
         solve, compare = running.solved_to_accuracy, running.compare_operators
 
@@ -99,7 +99,8 @@ def measured(scene: Scene, cholmod: bool = True) -> Measured:
             result = running.run(scene)
         start = time.perf_counter()  # figures are drawn in processes of their own
         with held(Path(directory), "run") as folder:
-            write(result, folder, figures=True)
+            write_numbers(result, folder)
+            draw(result, folder)
         output = time.perf_counter() - start
         errors = {name: solution.error_estimate for name, solution in result.solutions.items()}
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20

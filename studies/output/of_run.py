@@ -16,11 +16,8 @@ if TYPE_CHECKING:
     from ringwear.studies.methods.fem import Meshed
 
 
-def write(result: "Result", folder: Folder, figures: bool, tables: bool = False) -> list[str]:
-    """Write a run; numbers are in place before anything is drawn. Returns what could not be made, with the reason.
-
-    The inside of the half-space takes as long as the contact: it is left out with the figures unless the scene asks for it.
-    """
+def write_numbers(result: "Result", folder: Folder, tables: bool = False) -> None:
+    """Write the numbers of a run, before anything is drawn."""
     LOG.info("  output  writing ...")
     dataset = result.dataset
     try:
@@ -32,6 +29,13 @@ def write(result: "Result", folder: Folder, figures: bool, tables: bool = False)
     if tables:
         write_csv(dataset, folder.hidden)
     folder.publish()
+
+
+def draw(result: "Result", folder: Folder, figures: bool = True) -> list[str]:
+    """Draw a run; returns what could not be made, with the reason.
+
+    The inside of the half-space takes as long as the contact: without figures it is left out unless the scene asks for it.
+    """
     if not figures:
         return make([], of_inside(result)[:1] if result.scene.output.field_times else [], folder.hidden)
     LOG.info("  output  drawing ...")
