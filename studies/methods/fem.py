@@ -225,14 +225,14 @@ def coarser_pairs(problem: Problem, meshed: Meshed, whole: "HalfSpace", fine: "C
         lower = with_degree(degree - 1, meshed.graded.coarser().mesh).compliance()
         return Pair("pressure space", fine, coarser, QUAD_MULTIPLIERS), Pair("discretisation", coarser, lower, QUADS)
     growth = defaults.triangle_sizes(problem).growth
-    multipliers = Pair("pressure space", fine, coarser, of_triangles(growth, TRIANGLE_MULTIPLIERS))
+    multipliers = Pair("pressure space", fine, coarser, of_triangles(degree, growth, TRIANGLE_MULTIPLIERS))
     if degree == 2:
-        # no stable multipliers go with a lower degree, so the pair is finer, and the difference the error itself
-        finer = replace(with_degree(3, meshed.mesh), space=whole.space).compliance()
+        # no stable multipliers go with a lower degree, so the pair is finer, its pressures, too: the difference is the error
+        finer = with_degree(3, meshed.mesh).compliance()
         elements = Pair("discretisation", finer, fine, TRIANGLES_FINER)
     else:
         lower = replace(with_degree(degree - 1, meshed.mesh), space=coarser.space).compliance()
-        elements = Pair("discretisation", coarser, lower, of_triangles(growth, TRIANGLES))
+        elements = Pair("discretisation", coarser, lower, of_triangles(degree, growth, TRIANGLES))
     return (multipliers, elements) if fine.space.top > 1 else (elements,)
 
 
