@@ -11,8 +11,11 @@ from ringwear.mdr.static_contact import PowerPunch, worn_sphere
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.contact_cells import ContactCells
 from ringwear.meshes.radial import Array, ring_areas
-from ringwear.studies.problem.problem import Rings
+from ringwear.studies.methods.base import method
+from ringwear.studies.methods.quantities import QUANTITIES, array
+from ringwear.studies.problem.problem import Problem, Rings
 from ringwear.studies.problem.profile import InitialProfile, power, rounded_rim
+from ringwear.studies.progress import Stages
 from ringwear.studies.wear.archard import RunningIn
 from ringwear.studies.wear.contact_edges import nodes, worn_edges
 from ringwear.studies.wear.contact_march import ContactHistory, ContactMarch
@@ -80,14 +83,14 @@ def test_every_face_wears_to_the_steady_state_of_the_flat_punch(name: str) -> No
     # all of the face carries in the end, and as the flat punch of these rings
     steady = direct.steady_pressures(*rings)[nodes(space)[1]]
     assert found.contact[-1].all()
-    assert found.pressure[-1] == pytest.approx(steady, rel=1e-9)
+    assert found.pressure[-1] == pytest.approx(steady, rel=1e-12)
     # complementary at every time, and each ring has worn k times what it has carried
     assert found.pressure.min() >= 0
     assert (found.gap >= -1e-14 * np.outer(found.indentation, space.weights)).all()
     assert (np.sum(np.abs(found.pressure * found.gap), axis=1) <= 1e-12 * found.indentation).all()
     assert found.integral[1:] @ space.weights == pytest.approx(times[1:], rel=1e-12)
-    # long steps, each over several cells
-    assert np.mean(found.iterations) <= 2
+    # long steps, each over several cells; of one that wears in twenty of them, most while a whole ring comes to bear
+    assert np.mean(found.iterations) <= (1.75 if name == "recessed, k to 100" else 1.5)
     assert max(found.iterations) <= 10
 
 
@@ -125,6 +128,17 @@ def test_orders_in_time() -> None:
     error = abs(many.indentation[-1] - exact)
     assert error < 1e-5 * exact
     assert many.steps < 10 * few.steps  # of third order in a step: a hundredth of the error by 4.6 times the steps
+
+
+def test_full_contact_relaxes_as_short_steps_have_it() -> None:
+    rings, profile = face("cone")
+    compliance, times = energy.compliance(cells(rings, 40, 1e-3).space()), np.array([2.5, 3.0, 4.0, 6.0])
+    march = ContactMarch(compliance, rings.wear_coefficients, moments(profile, compliance.space), BY_FORCE)
+    found = march.adaptive(times, 1e-7)
+    assert found.contact.all()
+    errors = [march.implicit(times, step).indentation - found.indentation for step in (0.01, 0.005)]
+    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.1)
+    assert 2 * errors[1] - errors[0] == pytest.approx(0.0, abs=1e-5)
 
 
 def test_the_law_of_the_worn_sphere() -> None:
@@ -217,3 +231,28 @@ def test_random_punches(held: bool) -> None:
             # each ring by its own coefficient: the sum over them is the force times time
             assert found.integral[1:] @ space.weights == pytest.approx(times[1:], rel=1e-12), seed
     assert touched >= 100
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("held", [False, True], ids=["force", "indentation"])
+def test_random_punches_keep_to_what_is_said_of_them(held: bool) -> None:
+    """Through a method, with its press fitted to the edges of the contact, its cells and its estimate."""
+    mdr, solved = method("mdr"), 0
+    for seed in range(1000, 1040):
+        rings, profile = random_punch(seed)
+        depth = 0.5 if held else None
+        times = np.array([0.0, *np.geomspace(1e-2, 1e2, 9)])
+        problem = Problem(rings, times, not held, rtol=1e-3, profile=profile, indentation=depth)
+        if held and profile.nearest() >= 0.5:
+            continue
+        solved += 1
+        solution = mdr.solve(problem, Stages("mdr"))
+        results, errors = {name: array(solution.results, name) for name in QUANTITIES}, solution.errors
+        gap = results["displacement"] + results["profile"] - results["indentation"][:, None]
+        allowed = sum(errors[name] for name in ("displacement", "profile", "indentation"))
+        assert (gap.min(axis=1) >= -allowed * results["indentation"]).all(), seed
+        assert results["pressure"][1:].min() >= 0, seed
+        if not held:
+            total = (results["ring_worn_volume"] / rings.wear_coefficients).sum(axis=1)
+            assert total == pytest.approx(times, rel=1e-12), seed
+    assert solved >= 20

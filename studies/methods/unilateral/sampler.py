@@ -78,6 +78,18 @@ class ContactSampler:
         values["contact_edge"] = _padded(edges)
         return labelled(values, radii, history.times)
 
+    def bent(self, history: ContactHistory) -> Array:
+        """(T,) greatest change of the slope of the worn depth from a cell to the next, times the wider of them.
+
+        At the axis the next cell is the same on the other side.
+        """
+        space = self.space
+        width, ends = np.diff(space.breakpoints), (history.integral * self._wear)[:, space.dofs]
+        slope = (ends[:, :, 1] - ends[:, :, 0]) / width
+        change = np.abs(np.diff(slope, axis=1, prepend=-slope[:, :1]))
+        wider = np.where(np.diff(space.ring) == 0, np.maximum(width[1:], width[:-1]), 0.0)
+        return np.asarray((change * np.append(width[0], wider)).max(axis=1))
+
 
 def _within(intervals: tuple[Interval, ...], radii: Array) -> Array:
     return np.asarray(np.any([(radii >= one.inner) & (radii <= one.outer) for one in intervals], axis=0))
