@@ -35,8 +35,8 @@ from ringwear.studies.wear.unilateral import Interval, Load
 PER_STEP = 0.05
 # on half as many cells: d errs by half of the difference in the mean, pressures by more than it, for their edges move
 OF_ENERGIES, OF_FIELDS = 1.0, 2.5
-# of the bend of the worn depth from cell to cell, which cells lose: where an edge stays in a cell of both meshes, their
-# difference says nothing of it. Of punches drawn at random none penetrates by more than 0.23 of it where cells hold the face
+# of the bend of fields from cell to cell, which cells lose: where an edge stays in a cell of both meshes, their difference
+# says nothing of it. Of punches drawn at random none penetrates by more than 0.23 of it where cells hold the face
 OF_BENDS = 0.25
 # times before and after one that say as much of its error
 AROUND = 2
@@ -100,7 +100,7 @@ def history(one: UnilateralMethod, problem: Problem, stages: Stages) -> Solution
         coarse, _ = _march(one, problem, coarse_cells, presses[1], 4 * tolerance)
         errors = _errors(problem, coarse.sampled(on_face=True), fine.sampled(on_face=True))
         lost = OF_BENDS * fine.sampler.bent(fine.history) / fine.history.indentation
-        errors["profile"] = np.maximum(errors["profile"], lost)
+        errors |= {name: np.maximum(errors[name], lost) for name in ("profile", "displacement")}
     parts = {"pressure space": float(errors["indentation"].max())}
     if problem.indentation is not None:
         # what was given has no error; the force decays, and is judged by the first
