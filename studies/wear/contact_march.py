@@ -40,8 +40,8 @@ MOST_STEPS = 200_000
 SPENT = 1e-12
 # matrices kept with their factors
 KEPT = 6
-# times the last step for which signs are extrapolated: edges of the contact slow down
-AHEAD = 2.0
+# times the last step for which signs are extrapolated: edges of the contact slow down, even in the logarithm of time
+AHEAD = 1.5
 # at the pressures of a contact that stays, beside the times asked for
 LOOKS = 64
 
@@ -243,8 +243,10 @@ class ContactMarch:
 
 
 def _predicted(before: _Moment, now: _Moment, time: float) -> Mask:
-    """Which nodes will carry if pressures and gaps go on as they went, for no more than `AHEAD` times as long."""
-    ahead = min((time - now.time) / (now.time - before.time), AHEAD) if now.time > before.time else 0.0
+    """Which nodes will carry if pressures and gaps go on as they went, in the logarithm of time, no further than `AHEAD`."""
+    ahead = 0.0
+    if now.time > before.time > 0:
+        ahead = min(np.log(time / now.time) / np.log(now.time / before.time), AHEAD)
     pressure = now.press.pressure + ahead * (now.press.pressure - before.press.pressure)
     gap = now.press.gap + ahead * (now.press.gap - before.press.gap)
     return np.where(now.press.contact, pressure > 0, gap < 0)
