@@ -9,12 +9,12 @@ from ringwear.meshes import bisection
 from ringwear.meshes.contact_cells import ContactCells, contact_mesh_field
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.quads import graded
-from ringwear.meshes.radial import Array
+from ringwear.meshes.radial import Array, Indices
 
 # a mark beside the axis, where a cone's pressure is infinite as a logarithm, and sizes as the radial mesh has them; those
 # at free edges larger, for the stiffness of small elements has fewer digits
-MARK, AT_FREE, AT_CORNER = 1e-2, 1e-6, 1e-10
-FACTOR, GROWTH, TRUNCATION = 0.25, 0.5, 2.5
+MARK, AT_FREE, AT_CORNER = 1e-2, 2.5e-7, 1e-10
+FACTOR, GROWTH, TRUNCATION = 0.25, 0.8, 2.5
 # of triangles whose contact line follows given cells
 TRIANGLE_DEGREE, TRIANGLE_GROWTH, TRIANGLE_TRUNCATION = 3, 0.6, 5.0
 FAR_FIELD = 1e-10
@@ -33,8 +33,8 @@ def fitted_half_space(edges: tuple[float, ...], infinite: tuple[bool, ...], degr
     marks = np.array(edges)
     sizes = np.where(infinite, AT_CORNER, AT_FREE)[1:]
     if edges[1] > 4 * MARK:
-        marks, sizes = np.insert(marks, 1, MARK), np.insert(sizes, 0, 1e-3 * MARK)
-    mesh = graded(marks, sizes[:-1], float(sizes[-1]), FACTOR, GROWTH, TRUNCATION).mesh
+        marks, sizes = np.insert(marks, 1, MARK), np.insert(sizes, 0, MARK)
+    mesh = graded(marks, sizes[:-1], float(sizes[-1]), FACTOR, GROWTH, TRUNCATION, _as_root).mesh
     return _half_space(AxisymmetricElasticity(mesh, degree, poisson_ratio), marks)
 
 
@@ -45,6 +45,11 @@ def even_half_space(cells: ContactCells, poisson_ratio: float) -> HalfSpace:
     space = half_space.space
     return HalfSpace(half_space.solid, PressureSpace(space.breakpoints, np.ones_like(space.degrees), space.ring_edges),
                      half_space.poles)  # fmt: skip
+
+
+def _as_root(distance: Array, *_: Array | Indices) -> Array:
+    """What stands behind high degrees beside an edge: pressures rise or fall there as a root."""
+    return np.sqrt(distance)
 
 
 def _half_space(solid: AxisymmetricElasticity, ring_edges: Array) -> HalfSpace:

@@ -53,6 +53,19 @@ class PowerPunch:
         return np.asarray(n * self.kappa * self.coefficient / np.pi * radius ** (n - 1) * shape)
 
 
+def annulus_stiffness(hole: float) -> float:
+    """``F / (2 E* a d)`` of a flat annulus with a small hole, by the ratio e of its radii, to the order of ``e^8``.
+
+    W. D. Collins, On the solution of some axisymmetric boundary value problems by means of integral equations, VIII.
+    Potential problems for a circular annulus, Proc. Edinburgh Math. Soc. 13 (1963) 235: the capacitance of an annulus over
+    that of the disc, which is the stiffness of the punch over that of the punch without a hole.
+    """
+    e, square = hole, np.pi**2
+    odd = 4 * e**3 / 3 + 8 * e**5 / 15 + 92 * e**7 / 315
+    even = 16 * e**6 / 27 + 448 * e**8 / 675
+    return float(1 - odd / square - even / square**2)
+
+
 def thin_ring_stiffness(inner: float, outer: float) -> float:
     """``F / (E* d)`` of a flat ring much narrower than its radius.
 

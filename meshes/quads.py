@@ -20,7 +20,7 @@ from ringwear.meshes.errors import MeshError
 from ringwear.meshes.gmsh_session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
 from ringwear.meshes.half_space import LOWER, half_space, quality
 from ringwear.meshes.radial import Array, Indices
-from ringwear.meshes.sizes import LARGEST, Sharpness, beside, falls, patch_layers, patch_widths
+from ringwear.meshes.sizes import LARGEST, Behind, Sharpness, beside, falls, patch_layers, patch_widths
 
 # corners of a layer of half-width 1, from the surface inside the singular point to that outside it; and of the outermost
 LAYER = np.array([[-1.0, 0.0], [-0.75, 0.75], [0.0, 1.0], [0.75, 0.75], [1.0, 0.0]])
@@ -61,7 +61,7 @@ class GradedQuads:
     layers: Indices
     factor: float
     between: tuple[Array, Indices]
-    sharpness: Sharpness
+    sharpness: Behind
 
     @cached_property
     def mesh(self) -> MeshQuad:
@@ -111,7 +111,7 @@ class GradedQuads:
 
 def graded(
     ring_edges: ArrayLike, sizes: ArrayLike, rim_size: float, factor: float, growth: float, outer: float,
-    sharpness: Sharpness | None = None,
+    sharpness: Behind | None = None,
 ) -> GradedQuads:  # fmt: skip
     """Mesh the quarter disc.
 

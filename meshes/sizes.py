@@ -6,11 +6,16 @@ singular point, in numbers that grow only with the logarithm of the smallest siz
 geometric layers round ring edges and rim, and in few large ones between.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from ringwear.meshes.radial import Array, Indices
+
+# what stands behind the highest degree of elements, by their distance from the nearest edge, the half width of the ring
+# there, and the number of the edge
+Behind = Callable[[Array, Array, Indices], Array]
 
 # greatest quadrilaterals between the patches, over the truncation
 LARGEST = 0.4
@@ -79,7 +84,7 @@ def patch_layers(widths: Array, sizes: Array, factor: float) -> Indices:
     return np.maximum(1, np.ceil(np.log(sizes / widths.max(axis=1)) / np.log(factor) - 1e-9)).astype(np.int64)
 
 
-def falls(widths: Array, layers: Indices, factor: float, sharpness: "Sharpness") -> list[Indices]:
+def falls(widths: Array, layers: Indices, factor: float, sharpness: Behind) -> list[Indices]:
     """For each patch (layers + 1,) how much lower the degree may be in each layer and, last, in the middle."""
     half = widths.max(axis=1)
     behind = [

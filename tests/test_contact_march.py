@@ -11,8 +11,11 @@ from ringwear.mdr.static_contact import PowerPunch, worn_sphere
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.contact_cells import ContactCells
 from ringwear.meshes.radial import Array, ring_areas
-from ringwear.studies.problem.problem import Rings
+from ringwear.studies.methods.base import method
+from ringwear.studies.methods.quantities import QUANTITIES, array
+from ringwear.studies.problem.problem import Problem, Rings
 from ringwear.studies.problem.profile import InitialProfile, power, rounded_rim
+from ringwear.studies.progress import Stages
 from ringwear.studies.wear.archard import RunningIn
 from ringwear.studies.wear.contact_edges import nodes, worn_edges
 from ringwear.studies.wear.contact_march import ContactHistory, ContactMarch
@@ -80,14 +83,14 @@ def test_every_face_wears_to_the_steady_state_of_the_flat_punch(name: str) -> No
     # all of the face carries in the end, and as the flat punch of these rings
     steady = direct.steady_pressures(*rings)[nodes(space)[1]]
     assert found.contact[-1].all()
-    assert found.pressure[-1] == pytest.approx(steady, rel=1e-9)
+    assert found.pressure[-1] == pytest.approx(steady, rel=1e-12)
     # complementary at every time, and each ring has worn k times what it has carried
     assert found.pressure.min() >= 0
     assert (found.gap >= -1e-14 * np.outer(found.indentation, space.weights)).all()
     assert (np.sum(np.abs(found.pressure * found.gap), axis=1) <= 1e-12 * found.indentation).all()
     assert found.integral[1:] @ space.weights == pytest.approx(times[1:], rel=1e-12)
-    # long steps, each over several cells
-    assert np.mean(found.iterations) <= 2
+    # long steps, each over several cells; of one that wears in twenty of them, most while a whole ring comes to bear
+    assert np.mean(found.iterations) <= (1.75 if name == "recessed, k to 100" else 1.5)
     assert max(found.iterations) <= 10
 
 
@@ -127,22 +130,57 @@ def test_orders_in_time() -> None:
     assert many.steps < 10 * few.steps  # of third order in a step: a hundredth of the error by 4.6 times the steps
 
 
-def test_the_law_of_the_worn_sphere() -> None:
-    first, curvature, wear = 0.08, 1.0, 1.0
+def test_full_contact_relaxes_as_short_steps_have_it() -> None:
+    rings, profile = face("cone")
+    compliance, times = energy.compliance(cells(rings, 40, 1e-3).space()), np.array([2.5, 3.0, 4.0, 6.0])
+    march = ContactMarch(compliance, rings.wear_coefficients, moments(profile, compliance.space), BY_FORCE)
+    found = march.adaptive(times, 1e-7)
+    assert found.contact.all()
+    errors = [march.implicit(times, step).indentation - found.indentation for step in (0.01, 0.005)]
+    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.1)
+    assert 2 * errors[1] - errors[0] == pytest.approx(0.0, abs=1e-5)
+
+
+def worn_spheres(
+    ratios: Array, cells_at_first: int, tolerance: float, elements: bool
+) -> tuple[Array, list[tuple[Compliance, ContactHistory]]]:
+    """Times and indentations by the law, and marches by theory, and by elements, to some radii over the first one."""
+    first, curvature = 0.08, 1.0
     sphere = PowerPunch(1 / (2 * curvature), 2)
-    force, contacts = sphere.force(first), first * np.array([2, 5, 10])
-    known = np.array([worn_sphere(curvature, wear, force, contact) for contact in contacts])
-    fine = ContactCells((0.0, 1.0), 0.2, 1e-3, spread=1 / 80, spots=((0.0, first, first / 80),))
-    compliance = energy.compliance(fine.space())
+    force = sphere.force(first)
+    known = np.array([worn_sphere(curvature, 1.0, force, first * ratio) for ratio in ratios])
+    fine = ContactCells((0.0, 1.0), 0.2, 1e-3, spread=1 / cells_at_first, spots=((0.0, first, first / cells_at_first),))
     profile = InitialProfile(np.array([0.0, 1.0]), np.zeros(1), (power(1 / (2 * curvature), 2),))
-    found = marched(compliance, ONE, profile, known[:, 0], Load(force), 1e-5)
-    difference = np.abs(found.indentation / known[:, 1] - 1)
-    # at twice the first radius the pressure is not flat yet: what the law leaves out is 9e-4, on any cells
-    assert difference[0] < 1.2e-3
-    assert difference[1:].max() < 1e-4
+    found = []
+    compliances = [energy.compliance(fine.space()), *([even_half_space(fine, 0.3).compliance()] if elements else [])]
+    for compliance in compliances:
+        history = marched(compliance, ONE, profile, known[:, 0], Load(force), tolerance)
+        assert history.integral @ compliance.space.weights == pytest.approx(force * known[:, 0], rel=1e-12)
+        found.append((compliance, history))
+    return known, found
+
+
+def test_the_law_of_the_worn_sphere() -> None:
+    ratios = np.array([5.0, 10.0])
+    known, [(compliance, found)] = worn_spheres(ratios, 80, 1e-5, elements=False)
+    assert found.indentation == pytest.approx(known[:, 1], rel=1e-4)
     edges = [worn_edges(compliance.space, *one)[-1][1] for one in zip(found.contact, found.integral, strict=True)]
-    assert edges == pytest.approx(contacts, rel=2e-3)
-    assert found.integral @ compliance.space.weights == pytest.approx(force * known[:, 0], rel=1e-12)
+    assert edges == pytest.approx(0.08 * ratios, rel=2e-3)
+
+
+@pytest.mark.slow
+def test_what_the_law_of_the_worn_sphere_leaves_out_falls_by_the_sixth_power() -> None:
+    """It takes the pressure to be uniform. While the contact grows, displacements change by ``du/dt``, and the pressure is
+    off by ``du/dt / k``, a part of about ``(c0/c)^3``; its displacement is such a part of F/c, which is one of the depth.
+    """
+    ratios = np.array([1.5, 2.0, 2.5, 3.0])
+    known, ((_, by_theory), (_, by_elements)) = worn_spheres(ratios, 160, 1e-6, elements=True)
+    # two methods tell the same of it, to a part of what it is
+    assert by_elements.indentation == pytest.approx(by_theory.indentation, rel=6e-5)
+    left_out = by_theory.indentation / known[:, 1] - 1
+    assert (left_out[:2] > 6e-4).all()
+    order = -np.diff(np.log(left_out)) / np.diff(np.log(ratios))
+    assert order == pytest.approx(6.0, abs=1.2)
 
 
 def test_at_a_fixed_indentation_the_force_decays() -> None:
@@ -217,3 +255,28 @@ def test_random_punches(held: bool) -> None:
             # each ring by its own coefficient: the sum over them is the force times time
             assert found.integral[1:] @ space.weights == pytest.approx(times[1:], rel=1e-12), seed
     assert touched >= 100
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("held", [False, True], ids=["force", "indentation"])
+def test_random_punches_keep_to_what_is_said_of_them(held: bool) -> None:
+    """Through a method, with its press fitted to the edges of the contact, its cells and its estimate."""
+    mdr, solved = method("mdr"), 0
+    for seed in range(1000, 1040):
+        rings, profile = random_punch(seed)
+        depth = 0.5 if held else None
+        times = np.array([0.0, *np.geomspace(1e-2, 1e2, 9)])
+        problem = Problem(rings, times, not held, rtol=1e-3, profile=profile, indentation=depth)
+        if held and profile.nearest() >= 0.5:
+            continue
+        solved += 1
+        solution = mdr.solve(problem, Stages("mdr"))
+        results, errors = {name: array(solution.results, name) for name in QUANTITIES}, solution.errors
+        gap = results["displacement"] + results["profile"] - results["indentation"][:, None]
+        allowed = sum(errors[name] for name in ("displacement", "profile", "indentation"))
+        assert (gap.min(axis=1) >= -allowed * results["indentation"]).all(), seed
+        assert results["pressure"][1:].min() >= 0, seed
+        if not held:
+            total = (results["ring_worn_volume"] / rings.wear_coefficients).sum(axis=1)
+            assert total == pytest.approx(times, rel=1e-12), seed
+    assert solved >= 20

@@ -58,12 +58,16 @@ class InitialProfile:
         """(N-1,) step of the height at each ring edge between centre and rim, outwards."""
         return np.diff(self.recess)
 
+    def sampled(self) -> tuple[Array, Array]:
+        """Radii, many in every ring and its edges, and heights there."""
+        within = np.linspace(0.0, 1.0, 501)
+        parts = [a + (b - a) * within for a, b in pairwise(self.ring_edges)]
+        heights = [self.in_ring(part, np.full(len(part), ring)) for ring, part in enumerate(parts)]
+        return np.concatenate(parts), np.concatenate(heights)
+
     def nearest(self) -> float:
         """The least height, by a fine sample of every ring: nothing touches at a smaller indentation."""
-        within = np.linspace(0.0, 1.0, 501)
-        least = [float(self.in_ring(a + (b - a) * within, np.full(501, n)).min())
-                 for n, (a, b) in enumerate(pairwise(self.ring_edges))]  # fmt: skip
-        return min(least)
+        return float(self.sampled()[1].min())
 
 
 def unworn(punch: PunchSection, ring_edges: Array, length: float, unit: float) -> InitialProfile:

@@ -1,8 +1,10 @@
 """Where contact is: intervals of the radius by the nodes that carry, and cells fine enough for where it begins."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
+from scipy.sparse.linalg import splu
 
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.contact_cells import ContactCells
@@ -10,12 +12,14 @@ from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array, Indices
 from ringwear.studies.problem.profile import InitialProfile
 from ringwear.studies.wear.moments import moments
-from ringwear.studies.wear.unilateral import Contact, Interval, Load, Mask
+from ringwear.studies.wear.unilateral import Contact, Interval, Load, Mask, Press
 
 # cells that the narrowest first contact should have, and looks at finer and finer cells for that
 ENOUGH, LOOKS = 12, 24
-# times the cells of the face that narrow first contacts may take
-MOST = 5
+# times the cells of the face that narrow first contacts may take, and the fastest they may grow beside them
+MOST, WIDEST = 5, 0.3
+# of the indentation, by which a part of the face may be in the half-space that cells are too wide to feel
+UNFELT = 1e-2
 # nodes from the edge of a worn face from which its worn depth is extrapolated: nearer, the cells are felt
 NEAR, FAR = 2, 4
 
@@ -68,25 +72,47 @@ def located(
     compliance: Callable[[PressureSpace], Compliance], profile: InitialProfile, load: Load, cells: ContactCells
 ) -> tuple[tuple[Interval, ...], ContactCells]:
     """Where contact begins, and the cells with a spot wherever it begins on a narrow part of the face."""
-    share, first = cells.spread, cells.breakpoints()
+    most = MOST * len(cells.breakpoints())
     for _ in range(LOOKS):
         space = cells.space()
-        press = Contact(compliance(space).matrix, space.weights).press(moments(profile, space), load)
+        matrix = compliance(space).matrix
+        press = Contact(matrix, space.weights).press(moments(profile, space), load)
         intervals = first_intervals(space, press.contact, profile)
         # between corners of the face, at ring edges, cells are small enough
         spreading = [one for one in intervals if one.inner_free or one.outer_free]
-        spots = tuple((one.inner, one.outer, max(share * (one.outer - one.inner), 1e-9)) for one in spreading)
-        found = ContactCells(cells.ring_edges, cells.largest, cells.edge_size, cells.growth, cells.spread, spots)
-        if len(found.breakpoints()) > MOST * len(first):
+        unfelt = _unfelt(space, splu(space.mass().tocsc()).solve(matrix @ press.pressure), press, profile)
+        found = _with_spots(cells, [(one.inner, one.outer) for one in spreading] + unfelt, most)
+        if found is None:
             # rough: more parts, or narrower ones, than cells can be made for
             return intervals, cells
         # nodes that carry, of each part of the contact: as many as say how wide it is
         narrowest = min((int((press.contact & (radius >= one.inner) & (radius <= one.outer)).sum())
                          for radius in [nodes(space)[0]] for one in spreading), default=ENOUGH)  # fmt: skip
-        if narrowest >= min(ENOUGH, 0.5 / share):
+        if narrowest >= min(ENOUGH, 0.5 / found.spread) and not unfelt:
             return intervals, found
         cells = found
-    return intervals, found
+    return intervals, cells
+
+
+def _with_spots(cells: ContactCells, narrow: list[tuple[float, float]], most: int) -> ContactCells | None:
+    """Cells with a spot at each of some narrow parts, which spread as slowly as so many cells allow; None if they do not."""
+    while cells.spread < WIDEST:
+        spots = tuple((inner, outer, max(cells.spread * (outer - inner), 1e-9)) for inner, outer in narrow)
+        found = replace(cells, spots=spots)
+        if len(found.breakpoints()) <= most:
+            return found
+        cells = replace(cells, spread=2 * cells.spread)
+    return None
+
+
+def _unfelt(space: PressureSpace, displacement: Array, press: Press, profile: InitialProfile) -> list[tuple[float, float]]:
+    """Where the face is in the half-space between nodes that do not carry: on less than a cell."""
+    radii, heights = profile.sampled()
+    carries = space.matrix(radii) @ press.contact > 0
+    inside = (space.matrix(radii) @ displacement + heights - press.indentation < -UNFELT * press.indentation) & ~carries
+    last = len(radii) - 1
+    runs = contact_runs(inside, np.zeros(last, dtype=bool))
+    return [(float(radii[max(a - 1, 0)]), float(radii[min(b + 1, last)])) for a, b in runs]
 
 
 def worn_edges(space: PressureSpace, contact: Mask, integral: Array) -> list[tuple[float, float]]:

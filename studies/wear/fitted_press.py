@@ -105,6 +105,8 @@ class FittedContact:
         SolverError
             if they are not found: the contact is of another kind than the start
         """
+        if not start:
+            raise SolverError("nothing touches that cells could feel")
         if len(start) > MOST_PARTS:
             raise SolverError(f"the contact has {len(start)} parts, too many to fit a mesh to")
         free = _free(start)
@@ -126,7 +128,8 @@ class FittedContact:
             return self._solved(moved(edges), free[-1])[1]
 
         edges = _secant(residual, guess) if len(guess) == 1 else _broyden(residual, guess)
-        return self._solved(moved(edges), free[-1])[0]
+        # d by the load, of which an edge a little off takes nothing in the first order
+        return self._solved(moved(edges), None)[0]
 
     def _solved(self, intervals: tuple[Interval, ...], sets: tuple[int, str] | None) -> tuple[FittedPress, Array]:
         """The press with these edges, and the residuals: of the load, then of each free edge but the one that sets d."""

@@ -43,8 +43,7 @@ class ContactSampler:
         radii = self.problem.face.radii if on_face else self.problem.radii
         at = self.space.matrix(radii)
         worn = history.integral * self._wear
-        # u by its moments: outside the contact the half-space is known by them only
-        moved = self._mass.solve((history.pressure @ self.compliance.matrix).T).T
+        moved = self._displaced(history)
         pressure, profile = (at @ history.pressure.T).T, self.profile(radii) + (at @ worn.T).T
         carries, displacement = pressure > 0, (at @ moved.T).T
         indentation, forces = history.indentation.copy(), history.pressure @ self._ring_forces.T
@@ -77,6 +76,25 @@ class ContactSampler:
         values["contact"] = carries.astype(float)
         values["contact_edge"] = _padded(edges)
         return labelled(values, radii, history.times)
+
+    def bent(self, history: ContactHistory) -> Array:
+        """(T,) greatest change of a slope from a cell to the next, times the wider of them: of the worn depth and of u.
+
+        At the axis the next cell is the same on the other side.
+        """
+        space = self.space
+        width = np.diff(space.breakpoints)
+        wider = np.where(np.diff(space.ring) == 0, np.maximum(width[1:], width[:-1]), 0.0)
+        greatest = np.zeros(len(history.times))
+        for field in (history.integral * self._wear, self._displaced(history)):
+            slope = (field[:, space.dofs[:, 1]] - field[:, space.dofs[:, 0]]) / width
+            change = np.abs(np.diff(slope, axis=1, prepend=-slope[:, :1])) * np.append(width[0], wider)
+            greatest = np.maximum(greatest, change.max(axis=1))
+        return greatest
+
+    def _displaced(self, history: ContactHistory) -> Array:
+        """(T, size) u by its moments: outside the contact the half-space is known by them only."""
+        return np.asarray(self._mass.solve((history.pressure @ self.compliance.matrix).T).T)
 
 
 def _within(intervals: tuple[Interval, ...], radii: Array) -> Array:
