@@ -10,7 +10,7 @@ import pytest
 import xarray
 
 from ringwear import Scene, run
-from ringwear.studies.crosscheck.agreement import Agreement, agreements
+from ringwear.studies.crosscheck.agreement import Agreement, agreements, overall
 from ringwear.studies.crosscheck.run import Result
 from ringwear.studies.problem.scene import bundled
 
@@ -129,6 +129,14 @@ def test_what_a_method_does_not_know_is_undecided_not_agreed(flat: Result) -> No
     wrong = right.assign(profile=1.5 * right.profile)
     (row,) = [row for row in compared(flat, wrong, unsure) if row.quantity == "profile"]
     assert row.verdict == "disagree"
+
+
+def test_what_is_local_to_moving_edges_decides_against_only() -> None:
+    rows = [Agreement("indentation", ("mdr", "fem"), 1e-5, 1e-4, "agree"),
+            Agreement("pressure", ("mdr", "fem"), 1e-2, 1e-1, "undecided", promised=False)]  # fmt: skip
+    assert overall(tuple(rows)) == "agree"
+    assert overall((replace(rows[0], verdict="undecided"), rows[1])) == "undecided"
+    assert overall((rows[0], replace(rows[1], verdict="disagree"))) == "disagree"
 
 
 def test_early_layers_that_cannot_be_resolved_are_named() -> None:

@@ -13,6 +13,7 @@ from ringwear.mdr.static_contact import PowerPunch
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.radial import Array
 from ringwear.studies.cli import main
+from ringwear.studies.crosscheck.agreement import AT_EDGES
 from ringwear.studies.output.folder import held
 from ringwear.studies.output.of_run import draw, write_numbers
 
@@ -89,7 +90,9 @@ def test_a_flat_face_keeps_its_own_way(recess: list[float] | None) -> None:
 def test_results_say_where_contact_is(tmp_path: Path) -> None:
     recessed = scene(methods=["mdr", "direct", "fem"], punch__recess=[0.0, 0.01, 0.0])
     result = run(recessed)
-    assert result.verdict != "disagree"
+    assert result.verdict == "agree"
+    undecided = {row.quantity for row in result.agreement if not row.agrees}
+    assert undecided and undecided <= set(AT_EDGES)
     assert all(anchor.holds for anchor in result.anchors)
     data = result.dataset
     assert float(data.contact_edge.sel(solver="fem").isel(time=0, edge=1)) == pytest.approx(0.8)

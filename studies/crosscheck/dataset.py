@@ -9,7 +9,7 @@ import numpy as np
 import xarray
 
 from ringwear.meshes.radial import Array
-from ringwear.studies.crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, worst_verdict
+from ringwear.studies.crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
 from ringwear.studies.crosscheck.anchors import Anchor
 from ringwear.studies.crosscheck.answer import ALSO, ANSWER, STATES, answer
 from ringwear.studies.crosscheck.operators import OperatorDifference
@@ -26,7 +26,8 @@ UNSTATED = "the scene's own consistent units"
 
 DEFINITIONS = {
     "verdict": "agree: every difference is within the uncertainty, and that within a few rtol; disagree: a difference "
-    "is beyond it, or an anchor does not hold; undecided: an uncertainty is greater than a few rtol",
+    "is beyond it, or an anchor does not hold; undecided: an uncertainty is greater than a few rtol. Where edges of a "
+    "contact move, what is local to them (`promised` false) does not make the whole undecided, but can make it disagree",
     "difference": "relative, in the norm of the quantity, where it decides the verdict",
     "uncertainty": "sum of the two methods' own error estimates at that time, at least a twentieth of rtol",
     "anchors": "closed forms and balances that each method is held to by itself",
@@ -64,10 +65,10 @@ class Result:
 
     @property
     def verdict(self) -> str:
-        """`agree`, `disagree` or `undecided`: the least of all quantities; an anchor that does not hold disagrees."""
+        """`agree`, `disagree` or `undecided`: the least of all that is promised; an anchor that does not hold disagrees."""
         if not all(anchor.holds for anchor in self.anchors):
             return DISAGREE
-        return worst_verdict([row.verdict for row in self.agreement])
+        return overall(self.agreement)
 
     @property
     def agrees(self) -> bool:
@@ -84,7 +85,8 @@ class Result:
         verdicts = list(self.quantities.values())
         words = [f"{verdicts.count(AGREE)} of {len(verdicts)} quantities agree"]
         words += [f"{count} {word}" for word in (UNDECIDED, DISAGREE) if (count := verdicts.count(word))]
-        final = {AGREE: "The methods agree", UNDECIDED: "Not all is decided", DISAGREE: "THE METHODS DISAGREE"}
+        agree = "The methods agree" if set(verdicts) == {AGREE} else "The methods agree in all that is promised"
+        final = {AGREE: agree, UNDECIDED: "Not all is decided", DISAGREE: "THE METHODS DISAGREE"}
         return f"{final[self.verdict]}: {', '.join(words)}."
 
     @property
