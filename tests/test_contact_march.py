@@ -262,7 +262,7 @@ def test_random_punches(held: bool) -> None:
 def test_random_punches_keep_to_what_is_said_of_them(held: bool) -> None:
     """Through a method, with its press fitted to the edges of the contact, its cells and its estimate."""
     mdr, solved = method("mdr"), 0
-    for seed in range(1000, 1040):
+    for seed in range(1000, 1020):
         rings, profile = random_punch(seed)
         depth = 0.5 if held else None
         times = np.array([0.0, *np.geomspace(1e-2, 1e2, 9)])
@@ -279,4 +279,4 @@ def test_random_punches_keep_to_what_is_said_of_them(held: bool) -> None:
         if not held:
             total = (results["ring_worn_volume"] / rings.wear_coefficients).sum(axis=1)
             assert total == pytest.approx(times, rel=1e-12), seed
-    assert solved >= 20
+    assert solved >= 10

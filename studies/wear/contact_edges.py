@@ -19,7 +19,7 @@ ENOUGH, LOOKS = 12, 24
 # times the cells of the face that narrow first contacts may take, and the fastest they may grow beside them
 MOST, WIDEST = 5, 0.3
 # of the indentation, by which a part of the face may be in the half-space that cells are too wide to feel
-UNFELT = 1e-2
+UNFELT = 1e-3
 # nodes from the edge of a worn face from which its worn depth is extrapolated: nearer, the cells are felt
 NEAR, FAR = 2, 4
 
