@@ -105,7 +105,7 @@ class SharedModes:
     def modes(self, wear_coefficients: Array, moments: Array) -> Modes:
         """The modes of a punch on the span; (n,) `moments` as for `every_mode`."""
         softness = 1 / wear_coefficients[self._first]
-        energy = np.einsum("c,d,cdij->ij", softness, softness, self._projected_energies, optimize=True)
+        energy = np.tensordot(softness, np.tensordot(softness, self._projected_energies, 1), 1)
         mass = np.tensordot(softness, self._projected_masses, 1)
         # on wear rates that carry no force: each less as much of the steady state as carries its own
         force = mass[0, 1:] / mass[0, 0]
@@ -113,9 +113,8 @@ class SharedModes:
         forceless = energy[1:, 1:] - crossed - crossed.T + energy[0, 0] * np.outer(force, force)
         mass = mass[1:, 1:] - mass[0, 0] * np.outer(force, force)
         relaxation, within = eigh(forceless, mass, driver="gvd", check_finite=False)
-        relaxation, within = relaxation[::-1], within[:, ::-1]
         shapes = self.basis @ np.concatenate([-(force @ within)[None], within])
-        return modes_of(relaxation, shapes, moments, min(SHOWN, len(relaxation)))
+        return modes_of(relaxation[::-1], shapes[:, ::-1], moments, min(SHOWN, len(relaxation)))
 
 
 def steady_rate(compliance: Compliance) -> Array:
