@@ -60,9 +60,13 @@ LOW, OF_FIELD = 2, {"displacement_max": "displacement", "steady_displacement_max
 ROUNDOFF = 1e-14
 # logarithm of the wear ratio within which a history is solved whole, and times before the first that it is followed from;
 # punches for each that is solved whole, so that sharing modes is a gain; materials that are told apart at the most
-REACH, BEFORE, GAIN, MOST_MATERIALS = np.log(10) / 2 * 1.01, 256, 2, 8
+REACH, BEFORE, GAIN, MOST_MATERIALS = np.log(10) / 2 * 1.01, 1000, 2, 8
+# share of the accuracy that directions which histories hardly take are below
+LEFT_OUT = 2e-3
 # safety factor of what shared modes miss where they are checked, checks, and the part of the accuracy that they may miss
-CHECKED, MOST_CHECKS, SMALL_PART = 2.0, 3, 0.25
+CHECKED, MOST_CHECKS, SMALL_PART = 4.0, 3, 0.25
+# of the times of the estimate, those at which it is looked at what shared modes leave out: it changes slowly
+LOOKED_AT = 4
 
 
 def of_triangles(degree: int, growth: float, safety: Safety) -> Safety:
@@ -127,9 +131,11 @@ class Together:
 
     def lost(self, wear: RunningIn, problem: Problem) -> dict[str, Array]:
         """What a punch's quantities may miss: as much more than those checked as more is left out of its wear rate."""
-        times = problem.estimate_times
-        factor = CHECKED * max(1.0, wear.left_out(times[times > 0]) / self.left_out)
-        return {name: factor * error for name, error in self.errors.items()}
+        factor = CHECKED * max(1.0, wear.left_out(_looked_at(problem)) / self.left_out)
+        # fields take the directions left out as they are, energies their square
+        wanted = {name: error for name, error in self.errors.items() if problem.wants(name) or name == "indentation"}
+        least = {name: 0.0 if name in ENERGIES else LEFT_OUT * problem.rtol for name in wanted}
+        return {name: least[name] + factor * error for name, error in wanted.items()}
 
     def negligible(self, lost: dict[str, Array], rtol: float) -> bool:
         """Whether that is a small part of the accuracy asked for."""
@@ -138,7 +144,7 @@ class Together:
 
 def worn_together(problems: Sequence[Problem], compliance: Compliance, pairs: tuple[Pair, ...]) -> Together | None:
     """Modes for punches that differ in wear alone, by histories of a few and checked on another; None if that is no gain."""
-    first = min(one.earliest for one in problems)
+    first, rtol = min(one.earliest for one in problems), min(one.rtol for one in problems)
     logs = np.log([one.merged.wear_coefficients for one in problems])
     materials = np.unique(logs, axis=1, return_inverse=True)[1].ravel()
     whole = _spread(logs)
@@ -146,21 +152,29 @@ def worn_together(problems: Sequence[Problem], compliance: Compliance, pairs: tu
     if not suits or len(problems) < GAIN * (len(whole) + 1) or any(one.march != "modal" for one in problems):
         return None
     first, last = first / BEFORE, 2 * max(one.times[-1] for one in problems)
-    times = np.geomspace(first, last, int(np.log2(last / first)) + 2)
+    times = np.geomspace(first, last, 2 * int(np.log2(last / first)) + 3)
     rates = [Evaluation(problems[number], compliance).wear.rates(times) for number in whole]
     for _ in range(MOST_CHECKS):
-        checked = problems[_farthest(logs, whole)[0]]
-        shared, known = SharedModes.spanned(compliance, materials, np.column_stack(rates)), Evaluation(checked, compliance)
+        number = _farthest(logs, whole)[0]
+        checked = replace(problems[number], quantities=None)
+        shared = SharedModes.spanned(compliance, materials, np.column_stack(rates), LEFT_OUT * rtol)
+        known = Evaluation(checked, compliance)
         found = Evaluation(checked, compliance, shared)
         missed = differences(found.for_estimate, known.for_estimate, checked.face)
-        errors = {name: error if "mode" in QUANTITIES[name].dims else error.max() for name, error in missed.items()}
-        together = Together({}, found.wear.left_out(checked.estimate_times[checked.estimate_times > 0]), errors)
-        if together.negligible(errors, min(one.rtol for one in problems)):
+        # the greatest over the punch, not at a point of it, where it may cross zero
+        errors = {name: missed["displacement" if QUANTITIES[name].norm == "indentation" else name] for name in missed}
+        errors = {name: error if "mode" in QUANTITIES[name].dims else error.max() for name, error in errors.items()}
+        together = Together({}, found.wear.left_out(_looked_at(checked)), errors)
+        if together.negligible(together.lost(found.wear, problems[number]), rtol):
             every = (compliance, *(one for pair in pairs for one in (pair.finer, pair.coarser)))
             return replace(together, modes={id(one): shared.on(one) for one in every})
-        whole.append(_farthest(logs, whole)[0])
+        whole.append(number)
         rates.append(known.wear.rates(times))
     return None
+
+
+def _looked_at(problem: Problem) -> Array:
+    return problem.estimate_times[problem.estimate_times > 0][::LOOKED_AT]
 
 
 def _spread(points: Array) -> list[int]:

@@ -73,7 +73,8 @@ class RunningIn:
 
     @cached_property
     def steady(self) -> SteadyState:
-        return steady_state(self.compliance, self.wear_coefficients, self._mass_factor)
+        of_one = None if self.shared is None else self.shared.moments(self.wear_coefficients)[:, 0]
+        return steady_state(self.compliance, self.wear_coefficients, self._mass_factor, of_one)
 
     @cached_property
     def flat(self) -> FlatStart:
@@ -165,41 +166,43 @@ class RunningIn:
         """The exact history at any times from `earliest` on, none of which depends on another."""
         if (times[times > 0] < self.earliest * (1 - 1e-12)).any():
             raise SceneError(f"this history was prepared for times from {self.earliest:.3g} on; prepare it for all of them")
-        relaxation, shapes, amplitudes = self._modes.relaxation, self._modes.shapes, self._modes.amplitudes
-        decay = times[:, None] / relaxation
-        left = (np.exp(-decay) * amplitudes) @ shapes.T
-        pressure = self.steady.pressure + left @ self._to_pressure.T
+        modes = self._modes
+        rates, displaced = self._sums(np.exp(-times[:, None] / modes.relaxation) * modes.amplitudes)
+        pressure = self.steady.pressure + rates @ self._to_pressure.T
         indentation = self.steady.wear_rate * times + pressure @ self.steady.moments
-        profile = self._worn(pressure, indentation) @ self._to_profile.T
+        # f = d - u: slopes of small elements would show the roundoff of a sum of what wore
+        gap = np.outer(indentation, self._weights) - (self.steady.moments @ self._to_pressure + displaced)
+        profile = self._mass_factor.solve(gap.T).T @ self._to_profile.T
         profile[times == 0] = 0.0
         return self._from_flat(History(times, pressure, profile, indentation))
 
-    def _worn(self, pressure: Array, indentation: Array) -> Array:
-        """(T, n) worn profiles ``f = d - u``: slopes of small elements would show the roundoff of a sum of what wore."""
-        gap = np.outer(indentation, self._weights) - (pressure @ self.compliance.matrix) @ self._to_pressure
-        return self._mass_factor.solve(gap.T).T
+    def _sums(self, shares: Array) -> tuple[Array, Array]:
+        """(T, n) wear rates that are sums of modes by (T, m) shares, and what they displace, against each."""
+        within = shares @ self._modes.shapes.T
+        if self.shared is not None:
+            moments = within @ self.shared.moments(self.wear_coefficients).T @ self._to_pressure
+            return within @ self.shared.basis.T, moments
+        return within, within @ self._energy
 
     def rates(self, times: Array) -> Array:
         """(n, T + SHOWN) wear rates, less the steady one, at times, and those of the slowest modes."""
         modes = self._modes
-        left = modes.shapes @ (np.exp(-times / modes.relaxation[:, None]) * modes.amplitudes[:, None])
-        return np.column_stack([left, modes.shapes[:, :SHOWN]])
+        left = np.exp(-times[:, None] / modes.relaxation) * modes.amplitudes
+        return np.column_stack([self._sums(left)[0].T, modes.shapes[:, :SHOWN]])
 
     def left_out(self, times: Array) -> float:
         """The greatest share of the wear rate at times > 0 that shared modes leave out, in the root of the mean square.
 
         It shows in two ways to the profile: what the half-space leaves of the indentation, and the sum of what wore.
         """
-        relaxation, shapes, amplitudes = self._modes.relaxation, self._modes.shapes, self._modes.amplitudes
-        decay = np.exp(-times[:, None] / relaxation)
-        steady = self.steady.wear_rate * steady_rate(self.compliance)
-        rate = steady + (decay * amplitudes) @ shapes.T
-        worn = steady * times[:, None] + ((1 - decay) * amplitudes * relaxation) @ shapes.T
-        pressure = rate @ self._to_pressure.T
-        indentation = self.steady.wear_rate * times + pressure @ self.steady.moments
-        lost = (self._worn(pressure, indentation) - worn) / times[:, None]
-        squares = [np.sum(one * (self._mass @ one.T).T, axis=1) for one in (lost, rate)]
-        return float(np.sqrt(squares[0] / squares[1]).max())
+        modes, steady = self._modes, self.steady.wear_rate * steady_rate(self.compliance)
+        decay = np.exp(-times[:, None] / modes.relaxation)
+        rate = steady + self._sums(decay * modes.amplitudes)[0]
+        worn = steady * times[:, None] + self._sums((1 - decay) * modes.amplitudes * modes.relaxation)[0]
+        lost = (self.modal(times).profile - worn @ self._to_profile.T) / times[:, None]
+        mass = self.compliance.space.mass(1 / self.wear_coefficients)
+        lost, rate = (np.sum(one * (mass @ one.T).T, axis=1) for one in (lost, rate @ self._to_profile.T))
+        return float(np.sqrt((lost / rate).max()))
 
     def _from_flat(self, history: History) -> History:
         """At t = 0 the pressure, not the wear rate, is continuous: put the flat start in its own space."""

@@ -19,9 +19,6 @@ from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.radial import Array, Indices
 from ringwear.studies.wear.modes import SHOWN, BandedCholesky, Modes, modes_of
 
-# share of a history below which a direction is left out
-LEFT_OUT = 1e-8
-
 
 @dataclass(frozen=True, eq=False)
 class SharedModes:
@@ -39,8 +36,8 @@ class SharedModes:
     basis: Array
 
     @classmethod
-    def spanned(cls, compliance: Compliance, materials: Indices, rates: Array) -> Self:
-        """The span of (n, m) wear rates, as far as they differ."""
+    def spanned(cls, compliance: Compliance, materials: Indices, rates: Array, least: float) -> Self:
+        """The span of (n, m) wear rates, without directions that have less than a share of them."""
         space = compliance.space
         continuous = space.joined()
         mass = continuous.T @ space.mass() @ continuous
@@ -53,7 +50,7 @@ class SharedModes:
         scaled = scaled[:, lengths > 0] / lengths[lengths > 0]
         scaled -= np.outer(steady, steady @ scaled)
         directions, sizes, _ = svd(scaled, full_matrices=False, check_finite=False)
-        kept = factor.backward(np.ascontiguousarray(directions[:, sizes > LEFT_OUT * sizes[0]]))
+        kept = factor.backward(np.ascontiguousarray(directions[:, sizes > least * sizes[0]]))
         return cls(compliance, materials, np.column_stack([one, kept]))
 
     def on(self, other: Compliance) -> "SharedModes":
@@ -83,8 +80,8 @@ class SharedModes:
 
     def mass(self, wear_coefficients: Array) -> csr_matrix:
         """(n, n) mass of weight `k` of the pressures of wear rates."""
-        parts = zip(self._masses, wear_coefficients[self._first], strict=True)
-        return sum((mass / coefficient for mass, coefficient in parts), csr_matrix(self._masses[0].shape))
+        parts = [mass / coefficient for mass, coefficient in zip(self._masses, wear_coefficients[self._first], strict=True)]
+        return sum(parts[1:], parts[0])
 
     @cached_property
     def _projected_masses(self) -> Array:
@@ -92,18 +89,27 @@ class SharedModes:
         return np.array([self.basis.T @ (mass @ self.basis) for mass in self._masses])
 
     @cached_property
+    def _rates(self) -> Array:
+        """(C, size, r) basis on the rings of each material."""
+        wear = (np.where(self.materials == number, 1.0, np.inf) for number in range(len(self._first)))
+        return np.array([self.compliance.space.joined(of) @ self.basis for of in wear])
+
+    @cached_property
+    def _moments(self) -> Array:
+        """(C, size, r) compliance times the basis on the rings of each material."""
+        return np.array([self.compliance.matrix @ rates for rates in self._rates])
+
+    def moments(self, wear_coefficients: Array) -> Array:
+        """(size, r) compliance times the pressures of the basis."""
+        return np.tensordot(1 / wear_coefficients[self._first], self._moments, 1)
+
+    @cached_property
     def _projected_energies(self) -> Array:
         """(C, C, r, r) energy of the pressures of two materials."""
-        space = self.compliance.space
-        ring = space.ring_indicator().argmax(axis=1)
-        hats = np.searchsorted(np.flatnonzero(space.order == 1), np.arange(space.size), side="right") - 1
-        material = self.materials[ring[np.flatnonzero(space.order == 1)[hats]]]
-        rates = space.joined() @ self.basis
-        parts = [np.where((material == number)[:, None], rates, 0.0) for number in range(len(self._first))]
-        return np.array([[one.T @ image for image in map(self.compliance.matrix.__matmul__, parts)] for one in parts])
+        return np.array([[one.T @ other for other in self._moments] for one in self._rates])
 
     def modes(self, wear_coefficients: Array, moments: Array) -> Modes:
-        """The modes of a punch on the span; (n,) `moments` as for `every_mode`."""
+        """The modes of a punch on the span, shapes as coefficients on the basis; (n,) `moments` as for `every_mode`."""
         softness = 1 / wear_coefficients[self._first]
         energy = np.tensordot(softness, np.tensordot(softness, self._projected_energies, 1), 1)
         mass = np.tensordot(softness, self._projected_masses, 1)
@@ -113,8 +119,8 @@ class SharedModes:
         forceless = energy[1:, 1:] - crossed - crossed.T + energy[0, 0] * np.outer(force, force)
         mass = mass[1:, 1:] - mass[0, 0] * np.outer(force, force)
         relaxation, within = eigh(forceless, mass, driver="gvd", check_finite=False)
-        shapes = self.basis @ np.concatenate([-(force @ within)[None], within])
-        return modes_of(relaxation[::-1], shapes[:, ::-1], moments, min(SHOWN, len(relaxation)))
+        shapes = np.concatenate([-(force @ within)[None], within])[:, ::-1]
+        return modes_of(relaxation[::-1], shapes, moments @ self.basis, min(SHOWN, len(relaxation)))
 
 
 def steady_rate(compliance: Compliance) -> Array:
