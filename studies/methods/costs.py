@@ -5,7 +5,6 @@ which `python -m ringwear.studies.benchmark.rates` measures again. What memory i
 """
 
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -43,18 +42,20 @@ class Expected:
     Parameters
     ----------
     by_method : cost of each method
-    check, output : seconds for comparing methods as operators, and for files and figures
+    check, numbers, figures : seconds for comparing methods as operators; for loading, answer and files; for figures and page
     memory : GiB by what needs them
     """
 
     by_method: dict[str, Cost]
     check: float
-    output: float
+    numbers: float
+    figures: float
     memory: dict[str, float]
 
     @property
     def seconds(self) -> float:
-        return float(np.nansum([cost.seconds for cost in self.by_method.values()])) + self.check + self.output
+        methods = float(np.nansum([cost.seconds for cost in self.by_method.values()]))
+        return methods + self.check + self.numbers + self.figures
 
     @property
     def gib(self) -> float:
@@ -115,11 +116,16 @@ def check_terms(pressures: int, problem: Problem) -> Array:
     return np.array([1.0, float(pressures) ** 2, float(pressures) ** 3, history * float(pressures) ** 3])
 
 
-def output_terms(problem: Problem, costs: Sequence[Cost], of_elements: Cost | None) -> Array:
-    """Of files and figures: a start, fields, rings that are shaded, and what is inside the half-space."""
+def number_terms(problem: Problem, costs: dict[str, Cost]) -> Array:
+    """Of loading, the answer and files of numbers: a start, fields over time, rings."""
     fields = float(len(problem.times)) * len(problem.radii) * len(costs)
-    inside = (1.0, of_elements.unknowns, of_elements.unknowns**1.5) if of_elements else (0.0, 0.0, 0.0)
-    return np.array([1.0, fields, len(problem.wear_coefficients), *inside])
+    return np.array([1.0, fields, len(problem.wear_coefficients)])
+
+
+def figure_terms(problem: Problem, costs: dict[str, Cost]) -> Array:
+    """Of figures and page: a start, fields, rings that are shaded, and what is inside the half-space."""
+    inside = costs["fem"].unknowns if "fem" in costs and problem.profile is None else 0
+    return np.array([*number_terms(problem, costs), float(inside > 0), inside, inside**1.5])
 
 
 def memory_terms(problem: Problem, costs: dict[str, Cost]) -> dict[str, Array]:

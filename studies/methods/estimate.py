@@ -145,12 +145,10 @@ class Together:
 def worn_together(problems: Sequence[Problem], compliance: Compliance, pairs: tuple[Pair, ...]) -> Together | None:
     """Modes for punches that differ in wear alone, by histories of a few and checked on another; None if that is no gain."""
     first, rtol = min(one.earliest for one in problems), min(one.rtol for one in problems)
-    logs = np.log([one.merged.wear_coefficients for one in problems])
-    materials = np.unique(logs, axis=1, return_inverse=True)[1].ravel()
-    whole = _spread(logs)
-    suits = first and RunningIn(compliance, np.exp(logs[0]), first).gentle and materials.max() < MOST_MATERIALS
-    if not suits or len(problems) < GAIN * (len(whole) + 1) or any(one.march != "modal" for one in problems):
+    logs, whole = _logs(problems), solved_whole(problems)
+    if not (whole and RunningIn(compliance, np.exp(logs[0]), first).gentle):
         return None
+    materials = np.unique(logs, axis=1, return_inverse=True)[1].ravel()
     first, last = first / BEFORE, 2 * max(one.times[-1] for one in problems)
     times = np.geomspace(first, last, 2 * int(np.log2(last / first)) + 3)
     rates = [Evaluation(problems[number], compliance).wear.rates(times) for number in whole]
@@ -173,16 +171,23 @@ def worn_together(problems: Sequence[Problem], compliance: Compliance, pairs: tu
     return None
 
 
+def solved_whole(problems: Sequence[Problem]) -> list[int]:
+    """Numbers of the punches that span the others, one within `REACH` of each; none if that is no gain."""
+    if not all(one.earliest and one.march == "modal" for one in problems):
+        return []
+    logs, found = _logs(problems), [0]
+    while (farthest := _farthest(logs, found))[1] > REACH:
+        found.append(farthest[0])
+    few = len(np.unique(logs, axis=1)[0]) <= MOST_MATERIALS and len(problems) >= GAIN * (len(found) + 1)
+    return found if few else []
+
+
+def _logs(problems: Sequence[Problem]) -> Array:
+    return np.log([one.merged.wear_coefficients for one in problems])
+
+
 def _looked_at(problem: Problem) -> Array:
     return problem.estimate_times[problem.estimate_times > 0][::LOOKED_AT]
-
-
-def _spread(points: Array) -> list[int]:
-    """Some points, of which one is within `REACH` of every other: (n, dimensions)."""
-    found = [0]
-    while (farthest := _farthest(points, found))[1] > REACH:
-        found.append(farthest[0])
-    return found
 
 
 def _farthest(points: Array, found: list[int]) -> tuple[int, float]:
