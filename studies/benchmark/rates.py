@@ -24,7 +24,15 @@ from ringwear.meshes.radial import Array
 from ringwear.studies.cli import DISAGREE, DONE, main
 from ringwear.studies.crosscheck import run as running
 from ringwear.studies.methods.base import method
-from ringwear.studies.methods.costs import check_terms, direct_terms, figure_terms, memory_terms, number_terms, terms
+from ringwear.studies.methods.costs import (
+    check_terms,
+    direct_terms,
+    figure_terms,
+    march_terms,
+    memory_terms,
+    number_terms,
+    terms,
+)
 from ringwear.studies.output import of_run, side_by_side
 from ringwear.studies.problem.scene import Scene
 
@@ -65,14 +73,25 @@ def scenes() -> Iterator[Scene]:
     for rings, rtol in ((2, 1e-4), (12, 1e-4), (12, 1e-6), (64, 1e-3), (128, 1e-2), (128, 1e-4)):
         yield five.changed(methods=ALL, accuracy__rtol=rtol, punch__rings=rings)
     yield five.changed(methods=["bem"], punch__rings=32)
-    for count in (300, 3000, 30000):
+    for count in (3000, 30000):
         yield five.changed(methods=["mdr"], wear__times=np.geomspace(1e-3, 10, count).tolist())
-    for step in (1e-3, 1e-4):
-        yield five.changed(methods=["mdr"], wear__march="implicit", wear__step=step)
+    for rtol in (1e-2, 1e-4, 1e-5):
+        yield five.changed(methods=ALL, accuracy__rtol=rtol, punch__rings=10, wear__times=[])
+    for rtol, step in ((1e-2, 1e-3), (1e-2, 1e-4), (1e-4, 1e-2), (1e-4, 1e-3)):
+        yield five.changed(methods=["mdr"], accuracy__rtol=rtol, wear__march="implicit", wear__step=step)
+    for sizes, step in ((1e-2, 1e-4), (1e-3, 1e-5), (3e-4, 4e-6)):
+        rough = {"rim_size": sizes, "ring_size": sizes}
+        yield five.changed(methods=["mdr"], accuracy__mdr=rough, wear__march="explicit", wear__step=step)
     for rings in (256, 1024):
         yield five.changed(methods=["direct"], punch__rings=rings, wear__times=[])
-    for mesher in ("gmsh", "bisection"):
-        for rings, rtol in ((1, 1e-2), (5, 1e-2), (5, 1e-3), (5, 1e-4), (5, 1e-5), (32, 1e-2), (32, 1e-3)):
+    yield from scenes_of_elements()
+
+
+def scenes_of_elements() -> Iterator[Scene]:
+    """What every mesher is measured on, and every solver."""
+    five = Scene.load("five_rings")
+    for mesher in ("quads", "gmsh", "bisection"):
+        for rings, rtol in ((1, 1e-2), (5, 1e-2), (5, 1e-3), (5, 1e-5), (32, 1e-2), (32, 1e-3)):
             yield five.changed(methods=["fem"], punch__rings=rings, accuracy__rtol=rtol, accuracy__fem={"mesher": mesher})
 
 
@@ -139,13 +158,26 @@ def fitted(rows: Iterable[Array], values: Iterable[float]) -> list[float]:
     return nnls(np.array(list(rows)) / known[:, None], np.ones(len(known)))[0].tolist()
 
 
-def measure() -> dict[str, dict[str, list[float]]]:
-    """Rates of every kind of method, of the check, of the output and of memory."""
-    every = list(scenes())
-    found = list(zip(every, by_processes(every), strict=True))
-    table = of_methods(found)
+Runs = list[tuple[Scene, Measured]]
+Rates = dict[str, dict[str, list[float]]]
+
+
+def measure() -> Rates:
+    """Rates of every kind of method and march, of the check, of files, figures and memory."""
+    every, few = list(scenes()), list(scenes_of_elements())
+    with_cholmod = list(zip(every, by_processes(every), strict=True))
+    return rates_of(with_cholmod, list(zip(few, by_processes(few, cholmod=False), strict=True)))
+
+
+def rates_of(found: Runs, without_cholmod: Runs) -> Rates:
+    """Rates by what was measured."""
+    modal = [(scene, one) for scene, one in found if scene.wear.march == "modal"]
+    table = of_methods(modal)
+    table |= of_marches(table["mdr"]["seconds"], found)
+    with patch.dict(sys.modules, {"kvxopt": None}):
+        table |= of_methods(without_cholmod)
     # predictions of the rest are made by the counts alone
-    costs = [{name: method(name).cost(scene.problem) for name in scene.methods} for scene in every]
+    costs = [{name: method(name).cost(scene.problem) for name in scene.methods} for scene, _ in found]
     pairs = [(scene, one, cost) for (scene, one), cost in zip(found, costs, strict=True)]
     checked = [(check_terms(cost["fem"].pressures, scene.problem), one.check) for scene, one, cost in pairs if len(cost) > 2]
     table["check"] = {"seconds": fitted(*zip(*checked, strict=True))}
@@ -153,15 +185,10 @@ def measure() -> dict[str, dict[str, list[float]]]:
         output = [(rows(scene.problem, cost), getattr(one, name)) for scene, one, cost in pairs]
         table[name] = {"seconds": fitted(*zip(*output, strict=True))}
     held = [(sum(memory_terms(scene.problem, cost).values()), one.memory) for scene, one, cost in pairs]
-    table["memory"] = {"gib": fitted(*zip(*held, strict=True))}
-    by_elements = [scene for scene in every if scene.methods == ["fem"] or scene.title == Scene.load("five_rings").title]
-    with patch.dict(sys.modules, {"kvxopt": None}):
-        few = [scene.changed(methods=["fem"]) for scene in by_elements if "fem" in scene.methods]
-        without = of_methods(list(zip(few, by_processes(few, cholmod=False), strict=True)))
-    return table | without
+    return table | {"memory": {"gib": fitted(*zip(*held, strict=True))}}
 
 
-def of_methods(found: list[tuple[Scene, Measured]]) -> dict[str, dict[str, list[float]]]:
+def of_methods(found: Runs) -> Rates:
     """Rates of every kind of method that the scenes name."""
     rows: dict[str, list[tuple[Array, float]]] = defaultdict(list)
     errors: dict[str, list[tuple[float, float]]] = defaultdict(list)
@@ -179,6 +206,18 @@ def of_methods(found: list[tuple[Scene, Measured]]) -> dict[str, dict[str, list[
         asked, stated = np.transpose(known)
         table[kind]["error"] = np.polyfit(asked, stated, 1).tolist()
     return table
+
+
+def of_marches(by_modes: list[float], found: Runs) -> Rates:
+    """Rates of marches in steps: what they take more than the modes by which their error is estimated."""
+    rows: dict[str, list[tuple[Array, float]]] = defaultdict(list)
+    for scene, one in found:
+        problem = scene.problem
+        if problem.march != "modal":
+            sizes = method("mdr").counted(problem)
+            more = one.methods["mdr"] - float(np.array(by_modes) @ terms(*sizes, problem))
+            rows[problem.march].append((march_terms(sizes[1], problem), max(more, 0.1 * one.methods["mdr"])))
+    return {march: {"seconds": fitted(*zip(*of, strict=True))} for march, of in rows.items()}
 
 
 if __name__ == "__main__":

@@ -72,7 +72,7 @@ def terms(unknowns: int, pressures: int, problem: Problem) -> Array:
     """What the seconds of a method that yields a compliance are made of.
 
     A start; the mesh and its matrix, its factor; dense algebra; modes, all of them or those of a Krylov space; the history
-    at the times of the estimate and at those asked for; steps.
+    at the times of the estimate and at those asked for.
     """
     square, cube = float(pressures) ** 2, float(pressures) ** 3
     count = len(problem.times)
@@ -81,8 +81,15 @@ def terms(unknowns: int, pressures: int, problem: Problem) -> Array:
     return np.array([
         1.0, unknowns, unknowns**1.5, square, cube,
         history * square, small * cube, (history - small) * LARGE * square,
-        count * square, float(count) * len(problem.radii), steps(problem) * square, steps(problem),
+        count * square, float(count) * len(problem.radii),
     ])  # fmt: skip
+
+
+def march_terms(pressures: int, problem: Problem) -> Array:
+    """Of steps in time on any compliance: what is factorised at each time, or once, and the steps."""
+    square, cube = float(pressures) ** 2, float(pressures) ** 3
+    factors = len(problem.times) if problem.march == "implicit" else 1
+    return np.array([factors * cube, steps(problem) * square, steps(problem)])
 
 
 def steps(problem: Problem) -> float:
@@ -93,7 +100,10 @@ def steps(problem: Problem) -> float:
 def by_terms(kind: str, unknowns: int, pressures: int, problem: Problem) -> Array:
     """Seconds by the terms; nan where no rates were measured."""
     known = rates().get(kind)
-    return np.array(known["seconds"] if known else np.nan) * terms(unknowns, pressures, problem)
+    parts = np.array(known["seconds"] if known else np.nan) * terms(unknowns, pressures, problem)
+    if steps(problem):
+        parts = np.append(parts, rates()[problem.march]["seconds"] @ march_terms(pressures, problem))
+    return parts
 
 
 def by_rates(kind: str, unknowns: int, pressures: int, problem: Problem) -> Cost:
