@@ -131,7 +131,7 @@ class Together:
 
     def lost(self, wear: RunningIn, problem: Problem) -> dict[str, Array]:
         """What a punch's quantities may miss: as much more than those checked as more is left out of its wear rate."""
-        factor = CHECKED * max(1.0, wear.left_out(_looked_at(problem)) / self.left_out)
+        factor = CHECKED * max(1.0, wear.left_out(_looked_at(problem)) / max(self.left_out, np.finfo(float).eps))
         # fields take the directions left out as they are, energies their square
         wanted = {name: error for name, error in self.errors.items() if problem.wants(name) or name == "indentation"}
         least = {name: 0.0 if name in ENERGIES else LEFT_OUT * problem.rtol for name in wanted}
