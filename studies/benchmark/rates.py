@@ -25,6 +25,7 @@ from ringwear.studies.cli import DISAGREE, DONE, main
 from ringwear.studies.crosscheck import run as running
 from ringwear.studies.methods.base import method
 from ringwear.studies.methods.costs import (
+    OF_TIMES,
     check_terms,
     direct_terms,
     figure_terms,
@@ -175,7 +176,7 @@ def rates_of(found: Runs, without_cholmod: Runs) -> Rates:
     table = of_methods(modal)
     table |= of_marches(table["mdr"]["seconds"], found)
     with patch.dict(sys.modules, {"kvxopt": None}):
-        table |= of_methods(without_cholmod)
+        table |= of_methods(without_cholmod, table["mdr"]["seconds"])
     # predictions of the rest are made by the counts alone
     costs = [{name: method(name).cost(scene.problem) for name in scene.methods} for scene, _ in found]
     pairs = [(scene, one, cost) for (scene, one), cost in zip(found, costs, strict=True)]
@@ -188,8 +189,8 @@ def rates_of(found: Runs, without_cholmod: Runs) -> Rates:
     return table | {"memory": {"gib": fitted(*zip(*held, strict=True))}}
 
 
-def of_methods(found: Runs) -> Rates:
-    """Rates of every kind of method that the scenes name."""
+def of_methods(found: Runs, by_modes: list[float] | None = None) -> Rates:
+    """Rates of every kind of method that the scenes name, those of the MDR among them unless they are given."""
     rows: dict[str, list[tuple[Array, float]]] = defaultdict(list)
     errors: dict[str, list[tuple[float, float]]] = defaultdict(list)
     for scene, one in found:
@@ -201,7 +202,15 @@ def of_methods(found: Runs) -> Rates:
             rows[this.kind(problem)].append((row, seconds))
             if len(problem.times) and one.errors[name] > 0:
                 errors[this.kind(problem)].append((np.log10(problem.rtol), np.log10(one.errors[name])))
-    table = {kind: {"seconds": fitted(*zip(*of, strict=True))} for kind, of in rows.items()}
+    by_modes = by_modes or fitted(*zip(*rows["mdr"], strict=True))
+    table: Rates = {}
+    for kind, of in rows.items():
+        if kind in ("mdr", "direct"):
+            table[kind] = {"seconds": fitted(*zip(*of, strict=True))}
+        else:
+            # measured at few times only, which take what they take by the MDR
+            few = [(np.concatenate([row[:-OF_TIMES], np.zeros(OF_TIMES)]), seconds) for row, seconds in of]
+            table[kind] = {"seconds": fitted(*zip(*few, strict=True))[:-OF_TIMES] + by_modes[-OF_TIMES:]}
     for kind, known in errors.items():
         asked, stated = np.transpose(known)
         table[kind]["error"] = np.polyfit(asked, stated, 1).tolist()

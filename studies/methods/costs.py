@@ -17,8 +17,8 @@ from ringwear.studies.problem.marching import steps_between
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.wear.modes import LARGE
 
-# the first of the terms are of the discretisation, whatever is then asked of it
-DISCRETISING = 5
+# the first of the terms are of the discretisation, whatever is then asked of it; the last of times, on any compliance alike
+DISCRETISING, OF_TIMES = 5, 2
 
 
 @dataclass(frozen=True)
