@@ -12,6 +12,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from importlib import import_module
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, cast
@@ -21,7 +22,6 @@ import numpy as np
 from scipy.optimize import nnls
 
 from ringwear.meshes.radial import Array
-from ringwear.studies.cli import DISAGREE, DONE, main
 from ringwear.studies.crosscheck import run as running
 from ringwear.studies.methods.base import method
 from ringwear.studies.methods.costs import (
@@ -131,8 +131,10 @@ def measured(scene: Scene, cholmod: bool = True) -> Measured:
             patch.object(of_run, "draw", timed("figures", of_run.draw)),
             patch.object(side_by_side, "make", timed("figures", side_by_side.make)),
         ):
-            status = main(["run", str(file), "--out", directory])
-    assert status in (DONE, DISAGREE), scene.title
+            # the command is above all that it commands
+            command = import_module("ringwear.studies.cli")
+            status = command.main(["run", str(file), "--out", directory])
+    assert status in (command.DONE, command.DISAGREE), scene.title
     whole = loaded + processor() - started
     methods = {name: seconds[name] for name in scene.methods}
     numbers = whole - sum(methods.values()) - seconds["check"] - seconds["figures"]
@@ -176,7 +178,10 @@ def rates_of(found: Runs, without_cholmod: Runs) -> Rates:
     table = of_methods(modal)
     table |= of_marches(table["mdr"]["seconds"], found)
     with patch.dict(sys.modules, {"kvxopt": None}):
-        table |= of_methods(without_cholmod, table["mdr"]["seconds"])
+        without = of_methods(without_cholmod, table["mdr"]["seconds"])
+    for kind, of in without.items():
+        # errors are those of the elements, and were measured on more scenes
+        table[kind] = of | {"error": table[kind.split(",")[0]]["error"]}
     # predictions of the rest are made by the counts alone
     costs = [{name: method(name).cost(scene.problem) for name in scene.methods} for scene, _ in found]
     pairs = [(scene, one, cost) for (scene, one), cost in zip(found, costs, strict=True)]
