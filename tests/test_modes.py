@@ -10,7 +10,9 @@ from scipy.sparse import csr_matrix
 from ringwear import Scene
 from ringwear.meshes.errors import SceneError, SolverError
 from ringwear.studies.methods.quantities import differences
+from ringwear.studies.wear.archard import RunningIn
 from ringwear.studies.wear.modes import BandedCholesky, every_mode, excited_modes
+from ringwear.studies.wear.shared_modes import SharedModes
 
 
 def pencil(wear: Any) -> tuple[Any, ...]:
@@ -53,6 +55,44 @@ def test_too_early_is_refused(prepare: Any) -> None:
     prepared = type(wear)(wear.compliance, wear.wear_coefficients, earliest=0.1)
     with pytest.raises(SceneError, match=r"prepared for times from 0\.1 on"):
         prepared.modal(np.array([0.0, 0.01]))
+
+
+@pytest.mark.parametrize("wear", [[1.0, 0.1, 1.0, 0.1, 1.0], [0.2, 1.0, 0.03, 0.7, 0.5]])
+def test_a_span_of_everything_leaves_nothing_out(prepare: Any, wear: list[float]) -> None:
+    """Its modes are those of the punch, whatever the materials, and so is the history."""
+    compliance, times = prepare("five_rings", "mdr", accuracy__rtol=1e-2).wear.compliance, np.array([0.0, 1e-3, 0.1, 3.0])
+    whole = RunningIn(compliance, np.array(wear), earliest=1e-3)
+    materials = np.unique(wear, return_inverse=True)[1]
+    every = np.eye(len(whole._weights))[:, 1:]
+    shared = RunningIn(compliance, np.array(wear), 1e-3, SharedModes.spanned(compliance, materials, every, 1e-12))
+    np.testing.assert_allclose(shared.relaxation_times, whole.relaxation_times[:20], rtol=1e-9)
+    found, known = shared.modal(times), whole.modal(times)
+    np.testing.assert_allclose(found.indentation, known.indentation, rtol=1e-11)
+    np.testing.assert_allclose(found.pressure, known.pressure, atol=1e-8 * np.abs(known.pressure).max())
+    np.testing.assert_allclose(found.profile, known.profile, atol=1e-10 * np.abs(known.profile).max())
+    assert shared.left_out(times[1:]) < 1e-7
+
+
+def test_a_few_histories_span_those_between(prepare: Any) -> None:
+    """And what they leave out is as much as the wear rate errs by."""
+    compliance, times = prepare("five_rings", "mdr", accuracy__rtol=1e-3).wear.compliance, np.geomspace(1e-3, 3, 9)
+    alike = np.array([0, 1, 0, 1, 0])
+
+    def worn(ratio: float, shared: SharedModes | None = None) -> RunningIn:
+        return RunningIn(compliance, np.array([1.0, ratio])[alike], 1e-3, shared)
+
+    lost = []
+    for ratios in ([0.1, 10.0], [0.1, 1.0, 10.0], [0.1, 0.3, 1.0, 3.0, 10.0]):
+        rates = [worn(ratio).rates(np.geomspace(1e-6, 6, 46)) for ratio in ratios]
+        shared = SharedModes.spanned(compliance, alike, np.column_stack(rates), 1e-8)
+        few, whole = worn(0.5, shared), worn(0.5)
+        mass = compliance.space.mass(whole.wear_coefficients)
+        differs, pressure = few.modal(times).pressure - whole.modal(times).pressure, whole.modal(times).pressure
+        errors = np.sqrt(np.sum(differs * (mass @ differs.T).T, axis=1) / np.sum(pressure * (mass @ pressure.T).T, axis=1))
+        lost.append(float(errors.max()))
+        assert few.left_out(times) > 0.1 * lost[-1]
+    # histories nearer to each other leave out several times less
+    assert lost[0] > 5 * lost[1] > 25 * lost[2]
 
 
 def test_banded_factor() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,14 @@ import xarray
 from ringwear import Scene, run, sweep
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
-from ringwear.studies.methods.quantities import QUANTITIES, error_name
+from ringwear.studies.methods.by_compliance import compliance_method
+from ringwear.studies.methods.estimate import estimated, worn_together
+from ringwear.studies.methods.quantities import QUANTITIES, differences, error_name
 from ringwear.studies.paper import gradients
 from ringwear.studies.problem.defaults import sharpness
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.shared import Shared, groups
+from ringwear.studies.progress import Stages
 from ringwear.studies.sweep.axes import Sweep
 from ringwear.studies.sweep.blocks import block_shape, blocks
 from ringwear.studies.sweep.layout import layout
@@ -54,6 +58,27 @@ def test_scenes_are_those_of_run(small: xarray.Dataset) -> None:
             both = np.isfinite(value) & (scale > 0)
             difference = np.divide(np.abs(value - mine), scale, out=np.zeros(value.shape), where=both)
             assert (difference[both] <= np.maximum(stated, 1e-12)[both]).all(), name
+
+
+def test_many_punches_share_their_modes() -> None:
+    """Each differs from its own modes by no more than is stated of that, a small part of the accuracy."""
+    scenes = [FIVE.changed(punch__wear_coefficients=[1.0, float(ratio)]) for ratio in np.geomspace(0.1, 8.0, 16)]
+    problems, mdr = [scene.problem for scene in scenes], compliance_method("mdr")
+    one = mdr.discretised(Shared.of(problems), Stages("mdr"))
+    together = worn_together(problems, one.compliance, one.pairs)
+    assert together is not None
+    for problem in problems[::4]:
+        found, alone = (estimated(problem, one.compliance, one.pairs, shared) for shared in (together, None))
+        assert found.result.wear.shared is not None
+        lost = together.lost(found.result.wear, problem)
+        for name, difference in differences(found.result.for_estimate, alone.result.for_estimate, problem.face).items():
+            stated, own = (np.atleast_1d(one.errors[name])[:3] for one in (found, alone))
+            assert np.max(difference.flat[:3] if name == "relaxation_time" else difference) <= np.max(stated), name
+            assert np.max(np.atleast_1d(lost[name])[:3]) <= 0.25 * problem.rtol
+            assert (stated >= 0.6 * own).all(), name
+    # too few to be worth it, and a march in steps
+    assert worn_together(problems[:5], one.compliance, one.pairs) is None
+    assert worn_together([replace(problem, march="implicit", step=0.1) for problem in problems], one.compliance, ()) is None
 
 
 def test_labels_are_those_asked_for(small: xarray.Dataset) -> None:

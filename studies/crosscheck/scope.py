@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from ringwear.studies.methods.base import method
-from ringwear.studies.methods.costs import Expected, check_terms, memory_terms, output_terms, rates
+from ringwear.studies.methods.costs import Expected, check_terms, figure_terms, memory_terms, number_terms, rates
 from ringwear.studies.problem.defaults import truncation
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.time_scale import MOST_RINGS, slowest_relaxation_time
@@ -81,8 +81,8 @@ def left_out(scene: Scene) -> dict[str, str]:
     return reasons
 
 
-def expected(scene: Scene) -> Expected:
-    """What a run of a scene will take, check, files and figures included."""
+def expected(scene: Scene, figures: bool = True) -> Expected:
+    """What a run of a scene will take, check, files and, if wanted, figures included."""
     problem = scene.problem
     costs = {name: method(name).cost(problem) for name in scene.methods}
     known = rates()
@@ -95,11 +95,10 @@ def expected(scene: Scene) -> Expected:
         for one, other in combinations(compliances, 2)
         if {one, other} != {"fem"}
     )
-    output = float(
-        known["output"]["seconds"] @ output_terms(problem, list(costs.values()), costs.get("fem") if flat else None)
-    )
+    numbers = float(known["numbers"]["seconds"] @ number_terms(problem, costs))
+    drawn = float(known["figures"]["seconds"] @ figure_terms(problem, costs)) if figures else 0.0
     memory = {key: float(known["memory"]["gib"] @ part) for key, part in memory_terms(problem, costs).items()}
-    return Expected(costs, check, output, memory)
+    return Expected(costs, check, numbers, drawn, memory)
 
 
 def beyond_memory(whole: Expected, limit: float) -> str:
@@ -148,8 +147,8 @@ def plan(scene: Scene) -> list[str]:
         lines.append(f"cheapest for rtol {problem.rtol:.0e}: {min(seconds, key=seconds.__getitem__)}")
     checked = f"comparing operators {whole.check:.2g} s, " if whole.check else ""
     most = max(whole.memory, key=whole.memory.__getitem__)
-    lines.append(f"in all: {whole.seconds:.2g} s ({checked}files and figures {whole.output:.2g} s), {whole.gib:.2g} GiB, "
-                 f"most of it for {most}")  # fmt: skip
+    lines.append(f"in all: {whole.seconds:.2g} s ({checked}loading and files {whole.numbers:.2g} s, figures "
+                 f"{whole.figures:.2g} s), {whole.gib:.2g} GiB, most of it for {most}")  # fmt: skip
     lines += [f"refused: {refusal}" for refusal in refusals(scene)]
     lines += [f"note: {note}" for name in scene.methods for note in method(name).notes(problem)]
     if "fem" in scene.methods and {"mdr", "bem"}.isdisjoint(scene.methods):

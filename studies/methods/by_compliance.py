@@ -9,7 +9,7 @@ from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.studies.methods.base import Method, Solution, method
 from ringwear.studies.methods.costs import steps
-from ringwear.studies.methods.estimate import Pair, estimated
+from ringwear.studies.methods.estimate import Pair, Together, estimated, worn_together
 from ringwear.studies.problem.marching import refused_steps
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.shared import Shared
@@ -69,7 +69,8 @@ class ComplianceMethod(Method):
             return [self._with_profile(problem, stages) for problem in problems]
         one = self.discretised(Shared.of(problems) if len(problems) > 1 else problems[0], stages)
         with stages("marching" if len(problems[0].times) else "steady state"):
-            return [_solved(problem, one) for problem in problems]
+            together = worn_together(problems, one.compliance, one.pairs) if len(problems) > 1 else None
+            return [_solved(problem, one, together) for problem in problems]
 
     def refusal(self, problem: Problem) -> str:
         """Contact that opens, closes and spreads is marched in implicit steps, from where the punch touches."""
@@ -112,8 +113,8 @@ class ComplianceMethod(Method):
         return solution.with_steady(solution.history(self.unilateral(problem), problem, stages), steady)
 
 
-def _solved(problem: Problem, one: Discretised) -> Solution:
-    known = estimated(problem, one.compliance, one.pairs)
+def _solved(problem: Problem, one: Discretised, together: Together | None) -> Solution:
+    known = estimated(problem, one.compliance, one.pairs, together)
     results, checked = known.result.results, known.result.checked
     found = results, checked, known.errors, known.parts
     return Solution(*found, one.unknowns, one.settings, one.notes, known.result.wear, one.half_space)

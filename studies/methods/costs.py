@@ -5,7 +5,6 @@ which `python -m ringwear.studies.benchmark.rates` measures again. What memory i
 """
 
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -18,8 +17,8 @@ from ringwear.studies.problem.marching import steps_between
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.wear.modes import LARGE
 
-# the first of the terms are of the discretisation, whatever is then asked of it
-DISCRETISING = 5
+# the first of the terms are of the discretisation, whatever is then asked of it; the last of times, on any compliance alike
+DISCRETISING, OF_TIMES = 5, 2
 
 
 @dataclass(frozen=True)
@@ -43,18 +42,20 @@ class Expected:
     Parameters
     ----------
     by_method : cost of each method
-    check, output : seconds for comparing methods as operators, and for files and figures
+    check, numbers, figures : seconds for comparing methods as operators; for loading, answer and files; for figures and page
     memory : GiB by what needs them
     """
 
     by_method: dict[str, Cost]
     check: float
-    output: float
+    numbers: float
+    figures: float
     memory: dict[str, float]
 
     @property
     def seconds(self) -> float:
-        return float(np.nansum([cost.seconds for cost in self.by_method.values()])) + self.check + self.output
+        methods = float(np.nansum([cost.seconds for cost in self.by_method.values()]))
+        return methods + self.check + self.numbers + self.figures
 
     @property
     def gib(self) -> float:
@@ -71,7 +72,7 @@ def terms(unknowns: int, pressures: int, problem: Problem) -> Array:
     """What the seconds of a method that yields a compliance are made of.
 
     A start; the mesh and its matrix, its factor; dense algebra; modes, all of them or those of a Krylov space; the history
-    at the times of the estimate and at those asked for; steps.
+    at the times of the estimate and at those asked for.
     """
     square, cube = float(pressures) ** 2, float(pressures) ** 3
     count = len(problem.times)
@@ -80,8 +81,15 @@ def terms(unknowns: int, pressures: int, problem: Problem) -> Array:
     return np.array([
         1.0, unknowns, unknowns**1.5, square, cube,
         history * square, small * cube, (history - small) * LARGE * square,
-        count * square, float(count) * len(problem.radii), steps(problem) * square, steps(problem),
+        count * square, float(count) * len(problem.radii),
     ])  # fmt: skip
+
+
+def march_terms(pressures: int, problem: Problem) -> Array:
+    """Of steps in time on any compliance: what is factorised at each time, or once, and the steps."""
+    square, cube = float(pressures) ** 2, float(pressures) ** 3
+    factors = len(problem.times) if problem.march == "implicit" else 1
+    return np.array([factors * cube, steps(problem) * square, steps(problem)])
 
 
 def steps(problem: Problem) -> float:
@@ -92,7 +100,10 @@ def steps(problem: Problem) -> float:
 def by_terms(kind: str, unknowns: int, pressures: int, problem: Problem) -> Array:
     """Seconds by the terms; nan where no rates were measured."""
     known = rates().get(kind)
-    return np.array(known["seconds"] if known else np.nan) * terms(unknowns, pressures, problem)
+    parts = np.array(known["seconds"] if known else np.nan) * terms(unknowns, pressures, problem)
+    if steps(problem):
+        parts = np.append(parts, rates()[problem.march]["seconds"] @ march_terms(pressures, problem))
+    return parts
 
 
 def by_rates(kind: str, unknowns: int, pressures: int, problem: Problem) -> Cost:
@@ -115,11 +126,16 @@ def check_terms(pressures: int, problem: Problem) -> Array:
     return np.array([1.0, float(pressures) ** 2, float(pressures) ** 3, history * float(pressures) ** 3])
 
 
-def output_terms(problem: Problem, costs: Sequence[Cost], of_elements: Cost | None) -> Array:
-    """Of files and figures: a start, fields, rings that are shaded, and what is inside the half-space."""
+def number_terms(problem: Problem, costs: dict[str, Cost]) -> Array:
+    """Of loading, the answer and files of numbers: a start, fields over time, rings."""
     fields = float(len(problem.times)) * len(problem.radii) * len(costs)
-    inside = (1.0, of_elements.unknowns, of_elements.unknowns**1.5) if of_elements else (0.0, 0.0, 0.0)
-    return np.array([1.0, fields, len(problem.wear_coefficients), *inside])
+    return np.array([1.0, fields, len(problem.wear_coefficients)])
+
+
+def figure_terms(problem: Problem, costs: dict[str, Cost]) -> Array:
+    """Of figures and page: a start, fields, rings that are shaded, and what is inside the half-space."""
+    inside = costs["fem"].unknowns if "fem" in costs and problem.profile is None else 0
+    return np.array([*number_terms(problem, costs), float(inside > 0), inside, inside**1.5])
 
 
 def memory_terms(problem: Problem, costs: dict[str, Cost]) -> dict[str, Array]:

@@ -7,17 +7,20 @@ Energies converge twice as fast as fields, and slopes, whose squares are summed,
 factor for each. The factors were chosen on scenes drawn at random, and checked on others (`ringwear study estimates`).
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.radial import Array
-from ringwear.studies.methods.quantities import ENERGIES, QUANTITIES, common, differences
+from ringwear.studies.methods.quantities import COMPARED_MODES, ENERGIES, QUANTITIES, common, differences
 from ringwear.studies.methods.sampler import Evaluation
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.sections import FemAccuracy
+from ringwear.studies.wear.archard import RunningIn
+from ringwear.studies.wear.shared_modes import SharedModes
 
 NEAR = 2.5
 # over that of RMS slopes, the factor of the steady one, in which pressures jump at every ring edge
@@ -55,6 +58,15 @@ AT_RIM = 0.055
 LOW, OF_FIELD = 2, {"displacement_max": "displacement", "steady_displacement_max": "steady_profile"}
 # of the numbers of elements
 ROUNDOFF = 1e-14
+# logarithm of the wear ratio within which a history is solved whole, and times before the first that it is followed from;
+# punches for each that is solved whole, so that sharing modes is a gain; materials that are told apart at the most
+REACH, BEFORE, GAIN, MOST_MATERIALS = np.log(10) / 2 * 1.01, 1000, 2, 8
+# share of the accuracy that directions which histories hardly take are below
+LEFT_OUT = 2e-3
+# safety factor of what shared modes miss where they are checked, checks, and the part of the accuracy that they may miss
+CHECKED, MOST_CHECKS, SMALL_PART = 4.0, 3, 0.25
+# of the times of the estimate, those at which it is looked at what shared modes leave out: it changes slowly
+LOOKED_AT = 4
 
 
 def of_triangles(degree: int, growth: float, safety: Safety) -> Safety:
@@ -102,13 +114,97 @@ class Estimate:
     parts: dict[str, float]
 
 
-def estimated(problem: Problem, compliance: Compliance, pairs: tuple[Pair, ...]) -> Estimate:
+@dataclass(frozen=True, eq=False)
+class Together:
+    """Modes that punches share which differ in wear alone.
+
+    Parameters
+    ----------
+    modes : by the identity of each compliance
+    left_out : what they leave out of the wear rate of the punch that they were checked on
+    errors : by which they miss each quantity of that punch, the greatest over time
+    """
+
+    modes: dict[int, SharedModes]
+    left_out: float
+    errors: dict[str, Array]
+
+    def lost(self, wear: RunningIn, problem: Problem) -> dict[str, Array]:
+        """What a punch's quantities may miss: as much more than those checked as more is left out of its wear rate."""
+        factor = CHECKED * max(1.0, wear.left_out(_looked_at(problem)) / max(self.left_out, np.finfo(float).eps))
+        # fields take the directions left out as they are, energies their square
+        wanted = {name: error for name, error in self.errors.items() if problem.wants(name) or name == "indentation"}
+        least = {name: 0.0 if name in ENERGIES else LEFT_OUT * problem.rtol for name in wanted}
+        return {name: least[name] + factor * error for name, error in wanted.items()}
+
+    def negligible(self, lost: dict[str, Array], rtol: float) -> bool:
+        """Whether that is a small part of the accuracy asked for."""
+        return all(float(np.max(np.atleast_1d(error)[:COMPARED_MODES])) <= SMALL_PART * rtol for error in lost.values())
+
+
+def worn_together(problems: Sequence[Problem], compliance: Compliance, pairs: tuple[Pair, ...]) -> Together | None:
+    """Modes for punches that differ in wear alone, by histories of a few and checked on another; None if that is no gain."""
+    first, rtol = min(one.earliest for one in problems), min(one.rtol for one in problems)
+    logs, whole = _logs(problems), solved_whole(problems)
+    if not (whole and RunningIn(compliance, np.exp(logs[0]), first).gentle):
+        return None
+    materials = np.unique(logs, axis=1, return_inverse=True)[1].ravel()
+    first, last = first / BEFORE, 2 * max(one.times[-1] for one in problems)
+    times = np.geomspace(first, last, 2 * int(np.log2(last / first)) + 3)
+    rates = [Evaluation(problems[number], compliance).wear.rates(times) for number in whole]
+    for _ in range(MOST_CHECKS):
+        number = _farthest(logs, whole)[0]
+        checked = replace(problems[number], quantities=None)
+        shared = SharedModes.spanned(compliance, materials, np.column_stack(rates), LEFT_OUT * rtol)
+        known = Evaluation(checked, compliance)
+        found = Evaluation(checked, compliance, shared)
+        missed = differences(found.for_estimate, known.for_estimate, checked.face)
+        # the greatest over the punch, not at a point of it, where it may cross zero
+        errors = {name: missed["displacement" if QUANTITIES[name].norm == "indentation" else name] for name in missed}
+        errors = {name: error if "mode" in QUANTITIES[name].dims else error.max() for name, error in errors.items()}
+        together = Together({}, found.wear.left_out(_looked_at(checked)), errors)
+        if together.negligible(together.lost(found.wear, problems[number]), rtol):
+            every = (compliance, *(one for pair in pairs for one in (pair.finer, pair.coarser)))
+            return replace(together, modes={id(one): shared.on(one) for one in every})
+        whole.append(number)
+        rates.append(known.wear.rates(times))
+    return None
+
+
+def solved_whole(problems: Sequence[Problem]) -> list[int]:
+    """Numbers of the punches that span the others, one within `REACH` of each; none if that is no gain."""
+    if not all(one.earliest and one.march == "modal" for one in problems):
+        return []
+    logs, found = _logs(problems), [0]
+    while (farthest := _farthest(logs, found))[1] > REACH:
+        found.append(farthest[0])
+    few = len(np.unique(logs, axis=1)[0]) <= MOST_MATERIALS and len(problems) >= GAIN * (len(found) + 1)
+    return found if few else []
+
+
+def _logs(problems: Sequence[Problem]) -> Array:
+    return np.log([one.merged.wear_coefficients for one in problems])
+
+
+def _looked_at(problem: Problem) -> Array:
+    return problem.estimate_times[problem.estimate_times > 0][::LOOKED_AT]
+
+
+def _farthest(points: Array, found: list[int]) -> tuple[int, float]:
+    """The point farthest from some, and how far it is; what all coordinates have in common does not count."""
+    distances = np.ptp(points[:, None] - points[None, found], axis=2).min(axis=1)
+    return int(distances.argmax()), float(distances.max())
+
+
+def estimated(
+    problem: Problem, compliance: Compliance, pairs: tuple[Pair, ...], together: Together | None = None
+) -> Estimate:  # fmt: skip
     """Evaluate a compliance and its pairs."""
     cache: dict[int, Evaluation] = {}
 
     def evaluated(one: Compliance) -> Evaluation:
         if id(one) not in cache:
-            cache[id(one)] = Evaluation(problem, one)
+            cache[id(one)] = Evaluation(problem, one, together.modes[id(one)] if together else None)
         return cache[id(one)]
 
     result, roundoff = evaluated(compliance), ROUNDOFF * len(compliance.space.breakpoints)
@@ -131,6 +227,12 @@ def estimated(problem: Problem, compliance: Compliance, pairs: tuple[Pair, ...])
         # and its own width is known to roundoff only, with the force that it carries, the root of its width
         if "ring_force" in errors:
             errors["ring_force"] = errors["ring_force"] + np.where(start, np.finfo(float).eps / np.sqrt(size) / 2, 0.0)
+    if together:
+        lost = together.lost(result.wear, problem)
+        if not together.negligible(lost, problem.rtol):
+            return estimated(problem, compliance, pairs)
+        errors |= {name: _added(errors[name], lost[name]) for name in errors.keys() & lost.keys()}
+        parts["shared modes"] = float(lost.get("indentation", 0.0))
     if "indentation" in errors and problem.march != "modal":
         exact = result.sampler.history(result.wear.modal(problem.times), on_face=True)
         steps = differences(result.sampler.history(result.marched, on_face=True), exact, problem.face)
@@ -150,5 +252,7 @@ def at_times(problem: Problem, name: str, error: Array) -> Array:
 
 def _added(one: Array, other: Array) -> Array:
     """The sum of two parts of an error."""
+    if not other.shape:
+        return one + other
     known = common(one.shape, other.shape)
     return np.asarray(one[known] + other[known])

@@ -14,6 +14,7 @@ from ringwear.studies.methods.quantities import FIELDS, HISTORIES, STEADY, array
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.wear.archard import History, RunningIn
 from ringwear.studies.wear.contact import SteadyState
+from ringwear.studies.wear.shared_modes import SharedModes
 
 AVERAGES = ("line", "area")
 # times whose coefficients are held at once
@@ -119,9 +120,9 @@ class Sampler:
 class Evaluation:
     """One compliance worn and sampled: everything that a problem asks of it. Labelled."""
 
-    def __init__(self, problem: Problem, compliance: Compliance) -> None:
+    def __init__(self, problem: Problem, compliance: Compliance, shared: SharedModes | None = None) -> None:
         self.problem = problem
-        self.wear = RunningIn(compliance, problem.merged.wear_coefficients, problem.earliest)
+        self.wear = RunningIn(compliance, problem.merged.wear_coefficients, problem.earliest, shared)
         self.sampler = Sampler(problem, compliance.space)
 
     @cached_property

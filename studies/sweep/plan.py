@@ -9,6 +9,7 @@ from ringwear.meshes.errors import SceneError
 from ringwear.studies.crosscheck.scope import beyond_memory, expected
 from ringwear.studies.methods.base import method
 from ringwear.studies.methods.costs import DISCRETISING, by_terms
+from ringwear.studies.methods.estimate import solved_whole
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.shared import Shared, groups
 from ringwear.studies.sweep.axes import Sweep
@@ -21,6 +22,8 @@ SAMPLED = 40
 # seconds that a scene takes itself where it has no history: closed forms; else a start, and by the square of its pressures
 # (measured; `README.md`)
 CLOSED, SCENE, SQUARE = 7e-4, 3e-3, 3e-7
+# of the modes of a history, what those of one compliance are; seconds of a scene that shares them: a start, by its pressures
+ONE, TOGETHER, PRESSURE = 0.4, 1.2e-2, 7e-5
 # seconds and bytes to write a block, per variable, and to label a scene
 WRITTEN, CHUNK = 1.5e-3, 200
 
@@ -99,7 +102,7 @@ def planned(sweep: Sweep, memory: float, workers: int) -> Plan:
     return Plan(sweep.count, count, factor * seconds + written, factor * shared, most, size)
 
 
-def _seconds(name: str, problem: Problem) -> tuple[float, float]:
+def _seconds(name: str, problem: Shared) -> tuple[float, float]:
     """Of what is made once for a group, and of each scene."""
     this = method(name)
     if name == "direct":
@@ -108,4 +111,7 @@ def _seconds(name: str, problem: Problem) -> tuple[float, float]:
         return 0.0, this.cost(problem).seconds
     unknowns, pressures = this.counted(problem)
     parts = by_terms(this.kind(problem), unknowns, pressures, problem)
-    return float(parts[:DISCRETISING].sum()), SCENE + SQUARE * pressures**2 + float(parts[DISCRETISING:].sum())
+    once, modes = float(parts[:DISCRETISING].sum()), float(parts[DISCRETISING:].sum())
+    if whole := solved_whole(problem.members):
+        return once + ONE * (len(whole) + 1) * modes, TOGETHER + PRESSURE * pressures
+    return once, SCENE + SQUARE * pressures**2 + modes

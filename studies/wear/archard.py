@@ -22,6 +22,7 @@ from ringwear.studies.wear.contact import FlatStart, SteadyState, flat_start, st
 from ringwear.studies.wear.modes import (
     LARGE,
     LARGEST,
+    SHOWN,
     BandedCholesky,
     Modes,
     TooEarlyError,
@@ -29,6 +30,7 @@ from ringwear.studies.wear.modes import (
     excited_modes,
     slowest_times,
 )
+from ringwear.studies.wear.shared_modes import SharedModes, steady_rate
 
 # smallest element, or first time, above which eigenvalues are as good as singular values, at a quarter of the time
 # (measured: no digit of indentation, relaxation time or slope differs from rtol 1e-3 to 1e-9). Below it the stiff modes
@@ -61,15 +63,18 @@ class RunningIn:
     compliance : of the half-space
     wear_coefficients : (N,) of the rings of its pressure space
     earliest : time > 0 before which no history is wanted, so that a large punch needs few of its modes; 0: all of them
+    shared : the span of the histories of punches that differ in wear alone; its modes stand for those of this one
     """
 
     compliance: Compliance
     wear_coefficients: Array
     earliest: float = 0.0
+    shared: SharedModes | None = None
 
     @cached_property
     def steady(self) -> SteadyState:
-        return steady_state(self.compliance, self.wear_coefficients)
+        of_one = None if self.shared is None else self.shared.moments(self.wear_coefficients)[:, 0]
+        return steady_state(self.compliance, self.wear_coefficients, self._mass_factor, of_one)
 
     @cached_property
     def flat(self) -> FlatStart:
@@ -94,6 +99,8 @@ class RunningIn:
 
     @cached_property
     def _mass(self) -> csr_matrix:
+        if self.shared is not None:
+            return self.shared.mass(self.wear_coefficients)
         return self._to_pressure.T @ self.compliance.space.mass(self.wear_coefficients) @ self._to_pressure
 
     @cached_property
@@ -104,13 +111,18 @@ class RunningIn:
     def _weights(self) -> Array:
         return self._to_pressure.T @ self.compliance.space.weights
 
+    @property
+    def gentle(self) -> bool:
+        """Whether eigenvalues will do: what relaxes before the first time is not felt, and need not be known."""
+        return max(float(np.diff(self.compliance.space.breakpoints).min()), self.earliest) > GENTLEST
+
     @cached_property
     def _modes(self) -> Modes:
         moments = self._to_pressure.T @ self.steady.moments
+        if self.shared is not None:
+            return self.shared.modes(self.wear_coefficients, moments)
         large = len(moments) > LARGE
-        # what relaxes before the first time is not felt, and need not be known
-        fastest = max(float(np.diff(self.compliance.space.breakpoints).min()), self.earliest)
-        gentle = large or fastest > GENTLEST
+        gentle = large or self.gentle
         if self.earliest and large:
             try:
                 return excited_modes(self._energy, self._mass_factor, self._weights, moments, self.earliest)
@@ -154,16 +166,43 @@ class RunningIn:
         """The exact history at any times from `earliest` on, none of which depends on another."""
         if (times[times > 0] < self.earliest * (1 - 1e-12)).any():
             raise SceneError(f"this history was prepared for times from {self.earliest:.3g} on; prepare it for all of them")
-        relaxation, shapes, amplitudes = self._modes.relaxation, self._modes.shapes, self._modes.amplitudes
-        decay = times[:, None] / relaxation
-        left = (np.exp(-decay) * amplitudes) @ shapes.T
-        pressure = self.steady.pressure + left @ self._to_pressure.T
+        modes = self._modes
+        rates, displaced = self._sums(np.exp(-times[:, None] / modes.relaxation) * modes.amplitudes)
+        pressure = self.steady.pressure + rates @ self._to_pressure.T
         indentation = self.steady.wear_rate * times + pressure @ self.steady.moments
-        # f = d - u: a sum of what is worn would show the roundoff of the modes in the slopes of small elements
-        gap = np.outer(indentation, self._weights) - (pressure @ self.compliance.matrix) @ self._to_pressure
+        # f = d - u: slopes of small elements would show the roundoff of a sum of what wore
+        gap = np.outer(indentation, self._weights) - (self.steady.moments @ self._to_pressure + displaced)
         profile = self._mass_factor.solve(gap.T).T @ self._to_profile.T
         profile[times == 0] = 0.0
         return self._from_flat(History(times, pressure, profile, indentation))
+
+    def _sums(self, shares: Array) -> tuple[Array, Array]:
+        """(T, n) wear rates that are sums of modes by (T, m) shares, and what they displace, against each."""
+        within = shares @ self._modes.shapes.T
+        if self.shared is not None:
+            moments = within @ self.shared.moments(self.wear_coefficients).T @ self._to_pressure
+            return within @ self.shared.basis.T, moments
+        return within, within @ self._energy
+
+    def rates(self, times: Array) -> Array:
+        """(n, T + SHOWN) wear rates, less the steady one, at times, and those of the slowest modes."""
+        modes = self._modes
+        left = np.exp(-times[:, None] / modes.relaxation) * modes.amplitudes
+        return np.column_stack([self._sums(left)[0].T, modes.shapes[:, :SHOWN]])
+
+    def left_out(self, times: Array) -> float:
+        """The greatest share of the wear rate at times > 0 that shared modes leave out, in the root of the mean square.
+
+        It shows in two ways to the profile: what the half-space leaves of the indentation, and the sum of what wore.
+        """
+        modes, steady = self._modes, self.steady.wear_rate * steady_rate(self.compliance)
+        decay = np.exp(-times[:, None] / modes.relaxation)
+        rate = steady + self._sums(decay * modes.amplitudes)[0]
+        worn = steady * times[:, None] + self._sums((1 - decay) * modes.amplitudes * modes.relaxation)[0]
+        lost = (self.modal(times).profile - worn @ self._to_profile.T) / times[:, None]
+        mass = self.compliance.space.mass(1 / self.wear_coefficients)
+        lost, rate = (np.sum(one * (mass @ one.T).T, axis=1) for one in (lost, rate @ self._to_profile.T))
+        return float(np.sqrt((lost / rate).max()))
 
     def _from_flat(self, history: History) -> History:
         """At t = 0 the pressure, not the wear rate, is continuous: put the flat start in its own space."""

@@ -51,13 +51,17 @@ class SteadyState:
     wear_rate: float
 
 
-def steady_state(compliance: Compliance, wear_coefficients: Array) -> SteadyState:
-    """No march: the wear rate is what makes the forces of the space add up to one; the displacement is projected on it."""
+def steady_state(
+    compliance: Compliance, wear_coefficients: Array, mass: BandedCholesky, softness: Array | None = None
+) -> SteadyState:  # fmt: skip
+    """No march: the forces of the rings add up to one; the displacement is projected by the `mass`, of weight `k`.
+
+    `softness` is the compliance times the pressures of the wear rate 1, where it is known.
+    """
     space = compliance.space
-    worn, continuous = space.joined(wear_coefficients), space.joined()
-    mass, weights = BandedCholesky(worn.T @ space.mass(wear_coefficients) @ worn), worn.T @ space.weights
-    shape = mass.solve(weights)
-    wear_rate = 1 / (weights @ shape)
-    pressure = worn @ shape * wear_rate
-    moments = compliance.factor.T @ (compliance.factor @ pressure)
-    return SteadyState(pressure, continuous @ mass.solve(worn.T @ moments), moments, float(wear_rate))
+    pressure = space.ring_indicator() @ (1 / wear_coefficients)
+    wear_rate = 1 / (space.weights @ pressure)
+    pressure *= wear_rate
+    moments = compliance.factor.T @ (compliance.factor @ pressure) if softness is None else wear_rate * softness
+    displacement = space.joined() @ mass.solve(space.joined(wear_coefficients).T @ moments)
+    return SteadyState(pressure, displacement, moments, float(wear_rate))

@@ -120,7 +120,7 @@ def every_mode(
     relaxation, within = relaxation[::-1], within[:, ::-1]
     shapes = np.concatenate([np.zeros((1, len(relaxation))), within])
     shapes -= 2 * np.outer(axis, axis @ shapes)
-    return _modes(relaxation, mass.backward(shapes), moments, len(relaxation))
+    return modes_of(relaxation, mass.backward(shapes), moments, len(relaxation))
 
 
 def slowest_times(energy: Array, mass: BandedCholesky, weights: Array) -> Array:
@@ -192,7 +192,7 @@ def excited_modes(energy: Array, mass: BandedCholesky, weights: Array, moments: 
     kept = _felt(relaxation, earliest)
     relaxation, within, lost = relaxation[kept][::-1], within[:, kept][:, ::-1], lost[kept][::-1]
     exact = int(np.argmin(np.append(lost <= np.sqrt(NEGLIGIBLE) * relaxation, False)))
-    return _modes(relaxation, mass.backward(basis[: len(within)].T @ within), moments, max(exact, 1))
+    return modes_of(relaxation, mass.backward(basis[: len(within)].T @ within), moments, max(exact, 1))
 
 
 def _carried(relaxation: Array, within: Array, lost: Array, earliest: float) -> bool:
@@ -221,7 +221,8 @@ def _felt(relaxation: Array, earliest: float) -> slice:
     return slice(below, None)
 
 
-def _modes(relaxation: Array, shapes: Array, moments: Array, exact: int) -> Modes:
+def modes_of(relaxation: Array, shapes: Array, moments: Array, exact: int) -> Modes:
+    """Modes, slowest first, with what the flat start has of each; (n,) `moments` as for `every_mode`."""
     if not relaxation[-1] > 0:
         raise SolverError("the compliance is singular: the multipliers are unstable on this mesh")
     return Modes(relaxation, shapes, -(shapes.T @ moments) / relaxation, exact)
