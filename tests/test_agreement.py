@@ -51,7 +51,7 @@ def test_bundled_scenes_of_any_punch_agree(name: str) -> None:
 
 
 @pytest.mark.gmsh
-@pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-5])
+@pytest.mark.parametrize("rtol", [1e-2, 1e-3, pytest.param(1e-5, marks=pytest.mark.slow)])
 def test_five_rings_agree_at_every_accuracy(rtol: float) -> None:
     result = run(Scene.load("five_rings").changed(accuracy__rtol=rtol))
     assert disagreements(result) == []

@@ -50,6 +50,7 @@ def test_random_scenes(mesher: str) -> None:
         assert len(worth) < 8 or np.median(worth) <= 25, quantity
 
 
+@pytest.mark.slow
 def test_study(tmp_path: Path) -> None:
     conclusions = study.conduct(Scene.load("five_rings"), tmp_path, Namespace(quick=True, seed=2))
     assert len(conclusions) == 2 + 2 * 14

@@ -109,7 +109,7 @@ def test_summary(done: Path) -> None:
         assert method["rtol_asked"] == 1e-3
         assert all(seconds >= 0 for seconds in method["seconds"].values())
     for row in summary["agreement"]:
-        assert {"quantity", "methods", "difference", "uncertainty", "verdict", "remark", "agrees"} == set(row)
+        assert {"quantity", "methods", "difference", "uncertainty", "verdict", "remark", "promised", "agrees"} == set(row)
         assert row["agrees"] == (row["verdict"] == "agree")
         assert not row["agrees"] or row["difference"] <= row["uncertainty"] <= 3e-3
     pairs = {tuple(row["methods"]) for row in summary["agreement"]}
