@@ -246,9 +246,8 @@ def test_a_worker_process_that_dies(tmp_path: Path) -> None:
     """Its block is computed by another; the store does not show it."""
     assert begun(tmp_path, tmp_path / "whole", "--workers", "2").wait() == 0
     process = begun(tmp_path, tmp_path / "out", "--workers", "2")
-    while not (workers := children(process)):
-        time.sleep(0.05)
-    time.sleep(2.5)
+    while not ((tmp_path / "out.blocks").exists() and (workers := children(process))):
+        time.sleep(0.01)
     os.kill(workers[-1], signal.SIGKILL)
     _, errors = process.communicate()
     assert process.returncode == 0, errors
