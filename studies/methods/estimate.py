@@ -59,7 +59,7 @@ LOW, OF_FIELD = 2, {"displacement_max": "displacement", "steady_displacement_max
 # of the numbers of elements
 ROUNDOFF = 1e-14
 # logarithm of the wear ratio within which a history is solved whole, and times before the first that it is followed from;
-# punches for each that is solved whole, so that sharing modes is a gain; materials that are told apart at the most
+# punches for each that is solved whole, so that sharing modes is a gain; materials at the most
 REACH, BEFORE, GAIN, MOST_MATERIALS = np.log(10) / 2 * 1.01, 1000, 2, 8
 # share of the accuracy that directions which histories hardly take are below
 LEFT_OUT = 2e-3

@@ -17,7 +17,7 @@ from ringwear.studies.methods.quantities import HISTORIES, QUANTITIES, common, e
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.shared import groups
-from ringwear.studies.progress import Stages
+from ringwear.studies.progress import LOG, Stages
 from ringwear.studies.sweep.axes import Sweep
 from ringwear.studies.sweep.kept import asked_for
 from ringwear.studies.sweep.layout import DONE, FAILED, Layout, Outcome
@@ -83,6 +83,9 @@ def solved(one: Method, problems: Sequence[Problem]) -> list[Solution | str]:
         return list(solved_to_accuracy(one, problems, Stages(one.name)))
     except Exception as error:
         if len(problems) > 1:
+            if not isinstance(error, RingwearError):
+                kind = type(error).__name__
+                LOG.warning("%8s  %d scenes together: %s: %s; again by halves", one.name, len(problems), kind, error)
             half = len(problems) // 2
             return [*solved(one, problems[:half]), *solved(one, problems[half:])]
         return [str(error) if isinstance(error, RingwearError) else f"{type(error).__name__}: {error}"]
