@@ -139,6 +139,7 @@ def test_what_is_local_to_moving_edges_decides_against_only() -> None:
     assert overall((rows[0], replace(rows[1], verdict="disagree"))) == "disagree"
 
 
+@pytest.mark.gmsh
 def test_early_layers_that_cannot_be_resolved_are_named() -> None:
     """As t tends to zero the slope is that of a layer at the rim ever thinner."""
     scene = Scene.load("flat_punch").changed(methods=["mdr", "fem"], accuracy__rtol=1e-6, wear__times=[1e-10, 0.1])

@@ -117,6 +117,7 @@ def test_faults_are_caught(monkeypatch: pytest.MonkeyPatch, fault: str, rtol: fl
     assert verdict(methods, rtol).verdict == "disagree"
 
 
+@pytest.mark.gmsh
 @pytest.mark.parametrize("rtol", ACCURACIES)
 def test_without_a_fault_nothing_disagrees(rtol: float) -> None:
     result = verdict(["mdr", "bem", "direct", "fem"], rtol)
