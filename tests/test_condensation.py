@@ -17,7 +17,7 @@ from ringwear.meshes.bisection import mesh as bisection
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.radial import Array
 from ringwear.meshes.sizes import SizeField
-from ringwear.studies.wear.contact import flat_start
+from ringwear.studies.wear.contact import press_flat
 
 SOLVERS = ["superlu"] + ["cholmod"] * bool(importlib.util.find_spec("kvxopt"))
 EDGES = np.array([0.0, 0.3, 0.7, 1.0])
@@ -45,7 +45,7 @@ def half_space(
 def test_saddle_point_agrees(kind: str, degree: int, poles: tuple[int, ...], solver: str) -> None:
     whole = half_space(kind, degree, poles=poles, solver=solver)
     pressure, indentation = whole.saddle_point(force=2.0)
-    condensed = flat_start(whole.compliance())
+    condensed = press_flat(whole.compliance())
     assert 2 * condensed.indentation == pytest.approx(indentation, rel=1e-10)
     energy = whole.compliance().factor @ (2 * condensed.pressure - pressure)
     assert np.linalg.norm(energy) <= 1e-9 * np.sqrt(2 * indentation)

@@ -13,7 +13,7 @@ from ringwear.mdr.uniform_grid import UniformGrid
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array, alternating_edges
-from ringwear.studies.wear.contact import flat_start
+from ringwear.studies.wear.contact import press_flat
 
 FLAT = np.array([0.0, 1.0])
 
@@ -31,7 +31,7 @@ def test_indentation_by_graded_radii(degree: int, exponent: int, cap: float) -> 
     for count in counts:
         radii = 1 - (1 - np.arange(count + 1) / count) ** exponent
         space = PressureSpace(radii, np.full(count, degree), FLAT)
-        errors.append(flat_start(compliance(space)).indentation / 0.5 - 1)
+        errors.append(press_flat(compliance(space)).indentation / 0.5 - 1)
     assert min(errors) > 0
     assert order(1 / counts, np.array(errors)) == pytest.approx(exponent, abs=0.05)
     assert errors[-1] <= cap

@@ -17,7 +17,7 @@ from ringwear.fem.weak_form import moduli
 from ringwear.meshes.bisection import mesh as bisection
 from ringwear.meshes.radial import Array
 from ringwear.meshes.sizes import SizeField
-from ringwear.studies.wear.contact import flat_start
+from ringwear.studies.wear.contact import press_flat
 
 ORDERS = [0, 2, 4, 6]
 RATIOS = [-0.3, 0.0, 0.3, 0.5]
@@ -151,7 +151,7 @@ def test_reactions_balance_the_force(orders: tuple[int, ...]) -> None:
     """Nodal forces of the deformed solid: the load on the contact, its opposite on the outer boundary, nothing else."""
     solid_and_all = half_space(5.0, orders)
     solid = solid_and_all.solid
-    pressure = flat_start(solid_and_all.compliance()).pressure
+    pressure = press_flat(solid_and_all.compliance()).pressure
     moved = displacements(solid_and_all, pressure[None])[0]
     forces = (solid.stiffness @ moved[: solid.nodes].T.ravel())[solid.nodes :]
     far, contact = solid.boundary("far"), solid.boundary("contact")
@@ -166,13 +166,13 @@ def test_amplitude_of_the_monopole(truncation: float, tolerance: float) -> None:
     """Far from the contact the solid feels a point force of the same size."""
     whole = half_space(truncation, (0, 2, 4))
     right = np.zeros(whole.system.shape[0])
-    right[-len(whole.coupling) :] = whole.coupling @ flat_start(whole.compliance()).pressure
+    right[-len(whole.coupling) :] = whole.coupling @ press_flat(whole.compliance()).pressure
     amplitude = splu(whole.system).solve(right)[-3]
     assert amplitude == pytest.approx(1 / (2 * np.pi), rel=tolerance)
 
 
 def test_a_clamped_boundary_errs_by_one_over_its_radius() -> None:
-    errors = [0.5 - flat_start(half_space(radius, (), 0.5).compliance()).indentation for radius in (20.0, 40.0, 80.0)]
+    errors = [0.5 - press_flat(half_space(radius, (), 0.5).compliance()).indentation for radius in (20.0, 40.0, 80.0)]
     assert errors[0] / errors[1] == pytest.approx(2, rel=0.02)
     assert errors[1] / errors[2] == pytest.approx(2, rel=0.01)
 
@@ -188,7 +188,7 @@ def test_poles_are_enough() -> None:
 @pytest.mark.parametrize(("orders", "order"), [((0,), 5), ((0, 2), 9)], ids=str)
 def test_order_of_the_tied_boundary(orders: tuple[int, ...], order: int) -> None:
     """Each pole that is tied cancels four powers of the truncation radius."""
-    errors = [abs(flat_start(half_space(radius, orders, 0.2).compliance()).indentation / 0.5 - 1) for radius in (2.0, 3.0)]
+    errors = [abs(press_flat(half_space(radius, orders, 0.2).compliance()).indentation / 0.5 - 1) for radius in (2.0, 3.0)]
     assert np.log(errors[0] / errors[1]) / np.log(3 / 2) >= order - 1
 
 

@@ -65,10 +65,11 @@ def lost_of_a_wave(degree: int, wave: float) -> float:
     return float(1 - wave * np.vdot(load, np.linalg.solve(gram, load)).real)
 
 
-@pytest.mark.parametrize(("degree", "observed"), [(1, 5.34), (2, 6.60), (3, 9.21), (4, 10.77)])
+@pytest.mark.parametrize(("degree", "observed"), [(1, 5.34), (2, 6.60), (3, 9.21), (4, 10.30)])
 def test_order_of_a_compliance_by_fourier_analysis(degree: int, observed: float) -> None:
     """Twice the degree and 3: even degrees come up to it as waves get long, odd ones down."""
-    waves = np.array([0.8, 0.6]) if degree > 2 else np.array([0.8, 0.6, 0.3, 0.2])
+    # shorter waves for higher degrees: what long ones lose is not far from roundoff
+    waves = np.array({3: [0.8, 0.6], 4: [1.6, 1.2]}.get(degree, [0.8, 0.6, 0.3, 0.2]))
     orders = sequence(waves, np.array([lost_of_a_wave(degree, wave) for wave in waves])).orders
     assert orders[0] == pytest.approx(observed, abs=0.01)
     theory = 2 * degree + 3

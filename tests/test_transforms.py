@@ -15,7 +15,7 @@ from ringwear.mdr.energy import compliance
 from ringwear.mdr.transforms import line_density, panel_quadrature, pressure_transform, profile_transform
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import graded_breakpoints, layer_degrees, ring_areas
-from ringwear.studies.wear.contact import flat_start
+from ringwear.studies.wear.contact import press_flat
 
 EDGES = np.array([0.0, 0.3, 0.45, 0.9, 1.0])
 
@@ -37,7 +37,7 @@ def test_uniform_pressure(degree: int) -> None:
 def test_flat_punch(prepare: Prepare) -> None:
     """Eq. 10: the line density of a flat punch is constant, half of the force by length."""
     punch = prepare("flat_punch", "mdr", accuracy__rtol=1e-6)
-    found = line_density(punch.space, np.linspace(0.001, 0.99, 50)) @ flat_start(punch.compliance).pressure
+    found = line_density(punch.space, np.linspace(0.001, 0.99, 50)) @ press_flat(punch.compliance).pressure
     np.testing.assert_allclose(found, 0.5, rtol=1e-4)
 
 
@@ -175,4 +175,4 @@ def test_compliance_is_definite_and_refines_itself() -> None:
     assert np.linalg.svd(fine.factor, compute_uv=False).min() > 0
     direct_one = compliance(coarse.space)
     np.testing.assert_allclose(coarse.matrix, direct_one.matrix, rtol=1e-10, atol=1e-15)
-    assert flat_start(fine).indentation <= flat_start(coarse).indentation
+    assert press_flat(fine).indentation <= press_flat(coarse).indentation

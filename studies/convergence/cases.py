@@ -21,7 +21,7 @@ from ringwear.studies.convergence.orders import Refinement, Sequence
 from ringwear.studies.methods.sampler import Evaluation
 from ringwear.studies.problem.defaults import FACTOR, GROWTH
 from ringwear.studies.problem.problem import D0, Problem
-from ringwear.studies.wear.contact import flat_start
+from ringwear.studies.wear.contact import press_flat
 
 Discretised = tuple[Compliance, int]  # with the number of unknowns
 
@@ -133,7 +133,7 @@ def condensed(mesh: Mesh, ring_edges: Array, degree: int, poisson_ratio: float, 
 
 def flat_d0(compliance: Compliance) -> dict[str, float]:
     """Indentation of the flat start, singular at the rim."""
-    return {"d0": flat_start(compliance).indentation}
+    return {"d0": press_flat(compliance).indentation}
 
 
 def lost_energy(degree: int, fine: Compliance) -> dict[str, float]:

@@ -60,13 +60,13 @@ def _running_in(solution: Solution, found: dict[str, Array]) -> None:
 def _start(problem: Problem, solution: Solution, found: dict[str, Array]) -> None:
     if solution.wear is None:
         return
-    space, flat = solution.wear.compliance.space, solution.wear.flat
+    flat = solution.wear.flat
     # continuous, and rising from the centre to the rim
-    at_edges = space.matrix(problem.ring_edges[:-1]) @ flat.pressure
+    at_edges = flat.pressure_at(problem.ring_edges[:-1])
     found["indentation_start"][...] = flat.indentation
     found["pressure_min"][0] = at_edges
     found["pressure_max"][0] = [*at_edges[1:], np.inf]
-    found["force_share"][0] = space.ring_forces(problem.ring_edges) @ flat.pressure
+    found["force_share"][0] = flat.ring_forces(problem.ring_edges)
 
 
 def _steady(problem: Problem, solution: Solution, found: dict[str, Array]) -> None:

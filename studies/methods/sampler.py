@@ -80,19 +80,34 @@ class Sampler:
         # by points, not by a Gram matrix, which would sum the square of a constant over a small element to roundoff
         return np.sqrt(self._slope_weights @ (_slopes(self.space) @ profile.T) ** 2)
 
+    def _pressure(self, history: History, at: csr_matrix, radii: Array) -> Array:
+        """(T, R) pressures at radii; those of the flat start by the functions that it was sought among."""
+        pressure = (at @ history.pressure.T).T
+        if history.flat is not None:
+            pressure[history.times == 0] = history.flat.pressure_at(radii)
+        return pressure
+
+    def _ring_forces(self, history: History) -> Array:
+        """(T, N) force on each ring."""
+        ring_edges = self.problem.ring_edges
+        forces = history.pressure @ _ring_forces(self.space, ring_edges.tobytes()).T
+        if history.flat is not None:
+            forces[history.times == 0] = history.flat.ring_forces(ring_edges)
+        return forces
+
     def history(self, history: History, on_face: bool = False) -> xarray.Dataset:
         """The quantities that run over time; fields at the radii of the output, or on the face of the punch."""
-        pressure, profile, indentation = history.pressure, history.profile, history.indentation
-        at = self._at(on_face)
+        profile, indentation = history.profile, history.indentation
+        at, radii = self._at(on_face), self.problem.face.radii if on_face else self.problem.radii
         values: dict[str, Callable[[], Array]] = {
-            "pressure": lambda: (at @ pressure.T).T,
+            "pressure": lambda: self._pressure(history, at, radii),
             "profile": lambda: (at @ profile.T).T,
             "displacement": lambda: indentation[:, None] - (at @ profile.T).T,
             "indentation": lambda: indentation,
             "displacement_centre": lambda: indentation - profile @ _matrix(self.space, np.zeros(1).tobytes()).toarray()[0],
             "displacement_max": lambda: indentation + self._greatest(-profile),
             "rms_slope": lambda: self._rms_slope(profile),
-            "ring_force": lambda: pressure @ _ring_forces(self.space, self.problem.ring_edges.tobytes()).T,
+            "ring_force": lambda: self._ring_forces(history),
         }
         # by the indentation the errors of the others are measured
         return self._wanted(values, "indentation", history.times, on_face)

@@ -22,6 +22,7 @@ from ringwear.meshes.sizes import SizeField
 from ringwear.studies.problem.defaults import WIDER_TRUNCATION, pole_orders
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.wear.archard import RunningIn
+from ringwear.studies.wear.contact import press_flat
 
 SIZE = 1.2  # of the elements of the uniform mesh
 DEGREE = 4
@@ -58,7 +59,7 @@ def solved(problem: Problem, mesh: Mesh, degree: int) -> Solved:
     rings, solid = problem.merged, AxisymmetricElasticity(mesh, degree, problem.poisson_ratio)
     half_space = HalfSpace(solid, pressure_space(solid, rings.ring_edges), pole_orders(problem, truncation(mesh)))
     wear = RunningIn(half_space.compliance(), rings.wear_coefficients)
-    states = np.array([wear.flat.pressure, wear.steady.pressure])
+    states = np.array([press_flat(wear.compliance).pressure, wear.steady.pressure])
     energies = np.sum((states @ wear.compliance.factor.T) ** 2, axis=1)
     in_doubt, lost = indicators(solid, displacements(half_space, states), energies), _lost(half_space, wear)
     energy, displacement = float(in_doubt.sum()), float(np.sqrt(lost.sum()))

@@ -43,15 +43,20 @@ Advance = Callable[[Array, float, int], tuple[Array, Array]]
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """Pressures and profiles (T, size) as coefficients on the pressure space, and indentations (T,)."""
+    """Pressures and profiles (T, size) as coefficients on the pressure space, and indentations (T,).
+
+    The flat start, if it is among the times, has a pressure of its own, whose coefficients are its projection.
+    """
 
     times: Array
     pressure: Array
     profile: Array
     indentation: Array
+    flat: FlatStart | None = None
 
     def __getitem__(self, which: Indices) -> "History":
-        return History(self.times[which], self.pressure[which], self.profile[which], self.indentation[which])
+        parts = self.times, self.pressure, self.profile, self.indentation
+        return History(*(part[which] for part in parts), self.flat)
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,12 +210,13 @@ class RunningIn:
         return float(np.sqrt((lost / rate).max()))
 
     def _from_flat(self, history: History) -> History:
-        """At t = 0 the pressure, not the wear rate, is continuous: put the flat start in its own space."""
+        """Put the flat start in: at t = 0 the pressure, not the wear rate, is continuous."""
         start = np.flatnonzero(history.times == 0)
-        if len(start):
-            history.pressure[start] = self.flat.pressure
-            history.indentation[start] = self.flat.indentation
-        return history
+        if not len(start):
+            return history
+        history.pressure[start] = self.flat.pressure
+        history.indentation[start] = self.flat.indentation
+        return replace(history, flat=self.flat)
 
     @cached_property
     def _start(self) -> Array:

@@ -1,37 +1,145 @@
-"""Press a punch on any compliance: the flat start and the steady state. Non-dimensional, force 1."""
+"""Press a punch on any compliance: the flat start and the steady state. Non-dimensional, force 1.
+
+The flat start is sought among pressures that suit it, ``p = sum_j c_j P_2j(t) / t`` with ``t = sqrt(1 - r^2)`` and Legendre
+polynomials `P_2j`: infinite at the rim as a root, and smooth elsewhere. Ring edges are not felt before anything has worn, and
+the small elements beside them, which later times need, would lose the start to roundoff. The exact compliance of the
+half-space is diagonal on these functions, and only the first of them carries force (Popov, PMM 27 (1963) 1255).
+"""
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial.legendre import legval, legvander
 from scipy.linalg import cho_factor, cho_solve
 
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SolverError
-from ringwear.meshes.radial import Array
+from ringwear.meshes.pressure_space import PressureSpace, shapes
+from ringwear.meshes.radial import Array, unit_gauss
 from ringwear.studies.wear.modes import BandedCholesky
+
+# functions that the start is sought among, where the space is not too small for them: what a compliance adds to the first is
+# an error of its own
+FUNCTIONS = 6
+# Gauss points of an element beyond its degree: the root is one element away, where each point gains a factor of seven
+MORE_POINTS = 24
 
 
 @dataclass(frozen=True, eq=False)
 class FlatStart:
-    """The flat punch (Eqs. 10 and 11 solved by the method at hand): pressure coefficients and indentation."""
+    """The flat punch (Eqs. 10 and 11), solved by the method at hand.
+
+    Parameters
+    ----------
+    coefficients : (J,) of ``P_2j(t) / t``
+    pressure : (size,) their projection on the pressure space
+    indentation : F / (2 a E*) but for the error of the method
+    """
+
+    coefficients: Array
+    pressure: Array
+    indentation: float
+
+    def pressure_at(self, radii: Array) -> Array:
+        """Return the pressures at radii (R,); infinite at the rim."""
+        root = np.sqrt((1 - radii) * (1 + radii))
+        with np.errstate(divide="ignore"):
+            return np.asarray(_even_legendre(root, len(self.coefficients)) @ self.coefficients / root)
+
+    def ring_forces(self, ring_edges: Array) -> Array:
+        """Return the force on each of the N rings between edges (N+1,)."""
+        series = np.zeros(2 * len(self.coefficients))
+        series[::2] = self.coefficients
+        root = np.sqrt((1 - ring_edges) * (1 + ring_edges))
+        return np.asarray(-2 * np.pi * np.diff(legval(root, np.polynomial.legendre.legint(series))))
+
+
+@lru_cache(maxsize=8)  # punches that differ in wear alone begin alike
+def flat_start(compliance: Compliance) -> FlatStart:
+    """Press the unworn punch: ``A c = d b``, ``b . c = 1`` on the functions that suit it.
+
+    Raises
+    ------
+    SolverError
+        if the compliance is not positive definite
+    """
+    space = compliance.space
+    count = max(1, min(FUNCTIONS, space.size // 3))
+    projected = BandedCholesky(space.mass()).solve(_moments(space, count))
+    forces = np.zeros(count)
+    forces[0] = 2 * np.pi
+    displaced = compliance.factor @ projected
+    try:
+        solution = cho_solve(cho_factor(displaced.T @ displaced), forces)
+    except np.linalg.LinAlgError as error:
+        raise SolverError(
+            f"the compliance is not positive definite: {error}; ask for less extreme sizes"
+        ) from error
+    softness = forces @ solution
+    coefficients = solution / softness
+    return FlatStart(coefficients, projected @ coefficients, float(1 / softness))
+
+
+class FlatPress(NamedTuple):
+    """A flat punch on a pressure space: coefficients (size,) of the pressure, and the indentation."""
 
     pressure: Array
     indentation: float
 
 
-@lru_cache(maxsize=8)  # punches that differ in wear alone begin alike
-def flat_start(compliance: Compliance) -> FlatStart:
-    """Contact of the unworn punch: ``A p = d b``, ``b . p = 1``, with the pressure continuous across ring edges."""
-    space = compliance.space
-    continuous = space.joined()
-    weights = continuous.T @ space.weights
+@lru_cache(maxsize=8)
+def press_flat(compliance: Compliance) -> FlatPress:
+    """Press a flat punch by the pressures of the space itself, continuous across ring edges.
+
+    Studies of spaces and meshes look at it: it shows what elements at the rim can hold. Smaller elements elsewhere make it
+    worse by roundoff; the start of a history is `flat_start`.
+
+    Raises
+    ------
+    SolverError
+        if the compliance is not positive definite
+    """
+    continuous = compliance.space.joined()
+    weights = continuous.T @ compliance.space.weights
     try:
         solution = cho_solve(cho_factor(continuous.T @ compliance.matrix @ continuous), weights)
     except np.linalg.LinAlgError as error:
-        raise SolverError(f"the compliance is not positive definite: {error}; ask for less extreme sizes") from error
+        raise SolverError(
+            f"the compliance is not positive definite: {error}; ask for less extreme sizes"
+        ) from error
     softness = weights @ solution
-    return FlatStart(continuous @ solution / softness, float(1 / softness))
+    return FlatPress(continuous @ solution / softness, float(1 / softness))
+
+
+def _even_legendre(root: Array, count: int) -> Array:
+    """Return ``P_2j(t)`` for j below a count along a new last axis."""
+    return np.asarray(legvander(root, 2 * count - 2)[..., ::2])
+
+
+def _moments(space: PressureSpace, count: int) -> Array:
+    """Return ``int phi_i P_2j(t) / t dA``, (size, count).
+
+    At the rim `t` itself is the variable of integration, ``r dr = -t dt``, in which nothing is singular.
+    """
+    node, weight = unit_gauss(space.top + MORE_POINTS)
+    inner, size = space.breakpoints[:-1, None], np.diff(space.breakpoints)[:, None]
+    radii = inner + size * node
+    local = np.tile(2 * node - 1, (len(size), 1))
+    root = np.sqrt((1 - radii) * (1 + radii))
+    greatest = np.sqrt(size[-1] * (1 + inner[-1]))
+    root[-1] = greatest * node
+    weights = 2 * np.pi * weight * radii * size / root
+    weights[-1] = 2 * np.pi * weight * greatest
+    distance = root[-1] ** 2 / (1 + np.sqrt((1 - root[-1]) * (1 + root[-1])))
+    local[-1] = 1 - 2 * distance / size[-1]
+    values = np.einsum(
+        "eq,eqj,eqi->eij", weights, _even_legendre(root, count), shapes(local, space.top), optimize=True
+    )
+    moments = np.zeros((space.size + 1, count))
+    np.add.at(moments, space.dofs, values)
+    return moments[:-1]
 
 
 @dataclass(frozen=True, eq=False)
