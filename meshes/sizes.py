@@ -107,7 +107,7 @@ class Sharpness:
     It has to become smaller than the accuracy. Wear blunts the pressure beside an edge over a length that grows in time,
     on each side as its material wears: between the two lengths the edge of the slower ring is sharp, as the rim is. At a
     distance it is sharpest when the slower side has just been blunted so far. The worn profile keeps ``x log x`` there, and
-    its slope, whose square counts, ``log x``. At the start the pressure at the rim is infinite as a root.
+    its slope, whose square counts, ``log x``.
 
     Parameters
     ----------
@@ -116,14 +116,12 @@ class Sharpness:
         that wears slower; infinite if no history is wanted
     ratio : (N,) of the length on the other side to it, at least 1
     span : last time over the first
-    start : whether the start is wanted
     """
 
     accuracy: float
     slow: Array
     ratio: Array
     span: float = 1.0
-    start: bool = True
 
     @property
     def fast(self) -> Array:
@@ -140,8 +138,6 @@ class Sharpness:
         blunted = np.maximum(distance, np.minimum(np.maximum(fast, distance * ratio), fast * self.span))
         whole = np.where(at_rim, 1.0, np.sqrt(np.minimum(1.0, blunted / half)))
         pressure = whole * sharp**1.5
-        if self.start:
-            pressure = np.where(at_rim, np.maximum(pressure, np.sqrt(distance)), pressure)
         slope = 3 * np.sqrt(self.accuracy * np.maximum(whole**2 * within, distance / half))
         return np.asarray(np.maximum(np.maximum(pressure, slope), distance))
 

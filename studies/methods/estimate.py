@@ -57,6 +57,8 @@ GRID = Safety(1.5, 2.5, 2.5, 2.5)
 # fraction of d0 that the element at the rim costs, over its size and times its degree: it cannot hold a pressure that is
 # infinite. Measured for degree 1, 2, 4 and 7: 0.05, 0.023, 0.009 and 0.004
 AT_RIM = 0.055
+# and that pressures of the start err by there, over its size: it moves the other functions that the start is sought among
+START_AT_RIM = 8.0
 # up to this degree of the pressure a greatest value is known no better than its field: their differences often vanish
 LOW, OF_FIELD = 2, {"displacement_max": "displacement", "steady_displacement_max": "steady_profile"}
 # of the numbers of elements
@@ -222,14 +224,14 @@ def estimated(
     for greatest, field in OF_FIELD.items() if compliance.space.top <= LOW else ():
         if greatest in errors and field in errors:
             errors[greatest] = np.maximum(errors[greatest], errors[field])
-    if "indentation" in errors:
-        # at the flat start the element at the rim alone costs so much, whatever the rest
-        start, size = problem.times == 0, float(np.diff(compliance.space.breakpoints)[-1])
-        rim = AT_RIM / int(compliance.space.degrees[-1]) * size
-        errors["indentation"] = np.maximum(errors["indentation"], np.where(start, rim, 0.0))
-        # and its own width is known to roundoff only, with the force that it carries, the root of its width
-        if "ring_force" in errors:
-            errors["ring_force"] = errors["ring_force"] + np.where(start, np.finfo(float).eps / np.sqrt(size) / 2, 0.0)
+    start = problem.times == 0
+    if "indentation" in errors and start.any():
+        size, degree = float(np.diff(compliance.space.breakpoints)[-1]), int(compliance.space.degrees[-1])
+        # the width of the element at the rim is known to roundoff, with the force that it carries, the root of its width
+        lost = np.finfo(float).eps / np.sqrt(size)
+        least = {"indentation": AT_RIM / degree * size, "pressure": START_AT_RIM * size + lost, "ring_force": lost}
+        for name in least.keys() & errors.keys():
+            errors[name] = np.maximum(errors[name], np.where(start, least[name], 0.0))
     if together:
         lost = together.lost(result.wear, problem)
         if not together.negligible(lost, problem.rtol):

@@ -103,9 +103,8 @@ def edge_sizes(problem: Problem) -> Array:
     )
     # of the pressure, the power 3/2 of that
     sizes = np.minimum(sizes, 0.3 * blunted.slow * (rtol / np.sqrt(sharp)) ** (2 / 3))
-    if blunted.start:
-        # of a pressure that is infinite as a root, the root of the size
-        sizes[-1] = min(sizes[-1], 0.1 * rtol**2)
+    # the energy of the flat start errs by a twentieth of the size at the rim
+    sizes[-1] = min(sizes[-1], 0.1 * rtol)
     return np.asarray(np.maximum(sizes, np.where(at_rim, SMALLEST_RIM, SMALLEST)))
 
 

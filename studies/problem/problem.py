@@ -50,13 +50,11 @@ class Blunted(NamedTuple):
         infinite if no history is wanted
     ratio : (N,) of the length on the other side to it, at least 1
     span : last time over the first
-    start : whether the start is wanted
     """
 
     slow: Array
     ratio: Array
     span: float
-    start: bool
 
 
 class Rings(NamedTuple):
@@ -232,8 +230,7 @@ class Problem:
         outside = np.append(wear[1:], wear[-1])
         slower = np.minimum(wear, outside)
         span = float(self.times[-1] / earliest) if self.earliest else 1.0
-        start = bool(len(self.times)) and self.times[0] == 0
-        return Blunted(slower * earliest, np.maximum(wear, outside) / slower, span, start)
+        return Blunted(slower * earliest, np.maximum(wear, outside) / slower, span)
 
     def wants(self, quantity: str) -> bool:
         """Whether a quantity is wanted."""

@@ -41,7 +41,7 @@ class Shared(Problem):
         with np.errstate(invalid="ignore"):
             ratio = np.max([one.slow * one.ratio for one in every], axis=0) / slow
         whole = np.where(np.isfinite(slow), ratio, np.max([one.ratio for one in every], axis=0))
-        return Blunted(slow, whole, max(one.span for one in every), any(one.start for one in every))
+        return Blunted(slow, whole, max(one.span for one in every))
 
     @property
     def earliest(self) -> float:
