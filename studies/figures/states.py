@@ -81,7 +81,7 @@ class Panels:
     def unworn(self, upper: Any, lower: Any) -> None:
         """The face before wear, less its least height; of a flat punch, which has none, the pressure."""
         if self.problem.profile is not None:
-            heights = self.problem.profile(self.problem.radii)
+            heights = self.problem.profile(self.problem.radii) + self.problem.profile.standoff
             upper.plot(self.radii, (heights - heights.min()) * self.scale.height.factor, **FAINT, label="unworn punch")
             return
         radii = np.linspace(0, 1, 400)[:-1]

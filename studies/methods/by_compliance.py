@@ -84,13 +84,6 @@ class ComplianceMethod(Method):
                 "contact is an inequality: give 'implicit', or 'modal' for steps that suit the accuracy"
             )
         if problem.indentation is not None:
-            least = problem.profile.nearest()
-            if problem.indentation <= least:
-                scale = problem.units.displacement
-                return (
-                    f"load.indentation = {problem.indentation * scale:.6g} is too small to touch: the punch stands "
-                    f"{least * scale:.6g} from the half-space where it is nearest; give more"
-                )
             if not len(problem.times):
                 return "load.indentation has no steady state but that nothing presses any more: give wear.times"
         return ""

@@ -36,7 +36,7 @@ class Quantity(NamedTuple):
 
 NORMS = {
     "value": "difference over the value",
-    "indentation": "greatest difference over the punch, over the indentation d(t)",
+    "indentation": "greatest difference over the punch, over the indentation d(t) beyond the first touch",
     "steady": "greatest difference over the punch, over the greatest steady displacement",
     "force": "greatest difference of all rings, over the normal force",
     "volume": "greatest difference of all rings, over that of all rings together",
@@ -131,9 +131,10 @@ def _difference(name: str, results: xarray.Dataset, against: xarray.Dataset, fac
         difference = np.abs(value - reference)
         over = tuple(QUANTITIES[name].dims.index(dim) for dim in QUANTITIES[name].dims if dim in ("radius", "ring"))
         difference = difference.max(axis=over, initial=0.0)
+        beyond_touch = array(against, "indentation") - face.standoff
         scale = {
-            "value": np.abs(reference),
-            "indentation": array(against, "indentation"),
+            "value": np.abs(beyond_touch if name == "indentation" else reference),
+            "indentation": beyond_touch,
             "steady": array(against, "steady_displacement_max"),
             "force": array(against, "normal_force") if "normal_force" in against else np.ones(()),
             "volume": reference.sum(axis=-1),

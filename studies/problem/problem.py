@@ -9,6 +9,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from ringwear.meshes.errors import SceneError
 from ringwear.meshes.radial import Array, Indices, alternating_edges, graded_breakpoints, ring_of, unit_gauss
 from ringwear.studies.problem.profile import InitialProfile, unworn
 from ringwear.studies.problem.sections import (
@@ -27,6 +28,8 @@ D0, P0 = 0.5, 1 / (2 * np.pi)  # the paper's d0 = F/(2 a E*) and p0 = F/(2 pi a^
 
 # times at which whole fields are compared, and by which errors are estimated
 MOST_CHECKED, MOST_ESTIMATED = 40, 60
+# equal cells of the face that norms of fields see at least, where edges of the contact move
+CELLS_OF_FACE = 250
 
 
 def unilateral(punch: PunchSection, load: LoadSection) -> bool:
@@ -35,10 +38,14 @@ def unilateral(punch: PunchSection, load: LoadSection) -> bool:
 
 
 class Face(NamedTuple):
-    """Radii over the punch (R,), and the weight ``k dA`` of each: what norms of fields are taken by."""
+    """Radii over the punch (R,), and the weight ``k dA`` of each: what norms of fields are taken by.
+
+    Displacements and heights are measured against the indentation beyond the first touch: the `standoff` does not count.
+    """
 
     radii: Array
     weights: Array
+    standoff: float = 0.0
 
 
 class Blunted(NamedTuple):
@@ -147,7 +154,8 @@ class Problem:
     units : sizes of the units
     profile : of the unworn face; None for a flat punch under a force, which never loses contact
     compared_on : radii over the punch that fields are compared at; None for those that suit the problem
-    indentation : held fixed in place of the force, which then is what a flat punch would take; None under a force
+    indentation : beyond the first touch, held fixed in place of the force, which then is what a flat punch would take; None
+        under a force
     quantities : names of those wanted; None for all that go with times and steady state
     """
 
@@ -184,7 +192,7 @@ class Problem:
         coefficients = given if len(given) == count else given[np.arange(count) % 2]
         modulus = half_space.plane_strain_modulus or (half_space.youngs_modulus or 0.0) / (1 - half_space.poisson_ratio**2)
         force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * length**2
-        force = force or 2 * length * modulus * (load.indentation or 0.0)
+        force = force or 2 * length * modulus * _approach(punch, load, ring_edges)
         fastest = float(coefficients.max())
         time = length / modulus / fastest / load.sliding_speed
         units = Units(length, modulus, force, time, fastest)
@@ -256,10 +264,16 @@ class Problem:
         breakpoints = graded_breakpoints(rings.ring_edges, 1e-4 * rings.narrower, rim, factor=0.25)
         # the integral over each ring that the scene names, also where nothing happens at its edge
         breakpoints = np.union1d(breakpoints, self.ring_edges)
+        if self.profile is not None:
+            # pressures nearly jump at edges of the contact, which may be anywhere
+            breakpoints = np.union1d(breakpoints, np.linspace(0, 1, CELLS_OF_FACE + 1))
         node, weight = unit_gauss(6)
         width = np.diff(breakpoints)[:, None]
         radii = (breakpoints[:-1, None] + width * node).ravel()
-        return Face(radii, 2 * np.pi * radii * rings.at(radii) * (width * weight).ravel())
+        standoff = 0.0 if self.profile is None else self.profile.standoff
+        return Face(
+            radii, 2 * np.pi * radii * rings.at(radii) * (width * weight).ravel(), standoff
+        )
 
     @cached_property
     def checked(self) -> Indices:
@@ -275,3 +289,20 @@ class Problem:
             return self.times
         count = min(int(np.log2(later[-1] / later[0])) + 3, MOST_ESTIMATED)
         return np.concatenate([self.times[:1][self.times[:1] == 0], np.geomspace(later[0], 2 * later[-1], count)])
+
+
+def _approach(punch: PunchSection, load: LoadSection, ring_edges: Array) -> float:
+    """Return by how much a given indentation is beyond the first touch, in the scene's units.
+
+    Raises
+    ------
+    SceneError
+        if nothing touches
+    """
+    given, least = load.indentation or 0.0, unworn(punch, ring_edges, punch.radius, 1.0).standoff
+    if given <= least:
+        raise SceneError(
+            f"load.indentation = {given:.6g} is too small to touch: the punch stands {least:.6g} from "
+            "the half-space where it is nearest; give more"
+        )
+    return given - least

@@ -2,10 +2,13 @@
 
 A height is material that is missing: where it is zero the face plane is, whose indentation is d. Heights may be any
 function of the radius; steps at ring edges are the recesses. Lengths are in punch radii, heights in ``F / (a E*)``.
+
+A face may stand off its plane everywhere. That distance is taken off before anything is computed, and added to what is
+reported, so that no step, tolerance or norm depends on it.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -19,7 +22,7 @@ Height = Callable[[Array], Array]
 
 @dataclass(frozen=True, eq=False)
 class InitialProfile:
-    """Heights of the punch face before wear.
+    """Heights of the punch face before wear, above where it is nearest to the half-space.
 
     Parameters
     ----------
@@ -27,12 +30,14 @@ class InitialProfile:
     recess : (N,) height of each ring
     heights : functions of the radius that are added to it
     kinks : radii at which these are not smooth
+    standoff : distance of the nearest point from the face plane, which the heights do not contain
     """
 
     ring_edges: Array
     recess: Array
     heights: tuple[Height, ...] = ()
     kinks: tuple[float, ...] = ()
+    standoff: float = 0.0
 
     def __call__(self, radii: Array) -> Array:
         """Heights at radii; an edge belongs to the ring outside it."""
@@ -59,14 +64,17 @@ class InitialProfile:
         return np.diff(self.recess)
 
     def sampled(self) -> tuple[Array, Array]:
-        """Radii, many in every ring and its edges, and heights there."""
-        within = np.linspace(0.0, 1.0, 501)
-        parts = [a + (b - a) * within for a, b in pairwise(self.ring_edges)]
+        """Radii, many in every ring, its edges and kinks, and heights there."""
+        within, kinks = np.linspace(0.0, 1.0, 501), np.array(self.kinks)
+        parts = [
+            np.union1d(a + (b - a) * within, kinks[(kinks > a) & (kinks < b)])
+            for a, b in pairwise(self.ring_edges)
+        ]
         heights = [self.in_ring(part, np.full(len(part), ring)) for ring, part in enumerate(parts)]
         return np.concatenate(parts), np.concatenate(heights)
 
     def nearest(self) -> float:
-        """The least height, by a fine sample of every ring: nothing touches at a smaller indentation."""
+        """The least height, by a fine sample of every ring."""
         return float(self.sampled()[1].min())
 
 
@@ -91,12 +99,11 @@ def unworn(punch: PunchSection, ring_edges: Array, length: float, unit: float) -
         shape, kinks = _shape(punch.profile, length, unit)
         heights.append(shape)
     profile = InitialProfile(ring_edges, recess, tuple(heights), kinks)
-    if punch.heights:
-        least = profile.nearest()
-        if not least >= 0:
-            raise SceneError(f"the height of the punch is {least * unit:.3g} somewhere: heights are material that is "
-                             "missing, 0 or more and finite; add a constant to them")  # fmt: skip
-    return profile
+    least = profile.nearest()
+    if punch.heights and not least >= 0:
+        raise SceneError(f"the height of the punch is {least * unit:.3g} somewhere: heights are material that is "
+                         "missing, 0 or more and finite; add a constant to them")  # fmt: skip
+    return replace(profile, recess=recess - least, standoff=least)
 
 
 def _in_units(height: Height, length: float, unit: float) -> Height:

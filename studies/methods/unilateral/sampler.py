@@ -44,7 +44,7 @@ class ContactSampler:
         at = self.space.matrix(radii)
         worn = history.integral * self._wear
         moved = self._displaced(history)
-        pressure, profile = (at @ history.pressure.T).T, self.profile(radii) + (at @ worn.T).T
+        pressure, heights = (at @ history.pressure.T).T, self.profile(radii) + (at @ worn.T).T
         carries, displacement = pressure > 0, (at @ moved.T).T
         indentation, forces = history.indentation.copy(), history.pressure @ self._ring_forces.T
         # linear pieces are greatest at a node
@@ -57,12 +57,12 @@ class ContactSampler:
             edges[0] = [(one.inner, one.outer) for one in first.intervals]
             if first.intervals[0].inner == 0:
                 centre[0] = first.indentation - self.profile(np.zeros(1))[0]
-        displacement = np.where(carries, indentation[:, None] - profile, displacement)
+        displacement = np.where(carries, indentation[:, None] - heights, displacement)
         values = {
             "pressure": pressure,
-            "profile": profile,
+            "profile": heights + self.profile.standoff,
             "displacement": displacement,
-            "indentation": indentation,
+            "indentation": indentation + self.profile.standoff,
             "displacement_centre": centre,
             "displacement_max": greatest,
             "rms_slope": np.sqrt(self._slope_weights @ (self._unworn_slopes[:, None] + self._slopes @ worn.T) ** 2),
