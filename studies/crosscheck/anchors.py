@@ -64,7 +64,7 @@ def _of_history(problem: Problem, name: str, solution: Solution) -> Iterator[Anc
         return
     of_forces = solution.checked_error(problem, "ring_force")
     yield _worst("ring forces add up to F", name, np.abs(forces - 1), np.maximum(of_forces, EXACT))
-    radii, weights = problem.face
+    radii, weights = problem.face[:2]
     by_wear = weights / problem.merged.at(radii) ** 2
     later = times > 0
     if later.any():

@@ -95,6 +95,6 @@ def _with_profile(problem: Problem, solution: Solution, found: dict[str, Array])
 
 def _by_ring(problem: Problem) -> tuple[Indices, Array]:
     """The ring of each radius of the face, and the area that it stands for."""
-    radii, weights = problem.face
+    radii, weights = problem.face[:2]
     ring = ring_of(problem.ring_edges, radii)
     return ring, weights / problem.wear_coefficients[ring]
