@@ -17,6 +17,8 @@ MARK, AT_FREE, AT_CORNER = 1e-2, 2.5e-7, 1e-10
 FACTOR, GROWTH, TRUNCATION = 0.25, 0.8, 2.5
 # of triangles whose contact line follows given cells
 TRIANGLE_DEGREE, TRIANGLE_GROWTH, TRIANGLE_TRUNCATION = 3, 0.6, 5.0
+# growth of the triangles of a coarser half-space, whose difference shows what they err by
+COARSER_GROWTH = 0.9
 FAR_FIELD = 1e-10
 
 
@@ -38,9 +40,11 @@ def fitted_half_space(edges: tuple[float, ...], infinite: tuple[bool, ...], degr
     return _half_space(AxisymmetricElasticity(mesh, degree, poisson_ratio), marks)
 
 
-def even_half_space(cells: ContactCells, poisson_ratio: float) -> HalfSpace:
+def even_half_space(
+    cells: ContactCells, poisson_ratio: float, growth: float = TRIANGLE_GROWTH
+) -> HalfSpace:
     """Triangles of degree 3 whose facets on the contact are no larger than the cells, with linear pressures on these."""
-    mesh = bisection.mesh(contact_mesh_field(cells, TRIANGLE_GROWTH, TRIANGLE_TRUNCATION))
+    mesh = bisection.mesh(contact_mesh_field(cells, growth, TRIANGLE_TRUNCATION))
     half_space = _half_space(AxisymmetricElasticity(mesh, TRIANGLE_DEGREE, poisson_ratio), np.array(cells.ring_edges))
     space = half_space.space
     return HalfSpace(half_space.solid, PressureSpace(space.breakpoints, np.ones_like(space.degrees), space.ring_edges),

@@ -124,7 +124,7 @@ class AnySpaceMethod(ComplianceMethod):
         from ringwear.meshes.contact_cells import ContactCells, fitted_space
         from ringwear.studies.methods.unilateral.solution import UnilateralMethod
 
-        def even(cells: ContactCells) -> tuple[Compliance, int]:
+        def even(cells: ContactCells, _: bool) -> tuple[Compliance, int]:
             space = cells.space()
             return self.compliance(space), space.size
 

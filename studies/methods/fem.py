@@ -198,12 +198,13 @@ class Fem(ComplianceMethod):
         return Discretised(fine, every, half_space.unknowns, settings, half_space, meshed.notes)
 
     def unilateral(self, problem: Problem) -> "UnilateralMethod":
-        from ringwear.fem.contact_meshes import even_half_space, fitted_half_space
+        from ringwear.fem.contact_meshes import COARSER_GROWTH, TRIANGLE_GROWTH, even_half_space, fitted_half_space
         from ringwear.meshes.contact_cells import ContactCells
         from ringwear.studies.methods.unilateral.solution import UnilateralMethod
 
-        def even(cells: ContactCells) -> "tuple[Compliance, int]":
-            half_space = even_half_space(cells, problem.poisson_ratio)
+        def even(cells: ContactCells, coarser: bool) -> "tuple[Compliance, int]":
+            growth = COARSER_GROWTH if coarser else TRIANGLE_GROWTH
+            half_space = even_half_space(cells, problem.poisson_ratio, growth)
             return half_space.compliance(), half_space.unknowns
 
         def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> "Compliance":

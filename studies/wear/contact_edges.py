@@ -127,7 +127,16 @@ def worn_edges(space: PressureSpace, contact: Mask, integral: Array) -> list[tup
         few = last - first < 2 * FAR
         ends = [_worn_end(radius, integral, node, way, few) for node, way in ((first, -1), (last, 1))]
         out.append((ends[0], ends[1]))
-    return out
+    return _apart(out)
+
+
+def _apart(parts: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Return parts whose extrapolated edges do not cross: two that do meet in the middle."""
+    edges = np.ravel(parts)
+    crossed = np.flatnonzero(edges[1:-1:2] > edges[2::2])
+    for first in 2 * crossed + 1:
+        edges[first : first + 2] = edges[first : first + 2].mean()
+    return [(float(inner), float(outer)) for inner, outer in edges.reshape(-1, 2)]
 
 
 def _worn_end(radius: Array, integral: Array, node: int, way: int, few: bool) -> float:

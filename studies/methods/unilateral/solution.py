@@ -19,7 +19,7 @@ from ringwear.meshes.contact_cells import ContactCells
 from ringwear.meshes.errors import RingwearError
 from ringwear.meshes.radial import Array
 from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import ENERGIES, differences
+from ringwear.studies.methods.quantities import differences
 from ringwear.studies.methods.unilateral.sampler import ContactSampler
 from ringwear.studies.problem.defaults import cells_of
 from ringwear.studies.problem.problem import Problem
@@ -27,20 +27,24 @@ from ringwear.studies.problem.profile import InitialProfile
 from ringwear.studies.progress import Stages
 from ringwear.studies.wear.contact_edges import located
 from ringwear.studies.wear.contact_march import ContactHistory, ContactMarch
-from ringwear.studies.wear.fitted_press import CompliancesOn, FittedContact, FittedPress
-from ringwear.studies.wear.moments import moments
+from ringwear.studies.wear.fitted_press import CLOSE, CompliancesOn, FittedContact, FittedPress
+from ringwear.studies.wear.moments import moments, unresolved_height
 from ringwear.studies.wear.unilateral import Interval, Load
 
 # of the accuracy asked for that each step in time may add to the worn depth
 PER_STEP = 0.05
-# on half as many cells: d errs by half of the difference in the mean, pressures by more than it, for their edges move
-OF_ENERGIES, OF_FIELDS = 1.0, 2.5
+# times the difference to half as many cells that errors are stated as: edges move, and seldom to the same place in a cell
+SAFETY = 2.5
 # of the bend of fields from cell to cell, which cells lose: where an edge stays in a cell of both meshes, their difference
 # says nothing of it. Of punches drawn at random none penetrates by more than 0.23 of it where cells hold the face
 OF_BENDS = 0.25
 # times before and after one that say as much of its error
 AROUND = 2
 ROUNDOFF = 1e-12
+# quantities that err as heights of the face do
+OF_HEIGHTS = ("profile", "displacement", "indentation", "displacement_centre", "displacement_max")
+# of slopes of the unworn face, which are differences of heights, and of edges, which are sought to a few times `CLOSE`
+LEAST = {"rms_slope": 1e-8, "contact_radius": 5 * CLOSE}
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,12 +53,12 @@ class UnilateralMethod:
 
     Parameters
     ----------
-    even : compliance on linear pressures over cells, and the unknowns behind it
+    even : compliance on linear pressures over cells, and the unknowns behind it; a coarser one shows what it errs by
     fitted : compliance on pressures of high degree between given edges
     degrees : highest of those pressures, and a lower one to judge it by
     """
 
-    even: Callable[[ContactCells], tuple[Compliance, int]]
+    even: Callable[[ContactCells, bool], tuple[Compliance, int]]
     fitted: Callable[[tuple[float, ...], tuple[bool, ...], int], Compliance]
     degrees: tuple[int, int]
 
@@ -95,17 +99,26 @@ def history(one: UnilateralMethod, problem: Problem, stages: Stages) -> Solution
             presses = [press, rough]
     tolerance = PER_STEP * problem.rtol
     with stages("marching"):
-        fine, unknowns = _march(one, problem, cells, presses[0], tolerance)
+        compliance, unknowns = one.even(cells, False)
+        fine = _march(problem, compliance, presses[0], tolerance)
     with stages("estimating"):
-        coarse, _ = _march(one, problem, coarse_cells, presses[1], 4 * tolerance)
+        coarse = _march(problem, one.even(coarse_cells, True)[0], presses[1], 4 * tolerance)
         errors = _errors(problem, coarse.sampled(on_face=True), fine.sampled(on_face=True))
         lost = OF_BENDS * fine.sampler.bent(fine.history) / fine.history.indentation
         errors |= {name: np.maximum(errors[name], lost) for name in ("profile", "displacement")}
+        rough = unresolved_height(profile, compliance.space, fine.history.indentation.max())
+        rough = rough / fine.history.indentation
+        errors |= {name: np.maximum(errors[name], rough) for name in OF_HEIGHTS}
+        if rough.max() > problem.rtol:
+            notes.append(
+                f"the face is finer than the {len(compliance.space.degrees)} cells resolve: heights "
+                f"differ from what they hold by up to {rough.max():.1e} of the indentation"
+            )
     parts = {"pressure space": float(errors["indentation"].max())}
     if problem.indentation is not None:
         # what was given has no error; the force decays, and is judged by the first
         forces = fine.history.force
-        parts = {"force": OF_ENERGIES * float(np.abs(coarse.history.force - forces).max() / forces[0])}
+        parts = {"force": SAFETY * float(np.abs(coarse.history.force - forces).max() / forces[0])}
     if problem.march != "modal":
         exact = _Marched(fine.sampler, _steps(fine.sampler, problem, tolerance, None), presses[0])
         steps = differences(fine.sampled(on_face=True), exact.sampled(on_face=True), problem.face)
@@ -142,12 +155,11 @@ def _fitted(
 
 
 def _march(
-    one: UnilateralMethod, problem: Problem, cells: ContactCells, first: FittedPress | None, tolerance: float
-) -> tuple[_Marched, int]:
+    problem: Problem, compliance: Compliance, first: FittedPress | None, tolerance: float
+) -> _Marched:
     assert problem.profile is not None
-    compliance, unknowns = one.even(cells)
     sampler = ContactSampler(problem, problem.profile, compliance)
-    return _Marched(sampler, _steps(sampler, problem, tolerance, problem.step), first), unknowns
+    return _Marched(sampler, _steps(sampler, problem, tolerance, problem.step), first)
 
 
 def _steps(sampler: ContactSampler, problem: Problem, tolerance: float, step: float | None) -> ContactHistory:
@@ -164,7 +176,7 @@ def _errors(problem: Problem, coarse: xarray.Dataset, fine: xarray.Dataset) -> d
         if later.any():
             among = np.pad(difference[later], AROUND)
             near[later] = np.lib.stride_tricks.sliding_window_view(among, 2 * AROUND + 1).max(axis=1)
-        errors[name] = (OF_ENERGIES if name in ENERGIES else OF_FIELDS) * near + ROUNDOFF
+        errors[name] = SAFETY * near + LEAST.get(name, ROUNDOFF)
     return errors
 
 
