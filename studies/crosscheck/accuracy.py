@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ringwear.studies.methods.base import Method, Solution
-from ringwear.studies.methods.quantities import A_FEW, ENERGIES, FINEST
+from ringwear.studies.methods.quantities import ENERGIES, FINEST
 from ringwear.studies.problem.defaults import at_smallest, field_accuracy
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import LOG, Stages
@@ -43,7 +43,7 @@ def solved_to_accuracy(one: Method, problems: Sequence[Problem], stages: Stages)
 
 
 def _falls_short(problem: Problem, solution: Solution, working: float) -> bool:
-    return working > FINEST and error_of_sizes(problem, solution) > A_FEW / 2 * problem.rtol
+    return working > FINEST and error_of_sizes(problem, solution) > problem.rtol
 
 
 def _ratio(problem: Problem, solution: Solution, finer: Solution) -> float:

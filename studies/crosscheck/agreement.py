@@ -1,8 +1,8 @@
 """How far two methods agree, in three words: every quantity that both give, in its norm, against what each says of itself.
 
-They agree where their difference is within their combined uncertainty and that within a few times the accuracy asked for;
-they disagree where the difference is beyond it. Where the uncertainty is greater than what was asked for, nothing is
-decided, and it is said what would decide it.
+They agree where their difference is within their combined uncertainty, or within the accuracy asked for, and that
+uncertainty within a few times this. They disagree where the difference is beyond both, and neither says of itself that it
+errs by more than was asked for. All else is undecided, and it is said what would decide it.
 """
 
 from collections.abc import Collection
@@ -19,12 +19,12 @@ from ringwear.studies.methods.quantities import A_FEW, COMPARED_MODES, ENERGIES,
 from ringwear.studies.problem.defaults import at_smallest, field_accuracy
 from ringwear.studies.problem.problem import Problem
 
-# part of the accuracy asked for below which differences mean nothing: estimates of errors so small may be of chance
-NOTHING = 0.05
 # times as accurate that a method has to be to show what another's error is
 BETTER = 10.0
 # of a history in which edges of the contact move: known to a cell, whatever the accuracy asked for
 AT_EDGES = ("pressure", "profile", "displacement", "displacement_centre", "displacement_max", "rms_slope", "contact_radius")
+# of a flat punch: where wear has made layers thinner than coordinates can tell
+EARLY = ("rms_slope", "pressure")
 AGREE, DISAGREE, UNDECIDED = "agree", "disagree", "undecided"
 
 
@@ -38,7 +38,8 @@ class Agreement:
     difference, uncertainty : relative, in the norm of the quantity, where they decide the verdict
     verdict : `agree`, `disagree` or `undecided`
     remark : of what is undecided, when, by whose fault, and what would decide it
-    promised : whether the verdict on the run waits for it; where edges of a contact move, not for what is local to them
+    promised : whether the verdict on the run waits for it; where edges of a contact move, not for what is local to them,
+        nor for fields of a flat punch that cannot be resolved
     """
 
     quantity: str
@@ -68,7 +69,7 @@ class Worst(NamedTuple):
 
     Parameters
     ----------
-    disagreement : greatest difference over its uncertainty: above 1 they disagree
+    disagreement : greatest difference over what would make them disagree: above 1 they do
     effectivity : least stated error over the error that a method at least `BETTER` times as accurate shows
     """
 
@@ -83,18 +84,22 @@ def worst(problem: Problem, solutions: Collection[Solution], keep: Collection[st
         found = differences(both[0].checked, both[1].checked, problem.face)
         for name in found.keys() & set(keep):
             difference, first, second = _compared(problem, name, found[name], both)
-            uncertainty = _uncertainty(problem, first, second)
-            disagreement = np.fmax(disagreement, np.max(difference / uncertainty, initial=0.0))
-            counted = difference > NOTHING * problem.rtol
+            disagreement = np.fmax(
+                disagreement, np.max(_over_bound(problem, difference, first, second), initial=0.0)
+            )
+            # estimates of errors far below the accuracy asked for may be of chance
+            counted = difference > problem.rtol / 20
             for stated, other in ((first, second), (second, first)):
                 shown = counted & (stated > BETTER * other)
                 effectivity = np.fmin(effectivity, np.min(stated[shown] / difference[shown], initial=np.inf))
     return Worst(float(disagreement), float(effectivity) if np.isfinite(effectivity) else np.nan)
 
 
-def _uncertainty(problem: Problem, first: Array, second: Array) -> Array:
-    """Of a difference, by what two methods say of their errors."""
-    return np.maximum(first + second, NOTHING * problem.rtol)
+def _over_bound(problem: Problem, difference: Array, first: Array, second: Array) -> Array:
+    """Return differences over the bound beyond which methods that state such errors disagree."""
+    rtol = problem.rtol
+    decisive = (first <= rtol) & (second <= rtol)
+    return np.where(decisive, difference / np.maximum(first + second, rtol), 0.0)
 
 
 def _compared(
@@ -112,20 +117,29 @@ def _compared(
 def _agreement(
     problem: Problem, name: str, of: tuple[str, str], difference: Array, first: Array, second: Array
 ) -> Agreement:  # fmt: skip
-    uncertainty = _uncertainty(problem, first, second)
-    beyond = difference > uncertainty
-    if beyond.any():
-        worst = int(np.argmax(difference / uncertainty))
+    over, rtol = _over_bound(problem, difference, first, second), problem.rtol
+    uncertainty = first + second
+    if (over > 1).any():
+        worst = int(np.argmax(over))
         return Agreement(name, of, float(difference[worst]), float(uncertainty[worst]), DISAGREE)
     # where many are as uncertain, the one that differs most
-    worst = int(np.lexsort((difference, uncertainty))[-1])
-    promised = problem.profile is None or not problem.earliest or name not in AT_EDGES
-    row = Agreement(name, of, float(difference[worst]), float(uncertainty[worst]), AGREE, promised=promised)
-    if uncertainty[worst] <= A_FEW * problem.rtol:
+    open_ = (uncertainty > A_FEW * rtol) | (difference > np.maximum(uncertainty, rtol))
+    worst = int(np.lexsort((difference, uncertainty, open_))[-1])
+    row = Agreement(name, of, float(difference[worst]), float(uncertainty[worst]), AGREE, promised=_promised(problem, name))
+    if not open_.any():
         return row
     loser = of[int(second[worst] > first[worst])]
-    when = _when(problem, name, uncertainty > A_FEW * problem.rtol)
+    when = _when(problem, name, open_)
     return replace(row, verdict=UNDECIDED, remark=f"{when}{remedy(problem, name, loser, float(uncertainty[worst]))}")
+
+
+def _promised(problem: Problem, name: str) -> bool:
+    """Whether the accuracy asked for is promised of a quantity: fields are not where they cannot be resolved."""
+    if problem.profile is not None:
+        return not problem.earliest or name not in AT_EDGES
+    if name in EARLY and at_smallest(problem):
+        return False
+    return name in ENERGIES or field_accuracy(problem) <= problem.rtol
 
 
 def _when(problem: Problem, name: str, undecided: NDArray[np.bool_]) -> str:
@@ -147,7 +161,7 @@ def remedy(problem: Problem, name: str, blamed: str, error: float) -> str:
         return (
             "pressures jump at edges of worn faces that move, and fields are known to a cell there; ask for a smaller rtol"
         )
-    if name in ("rms_slope", "pressure") and at_smallest(problem):
+    if name in EARLY and at_smallest(problem):
         return f"the layers that wear makes by the first times are thinner than {blamed} can resolve; ask for later times"
     if (fields := field_accuracy(problem)) > problem.rtol and name not in ENERGIES:
         return f"with so many rings fields are resolved to {fields:.0e} only; give degree and ring_size of {blamed} for more"

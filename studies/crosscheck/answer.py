@@ -6,7 +6,7 @@ has run in, it rises in a straight line. What ``d(t) - w t`` has still to rise f
 
 import numpy as np
 
-from ringwear.meshes.radial import Array, Indices, ring_of
+from ringwear.meshes.radial import Array
 from ringwear.studies.methods.base import Solution
 from ringwear.studies.methods.quantities import Quantity, array
 from ringwear.studies.problem.problem import Problem
@@ -70,17 +70,17 @@ def _start(problem: Problem, solution: Solution, found: dict[str, Array]) -> Non
 
 
 def _steady(problem: Problem, solution: Solution, found: dict[str, Array]) -> None:
-    pressure, ring, areas = array(solution.checked, "steady_pressure"), *_by_ring(problem)
+    pressure, face = array(solution.checked, "steady_pressure"), problem.face
     for number in range(len(problem.wear_coefficients)):
-        own = pressure[ring == number]
+        own = pressure[face.ring == number]
         found["pressure_min"][1, number], found["pressure_max"][1, number] = own.min(), own.max()
-    found["force_share"][1] = np.bincount(ring, areas * pressure)
+    found["force_share"][1] = face.ring_sums(face.areas * pressure)
 
 
 def _wear(problem: Problem, solution: Solution, found: dict[str, Array]) -> None:
     if "profile" in solution.checked:
-        ring, areas = _by_ring(problem)
-        found["worn_volume"][:] = np.bincount(ring, areas * array(solution.checked, "profile")[-1])
+        worn = problem.face.areas * array(solution.checked, "profile")[-1]
+        found["worn_volume"][:] = problem.face.ring_sums(worn)
 
 
 def _with_profile(problem: Problem, solution: Solution, found: dict[str, Array]) -> None:
@@ -91,10 +91,3 @@ def _with_profile(problem: Problem, solution: Solution, found: dict[str, Array])
     if problem.times[0] == 0:
         found["indentation_start"][...] = array(solution.results, "indentation")[0]
         found["force_share"][0] = array(solution.results, "ring_force")[0] / array(solution.results, "normal_force")[0]
-
-
-def _by_ring(problem: Problem) -> tuple[Indices, Array]:
-    """The ring of each radius of the face, and the area that it stands for."""
-    radii, weights = problem.face[:2]
-    ring = ring_of(problem.ring_edges, radii)
-    return ring, weights / problem.wear_coefficients[ring]

@@ -10,7 +10,7 @@ import xarray
 
 from ringwear.meshes.radial import Array
 from ringwear.studies.crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
-from ringwear.studies.crosscheck.anchors import Anchor
+from ringwear.studies.crosscheck.anchors import Anchor, anchors
 from ringwear.studies.crosscheck.answer import ALSO, ANSWER, STATES, answer
 from ringwear.studies.crosscheck.operators import OperatorDifference
 from ringwear.studies.crosscheck.scope import left_out, modelled
@@ -25,11 +25,12 @@ from ringwear.studies.wear.modes import SHOWN
 UNSTATED = "the scene's own consistent units"
 
 DEFINITIONS = {
-    "verdict": "agree: every difference is within the uncertainty, and that within a few rtol; disagree: a difference "
-    "is beyond it, or an anchor does not hold; undecided: an uncertainty is greater than a few rtol. Where edges of a "
+    "verdict": "agree: every difference is within the uncertainty, or within rtol, and the uncertainty within a few rtol; "
+    "disagree: a difference is beyond both, though neither method states an error above rtol, or an anchor does not hold; "
+    "undecided: anything else. Where edges of a "
     "contact move, what is local to them (`promised` false) does not make the whole undecided, but can make it disagree",
     "difference": "relative, in the norm of the quantity, where it decides the verdict",
-    "uncertainty": "sum of the two methods' own error estimates at that time, at least a twentieth of rtol",
+    "uncertainty": "sum of the two methods' own error estimates at that time",
     "anchors": "closed forms and balances that each method is held to by itself",
     "operator_difference": "of the energies two methods give the same pressures, relative: greatest over all "
     "ring-wise constant pressures (rings), along the history (history), over the first method's whole space "
@@ -52,7 +53,6 @@ class Result:
     solutions : by method
     stages : seconds by method
     agreement : of every two methods, by quantity
-    anchors : what no method can move, for each method
     operators : of every two compliances
     """
 
@@ -60,7 +60,6 @@ class Result:
     solutions: dict[str, Solution]
     stages: dict[str, Stages]
     agreement: tuple[Agreement, ...]
-    anchors: tuple[Anchor, ...]
     operators: tuple[OperatorDifference, ...]
 
     @property
@@ -115,10 +114,19 @@ class Result:
                 found[name][key] = value * getattr(units, QUANTITIES[key].unit)
         return found
 
-    @property
+    @cached_property
     def dataset(self) -> xarray.Dataset:
         """The results as an xarray Dataset, in the scene's units."""
         return dataset(self)
+
+    @cached_property
+    def anchors(self) -> tuple[Anchor, ...]:
+        """What no method can move, for each method: closed forms and balances that the dataset is held to."""
+        return tuple(
+            anchor
+            for name, solution in self.solutions.items()
+            for anchor in anchors(self.scene, name, self.dataset.sel(solver=name), solution)
+        )
 
     @property
     def summary(self) -> dict[str, Any]:

@@ -9,7 +9,6 @@ from threadpoolctl import threadpool_limits
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.crosscheck.accuracy import solved_to_accuracy
 from ringwear.studies.crosscheck.agreement import agreements
-from ringwear.studies.crosscheck.anchors import anchors
 from ringwear.studies.crosscheck.dataset import Result
 from ringwear.studies.crosscheck.operators import OperatorDifference, difference
 from ringwear.studies.crosscheck.scope import refusals
@@ -47,11 +46,10 @@ def run(scene: Scene) -> Result:
     with threadpool_limits(1):
         solutions = {name: solved_to_accuracy(one, [problem], stages[name])[0] for name, one in methods.items()}
         operators = tuple(compare_operators(problem, solutions))
-        held = tuple(anchor for name, solution in solutions.items() for anchor in anchors(problem, name, solution))
     agreement = tuple(
         row for a, b in combinations(solutions, 2) for row in agreements(problem, (a, b), (solutions[a], solutions[b]))
     )
-    return Result(scene, solutions, stages, agreement, held, operators)
+    return Result(scene, solutions, stages, agreement, operators)
 
 
 def compare_operators(problem: Problem, solutions: dict[str, Solution]) -> Iterator[OperatorDifference]:

@@ -63,6 +63,9 @@ START_AT_RIM = 8.0
 LOW, OF_FIELD = 2, {"displacement_max": "displacement", "steady_displacement_max": "steady_profile"}
 # of the numbers of elements
 ROUNDOFF = 1e-14
+# part of the accuracy asked for that energies, and everything else, are not known better than: where two computations differ
+# by less, it may be by chance
+CHANCE_OF_ENERGIES, CHANCE = 1e-4, 0.02
 # logarithm of the wear ratio within which a history is solved whole, and times before the first that it is followed from;
 # punches for each that is solved whole, so that sharing modes is a gain; materials at the most
 REACH, BEFORE, GAIN, MOST_MATERIALS = np.log(10) / 2 * 1.01, 1000, 2, 8
@@ -219,7 +222,8 @@ def estimated(
         found = differences(evaluated(pair.coarser).for_estimate, evaluated(pair.finer).for_estimate, problem.face)
         for name, difference in found.items():
             part = pair.safety.of(name) * at_times(problem, name, difference)
-            errors[name] = _added(errors.get(name, np.full(part.shape, roundoff)), part)
+            least = problem.rtol * (CHANCE_OF_ENERGIES if name in ENERGIES else CHANCE)
+            errors[name] = _added(errors.get(name, np.full(part.shape, max(roundoff, least))), part)
         parts[pair.part] = pair.safety.energies * float(np.max(found.get("indentation", 0.0)))
     for greatest, field in OF_FIELD.items() if compliance.space.top <= LOW else ():
         if greatest in errors and field in errors:

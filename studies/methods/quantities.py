@@ -7,7 +7,7 @@ import numpy as np
 import xarray
 
 from ringwear.meshes.radial import Array
-from ringwear.studies.problem.problem import Face
+from ringwear.studies.problem.face import Face
 
 # times the accuracy asked for that the uncertainty of two methods may be, each of which is to be that accurate
 A_FEW = 4.0

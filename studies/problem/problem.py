@@ -10,7 +10,8 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ringwear.meshes.errors import SceneError
-from ringwear.meshes.radial import Array, Indices, alternating_edges, graded_breakpoints, ring_of, unit_gauss
+from ringwear.meshes.radial import Array, Indices, alternating_edges, graded_breakpoints, ring_of
+from ringwear.studies.problem.face import Face
 from ringwear.studies.problem.profile import InitialProfile, unworn
 from ringwear.studies.problem.sections import (
     AccuracySection,
@@ -35,17 +36,6 @@ CELLS_OF_FACE = 250
 def unilateral(punch: PunchSection, load: LoadSection) -> bool:
     """Whether contact can be lost or gained: a flat punch under a force keeps all of it."""
     return any(punch.recess or ()) or bool(punch.profile or punch.heights) or load.indentation is not None
-
-
-class Face(NamedTuple):
-    """Radii over the punch (R,), and the weight ``k dA`` of each: what norms of fields are taken by.
-
-    Displacements and heights are measured against the indentation beyond the first touch: the `standoff` does not count.
-    """
-
-    radii: Array
-    weights: Array
-    standoff: float = 0.0
 
 
 class Blunted(NamedTuple):
@@ -260,20 +250,18 @@ class Problem:
         if self.compared_on is not None:
             return self.compared_on
         rings = self.merged
-        rim = float(np.clip(0.1 * (self.earliest or 1.0), 1e-13, 1e-6))
-        breakpoints = graded_breakpoints(rings.ring_edges, 1e-4 * rings.narrower, rim, factor=0.25)
+        rim = float(np.clip(0.1 * (self.earliest or 1.0), 1e-12, 1e-6))
+        nearest = 1e-8 if self.profile is None else 1e-4
+        breakpoints = graded_breakpoints(
+            rings.ring_edges, nearest * rings.narrower, rim, factor=0.25
+        )
         # the integral over each ring that the scene names, also where nothing happens at its edge
         breakpoints = np.union1d(breakpoints, self.ring_edges)
         if self.profile is not None:
             # pressures nearly jump at edges of the contact, which may be anywhere
             breakpoints = np.union1d(breakpoints, np.linspace(0, 1, CELLS_OF_FACE + 1))
-        node, weight = unit_gauss(6)
-        width = np.diff(breakpoints)[:, None]
-        radii = (breakpoints[:-1, None] + width * node).ravel()
         standoff = 0.0 if self.profile is None else self.profile.standoff
-        return Face(
-            radii, 2 * np.pi * radii * rings.at(radii) * (width * weight).ravel(), standoff
-        )
+        return Face(breakpoints, self.ring_edges, self.wear_coefficients, standoff)
 
     @cached_property
     def checked(self) -> Indices:

@@ -13,18 +13,20 @@ from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import graded_breakpoints
 from ringwear.studies.problem.problem import Rings
 
-DEGREE, RIM, GRADING = 3, 1e-3, 0.3
+# degree, size at the rim and ratio of neighbouring sizes: a few digits; and a check of them, of more
+COARSE, FINE = (3, 1e-3, 0.3), (6, 1e-6, 0.2)
 # with more rings it would take longer than many a run
 MOST_RINGS = 64
 
 
-def slowest_relaxation_time(rings: Rings) -> float:
+def slowest_relaxation_time(rings: Rings, sizes: tuple[int, float, float] = COARSE) -> float:
     """The slowest relaxation time, non-dimensional, to a few digits; NaN for more than `MOST_RINGS`."""
+    degree, rim, grading = sizes
     rings = rings.merged()
     if len(rings.wear_coefficients) > MOST_RINGS:
         return float("nan")
-    breakpoints = graded_breakpoints(rings.ring_edges, 0.2 * rings.narrower, min(RIM, 0.1 * rings.widths[-1]), GRADING)
-    space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, DEGREE), rings.ring_edges)
+    breakpoints = graded_breakpoints(rings.ring_edges, 0.2 * rings.narrower, min(rim, 0.1 * rings.widths[-1]), grading)
+    space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), rings.ring_edges)
     worn = space.joined(rings.wear_coefficients)
     positions, weights = panel_quadrature(space)
     factor = np.sqrt(2 * weights)[:, None] * (line_density(space, positions) @ worn)

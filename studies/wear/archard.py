@@ -138,6 +138,16 @@ class RunningIn:
         return every_mode(self._energy, self._factor, self._mass_factor, self._weights, moments, gentle)
 
     @property
+    def share_of_modes(self) -> float:
+        """The share of the flat start's deviation that the modes have, by the squares of what each displaces: 1 unless lost."""
+        moments, steady = (
+            self._mass_factor.forward(right)
+            for right in (self._to_pressure.T @ self.steady.moments, self._weights)
+        )
+        whole = moments @ moments - (moments @ steady) ** 2 / (steady @ steady)
+        return float(np.sum((self._modes.amplitudes * self._modes.relaxation) ** 2) / whole)
+
+    @property
     def relaxation_times(self) -> Array:
         """(m,) slowest first."""
         return self._modes.relaxation[: self._modes.exact]

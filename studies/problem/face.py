@@ -1,0 +1,120 @@
+"""The face of the punch at many radii: norms of fields, and what follows from fields there. Non-dimensional.
+
+Between its breakpoints the face has as many Gauss points as a polynomial of degree seven. Values at them can so be
+interpolated and differentiated; the last coefficients of the polynomial say how far that is to be trusted. At the rim
+the points follow the root of the distance, in which pressures of a flat punch are smooth.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.polynomial.legendre import legder, legval, legvander
+
+from ringwear.meshes.radial import Array, Indices, gauss, ring_of
+
+POINTS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """Radii that fields are compared at.
+
+    Parameters
+    ----------
+    breakpoints : (n+1,) from 0 to 1, ring edges among them
+    ring_edges, wear_coefficients : (N+1,), (N,) of the rings
+    standoff : what displacements and heights are measured beyond: the indentation at the first touch
+    """
+
+    breakpoints: Array
+    ring_edges: Array
+    wear_coefficients: Array
+    standoff: float = 0.0
+
+    @cached_property
+    def _local(self) -> Array:
+        return gauss(POINTS)[0]
+
+    @cached_property
+    def radii(self) -> Array:
+        """(R,) radii, increasing."""
+        inner, size = self.breakpoints[:-1, None], np.diff(self.breakpoints)[:, None]
+        radii = inner + size * (1 + self._local) / 2
+        radii[-1] = 1 - size[-1] * ((1 - self._local) / 2) ** 2
+        return np.asarray(radii.ravel())
+
+    @cached_property
+    def lengths(self) -> Array:
+        """(R,) the part ``dr`` of the radius that each stands for."""
+        size = np.diff(self.breakpoints)[:, None]
+        lengths = size * gauss(POINTS)[1] / 2
+        lengths[-1] *= 1 - self._local
+        return np.asarray(lengths.ravel())
+
+    @cached_property
+    def areas(self) -> Array:
+        """(R,) the part ``dA`` of the face that each stands for."""
+        return 2 * np.pi * self.radii * self.lengths
+
+    @cached_property
+    def ring(self) -> Indices:
+        """(R,) number of the ring that each is on."""
+        return ring_of(self.ring_edges, self.radii)
+
+    @cached_property
+    def wear(self) -> Array:
+        """(R,) wear coefficient of each."""
+        return self.wear_coefficients[self.ring]
+
+    @cached_property
+    def weights(self) -> Array:
+        """(R,) ``k dA``: what norms of pressures are taken by."""
+        return self.wear * self.areas
+
+    def ring_sums(self, values: Array) -> Array:
+        """Return the sum (T, N) over each ring of (T, R) values."""
+        starts = np.flatnonzero(np.diff(self.ring, prepend=-1))
+        return np.asarray(np.add.reduceat(values, starts, axis=-1))
+
+    def _coefficients(self, values: Array) -> Array:
+        """Return Legendre coefficients (POINTS, ..., n) of (..., R) values in each element."""
+        inverse = np.linalg.inv(legvander(self._local, POINTS - 1))
+        by_element = values.reshape(*values.shape[:-1], -1, POINTS)
+        return np.moveaxis(by_element @ inverse.T, -1, 0)
+
+    def interpolate(self, values: Array, radii: Array) -> tuple[Array, Array]:
+        """Return (T, M) values at radii (M,) off the rim by (T, R) ones, and how much they may be off."""
+        element = np.clip(
+            np.searchsorted(self.breakpoints, radii, side="right") - 1, 0, len(self.breakpoints) - 2
+        )
+        size = np.diff(self.breakpoints)[element]
+        local = 2 * (radii - self.breakpoints[element]) / size - 1
+        at_rim = element == len(self.breakpoints) - 2
+        local[at_rim] = 1 - 2 * np.sqrt((1 - radii[at_rim]) / size[at_rim])
+        coefficients = self._coefficients(values)[..., element]
+        found = np.einsum("j...m,mj->...m", coefficients, legvander(local, POINTS - 1))
+        return found, np.abs(coefficients[-2:]).sum(axis=0)
+
+    def slopes(self, values: Array) -> tuple[Array, Array]:
+        """Return (T, R) derivatives along the radius of (T, R) values, and those without the last coefficient."""
+        coefficients = self._coefficients(values)
+        rates = 2 / np.repeat(np.diff(self.breakpoints), POINTS)
+        # r = 1 - size (1 - s)^2 / 4 in the element at the rim
+        rates[-POINTS:] /= 1 - self._local
+        found = []
+        for count in (POINTS, POINTS - 1):
+            parts = legval(self._local, legder(coefficients[:count]))
+            found.append(parts.reshape(values.shape) * rates)
+        return found[0], found[1]
+
+    def integral_doubt(self, parts: Array) -> Array:
+        """Return how much the sum of (T, R) parts, one of each radius, may differ from the integral it stands for, (T,).
+
+        Gauss's rule is exact up to twice the degree, where coefficients that fall at one rate have the square of the last
+        over the first.
+        """
+        weights = np.tile(gauss(POINTS)[1], len(self.breakpoints) - 1)
+        coefficients = np.abs(self._coefficients(parts / weights))
+        greatest = np.maximum(coefficients.max(axis=0), np.finfo(float).tiny)
+        return np.asarray((coefficients[-2:].sum(axis=0) ** 2 / greatest).sum(axis=-1))
