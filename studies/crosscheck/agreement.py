@@ -21,7 +21,7 @@ from ringwear.studies.problem.problem import Problem
 
 # times as accurate that a method has to be to show what another's error is
 BETTER = 10.0
-# of a history in which edges of the contact move: known to a cell, whatever the accuracy asked for
+# where contact ends within the face: known to a cell, whatever the accuracy asked for
 AT_EDGES = ("pressure", "profile", "displacement", "displacement_centre", "displacement_max", "rms_slope", "contact_radius")
 # of a flat punch: where wear has made layers thinner than coordinates can tell
 EARLY = ("rms_slope", "pressure")
@@ -136,7 +136,7 @@ def _agreement(
 def _promised(problem: Problem, name: str) -> bool:
     """Whether the accuracy asked for is promised of a quantity: fields are not where they cannot be resolved."""
     if problem.profile is not None:
-        return not problem.earliest or name not in AT_EDGES
+        return name not in AT_EDGES
     if name in EARLY and at_smallest(problem):
         return False
     return name in ENERGIES or field_accuracy(problem) <= problem.rtol
@@ -158,9 +158,8 @@ def remedy(problem: Problem, name: str, blamed: str, error: float) -> str:
     if blamed == "fem" and problem.fem.far_field == "fixed":
         return "the clamped boundary errs by 1.1 a/R; far_field = 'boussinesq' does not"
     if problem.profile is not None and name not in ENERGIES:
-        return (
-            "pressures jump at edges of worn faces that move, and fields are known to a cell there; ask for a smaller rtol"
-        )
+        where = "pressures jump at edges of worn faces that move" if problem.earliest else "pressures may be infinite at edges"
+        return f"{where}, and fields are known to a cell there; ask for a smaller rtol"
     if name in EARLY and at_smallest(problem):
         return f"the layers that wear makes by the first times are thinner than {blamed} can resolve; ask for later times"
     if (fields := field_accuracy(problem)) > problem.rtol and name not in ENERGIES:

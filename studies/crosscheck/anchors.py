@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 # of sums and of closed forms to roundoff, where the accuracy asked for has no say
 EXACT = 1e-9
 # times at which the balance of power is looked at, and the step that d is differentiated by, over the time
-POWER_TIMES, POWER_STEP = 6, 0.02
+POWER_TIMES, POWER_STEP = 6, 0.005
 # roundoff of d, which differences of it over short times have
 ROUNDOFF_OF_D = 1e-14
 # times the doubt of a quadrature or an interpolation on the face that its error may be
@@ -247,6 +247,7 @@ class _Anchors:
         weights = radial_weight(self.face.radii, self.problem.gradient_average) * self.face.lengths
         slopes, fewer = (np.sqrt(one**2 @ weights) for one in self.face.slopes(profile[known]))
         reported = self._checked("rms_slope")[known]
+        # it crosses zero now and then in time
         doubt = DOUBT * np.max(np.abs(slopes - fewer) / reported)
         wrong = np.abs(slopes / reported - 1)
         yield "RMS slope of the profile", _worst(wrong, self.problem.rtol + doubt)
@@ -270,29 +271,31 @@ class _Anchors:
         if not len(later):
             return
         chosen = later[np.unique(np.linspace(0, len(later) - 1, POWER_TIMES).round().astype(int))]
-        face, rate = self.face, steady.wear_rate
-        stated = self._tolerated("pressure")[chosen]
-        for at, pressure, stated in (
-            (times[chosen], self._checked("pressure")[chosen], stated),
-            # where the slowest mode is most of what is left
-            (np.array([slowest / 2]), self._at(slowest / 2), stated[-1:]),
-        ):
-            deviation = pressure - steady.pressure
-            spent = deviation**2 @ face.weights
-            risen = _slopes_of(wear.modal, 2 * at) - rate
-            scale = spent if len(at) == 1 else spent + rate
-            tolerance = 2 * stated * np.sqrt(scale * spent) / scale + problem.rtol
-            tolerance += self._doubt(deviation**2 * face.weights) / scale
-            tolerance += ROUNDOFF_OF_D / POWER_STEP / at / scale
-            what = "the slowest mode" if len(at) == 1 else "the history"
-            yield f"power, F d'(2t) = int k p^2 dA, of {what}", _worst(np.abs(risen - spent) / scale, tolerance)
+        pressure, stated = self._checked("pressure")[chosen], self._tolerated("pressure")[chosen]
+        yield "power, F d'(2t) = int k p^2 dA", self._power(times[chosen], pressure, stated, False)
+        # what is left of the running-in is then most of it the slowest mode, and is looked at alone
+        half = np.array([max(slowest / 2, problem.earliest)])
+        of_slowest = self._power(half, self._at(half), stated[-1:], True)
+        yield "power of the slowest mode", of_slowest
 
-    def _at(self, time: float) -> Array:
-        """Return the pressure over the face at a time."""
+    def _power(self, times: Array, pressure: Array, stated: Array, alone: bool) -> tuple[float, float]:
+        """Return how far power is out of balance at times, over all of it or over what is not yet steady alone."""
+        wear, steady, face = self.solution.wear, steady_state(self.problem), self.face
+        assert wear is not None
+        parts = (pressure - steady.pressure) ** 2 * face.weights
+        spent = parts.sum(axis=1)
+        scale = spent if alone else spent + steady.wear_rate
+        risen = _slopes_of(wear.modal, 2 * times) - steady.wear_rate
+        tolerance = self.problem.rtol + 2 * stated * np.sqrt((spent + steady.wear_rate) * spent) / scale
+        tolerance += (self._doubt(parts) + ROUNDOFF_OF_D / POWER_STEP / times) / scale
+        return _worst(np.abs(risen - spent) / scale, tolerance)
+
+    def _at(self, times: Array) -> Array:
+        """Return the pressure over the face at times."""
         wear = self.solution.wear
         assert wear is not None
-        history = wear.modal(np.array([max(time, self.problem.earliest)]))
-        return (wear.compliance.space.matrix(self.face.radii) @ history.pressure.T).T
+        at_radii = wear.compliance.space.matrix(self.face.radii)
+        return (at_radii @ wear.modal(times).pressure.T).T
 
     def _of_steady_state(self) -> Iterator[Worst]:
         known, rtol = steady_state(self.problem), self.problem.rtol

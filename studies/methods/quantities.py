@@ -47,7 +47,7 @@ NORMS = {
 # given where contact opens, closes or spreads only
 OF_PROFILES = ("normal_force", "ring_worn_volume", "contact_radius", "contact", "contact_edge")
 QUANTITIES = {
-    "pressure": Quantity(("time", "radius"), "pressure", "contact pressure p(r, t)", "pressure"),
+    "pressure": Quantity(("time", "radius"), "pressure", "contact pressure p(r, t), never below zero", "pressure"),
     "profile": Quantity(
         ("time", "radius"), "displacement", "worn height f(r, t) of the punch, material gone", "indentation"
     ),

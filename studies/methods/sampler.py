@@ -81,8 +81,11 @@ class Sampler:
         return np.sqrt(self._slope_weights @ (_slopes(self.space) @ profile.T) ** 2)
 
     def _pressure(self, history: History, at: csr_matrix, radii: Array) -> Array:
-        """(T, R) pressures at radii; those of the flat start by the functions that it was sought among."""
-        pressure = (at @ history.pressure.T).T
+        """(T, R) pressures at radii; those of the flat start by the functions that it was sought among.
+
+        Under a flat punch none is negative: what polynomials have below zero beside an edge is an artefact of theirs.
+        """
+        pressure = np.maximum((at @ history.pressure.T).T, 0.0)
         if history.flat is not None:
             pressure[history.times == 0] = history.flat.pressure_at(radii)
         return pressure

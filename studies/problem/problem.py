@@ -253,7 +253,7 @@ class Problem:
         rim = float(np.clip(0.1 * (self.earliest or 1.0), 1e-12, 1e-6))
         nearest = 1e-8 if self.profile is None else 1e-4
         breakpoints = graded_breakpoints(
-            rings.ring_edges, nearest * rings.narrower, rim, factor=0.25
+            rings.ring_edges, nearest * rings.narrower, rim, factor=0.4
         )
         # the integral over each ring that the scene names, also where nothing happens at its edge
         breakpoints = np.union1d(breakpoints, self.ring_edges)

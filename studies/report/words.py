@@ -230,15 +230,23 @@ def remarks(result: Result) -> list[str]:
         if beyond := solution.beyond(rtol):
             listed = ", ".join(f"{quantity} {error:.1e}" for quantity, error in beyond.items())
             lines.append(f"{name} says of itself that it errs by more than the {rtol:.0e} asked for in: {listed}")
-    lines += [
-        f"{row.quantity} is undecided between {row.methods[0]} and {row.methods[1]}: {row.remark}"
-        for row in result.agreement
-        if row.remark
-    ]
+    lines += undecided(result)
     if np.isfinite(slowest := first_given(result, "running_in_time")) and result.scene.problem.earliest:
         times = result.scene.problem.times * result.scene.problem.units.time / float(slowest)
         lines += outside(float(times[times > 0][0]), float(times[-1]))
     return lines + [f"note: {note}" for note in result.notes]
+
+
+def undecided(result: Result) -> list[str]:
+    """Return a line for each quantity that is undecided, by the two methods that are the least certain of it."""
+    lines = []
+    for quantity in dict.fromkeys(row.quantity for row in result.agreement if row.remark):
+        rows = [row for row in result.agreement if row.quantity == quantity and row.remark]
+        worst = max(rows, key=lambda row: row.uncertainty)
+        pairs = f" (and {len(rows) - 1} other pairs)" if len(rows) > 1 else ""
+        between = f"{worst.methods[0]} and {worst.methods[1]}{pairs}"
+        lines.append(f"{quantity} is undecided between {between}: {worst.remark}")
+    return lines
 
 
 def defaults_taken(result: Result) -> list[str]:

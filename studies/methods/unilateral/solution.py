@@ -106,6 +106,8 @@ def history(one: UnilateralMethod, problem: Problem, stages: Stages) -> Solution
         errors = _errors(problem, coarse.sampled(on_face=True), fine.sampled(on_face=True))
         lost = OF_BENDS * fine.sampler.bent(fine.history) / fine.history.indentation
         errors |= {name: np.maximum(errors[name], lost) for name in ("profile", "displacement")}
+        # nothing has worn at the start
+        errors["profile"] = np.where(problem.times == 0, ROUNDOFF, errors["profile"])
         rough = unresolved_height(profile, compliance.space, fine.history.indentation.max())
         rough = rough / fine.history.indentation
         errors |= {name: np.maximum(errors[name], rough) for name in OF_HEIGHTS}
