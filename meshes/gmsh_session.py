@@ -58,7 +58,7 @@ def session() -> Iterator[Any]:
 
 
 def _restore_signal_handlers() -> None:
-    """Install Python's signal handlers again: gmsh's start takes those of SIGTERM and SIGPIPE away."""
+    """Install Python's signal handlers again: gmsh takes away those of SIGTERM and SIGPIPE."""
     if threading.current_thread() is not threading.main_thread():
         return
     for number in signal.valid_signals():

@@ -79,12 +79,14 @@ def _run(options: argparse.Namespace) -> int:
     with held(_results_of(options), "run") as folder:
         from ringwear.studies.crosscheck import agreement
         from ringwear.studies.crosscheck.run import run
-        from ringwear.studies.crosscheck.scope import beyond_memory, expected, machine_memory
+        from ringwear.studies.crosscheck.scope import beyond_memory, cannot_be_animated, expected, machine_memory
         from ringwear.studies.output.of_run import draw, write_numbers
         from ringwear.studies.output.side_by_side import Job, make
         from ringwear.studies.report.printed import print_result
 
         if refusal := beyond_memory(expected(scene), options.memory or machine_memory()):
+            raise SceneError(refusal)
+        if options.animate and (refusal := cannot_be_animated(scene)):
             raise SceneError(refusal)
         result = run(scene)
         write_numbers(result, folder, tables=options.csv)

@@ -1,4 +1,4 @@
-"""Where a method's own estimates fall short of the accuracy asked for, it is solved again with finer sizes."""
+"""Where a method's own estimates fall short of the accuracy asked for, it is refined."""
 
 from __future__ import annotations
 

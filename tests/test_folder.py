@@ -158,7 +158,7 @@ def test_what_a_killed_run_left_is_swept(tmp_path: Path) -> None:
 
 
 def write_set(out: Path, names: str, content: str, killed_at: int = 0) -> None:
-    """Write files named by a letter each; kill the process at a line of the replacing, if there are so many."""
+    """Write files named by a letter each; kill the process at a line of the replacing, if asked."""
     lines = iter(range(1, killed_at + 1))
 
     def kill(frame: FrameType, event: str, _: object) -> Any:
@@ -174,7 +174,7 @@ def write_set(out: Path, names: str, content: str, killed_at: int = 0) -> None:
 
 
 def killed_while_replacing(out: Path, names: str, killed_at: int) -> bool:
-    """Whether a process that was to be killed at a line of the replacing was, or else had come to its end."""
+    """Replace the files in a process that is killed at a line, or has ended before; whether it was."""
     child = os.fork()
     if child == 0:
         with suppress(BaseException):
@@ -187,7 +187,7 @@ def contents(out: Path) -> dict[str, str]:
     return {file.name: file.read_text("utf-8") for file in out.iterdir() if not file.name.startswith(".")}
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere folders are not exchanged in one step")
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux exchanges folders")
 def test_a_folder_is_the_old_or_the_new_one_whenever_it_is_killed(tmp_path: Path) -> None:
     old, new = dict.fromkeys("abc", "old"), dict.fromkeys("bcd", "new")
     seen = []
@@ -211,7 +211,7 @@ def test_a_folder_is_the_old_or_the_new_one_whenever_it_is_killed(tmp_path: Path
 
 
 def test_beside_files_of_others_no_kill_loses_a_file_or_takes_one_for_theirs(tmp_path: Path) -> None:
-    """There files are replaced one by one: a kill may leave some old and some new, and the next run mends it."""
+    """They are replaced one by one: a kill may leave some old and some new; the next run mends it."""
     for line in count(1):
         out = tmp_path / str(line)
         write_set(out, "abc", "old")
@@ -263,7 +263,7 @@ def test_a_signal_waits_until_files_are_in_place(
     assert [entry.name for entry in tmp_path.iterdir()] == ["out"]
 
 
-# what is there of a run when it is stopped: nothing, numbers that are being written, numbers, a figure
+# what there is of a run when it is stopped: nothing, numbers half written, numbers, a figure
 @pytest.mark.parametrize(
     "seen",
     [

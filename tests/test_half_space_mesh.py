@@ -284,7 +284,7 @@ def test_without_gmsh_the_remedy_is_told(monkeypatch: pytest.MonkeyPatch) -> Non
 
 @pytest.mark.gmsh
 def test_gmsh_leaves_signals_to_python() -> None:
-    """Its start takes SIGTERM and SIGPIPE away, so that a study that is ended would lose its rows."""
+    """Its start takes SIGTERM and SIGPIPE away, and a study that was ended lost its rows."""
     code = """
 import signal
 from ringwear.meshes.gmsh_session import session

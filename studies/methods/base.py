@@ -77,7 +77,7 @@ class Solution:
 
     @property
     def has_sizes(self) -> bool:
-        """Whether it was solved on sizes that can be made finer, however small their part of the error is."""
+        """Whether sizes are part of its error, however small that part is."""
         return not self.parts.keys().isdisjoint(OF_SIZES)
 
 

@@ -1,7 +1,8 @@
 """An output folder: held by one run at a time, its set of files replaced whole, files of others left alone.
 
-Files are written into a hidden directory and put in place when all of them are complete. A small file beside them,
-`.ringwear.json`, lists what each command has put there; nothing else is ever removed or written over.
+Files are written into a hidden directory and put in place when all of them are complete. A small
+file beside them, `.ringwear.json`, lists what each command has put there; nothing else is ever
+removed or written over.
 """
 
 import ctypes
@@ -42,9 +43,9 @@ class Folder:
     def publish(self) -> None:
         """Put all that has been written in the place of the owner's earlier files.
 
-        A folder that holds nothing but ringwear's files is exchanged for the new one in one step, so that it is the old
-        or the new one whenever the process is killed. Elsewhere files are replaced one by one, and the earlier ones
-        that no new one replaces are removed last.
+        A folder that holds nothing but ringwear's files is exchanged for the new one in one step,
+        so that it is the old or the new one whenever the process is killed. Elsewhere files are
+        replaced one by one, and the earlier ones that no new one replaces are removed last.
         """
         foreign = self.foreign()
         written = sorted(file.name for file in self.hidden.iterdir())
@@ -147,14 +148,14 @@ def signals_wait() -> Iterator[None]:
         return
     waiting: list[int] = []
     numbers = signal.SIGINT, signal.SIGTERM
-    handlers = [signal.signal(number, lambda late, _: waiting.append(late)) for number in numbers]
+    handlers = [signal.signal(number, lambda number, _: waiting.append(number)) for number in numbers]
     try:
         yield
     finally:
         for number, handler in zip(numbers, handlers, strict=True):
             signal.signal(number, handler)
-        for number in waiting[:1]:
-            signal.raise_signal(number)
+        for late in waiting[:1]:
+            signal.raise_signal(late)
 
 
 def _beside(out: Path) -> Path:

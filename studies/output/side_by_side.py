@@ -47,7 +47,7 @@ def _make(jobs: Sequence[Job], directory: Path) -> list[str]:
         try:
             job.write(path)
         except BaseException as error:
-            # whatever it is, nothing half-written is left; and if it is a failure, nothing else is lost for it
+            # nothing half-written is left; and of a failure, nothing else is lost for it
             path.unlink(missing_ok=True)
             if not isinstance(error, Exception):
                 raise
