@@ -213,13 +213,17 @@ def _study(options: argparse.Namespace) -> int:
                 file.unlink()
             if not any(folder.hidden.iterdir()):
                 raise KeyboardInterrupt
-        from ringwear.studies.output.side_by_side import Job, make
-        from ringwear.studies.report.page import write_study
-
-        named, failures = (options.study, study.purpose), list[str]()
-        page = Job("report.html", lambda path: write_study(named, scene, conclusions, folder.hidden, path))
+        failures = list[str]()
         with keeping_rows(conclusions):
-            failures = make([page], [], folder.hidden)
+            from ringwear.studies.output.side_by_side import Job, make
+            from ringwear.studies.report.page import write_study
+
+            named = options.study, study.purpose
+            page = Job(
+                "report.html",
+                lambda path: write_study(named, scene, conclusions, folder.hidden, path),
+            )
+            failures += make([page], [], folder.hidden)
     print("\n".join(conclusions))
     _say_files(folder)
     for failure in failures:
