@@ -1,5 +1,7 @@
 """gmsh, started and ended properly: one thread, the same mesh every time, sizes by one background field."""
 
+import signal
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -44,6 +46,7 @@ def session() -> Iterator[Any]:
     import gmsh
 
     gmsh.initialize(readConfigFiles=False, interruptible=False)
+    _restore_signal_handlers()
     try:
         for name, value in OPTIONS.items():
             gmsh.option.setNumber(name, value)
@@ -52,6 +55,16 @@ def session() -> Iterator[Any]:
         raise MeshError(f"gmsh could not mesh the half-space: {error}") from error
     finally:
         gmsh.finalize()
+
+
+def _restore_signal_handlers() -> None:
+    """Install Python's signal handlers again: gmsh takes away those of SIGTERM and SIGPIPE."""
+    if threading.current_thread() is not threading.main_thread():
+        return
+    for number in signal.valid_signals():
+        handler = signal.getsignal(number)
+        if handler not in (None, signal.SIG_DFL):
+            signal.signal(number, handler)
 
 
 def set_sizes(gmsh: Any, points: Indices, sizes: Array, growth: float, largest: float) -> None:

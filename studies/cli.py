@@ -11,7 +11,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -79,18 +79,21 @@ def _run(options: argparse.Namespace) -> int:
     with held(_results_of(options), "run") as folder:
         from ringwear.studies.crosscheck import agreement
         from ringwear.studies.crosscheck.run import run
-        from ringwear.studies.crosscheck.scope import beyond_memory, expected, machine_memory
+        from ringwear.studies.crosscheck.scope import beyond_memory, cannot_be_animated, expected, machine_memory
         from ringwear.studies.output.of_run import draw, write_numbers
         from ringwear.studies.output.side_by_side import Job, make
         from ringwear.studies.report.printed import print_result
 
         if refusal := beyond_memory(expected(scene), options.memory or machine_memory()):
             raise SceneError(refusal)
+        if options.animate and (refusal := cannot_be_animated(scene)):
+            raise SceneError(refusal)
         result = run(scene)
         write_numbers(result, folder, tables=options.csv)
-        print_result(result)
         # nobody waits for the answer until all is drawn; and what is not out yet would be written by a forked process, too
-        sys.stdout.flush()
+        with suppress(BrokenPipeError):
+            print_result(result)
+            sys.stdout.flush()
         failures = draw(result, folder, figures=not options.no_figures)
         if options.animate:
             failures += make([Job("animation.gif", lambda path: _animate(result, path))], [], folder.hidden)
@@ -210,14 +213,17 @@ def _study(options: argparse.Namespace) -> int:
                 file.unlink()
             if not any(folder.hidden.iterdir()):
                 raise KeyboardInterrupt
-        # before the page is made of them
-        folder.publish()
-        from ringwear.studies.output.side_by_side import Job, make
-        from ringwear.studies.report.page import write_study
+        failures = list[str]()
+        with keeping_rows(conclusions):
+            from ringwear.studies.output.side_by_side import Job, make
+            from ringwear.studies.report.page import write_study
 
-        named = options.study, study.purpose
-        page = Job("report.html", lambda path: write_study(named, scene, conclusions, folder.out, path))
-        failures = make([page], [], folder.hidden)
+            named = options.study, study.purpose
+            page = Job(
+                "report.html",
+                lambda path: write_study(named, scene, conclusions, folder.hidden, path),
+            )
+            failures += make([page], [], folder.hidden)
     print("\n".join(conclusions))
     _say_files(folder)
     for failure in failures:

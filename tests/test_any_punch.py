@@ -9,13 +9,19 @@ import numpy as np
 import pytest
 
 from ringwear import Scene, plan, run, sweep
+from ringwear.mdr import energy
 from ringwear.mdr.static_contact import PowerPunch
+from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SceneError
+from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array
 from ringwear.studies.cli import main
-from ringwear.studies.crosscheck.agreement import AT_EDGES
+from ringwear.studies.crosscheck.agreement import AT_EDGES, remedy
+from ringwear.studies.methods.unilateral.solution import load_of
 from ringwear.studies.output.folder import held
 from ringwear.studies.output.of_run import draw, write_numbers
+from ringwear.studies.problem.defaults import cells_of
+from ringwear.studies.wear.contact_edges import located
 
 LENGTH, MODULUS, FORCE = 2.0, 5.0, 0.3
 BASE: dict[str, Any] = {
@@ -109,6 +115,87 @@ def test_results_say_where_contact_is(tmp_path: Path) -> None:
     assert {"contact.png", "history.png", "results.nc", "contact_edges.csv"} <= {file.name for file in tmp_path.iterdir()}
     assert not {"half_space.vtu", "stress.png"} & {file.name for file in tmp_path.iterdir()}
     assert "springs' rule of the MDR" in result.summary["left_out"]
+
+
+@pytest.mark.parametrize("load", [{"normal_force": FORCE}, {"indentation": 0.05}], ids=str)
+def test_no_seconds_are_told_where_contact_changes(load: dict[str, float]) -> None:
+    """They were wrong by an order of magnitude: how far contact spreads is not known beforehand."""
+    shaped = scene(methods=["mdr", "fem"], punch__recess=[0.0, 0.02, 0.01], load=load)
+    lines = plan(shaped)
+    (whole,) = [line for line in lines if line.startswith("in all: ")]
+    assert "seconds not known beforehand: contact opens, closes and spreads" in whole
+    assert not any("nan" in line or line.startswith("cheapest") for line in lines)
+    told = remedy(shaped.problem, "indentation", "mdr", 1e-2)
+    assert told.endswith("rtol = 1e-04 would decide it")
+
+
+def test_a_remedy_tells_seconds_where_they_were_measured_only() -> None:
+    flat = scene().problem
+    assert remedy(flat, "indentation", "mdr", 1e-2).endswith(" s")
+    # at accuracies that no scene was measured at, a prediction would be a guess
+    assert remedy(flat, "indentation", "mdr", 1e2).endswith("rtol = 1e-08 would decide it")
+
+
+def test_what_is_of_flat_punches_only_is_refused_before_it_is_computed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("ringwear.studies.crosscheck.run.solved_to_accuracy", None)
+    shaped = scene(punch__profile={"kind": "parabola", "curvature_radius": 8.0})
+    with_fields = shaped.changed(output__field_times=[0.1])
+    flat = scene(output__field_times=[0.1])
+    cases = {
+        "output.field_times": (with_fields, []),
+        "--animate shows flat punches": (shaped, ["--animate"]),
+        "give wear.times": (flat.changed(wear__times=[]), ["--animate"]),
+        "wear.march": (flat.changed(wear__march="implicit", wear__step=0.1), ["--animate"]),
+        "name 'mdr'": (flat.changed(methods=["direct"]), ["--animate"]),
+    }
+    for key, (refused, flags) in cases.items():
+        (tmp_path / "scene.toml").write_text(refused.to_toml(), "utf-8")
+        assert main(["run", str(tmp_path / "scene.toml"), "--out", str(tmp_path / "out"), *flags]) == 2
+        assert key in capsys.readouterr().err
+        assert not (tmp_path / "out").exists()
+
+
+# first contacts whose cells came back every second, third, ... look, until the looks ran out
+CIRCLING = {
+    "every second": ([0.199, 0.208, 0.347, 0.769, 1.0], [0.0044, 0.015, 0.004, 0.011, 0.015], 1100.0, 0.048, 1e-2),
+    "every third": ([0.152, 0.204, 0.711, 1.0], [0.12, 0.2, 0.062, 0.24], None, 1.0, 1e-3),
+    "always the same": ([0.205, 0.495, 1.0], [0.00017, 0.00036, 0.0004], None, 5.6e-5, 1e-4),
+}
+
+
+@pytest.mark.parametrize("name", CIRCLING)
+def test_first_contact_is_located_in_a_few_looks(name: str) -> None:
+    edges, recess, curvature_radius, force, rtol = CIRCLING[name]
+    punch: dict[str, Any] = {"radius": 1.0, "ring_edges": edges, "wear_coefficients": [1.0, 2.0], "recess": recess}
+    if curvature_radius is not None:
+        punch["profile"] = {"kind": "parabola", "curvature_radius": curvature_radius}
+    table = BASE | {"punch": punch, "load": {"normal_force": force}, "half_space": {"plane_strain_modulus": 1.0}}
+    problem = Scene.from_table(table | {"accuracy": {"rtol": rtol}}).problem
+    looks = []
+
+    def look(space: PressureSpace) -> Compliance:
+        looks.append(space)
+        return energy.compliance(space)
+
+    assert problem.profile is not None
+    intervals, _ = located(look, problem.profile, load_of(problem), cells_of(problem))
+    assert intervals
+    assert len(looks) <= 4
+
+
+def test_first_contact_is_located_once_for_all_methods(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked_for = []
+
+    def count(*arguments: Any) -> Any:
+        looked_for.append(arguments)
+        return located(*arguments)
+
+    monkeypatch.setattr("ringwear.studies.methods.unilateral.solution.located", count)
+    run(scene(methods=["mdr", "bem"], punch__recess=[0.0, 0.02, 0.01], accuracy__rtol=1e-2))
+    # on the cells of the result, and on half as many for its error
+    assert len(looked_for) == 2
 
 
 def test_the_answer_is_that_of_this_punch(tmp_path: Path) -> None:

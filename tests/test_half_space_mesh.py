@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -278,6 +280,25 @@ def test_without_gmsh_the_remedy_is_told(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(gmsh_session, "unavailable", lambda: f"gmsh cannot be loaded: {gmsh_session.SYSTEM_PACKAGES}")
     with pytest.raises(MeshError, match="libgomp1"):
         _ = LAYERS["flat"].graded
+
+
+@pytest.mark.gmsh
+def test_gmsh_leaves_signals_to_python() -> None:
+    """Its start takes SIGTERM and SIGPIPE away, and a study that was ended lost its rows."""
+    code = """
+import signal
+from ringwear.meshes.gmsh_session import session
+
+heard = []
+for number in (signal.SIGINT, signal.SIGTERM):
+    signal.signal(number, lambda late, _: heard.append(late))
+with session():
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGPIPE):
+        signal.raise_signal(number)
+print(*heard)
+"""
+    told = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, check=False)
+    assert (told.returncode, told.stdout) == (0, "2 15\n")
 
 
 def test_size_field() -> None:

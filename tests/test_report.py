@@ -143,7 +143,7 @@ def test_flags_leave_out_what_they_say(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_an_animation_moves(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_animation_moves(tmp_path: Path) -> None:
     arguments = ["run", "flat_punch", "--rtol", "1e-2", "--no-figures", "--animate", "--out", str(tmp_path)]
     assert main([*arguments, "--methods", "mdr"]) == 0
     with Image.open(tmp_path / "animation.gif") as found:
@@ -151,10 +151,6 @@ def test_an_animation_moves(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
         first = np.asarray(found.convert("RGB")).copy()
         found.seek(29)
         assert np.abs(first.astype(int) - np.asarray(found.convert("RGB"))).max() > 50
-    # without a history there is nothing to move, and the numbers are there all the same
-    assert main([*arguments, "--methods", "direct"]) == 1
-    assert "animation.gif could not be made" in capsys.readouterr().err
-    assert {file.name for file in tmp_path.glob("[!.]*")} == {"results.nc", "summary.json"}
 
 
 @pytest.fixture(scope="module")

@@ -8,9 +8,11 @@ import logging
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -106,3 +108,46 @@ def test_ctrl_c_in_a_study_keeps_rows_and_says_so_by_its_exit_status(tmp_path: P
     assert process.returncode == 1
     assert INTERRUPTED in printed
     assert rows(tmp_path / "rows.csv") == [{"a": "1"}]
+
+
+def test_ctrl_c_while_the_page_is_written_keeps_all_the_rest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def half_write(*arguments: Any) -> None:
+        arguments[-1].write_text("<html>", "utf-8")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("ringwear.studies.report.page.write_study", half_write)
+    assert main(["study", "march", "--quick", "--out", str(tmp_path)]) == 1
+    assert INTERRUPTED in capsys.readouterr().out
+    names = {file.name for file in tmp_path.iterdir()}
+    assert {"march.csv", "march.md", "march.png"} <= names
+    assert "report.html" not in names
+
+
+@pytest.mark.slow
+@pytest.mark.gmsh
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("seconds", [0.0, 1.3, 4.1])
+def test_a_study_that_meshes_keeps_its_rows_when_it_is_ended(number: signal.Signals, seconds: float, tmp_path: Path) -> None:
+    code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    code += "from ringwear.studies.cli import main; raise SystemExit(main())"
+    out = tmp_path / "out"
+    command = [sys.executable, "-c", code, "study", "extremes", "--quick", "--out", str(out)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as study:
+        while study.poll() is None and not finished_rows(out):
+            time.sleep(0.02)
+        time.sleep(seconds)
+        finished = finished_rows(out)
+        study.send_signal(number)
+        printed, told = study.communicate(timeout=60)
+    assert study.returncode == 1
+    assert INTERRUPTED in printed
+    assert "Traceback" not in told
+    assert len(rows(out / "extremes.csv")) >= finished >= 1
+    assert not list(out.glob(".writing-*"))
+
+
+def finished_rows(out: Path) -> int:
+    """Rows that a study has written so far, while it runs."""
+    return sum(len(rows(table)) for table in out.glob(".writing-*/extremes.csv"))

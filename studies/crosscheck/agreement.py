@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ringwear.meshes.radial import Array
 from ringwear.studies.methods.base import Solution, method
+from ringwear.studies.methods.costs import FINEST_MEASURED
 from ringwear.studies.methods.quantities import A_FEW, COMPARED_MODES, ENERGIES, FINEST, QUANTITIES, common, differences
 from ringwear.studies.problem.defaults import at_smallest, field_accuracy
 from ringwear.studies.problem.problem import Problem
@@ -173,8 +174,10 @@ def remedy(problem: Problem, name: str, blamed: str, error: float) -> str:
     rtol = problem.rtol**2 / error
     if rtol < FINEST:
         return f"{blamed} states {error:.1e}; no accuracy that can be asked for decides it"
-    cost = one.cost(replace(problem, rtol=rtol))
-    return f"{blamed} states {error:.1e}; rtol = {rtol:.0e} would decide it, in about {cost.seconds:.2g} s"
+    seconds = one.cost(replace(problem, rtol=rtol)).seconds
+    known = np.isfinite(seconds) and rtol >= FINEST_MEASURED
+    cost = f", in about {seconds:.2g} s" if known else ""
+    return f"{blamed} states {error:.1e}; rtol = {rtol:.0e} would decide it{cost}"
 
 
 def worst_verdict(verdicts: list[str]) -> str:

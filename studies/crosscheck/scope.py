@@ -14,6 +14,7 @@ from ringwear.studies.problem.unit_names import UnitNames
 
 # counts of the slowest relaxation time before which little has happened, and after which nothing does
 BEFORE, AFTER = 0.01, 5.0
+UNKNOWN_SECONDS = "seconds not known beforehand: contact opens, closes and spreads"
 
 
 def _marches(scene: Scene) -> bool:
@@ -117,7 +118,30 @@ def machine_memory() -> float:
 
 def refusals(scene: Scene) -> list[str]:
     """Why methods cannot compute a scene, each with its remedy."""
-    return [refusal for name in scene.methods if (refusal := method(name).refusal(scene.problem))]
+    refused = [refusal for name in scene.methods if (refusal := method(name).refusal(scene.problem))]
+    if scene.output.field_times and scene.problem.profile is not None:
+        refused.append(
+            "output.field_times asks for the inside of the half-space, which is computed for "
+            "flat punches under a force only: leave it out"
+        )
+    return refused
+
+
+def cannot_be_animated(scene: Scene) -> str:
+    """Why there can be no animation of a scene, with the remedy; empty if there can."""
+    if scene.problem.profile is not None:
+        return (
+            "--animate shows flat punches under a force: leave it out, or leave out punch.recess "
+            "and punch.profile, and give load.normal_force"
+        )
+    if not scene.problem.earliest:
+        return "--animate shows a history: give wear.times, or leave it out"
+    if scene.problem.march != "modal":
+        march = scene.problem.march
+        return f"--animate goes by modes, not by wear.march = '{march}': give 'modal', or leave it out"
+    if not any(method(name).operator for name in scene.methods):
+        return "--animate needs the state at every time: name 'mdr', 'bem' or 'fem' in methods, or leave it out"
+    return ""
 
 
 def plan(scene: Scene) -> list[str]:
@@ -140,14 +164,16 @@ def plan(scene: Scene) -> list[str]:
         unknown = "error by the sizes given" if problem.profile is None else "error known by the run"
         error = unknown if np.isnan(cost.error) else f"error about {cost.error:.0e}"
         size = f"about {cost.unknowns} unknowns, {cost.pressures} pressures"
-        lines.append(f"    {size}, {cost.seconds:.2g} s, {error}")
+        time = f"{cost.seconds:.2g} s, " if np.isfinite(cost.seconds) else ""
+        lines.append(f"    {size}, {time}{error}")
         if np.isfinite(cost.seconds) and not ("history" in method(name).lacks and scene.wear.times):
             seconds[name] = cost.seconds
     if seconds:
         lines.append(f"cheapest for rtol {problem.rtol:.0e}: {min(seconds, key=seconds.__getitem__)}")
     checked = f"comparing operators {whole.check:.2g} s, " if whole.check else ""
     most = max(whole.memory, key=whole.memory.__getitem__)
-    lines.append(f"in all: {whole.seconds:.2g} s ({checked}loading and files {whole.numbers:.2g} s, figures "
+    total = f"{whole.seconds:.2g} s" if np.isfinite(whole.seconds) else UNKNOWN_SECONDS
+    lines.append(f"in all: {total} ({checked}loading and files {whole.numbers:.2g} s, figures "
                  f"{whole.figures:.2g} s), {whole.gib:.2g} GiB, most of it for {most}")  # fmt: skip
     lines += [f"refused: {refusal}" for refusal in refusals(scene)]
     lines += [f"note: {note}" for name in scene.methods for note in method(name).notes(problem)]

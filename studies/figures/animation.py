@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from ringwear.meshes.errors import SceneError
 from ringwear.meshes.radial import Array, ring_of
 from ringwear.studies.figures.history import smooth
 from ringwear.studies.figures.scale import Scale
@@ -24,18 +23,9 @@ SLOW, FAST = np.array([0.38, 0.47, 0.57]), np.array([0.88, 0.82, 0.67])
 
 @styled
 def animate(scene: Scene, solutions: Mapping[str, Solution], path: Path) -> None:
-    """Write the running-in as an animated GIF.
-
-    Raises
-    ------
-    SceneError
-        if no method knows the state at every time
-    """
-    found = smooth(scene.problem, solutions) if scene.problem.earliest else None
-    if found is None:
-        raise SceneError(
-            "an animation needs a flat punch under a force, wear.times, march = 'modal', and a method with a history"
-        )
+    """Write the running-in as an animated GIF, of a scene for which `cannot_be_animated` is empty."""
+    found = smooth(scene.problem, solutions)
+    assert found is not None
     times, profiles = array(found[1], "time"), array(found[1], "profile")
     shown = np.linspace(0, len(times) - 1, FRAMES).astype(int)
     labels = [Scale(scene).when(time * scene.problem.units.time) for time in times[shown]]

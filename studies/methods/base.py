@@ -22,6 +22,9 @@ from ringwear.studies.wear.archard import RunningIn
 if TYPE_CHECKING:
     from ringwear.fem.half_space import HalfSpace
 
+# parts of an error estimate that finer sizes make smaller
+OF_SIZES = ("pressure space", "layers", "discretisation")
+
 
 @dataclass(frozen=True, eq=False)
 class Solution:
@@ -70,7 +73,12 @@ class Solution:
     @property
     def error_of_sizes(self) -> float:
         """The part of it that finer sizes would mend: not the time step, the far field or roundoff."""
-        return float(sum(self.parts.get(part, 0.0) for part in ("pressure space", "layers", "discretisation")))
+        return float(sum(self.parts.get(part, 0.0) for part in OF_SIZES))
+
+    @property
+    def has_sizes(self) -> bool:
+        """Whether sizes are part of its error, however small that part is."""
+        return not self.parts.keys().isdisjoint(OF_SIZES)
 
 
 def method(name: str) -> "Method":

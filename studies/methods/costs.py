@@ -19,14 +19,17 @@ from ringwear.studies.wear.modes import LARGE
 
 # the first of the terms are of the discretisation, whatever is then asked of it; the last of times, on any compliance alike
 DISCRETISING, OF_TIMES = 5, 2
+# finest accuracy of the scenes that the rates were measured on (`studies/benchmark/rates.py`)
+FINEST_MEASURED = 1e-7
 
 
 @dataclass(frozen=True)
 class Cost:
     """Predicted cost of one method: unknowns, pressures among them, and seconds on one thread.
 
-    `error` is what its own estimate of the indentation will be about; nan where that is not known, because the user gave
-    the sizes or nobody has measured it.
+    `seconds` are nan where contact opens, closes and spreads. `error` is what its own estimate of
+    the indentation will be about; nan where that is not known, because the user gave the sizes or
+    nobody has measured it.
     """
 
     unknowns: int
@@ -54,7 +57,7 @@ class Expected:
 
     @property
     def seconds(self) -> float:
-        methods = float(np.nansum([cost.seconds for cost in self.by_method.values()]))
+        methods = sum(cost.seconds for cost in self.by_method.values())
         return methods + self.check + self.numbers + self.figures
 
     @property

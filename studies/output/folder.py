@@ -1,20 +1,27 @@
 """An output folder: held by one run at a time, its set of files replaced whole, files of others left alone.
 
-Files are written into a hidden directory and moved into place when they are complete. A small file beside them,
-`.ringwear.json`, lists what each command has put there; nothing else is ever removed or written over.
+Files are written into a hidden directory and put in place when all of them are complete. A small
+file beside them, `.ringwear.json`, lists what each command has put there; nothing else is ever
+removed or written over.
 """
 
+import ctypes
 import json
 import os
 import shutil
+import signal
+import sys
 import tempfile
-from collections.abc import Iterator
+import threading
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ringwear.meshes.errors import SceneError
 
 MANIFEST, HIDDEN = ".ringwear.json", ".writing-"
+# of Linux's renameat2: paths are as they stand, and the two change places
+AT_FDCWD, RENAME_EXCHANGE = -100, 2
 
 
 class Folder:
@@ -34,24 +41,61 @@ class Folder:
         self._sets: dict[str, list[str]] = _manifest(out)
 
     def publish(self) -> None:
-        """Move all that has been written into place; the first time, the owner's earlier files go."""
+        """Put all that has been written in the place of the owner's earlier files.
+
+        A folder that holds nothing but ringwear's files is exchanged for the new one in one step,
+        so that it is the old or the new one whenever the process is killed. Elsewhere files are
+        replaced one by one, and the earlier ones that no new one replaces are removed last.
+        """
+        foreign = self.foreign()
         written = sorted(file.name for file in self.hidden.iterdir())
-        before = set(self._sets.pop(self.owner, ())) if not self.published else set()
-        known = before.union(self.published, *self._sets.values())
-        for name in written:
+        before = self._sets.pop(self.owner, [])
+        others = {owner: sorted({*names} - {*written}) for owner, names in self._sets.items()}
+        self._sets = {owner: names for owner, names in others.items() if names}
+        self.published = written
+        self._write_manifest(written)
+        if foreign or not self._exchange():
+            self._replace_one_by_one(before, foreign)
+
+    def _exchange(self) -> bool:
+        """Exchange the whole folder for the new one; returns whether that can be done here."""
+        out = self.out.resolve()
+        try:
+            if Path.cwd().is_relative_to(out):
+                # a shell that stands in the folder would be left in one that is gone
+                return False
+            for name in {name for names in self._sets.values() for name in names}:
+                if (out / name).exists():
+                    os.link(out / name, self.hidden / name)
+            shutil.copymode(out, self.hidden)
+            os.rename(self.hidden, _beside(out))
+            self.hidden = _beside(out)
+            _exchange_directories(self.hidden, out)
+        except OSError:
+            return False
+        return True
+
+    def _replace_one_by_one(self, before: list[str], foreign: list[str]) -> None:
+        for name in self.published:
             place = self.out / name
-            if os.path.lexists(place) and name not in known:
+            if name in foreign:
                 aside = _free(place.with_name(f"{name}.kept"))
                 os.rename(place, aside)
                 self.notes.append(f"{place} was there before and not ringwear's: kept as {aside.name}")
-            os.replace(self.hidden / name, place)
-        for name in before.difference(written):
+        # whenever the process is killed, what is there is known to be ringwear's
+        self._write_manifest({*before, *self.published})
+        os.replace(self.hidden / MANIFEST, self.out / MANIFEST)
+        for name in self.published:
+            os.replace(self.hidden / name, self.out / name)
+        for name in set(before).difference(self.published, *self._sets.values()):
             with suppress(OSError):
                 (self.out / name).unlink()
-        self.published = sorted({*self.published, *written})
-        self._sets = {owner: left for owner, names in self._sets.items() if (left := sorted({*names} - {*written}))}
-        (self.hidden / MANIFEST).write_text(json.dumps(self._sets | {self.owner: self.published}) + "\n", "utf-8")
+        self._write_manifest(self.published)
         os.replace(self.hidden / MANIFEST, self.out / MANIFEST)
+
+    def _write_manifest(self, names: Iterable[str]) -> None:
+        sets = self._sets | {self.owner: sorted(names)}
+        (self.hidden / MANIFEST).write_text(json.dumps(sets) + "\n", "utf-8")
 
     def foreign(self) -> list[str]:
         """Files in the folder that ringwear has not put there."""
@@ -75,23 +119,66 @@ def held(out: Path, owner: str) -> Iterator[Folder]:
     try:
         out.mkdir(parents=True, exist_ok=True)
         lock = _locked(out)
-        for left in out.glob(f"{HIDDEN}*"):
+        for left in (*out.glob(f"{HIDDEN}*"), _beside(out.resolve())):
             # of a run that was killed: nobody holds the folder now
             shutil.rmtree(left, ignore_errors=True)
         hidden = Path(tempfile.mkdtemp(prefix=HIDDEN, dir=out))
     except OSError as error:
         raise SceneError(f"--out {out} cannot be written to: {error.strerror}; give another directory") from error
+    folder = Folder(out, owner, hidden)
     try:
-        folder = Folder(out, owner, hidden)
         yield folder
-        folder.publish()
+        with signals_wait():
+            folder.publish()
     finally:
-        shutil.rmtree(hidden, ignore_errors=True)
-        if lock is not None:
-            os.close(lock)
-        for empty in made:
-            with suppress(OSError):
-                empty.rmdir()
+        with signals_wait():
+            shutil.rmtree(folder.hidden, ignore_errors=True)
+            if lock is not None:
+                os.close(lock)
+            for empty in made:
+                with suppress(OSError):
+                    empty.rmdir()
+
+
+@contextmanager
+def signals_wait() -> Iterator[None]:
+    """Let Ctrl-C and SIGTERM wait until what is done to files is done."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    waiting: list[int] = []
+    numbers = signal.SIGINT, signal.SIGTERM
+    handlers = [signal.signal(number, lambda number, _: waiting.append(number)) for number in numbers]
+    try:
+        yield
+    finally:
+        for number, handler in zip(numbers, handlers, strict=True):
+            signal.signal(number, handler)
+        for late in waiting[:1]:
+            signal.raise_signal(late)
+
+
+def _beside(out: Path) -> Path:
+    """The hidden directory that is exchanged with a folder."""
+    return out.with_name(f".{out.name}{HIDDEN}")
+
+
+def _exchange_directories(one: Path, other: Path) -> None:
+    """Let two directories change places in one step.
+
+    Raises
+    ------
+    OSError
+        where the system, or the file system, cannot
+    """
+    if sys.platform != "linux":
+        raise OSError("only Linux exchanges directories")
+    library = ctypes.CDLL(None, use_errno=True)
+    if not hasattr(library, "renameat2"):
+        raise OSError("the C library is older than renameat2")
+    paths = os.fsencode(one), os.fsencode(other)
+    if library.renameat2(AT_FDCWD, paths[0], AT_FDCWD, paths[1], RENAME_EXCHANGE):
+        raise OSError(ctypes.get_errno(), "directories cannot be exchanged")
 
 
 def _locked(out: Path) -> int | None:
@@ -103,6 +190,8 @@ def _locked(out: Path) -> int | None:
     handle = os.open(out, os.O_RDONLY)
     try:
         flock(handle, LOCK_EX | LOCK_NB)
+        if not os.path.samestat(os.fstat(handle), out.stat()):
+            raise BlockingIOError("another run has exchanged the folder in the meantime")
     except BlockingIOError:
         os.close(handle)
         raise SceneError(f"--out {out} is being written to by another run: wait for it, or give another directory") from None

@@ -1,4 +1,4 @@
-"""The files of a run: numbers first, then what shows them, so that no failure of a figure loses a number."""
+"""The files of a run: numbers, then what shows them; no failure of a figure loses a number."""
 
 import json
 from functools import cache
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ringwear.meshes.errors import RingwearError
 from ringwear.studies.output.csv_tables import write_csv
-from ringwear.studies.output.folder import Folder
+from ringwear.studies.output.folder import Folder, signals_wait
 from ringwear.studies.output.side_by_side import Job, make
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.progress import LOG
@@ -21,14 +21,15 @@ def write_numbers(result: "Result", folder: Folder, tables: bool = False) -> Non
     LOG.info("  output  writing ...")
     dataset = result.dataset
     try:
-        dataset.to_netcdf(folder.hidden / "results.nc", engine="netcdf4")
+        # interrupted while it holds its locks, xarray would wait for them forever
+        with signals_wait():
+            dataset.to_netcdf(folder.hidden / "results.nc", engine="netcdf4")
     except RuntimeError as error:
         # what netCDF makes of a full disk
         raise RingwearError(f"results.nc could not be written to {folder.out} ({error}): is the disk full?") from error
     (folder.hidden / "summary.json").write_text(json.dumps(result.summary, indent=1, allow_nan=False) + "\n", "utf-8")
     if tables:
         write_csv(dataset, folder.hidden)
-    folder.publish()
 
 
 def draw(result: "Result", folder: Folder, figures: bool = True) -> list[str]:

@@ -2,11 +2,10 @@
 
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
-
-INTERRUPTED = "interrupted"
 
 
 class Job(NamedTuple):
@@ -34,8 +33,6 @@ def make(jobs: Sequence[Job], others: Sequence[Job], directory: Path) -> list[st
     finally:
         child.terminate()
         child.join()
-    if reported == INTERRUPTED:
-        raise KeyboardInterrupt
     return [*failures, *reported]
 
 
@@ -49,16 +46,18 @@ def _make(jobs: Sequence[Job], directory: Path) -> list[str]:
         path = directory / job.name
         try:
             job.write(path)
-        except Exception as error:
-            # whatever it is: nothing else is lost for it
+        except BaseException as error:
+            # nothing half-written is left; and of a failure, nothing else is lost for it
             path.unlink(missing_ok=True)
+            if not isinstance(error, Exception):
+                raise
             lines = str(error).strip().splitlines() or [type(error).__name__]
             failures.append(f"{job.name} could not be made: {lines[0]}")
     return failures
 
 
 def _make_and_tell(jobs: Sequence[Job], directory: Path, sender: Any) -> None:
-    try:
-        sender.send(_make(jobs, directory))
-    except KeyboardInterrupt:
-        sender.send(INTERRUPTED)
+    # Ctrl-C is for the process that has started this one, and ends it
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    sender.send(_make(jobs, directory))

@@ -71,8 +71,13 @@ def _end(radius: Array, step: Array, node: int, way: int) -> tuple[float, bool]:
 def located(
     compliance: Callable[[PressureSpace], Compliance], profile: InitialProfile, load: Load, cells: ContactCells
 ) -> tuple[tuple[Interval, ...], ContactCells]:
-    """Where contact begins, and the cells with a spot wherever it begins on a narrow part of the face."""
+    """Where contact begins, and cells with a spot wherever it begins on a narrow part of the face.
+
+    The looks end where the first contact is many cells wide, or where spots come back to where they
+    were before: from then on they would stay, or go round.
+    """
     most = MOST * len(cells.breakpoints())
+    seen = [cells]
     for _ in range(LOOKS):
         space = cells.space()
         matrix = compliance(space).matrix
@@ -90,6 +95,9 @@ def located(
                          for radius in [nodes(space)[0]] for one in spreading), default=ENOUGH)  # fmt: skip
         if narrowest >= min(ENOUGH, 0.5 / found.spread) and not unfelt:
             return intervals, found
+        if any(_same_spots(found, earlier) for earlier in seen):
+            return intervals, found
+        seen.append(found)
         cells = found
     return intervals, cells
 
@@ -103,6 +111,15 @@ def _with_spots(cells: ContactCells, narrow: list[tuple[float, float]], most: in
             return found
         cells = replace(cells, spread=2 * cells.spread)
     return None
+
+
+def _same_spots(one: ContactCells, other: ContactCells) -> bool:
+    """Whether two have the same spots, to less than a cell of theirs."""
+    if one.spread != other.spread or len(one.spots) != len(other.spots):
+        return False
+    moved = np.abs(np.array(one.spots) - np.array(other.spots))
+    sizes = [size for _, _, size in one.spots]
+    return all(move[:2].max() < size for move, size in zip(moved, sizes, strict=True))
 
 
 def _unfelt(space: PressureSpace, displacement: Array, press: Press, profile: InitialProfile) -> list[tuple[float, float]]:

@@ -7,7 +7,7 @@ worth is seen from half as many cells and four times the error of a step, and at
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -85,9 +85,8 @@ def history(one: UnilateralMethod, problem: Problem, stages: Stages) -> Solution
     profile, load = problem.profile, load_of(problem)
     assert profile is not None
     with stages("locating"):
-        # where contact begins decides on the cells only: any method's compliance will do, and this one is quick
-        intervals, cells = located(energy.compliance, profile, load, cells_of(problem))
-        coarse_cells = located(energy.compliance, profile, load, cells_of(problem, 0.5))[1]
+        intervals, cells = _located(problem)
+        _, coarse_cells = _located(problem, 0.5)
     notes: list[str] = []
     presses: list[FittedPress | None] = [None, None]
     if problem.times[0] == 0:
@@ -136,6 +135,16 @@ def history(one: UnilateralMethod, problem: Problem, stages: Stages) -> Solution
         _settings(fine, presses[0]),
         (*notes, *_parts_of_contact(problem, results)),
     )
+
+
+@lru_cache(maxsize=16)
+def _located(problem: Problem, finer: float = 1.0) -> tuple[tuple[Interval, ...], ContactCells]:
+    """Where contact begins, and cells for it, the same for every method.
+
+    It decides on the cells only: any method's compliance will do, and this one is quick.
+    """
+    assert problem.profile is not None
+    return located(energy.compliance, problem.profile, load_of(problem), cells_of(problem, finer))
 
 
 def _fitted(
