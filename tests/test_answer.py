@@ -107,7 +107,7 @@ def test_summary_and_dataset_hold_the_answer(five: Result) -> None:
 ])  # fmt: skip
 def test_each_variable_has_its_own_unit(five: Result, stated: str, units: dict[str, str]) -> None:
     other = Result(five.scene.changed(units=stated), *(getattr(five, name) for name in (
-        "solutions", "stages", "agreement", "anchors", "operators")))  # fmt: skip
+        "solutions", "stages", "agreement", "operators")))  # fmt: skip
     dataset = other.dataset
     assert {name: dataset[name].attrs["units"] for name in units} == units
 

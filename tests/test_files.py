@@ -122,7 +122,7 @@ def test_summary(done: Path) -> None:
     for row in summary["anchors"]:
         assert {"name", "method", "difference", "tolerance", "holds"} == set(row)
         assert row["holds"]
-    assert len({row["name"] for row in summary["anchors"]}) == 7
+    assert len({row["name"] for row in summary["anchors"]}) >= 25
     assert summary["modelled"]
     assert all(reason for reason in summary["left_out"].values())
 

@@ -55,15 +55,6 @@ def test_wear_rate_is_continuous_across_ring_edges(prepare: Prepare, scene: str,
     np.testing.assert_allclose(inside, outside, rtol=1e-9)
 
 
-@pytest.mark.parametrize("scene", ["five_rings", "many_rings"])
-def test_pressure_is_continuous_at_the_start(prepare: Prepare, scene: str, method: str) -> None:
-    punch = prepare(scene, method)
-    edges = punch.space.ring_edges[1:-1]
-    pressure = punch.wear.history(TIMES[:1]).pressure[0]
-    inside, outside = (punch.space.matrix(radii) @ pressure for radii in (np.nextafter(edges, 0), edges))
-    np.testing.assert_allclose(inside, outside, rtol=1e-9)
-
-
 def test_wear_is_the_integral_of_the_wear_rate(prepare: Prepare, method: str) -> None:
     """Archard's law over a time in which nothing is linear: df = k int p dt, by 40 Gauss points."""
     punch = prepare("five_rings", method)

@@ -24,7 +24,7 @@ from ringwear.mdr import direct
 from ringwear.meshes.radial import Array, ring_of
 from ringwear.studies.crosscheck.known import energy_of_rings, natural_units, steady_state
 from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import FIELDS, QUANTITIES, array, radial_weight
+from ringwear.studies.methods.quantities import ANSWER, FIELDS, QUANTITIES, array, radial_weight
 from ringwear.studies.problem.problem import D0, P0, Problem
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.time_scale import COARSE, FINE, slowest_relaxation_time
@@ -88,15 +88,8 @@ class _Anchors:
 
     def _reported(self, name: str) -> Array:
         """Return a variable of the dataset, non-dimensional."""
-        quantity = QUANTITIES.get(name)
-        kind = self._kind_of_answer(name) if quantity is None else quantity.unit
+        kind = (QUANTITIES | ANSWER)[name].unit
         return np.asarray(self._dataset[name].values / getattr(self._units, kind))
-
-    @staticmethod
-    def _kind_of_answer(name: str) -> str:
-        from ringwear.studies.crosscheck.answer import ANSWER
-
-        return ANSWER[name].unit
 
     def _gives(self, *names: str) -> bool:
         return all(name in self.solution.checked for name in names)
@@ -135,12 +128,9 @@ class _Anchors:
             tolerance = np.maximum(self.solution.checked_error(self.problem, "ring_force"), EXACT)
             yield "ring forces add up to F", _worst(np.abs(whole - 1), tolerance)
         rings = self.face.ring_sums(self.face.areas * pressure)
-        doubt = self._doubt(self.face.areas * pressure)
-        if self.problem.profile is not None:
-            # pressures nearly jump where contact ends
-            doubt = doubt + self._tolerated("pressure") * whole
+        tolerance = self._tolerated("pressure") * whole + self._doubt(self.face.areas * pressure)
         wrong = np.abs(rings - forces).max(axis=1)
-        yield "ring forces are integrals of the pressure", _worst(wrong, self.problem.rtol + doubt)
+        yield "ring forces are integrals of the pressure", _worst(wrong, tolerance)
 
     def _doubt(self, parts: Array) -> Array:
         """Return what a sum over the face may differ from its integral."""
@@ -171,13 +161,12 @@ class _Anchors:
             yield "flat start, forces of the rings", _worst(wrong, tolerance)
         if self.solution.wear is None:
             return
-        rtol = np.array([self.problem.rtol])
         wrong = np.abs(self._reported("indentation_start") / D0 - 1)
-        yield "flat start of the answer", _worst(wrong, rtol)
+        yield "flat start of the answer", _worst(wrong, self._tolerated("indentation").max())
         known = _flat_pressure(edges[:-1])
         wrong = np.abs(self._reported("pressure_min")[0] / known - 1).max()
         wrong = np.maximum(wrong, np.abs(self._reported("pressure_max")[0, :-1] / known[1:] - 1).max(initial=0.0))
-        yield "flat start of the answer, pressures", _worst(wrong, rtol)
+        yield "flat start of the answer, pressures", _worst(wrong, self.problem.rtol)
 
     def _of_wear(self) -> Iterator[Worst]:
         """Return what is worn, over all of the face."""
@@ -199,12 +188,13 @@ class _Anchors:
         flat = _flat_pressure(face.radii) * face.areas
         steady = steady_state(self.problem)
         by_flat = D0 + profile @ flat
-        tolerance = self._tolerated("profile") + self._doubt(profile * flat) / depth
+        stated = np.maximum(self._tolerated("indentation"), self._tolerated("profile"))
+        tolerance = stated + self._doubt(profile * flat) / depth
         yield "reciprocity with the flat punch", _worst(np.abs(by_flat / depth - 1), tolerance)
         pressure = self._checked("pressure")
         moved = steady.displacement * face.areas
         by_steady = pressure @ moved + profile @ (steady.pressure * face.areas)
-        tolerance = np.maximum(self._tolerated("indentation"), self._tolerated("profile"))
+        tolerance = np.maximum(stated, self._tolerated("pressure"))
         tolerance = tolerance + self._doubt(pressure * moved) / depth
         yield "reciprocity with the steady state", _worst(np.abs(by_steady / depth - 1), tolerance)
 

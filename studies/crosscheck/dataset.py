@@ -11,7 +11,8 @@ import xarray
 from ringwear.meshes.radial import Array
 from ringwear.studies.crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
 from ringwear.studies.crosscheck.anchors import Anchor, anchors
-from ringwear.studies.crosscheck.answer import ALSO, ANSWER, STATES, answer
+from ringwear.studies.crosscheck.answer import ALSO, answer
+from ringwear.studies.methods.quantities import ANSWER, STATES
 from ringwear.studies.crosscheck.operators import OperatorDifference
 from ringwear.studies.crosscheck.scope import left_out, modelled
 from ringwear.studies.methods.base import Solution

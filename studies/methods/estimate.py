@@ -43,7 +43,7 @@ class Safety(NamedTuple):
 
 
 # on the radial mesh: one degree less; one layer less at every singular point, which only slopes feel
-RADIAL, LAYERS = Safety(0.7, 1.6, 0.65, 1.3), Safety(0.5, 0.5, 1.2, 2.4)
+RADIAL, LAYERS = Safety(1.0, 1.6, 0.65, 1.3), Safety(0.7, 0.5, 1.2, 2.4)
 # where nothing is left to coarsen, the pair is finer than the result, and the difference the error itself
 RADIAL_FINER = Safety(1.5, 2.0, 3.0, 3.0)
 # of finite elements: one degree of the pressure less; then one degree of the displacement (and a layer) less

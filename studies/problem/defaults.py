@@ -24,7 +24,7 @@ FACTOR, GROWTH = 0.25, 0.5
 SMALLEST, SMALLEST_RIM = 1e-12, 1e-14
 # of the radial mesh: an element is smaller by this than the one outside it
 GRADING = 0.2
-# of the degrees that sharpness asks for, so many can be spared
+# of the degrees that sharpness asks for, a tenth can be spared, and no more than so many
 SPARED = 0.7
 # pressures that are worth a field to the accuracy asked for: dense matrices cost their third power
 MOST_PRESSURES = 1000
@@ -46,7 +46,12 @@ def pressure_degree(problem: Problem, ratio: float) -> float:
     greatest = max(float(behind(half, half, edges).max()), float(behind(half[1:], half[1:], edges[:-1]).max(initial=0.0)))
     # the slowest relaxation modes want so many over wide rings
     least = 6 + 2 * np.log10(problem.merged.widths.max())
-    return float(max(np.log(greatest / problem.rtol) / convergence(ratio) - SPARED, least, 2))
+    return float(max(_enough(np.log(greatest / problem.rtol) / convergence(ratio)), least, 2))
+
+
+def _enough(degree: Array | float) -> Array | float:
+    """Degrees that are enough, of those that sharpness asks for."""
+    return degree - np.minimum(0.1 * degree, SPARED)
 
 
 def pressures(problem: Problem, ratio: float) -> float:
@@ -57,7 +62,7 @@ def pressures(problem: Problem, ratio: float) -> float:
     for reach, size, edges in ((half, sizes, np.arange(len(half))), (half[1:], sizes[:-1], np.arange(len(half) - 1))):
         distance = reach[:, None] * ratio ** np.arange(np.ceil(np.log(sizes.min()) / np.log(ratio)))
         less = behind(distance, reach[:, None], np.broadcast_to(edges[:, None], distance.shape)) / problem.rtol
-        degrees = np.clip(np.log(less) / convergence(ratio) - SPARED, 2, most)
+        degrees = np.clip(_enough(np.log(less) / convergence(ratio)), 2, most)
         total += float(np.sum(degrees, where=distance > size[:, None]))
     return total
 

@@ -97,13 +97,13 @@ class Face:
         return found, np.abs(coefficients[-2:]).sum(axis=0)
 
     def slopes(self, values: Array) -> tuple[Array, Array]:
-        """Return (T, R) derivatives along the radius of (T, R) values, and those without the last coefficient."""
+        """Return (T, R) derivatives along the radius of (T, R) values, and those without the last two coefficients."""
         coefficients = self._coefficients(values)
         rates = 2 / np.repeat(np.diff(self.breakpoints), POINTS)
         # r = 1 - size (1 - s)^2 / 4 in the element at the rim
         rates[-POINTS:] /= 1 - self._local
         found = []
-        for count in (POINTS, POINTS - 1):
+        for count in (POINTS, POINTS - 2):
             parts = legval(self._local, legder(coefficients[:count]))
             found.append(parts.reshape(values.shape) * rates)
         return found[0], found[1]

@@ -251,10 +251,11 @@ class Problem:
             return self.compared_on
         rings = self.merged
         rim = float(np.clip(0.1 * (self.earliest or 1.0), 1e-12, 1e-6))
-        nearest = 1e-8 if self.profile is None else 1e-4
-        breakpoints = graded_breakpoints(
-            rings.ring_edges, nearest * rings.narrower, rim, factor=0.4
-        )
+        nearest = 1e-4 * rings.narrower
+        if self.profile is None:
+            # slopes of early times are steepest within what wear has blunted beside an edge
+            nearest = np.clip(0.1 * self.blunted.slow[:-1], 1e-12, 1e-8 * rings.narrower)
+        breakpoints = graded_breakpoints(rings.ring_edges, nearest, rim, factor=0.4)
         # the integral over each ring that the scene names, also where nothing happens at its edge
         breakpoints = np.union1d(breakpoints, self.ring_edges)
         if self.profile is not None:

@@ -8,7 +8,8 @@ import numpy as np
 import xarray
 
 from ringwear.meshes.errors import SceneError
-from ringwear.studies.crosscheck.answer import ALSO, ANSWER
+from ringwear.studies.crosscheck.answer import ALSO
+from ringwear.studies.methods.quantities import ANSWER
 from ringwear.studies.crosscheck.run import run
 from ringwear.studies.methods.quantities import QUANTITIES
 from ringwear.studies.problem.scene import Scene

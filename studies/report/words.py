@@ -8,7 +8,7 @@ import numpy as np
 
 from ringwear.meshes.radial import Array, ring_areas
 from ringwear.studies.crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement
-from ringwear.studies.crosscheck.answer import STATES
+from ringwear.studies.methods.quantities import STATES
 from ringwear.studies.crosscheck.dataset import Result
 from ringwear.studies.crosscheck.scope import outside
 from ringwear.studies.methods.quantities import QUANTITIES
