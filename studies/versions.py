@@ -27,7 +27,7 @@ def versions() -> dict[str, str]:
 
 @cache
 def fingerprint() -> str:
-    """Return versions and a hash of ringwear's code and tables, as JSON: equal where results are."""
+    """Return versions and a hash of ringwear's code and tables, as JSON."""
     code = blake2b(digest_size=16)
     for part in PARTS:
         folder = Path(str(files(f"ringwear.{part}")))

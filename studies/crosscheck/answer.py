@@ -8,27 +8,9 @@ import numpy as np
 
 from ringwear.meshes.radial import Array, Indices, ring_of
 from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import Quantity, array
+from ringwear.studies.methods.quantities import ANSWER, STATES, array
 from ringwear.studies.problem.problem import Problem
 
-STATES = ("start", "steady")
-OF_PUNCH, OF_RINGS = (), ("state", "ring")
-ANSWER = {
-    "indentation_start": Quantity(OF_PUNCH, "displacement", "indentation by the unworn punch; of a flat one F / (2 a E*)"),
-    "indentation_steady": Quantity(
-        OF_PUNCH, "displacement", "depth of the foremost point of the worn punch in the half-space, u_max of Eq. 27; at the "
-        "start it is the indentation",
-    ),
-    "running_in_time": Quantity(OF_PUNCH, "time", "slowest relaxation time: what is left of running-in falls to 1/e in it"),
-    "time_to_90": Quantity(
-        OF_PUNCH, "time", "time by which the approach d(t), less steady wear, has made 90 % of its way from start to steady"
-    ),
-    "time_to_99": Quantity(OF_PUNCH, "time", "as time_to_90, for 99 %"),
-    "pressure_min": Quantity(OF_RINGS, "pressure", "least contact pressure on each ring"),
-    "pressure_max": Quantity(OF_RINGS, "pressure", "greatest contact pressure on each ring; infinite at a flat punch's rim"),
-    "force_share": Quantity(OF_RINGS, "share", "part of the normal force that each ring carries"),
-    "worn_volume": Quantity(("ring",), "volume", "volume worn off each ring by the last of the times"),
-}  # fmt: skip
 # given with it, and kept as quantities of their own
 ALSO = ("steady_wear_rate", "steady_rms_slope")
 

@@ -23,6 +23,7 @@ SI: dict[str, tuple[tuple[float, str], ...]] = {
     "volume": ((1e-18, "µm³"), (1e-9, "mm³"), (1e-6, "cm³"), (1.0, "m³")),
 }  # fmt: skip
 BASE = ("m", "N", "Pa", "s")
+UNSTATED = "the scene's own consistent units"
 # kinds of scene keys that have a unit
 KINDS = {
     "punch.radius": "length", "punch.ring_edges": "length", "output.radii": "length",

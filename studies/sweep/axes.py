@@ -160,7 +160,7 @@ class Sweep:
         return Sweep({"base": self.table["base"]}, tuple(axes), self.keep, self.name)
 
     def coordinates(self) -> Iterator[tuple[str, str, list[Any], str]]:
-        """Name, dimension, values and key of each coordinate; what is neither number nor word is written as TOML would."""
+        """Name, dimension, values and key of each coordinate; lists and tables are written as text."""
         taken = {*RESERVED, *self.dims}
         for axis in self.axes:
             for number, (key, values) in enumerate(axis.columns.items()):
@@ -214,7 +214,8 @@ def _without_twins(axis: Axis, name: str) -> Axis:
             for row in zip(*axis.columns.values(), strict=True)]  # fmt: skip
     if len(set(rows)) < len(rows):
         twin = next(row for number, row in enumerate(rows) if row in rows[:number])
-        raise SceneError(f"{name}: {', '.join(axis.columns)} = {', '.join(map(str, twin))} is there twice: give it once")
+        columns, values = ", ".join(axis.columns), ", ".join(map(str, twin))
+        raise SceneError(f"{name}: {columns} = {values} is there twice: give it once")
     return axis
 
 

@@ -1,4 +1,4 @@
-"""Blocks of a sweep by the workers of a Dask cluster; what a lost worker had, Dask gives to another."""
+"""Blocks of a sweep by a Dask cluster; what a lost worker had, Dask gives to another."""
 
 import logging
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ from ringwear.studies.sweep.compute import computed
 from ringwear.studies.sweep.layout import Layout, Outcome
 from ringwear.studies.versions import differing, fingerprint
 
-# seconds that a scheduler has for an answer, and without any block after which the workers are looked at
+# seconds that a scheduler has for an answer, and without a block after which workers are looked at
 ANSWER, QUIET = 20, 30
 # blocks given to each thread, of which it computes one
 AHEAD = 2
@@ -24,14 +24,14 @@ KEPT = "what is finished is kept: go on with --resume"
 
 
 def compute_on_cluster(scheduler: str, whole: Sweep, layout: Layout, todo: list[Block]) -> Outcomes:
-    """Yield blocks as they are finished; those that kill their workers again and again are left out.
+    """Yield blocks as they are finished, without those that kill their workers again and again.
 
     Raises
     ------
     SceneError
         if Dask is not installed
     SolverError
-        if the scheduler does not answer or is lost, has no workers, or one that computes with another ringwear
+        if the scheduler does not answer or is lost, or has no workers or one with another ringwear
     """
     with _connected(scheduler) as client:
         # Dask is there
@@ -69,29 +69,30 @@ def _outcome(future: Any, block: Block) -> Outcome | None:
         return future.result()
     error = future.exception()
     if isinstance(error, KilledWorker):
-        LOG.warning("   sweep  %d scenes killed their workers again and again: left out", block.count)
+        LOG.warning("   sweep  %d scenes killed worker after worker: left out", block.count)
         return None
     reason = f"{type(error).__name__}: {error}".splitlines()[0]
-    raise SolverError(f"the cluster cannot compute ({reason}): install the same ringwear on its scheduler and "
-                      f"workers; {KEPT}") from error  # fmt: skip
+    remedy = "install the same ringwear on its scheduler and workers"
+    raise SolverError(f"the cluster cannot compute ({reason}): {remedy}; {KEPT}") from error
 
 
 def _check_workers(client: Any) -> None:
-    """Say so if there are no workers; raise if one does not compute with the ringwear that is here."""
+    """Say so if there are no workers; raise SolverError if one has another ringwear, or none."""
     answers = client.run(fingerprint, on_error="return")
     if not answers:
         LOG.warning("   sweep  no worker for %d s: waiting for one", QUIET)
     for address, answer in answers.items():
         if isinstance(answer, Exception):
-            raise SolverError(f"the worker {address} cannot compute ({answer}): install ringwear on it; {KEPT}")
+            remedy = f"install ringwear on it; {KEPT}"
+            raise SolverError(f"the worker {address} cannot compute ({answer}): {remedy}")
         check_fingerprint(answer, f"the worker {address}")
 
 
 def check_fingerprint(other: str, worker: str) -> None:
-    """Raise SolverError unless a worker computes with the ringwear, and the libraries, that are here."""
+    """Raise SolverError unless a worker computes with the ringwear and the libraries that are here."""
     if other != fingerprint():
-        raise SolverError(f"{worker} has another {differing(other)} than this process, so that its results are not "
-                          f"kept: install the same on it; {KEPT}")  # fmt: skip
+        remedy = f"install the same on it; {KEPT}"
+        raise SolverError(f"{worker} has another {differing(other)} than this process: {remedy}")
 
 
 @contextmanager

@@ -12,9 +12,9 @@ from ringwear.meshes.errors import RingwearError, SceneError
 from ringwear.meshes.radial import Array
 from ringwear.studies.crosscheck.accuracy import solved_to_accuracy
 from ringwear.studies.crosscheck.agreement import worst
-from ringwear.studies.crosscheck.answer import ANSWER, answer
+from ringwear.studies.crosscheck.answer import answer
 from ringwear.studies.methods.base import Method, Solution, method
-from ringwear.studies.methods.quantities import HISTORIES, QUANTITIES, common, error_name
+from ringwear.studies.methods.quantities import ANSWER, HISTORIES, QUANTITIES, common, error_name
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.shared import groups
@@ -105,13 +105,14 @@ def solved(one: Method, problems: Sequence[Problem]) -> list[Solution | Failure]
             return [*solved(one, problems[:half]), *solved(one, problems[half:])]
         if isinstance(error, RingwearError):
             return [Failure(str(error), final=True)]
-        return [Failure(f"{type(error).__name__}: {error}", final=not isinstance(error, OF_THE_MACHINE))]
+        final = not isinstance(error, OF_THE_MACHINE)
+        return [Failure(f"{type(error).__name__}: {error}", final)]
 
 
 def put(
     values: dict[str, Array], place: tuple[int, int], problem: Problem, solution: Solution, keep: tuple[str, ...]
 ) -> None:  # fmt: skip
-    """Kept quantities of one scene by one method, in the scene's units, with their errors; and kept answers."""
+    """Put what is kept of one scene by one method in its place, in the scene's units."""
     answers = answer(problem, solution) if ANSWERS.keys() & set(keep) else {}
     found: dict[str, Array] = {}
     for name in keep:

@@ -233,7 +233,7 @@ def _store(made: Sweep, directory: Path | None, resume: bool) -> Store:
 
 
 def swept(source: str, out: Path, options: argparse.Namespace) -> tuple[list[str], bool, bool]:
-    """The command: what it found, a line each; whether all scenes are done, and whether methods agree in all."""
+    """The command: what it found, a line each; whether all scenes are done; whether methods agree."""
     from ringwear.studies.sweep.figure import drawn
 
     made = Sweep.load(source)
@@ -256,7 +256,8 @@ def swept(source: str, out: Path, options: argparse.Namespace) -> tuple[list[str
 def _said(tally: Tally, found: dict[str, Any]) -> list[str]:
     lines = [f"{tally.finished} scenes finished, {tally.failed} failed, {tally.left} left"]
     lines += [f"failed: {reason} ({count} scenes)" for reason, count in found["reasons"].items()]
-    lines += [f"left: {reason} ({count} scenes)" for reason, count in found["reasons_pending"].items()]
+    pending = found["reasons_pending"]
+    lines += [f"left: {reason} ({count} scenes)" for reason, count in pending.items()]
     if tally.failed or tally.left:
         lines.append("--resume computes what is left, and with --retry-failed what failed")
     return [*lines, *found["conclusions"]]

@@ -75,7 +75,7 @@ def _short(value: Any) -> str:
 
 
 def _plain(text: str) -> str:
-    """Text of the user's, in which a dollar is a dollar: between two of them matplotlib reads formulas."""
+    """The user's text for matplotlib, which would read a formula between two dollars."""
     return text.replace("$", r"\$")
 
 

@@ -8,8 +8,8 @@ from ringwear.studies.problem.sections import WearSection
 if TYPE_CHECKING:
     from ringwear.studies.methods.quantities import Quantity
 
-# answers (`studies/crosscheck/answer.py`) that can be kept, and the quantities that they are found from; methods
-# state no errors of them
+# answers (`studies/crosscheck/answer.py`) that can be kept, and the quantities that they are found from;
+# methods state no errors of them
 ANSWERS = {
     "worn_volume": ("profile",),
     "force_share": ("indentation", "steady_pressure", "steady_displacement_max"),
@@ -26,11 +26,10 @@ JUDGED = {
 
 def keepable() -> dict[str, "Quantity"]:
     """Return the quantities and answers of a flat punch that can be kept."""
-    from ringwear.studies.crosscheck.answer import ANSWER
-    from ringwear.studies.methods.quantities import OF_PROFILES, QUANTITIES
+    from ringwear.studies.methods.quantities import ANSWER, OF_PROFILES, QUANTITIES
 
-    quantities = {name: quantity for name, quantity in QUANTITIES.items() if name not in OF_PROFILES}
-    return quantities | {name: ANSWER[name] for name in ANSWERS}
+    flat = {name: QUANTITIES[name] for name in QUANTITIES if name not in OF_PROFILES}
+    return flat | {name: ANSWER[name] for name in ANSWERS}
 
 
 def checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
@@ -39,9 +38,8 @@ def checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
 
     known = keepable()
     if keep is None:
-        quantities = {name: quantity for name, quantity in known.items() if name not in ANSWERS}
-        plain = [name for name, quantity in quantities.items() if not {"radius", "ring"} & set(quantity.dims)]
-        return tuple(name for name in plain if asked_for(wear, name))
+        plain = [name for name in known if not {"radius", "ring"} & set(known[name].dims)]
+        return tuple(name for name in plain if name not in ANSWERS and asked_for(wear, name))
     if not (isinstance(keep, list) and keep and all(isinstance(one, str) for one in keep)):
         raise SceneError(f"{name}: keep = {keep!r}: give a list of quantities, some of {', '.join(known)}")
     for one in keep:

@@ -7,16 +7,15 @@ import numpy as np
 
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.radial import Array
-from ringwear.studies.crosscheck.answer import STATES
-from ringwear.studies.crosscheck.dataset import UNSTATED
-from ringwear.studies.methods.quantities import ERROR, NORMS, error_name
-from ringwear.studies.problem.unit_names import KINDS, UnitNames
+from ringwear.studies.methods.quantities import ERROR, NORMS, STATES, error_name
+from ringwear.studies.problem.unit_names import KINDS, UNSTATED, UnitNames
 from ringwear.studies.sweep.axes import Sweep
 from ringwear.studies.sweep.kept import ANSWERS, JUDGED, keepable
 from ringwear.studies.wear.modes import SHOWN
 
 # keys that leave relaxation times as they are
-OF_ONE_TIME_SCALE = ("load.normal_force", "load.mean_pressure", "accuracy.", "output.", "wear.", "methods", "title", "units")
+OF_ONE_TIME_SCALE = ("load.normal_force", "load.mean_pressure", "accuracy.", "output.", "wear.", "methods",
+                     "title", "units")  # fmt: skip
 # what may become of a scene
 PENDING, DONE, FAILED = 0, 1, 2
 
@@ -110,7 +109,8 @@ def layout(sweep: Sweep) -> Layout:
         quantity = known[name]
         add(name, quantity.dims, quantity.definition, quantity.unit)
         if name not in ANSWERS:
-            add(error_name(name), quantity.error_dims, ERROR.format(name, NORMS[quantity.norm]), "number")
+            long_name = ERROR.format(name, NORMS[quantity.norm])
+            add(error_name(name), quantity.error_dims, long_name, "number")
     if len(solvers) > 1:
         variables |= {name: Variable((), (), {"long_name": text, "units": "1"}) for name, text in JUDGED.items()}
     about = {
@@ -135,9 +135,9 @@ def _check_times(sweep: Sweep, dims: set[str], keys: dict[str, list[Any]]) -> No
     kept = [name for name in sweep.keep if "time" in keepable()[name].dims or name == "worn_volume"]
     varied = [key for key in keys if not key.startswith(OF_ONE_TIME_SCALE)]
     if counted and kept and varied:
-        raise SceneError(f"{sweep.name}: wear.times counts relaxation times, which {varied[0]} may change, and {kept[0]} "
-                         "is kept at times that all scenes share: give wear.times as numbers, or keep only what is "
-                         "not over time")  # fmt: skip
+        remedy = "give wear.times as numbers, or keep only what is not over time"
+        raise SceneError(f"{sweep.name}: wear.times counts relaxation times, which {varied[0]} may change, "
+                         f"and {kept[0]} is kept at times that all scenes share: {remedy}")  # fmt: skip
 
 
 def _needing(dim: str, sweep: Sweep) -> str:

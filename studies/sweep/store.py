@@ -41,7 +41,8 @@ def alone(directory: Path) -> Iterator[None]:
 
     # a Path of "s3://bucket" has one slash left
     if ":/" in str(directory):
-        raise SceneError(f"--out {directory} is no directory of this machine: give one, and copy the store from there")
+        remedy = "give one, and copy the store from there"
+        raise SceneError(f"--out {directory} is no directory of this machine: {remedy}")
     try:
         directory.mkdir(parents=True, exist_ok=True)
         lock = (directory / ".lock").open("a")
