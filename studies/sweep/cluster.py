@@ -17,8 +17,6 @@ from ringwear.studies.versions import differing, fingerprint
 
 # seconds that a scheduler has for an answer, and without a block after which workers are looked at
 ANSWER, QUIET = 20, 30
-# blocks given to each thread, of which it computes one
-AHEAD = 2
 Outcomes = Iterator[tuple[Block, Outcome]]
 KEPT = "what is finished is kept: go on with --resume"
 
@@ -40,7 +38,8 @@ def compute_on_cluster(scheduler: str, whole: Sweep, layout: Layout, todo: list[
         rest, running = iter(todo), dict[Any, Block]()
         try:
             while True:
-                window = AHEAD * max(1, sum(client.nthreads().values()))
+                # none waits behind another, with which its worker might die
+                window = max(1, sum(client.nthreads().values()))
                 for block in islice(rest, max(0, window - len(running))):
                     part = whole.part(block.bounds)
                     running[client.submit(computed, part, layout, pure=False)] = block

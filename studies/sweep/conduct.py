@@ -24,7 +24,7 @@ from ringwear.studies.problem.scene import Scene
 from ringwear.studies.progress import LOG
 from ringwear.studies.sweep.axes import Sweep
 from ringwear.studies.sweep.blocks import Block, block_shape, blocks
-from ringwear.studies.sweep.cluster import AHEAD, check_fingerprint, compute_on_cluster
+from ringwear.studies.sweep.cluster import check_fingerprint, compute_on_cluster
 from ringwear.studies.sweep.compute import computed
 from ringwear.studies.sweep.layout import DONE, FAILED, Layout, Outcome, layout
 from ringwear.studies.sweep.plan import planned
@@ -33,6 +33,8 @@ from ringwear.studies.sweep.summary import summary
 
 # seconds between lines of progress
 EVERY = 2.0
+# blocks given to each process, of which it computes one
+AHEAD = 2
 # times that the process that computes a block may die before the block is left alone
 MOST_DEATHS = 3
 
