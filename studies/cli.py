@@ -1,8 +1,8 @@
 """The command line: `ringwear run | plan | mesh | compare | study | sweep | scenes`.
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree, or one cannot reach
-the accuracy asked for; 2 bad input; 1 anything else, such as a figure that could not be drawn, and when stopped by Ctrl-C or
-SIGTERM (finished rows of a study and scenes of a sweep are kept).
+the accuracy asked for; 2 bad input; 1 anything else, such as a figure that could not be drawn or scenes of a sweep that
+failed, and when stopped by Ctrl-C or SIGTERM (finished rows of a study and scenes of a sweep are kept).
 """
 
 import argparse
@@ -237,9 +237,13 @@ def _sweep(options: argparse.Namespace) -> int:
     if options.workers < 1:
         raise SceneError(f"--workers {options.workers}: give 1 or more")
     options.scene = options.file
-    conclusions, complete = swept(options.file, _results_of(options), options)
+    if options.retry_failed and not options.resume:
+        raise SceneError("--retry-failed tries again what is in the directory: give --resume, too")
+    conclusions, complete, agree = swept(options.file, _results_of(options), options)
     print("\n".join(conclusions))
-    return DONE if complete else FAILED
+    if not complete:
+        return FAILED
+    return DONE if agree else DISAGREE
 
 
 def _scenes(_: argparse.Namespace) -> int:

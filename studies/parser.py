@@ -62,6 +62,7 @@ def parser() -> argparse.ArgumentParser:
     _add_memory(sweep)
     sweep.add_argument("--dry-run", action="store_true", help="say what it will take, without computing")
     sweep.add_argument("--resume", action="store_true", help="go on with what is in the directory")
+    sweep.add_argument("--retry-failed", action="store_true", help="with --resume: try again the scenes that failed")
     sweep.set_defaults(command="sweep")
 
     scenes = commands.add_parser("scenes", help="list the bundled scenes")

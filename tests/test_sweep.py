@@ -25,7 +25,9 @@ from ringwear.studies.problem.shared import Shared, groups
 from ringwear.studies.progress import Stages
 from ringwear.studies.sweep.axes import Sweep
 from ringwear.studies.sweep.blocks import block_shape, blocks
+from ringwear.studies.sweep.figure import drawn
 from ringwear.studies.sweep.layout import layout
+from ringwear.studies.sweep.plan import START, planned
 
 FIVE = Scene.load("five_rings").changed(methods=["mdr", "direct"], accuracy__rtol=1e-3, wear__times=[0.0, 0.01, 0.3])
 RATIOS = {"punch.wear_ratio": [0.1, 1.0, 20.0]}
@@ -160,6 +162,10 @@ def test_files(tmp_path: Path) -> None:
         ("base = 'five_rings'\nkeep = ['indentation']\n[axes]\n'wear.times' = [[0.1], [0.2]]", "wear.times varies"),
         ("base = 'five_rings'\n[zip]\n'punch.rings' = [2]\n'punch.width_ratio' = [1.0, 2.0]", "of one length"),
         ("base = 'five_rings'\n[random]\n'punch.rings' = [2]", "random.count"),
+        ("base = 'five_rings'\n[axes]\n'punch.rings' = [2, 3, 2]", "punch.rings = 2 is there twice"),
+        ("base = 'five_rings'\n[axes]\n'punch.width_ratio' = [1, 1.0]", "twice"),
+        ("base = 'five_rings'\n[axes]\n'punch.ring_edges' = [[0.5, 1.0], [0.5, 1.0]]", "twice"),
+        ("base = 'five_rings'\n[zip]\n'punch.rings' = [2, 2]\n'punch.width_ratio' = [1.5, 1.5]", "twice"),
         ("base = 'five_rings'\nkeeps = []\n[axes]\n'punch.rings' = [2]", "unknown key keeps"),
     ):
         with pytest.raises(SceneError, match=message):
@@ -167,6 +173,122 @@ def test_files(tmp_path: Path) -> None:
     (tmp_path / "bad.toml").write_text("base = ")
     assert main(["sweep", str(tmp_path / "bad.toml"), "--out", str(tmp_path / "out")]) == 2
     assert not (tmp_path / "out").exists()
+    # pairs that differ in one number are two scenes
+    zipped = "base = 'five_rings'\n[zip]\n'punch.rings' = [2, 2]\n'punch.width_ratio' = [1.0, 2.0]"
+    assert Sweep.of(tomllib.loads(zipped)).count == 2
+
+
+@pytest.mark.parametrize("out", ["s3://bucket/map", "file:///tmp/map"])
+def test_a_store_is_on_this_machine(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], out: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("small.toml").write_text("base = 'five_rings'\nkeep = ['steady_rms_slope']\n[axes]\n'punch.rings' = [2]")
+    assert main(["sweep", "small.toml", "--out", out]) == 2
+    assert "no directory of this machine" in capsys.readouterr().err
+    with pytest.raises(SceneError, match="no directory of this machine"):
+        sweep(FIVE, RATIOS, out=out)
+    assert [file.name for file in tmp_path.iterdir()] == ["small.toml"]
+
+
+@pytest.mark.parametrize("times", ["running-in", {"tau": [0.1, 1.0]}], ids=str)
+def test_times_that_scenes_do_not_share(times: Any) -> None:
+    """Counts of relaxation times are other times for each punch: no history may be labelled by the first's."""
+    scene = FIVE.changed(methods=["mdr"], wear__times=times)
+    for keep in (None, ["indentation"], ["steady_rms_slope", "worn_volume"]):
+        with pytest.raises(SceneError, match=r"wear.times counts .* punch.wear_ratio .* give wear.times as numbers"):
+            sweep(scene, RATIOS, keep)
+    # what is not over time, and histories of one punch under other loads
+    assert (sweep(scene, RATIOS, ["relaxation_time", "time_to_90"])["status"] == 1).all()
+    loads = sweep(scene, {"load.normal_force": [1.0, 2.0]}, ["indentation"])
+    assert loads["time"].values.tolist() == scene.wear.times
+
+
+def test_answers_are_those_of_run() -> None:
+    names = ["worn_volume", "force_share", "running_in_time", "time_to_90", "time_to_99"]
+    there = sweep(FIVE, {"punch.rings": [3, 5], "load.normal_force": [1.0, 3.0]}, names)
+    assert (there["status"] == 1).all()
+    assert not [name for name in there.data_vars if str(name).endswith("_error")]
+    own = run(FIVE.changed(punch__rings=3, load__normal_force=3.0)).dataset
+    here = at(there, rings=3, normal_force=3.0)
+    assert here["force_share"].dims == ("solver", "state", "ring")
+    assert here["state"].values.tolist() == ["start", "steady"]
+    for name in names:
+        found, known = here[name].values, own[name].values
+        found = found[..., :3] if "ring" in here[name].dims else found
+        assert np.isfinite(known).any()
+        np.testing.assert_allclose(found, known, rtol=1e-3, err_msg=name)
+    with pytest.raises(SceneError, match=r"'worn_volume', which the base does not ask for: give it wear.times"):
+        sweep(FIVE.changed(wear__times=[]), {"punch.rings": [2]}, ["worn_volume"])
+
+
+def test_coordinates_and_units(tmp_path: Path) -> None:
+    """Whatever varies is a coordinate, also where a store is opened, and each unit is that of its kind."""
+    scene = FIVE.changed(units="mm, N, MPa, hours", methods=["direct", "mdr"])
+    zipped = {"punch.rings": [2, 3], "punch.wear_coefficients": [[1.0, 2.0], [1.0, 3.0]]}
+    draws = {"count": 3, "seed": 1, "load.normal_force": [1.0, 2.0], "load.sliding_speed": {"linspace": [1.0, 2.0]}}
+    keep = ["indentation", "steady_wear_rate", "worn_volume", "steady_rms_slope"]
+    sweep(scene, {"half_space.poisson_ratio": [0.3]}, keep, zip=zipped, random=draws, out=tmp_path)
+    dataset = xarray.open_zarr(tmp_path / "sweep.zarr", decode_timedelta=False)
+    units = {
+        "indentation": "mm", "indentation_error": "1", "steady_wear_rate": "mm/hours", "worn_volume": "mm^3",
+        "steady_rms_slope": "1", "disagreement": "1", "time": "hours", "rings": "1", "wear_coefficients": "1/MPa",
+        "normal_force": "N", "sliding_speed": "mm/hours", "poisson_ratio": "1",
+    }  # fmt: skip
+    assert {name: dataset[name].attrs["units"] for name in units} == units
+    assert {"wear_coefficients", "normal_force", "sliding_speed", "rings", "time"} <= set(dataset.coords)
+    assert dataset["normal_force"].dims == ("draw",)
+    assert set(dataset.data_vars) == {
+        *keep, "indentation_error", "steady_wear_rate_error", "steady_rms_slope_error", "disagreement", "effectivity",
+        "status", "reason", "checksum",
+    }  # fmt: skip
+
+
+def test_figures_of_draws_and_of_any_title() -> None:
+    """Draws are points in a panel of each place on the other axes; a dollar in a title is a dollar."""
+    dangerous = r"cost $\frac{ and $"
+    draws = {"count": 5, "seed": 1, "punch.wear_ratio": {"geomspace": [0.1, 10.0]}}
+    zipped = {"punch.rings": [2, 4, 6], "punch.width_ratio": [1.0, 2.0, 3.0]}
+    base = FIVE.changed(methods=["direct"], title=dangerous).table()
+    titles = {"title": [dangerous, r"$\sqrt{$"]}
+    for axes, more in (
+        ({}, {"random": draws, "zip": zipped}),
+        ({"punch.rings": [2, 3]}, {"random": draws}),
+        ({"punch.rings": [2, 3]}, {"random": draws, "zip": {"punch.width_ratio": [1.0, 2.0]}}),
+        (titles, {}),
+        (titles | {"punch.rings": [2, 3]}, {}),
+        (titles | {"punch.rings": [2, 3], "punch.width_ratio": [1.0, 2.0, 3.0]}, {}),
+    ):
+        table = {"base": base, "keep": ["steady_rms_slope"], **({"axes": axes} if axes else {}), **more}
+        made = Sweep.of(table)
+        dataset = sweep(base, axes, made.keep, **more)  # type: ignore[arg-type]
+        assert drawn(dataset, made).startswith(b"\x89PNG")
+
+
+def test_a_plan_is_that_of_the_worst_scene() -> None:
+    """The memory of 300 rings, though two come first; and of the most times."""
+
+    def memory(axes: dict[str, Any]) -> float:
+        base = FIVE.changed(methods=["mdr"]).table()
+        return planned(Sweep.of({"base": base, "axes": axes, "keep": ["relaxation_time"]}), 1e9, 1).memory
+
+    alone = memory({"punch.rings": [300]})
+    assert alone > 1
+    assert memory({"punch.rings": [2, 300]}) == memory({"punch.rings": [300, 2]}) == alone
+    many = np.linspace(0.1, 1.0, 30_000).tolist()
+    assert memory({"wear.times": [[0.1], many]}) == memory({"wear.times": [many]}) > 2 * memory({"wear.times": [[0.1]]})
+    with pytest.raises(SceneError, match="are needed"):
+        planned(Sweep.of({"base": FIVE.table(), "axes": {"punch.rings": [2, 300]}}), alone / 2, 1)
+
+
+def test_a_plan_divides_no_block() -> None:
+    """Eight processes are no faster with one block than one."""
+    made = Sweep.of({"base": FIVE.table(), "axes": {"punch.rings": [2, 3, 4], "punch.wear_ratio": [0.5, 2.0]}})
+    one = planned(made, 1e9, 1)
+    assert one.blocks == 1
+    assert one.elapsed(8) == one.elapsed(1) > one.seconds
+    more = replace(one, blocks=9)
+    assert more.elapsed(8) == pytest.approx(START + 2 / 9 * one.seconds)
 
 
 def test_axes_crossed_zipped_and_drawn() -> None:
@@ -185,7 +307,7 @@ def test_axes_crossed_zipped_and_drawn() -> None:
     scene = made.scene((1, 0, 2, 3))
     assert (scene.punch.rings, scene.punch.width_ratio, scene.accuracy.rtol) == (4, 3.0, 1e-3)
     assert 0.1 <= (scene.punch.wear_ratio or 0) <= 10
-    names = [name for name, _, _ in made.coordinates()]
+    names = [name for name, *_ in made.coordinates()]
     assert names == ["rtol", "punch_radius", "rings", "width_ratio", "wear_ratio", "normal_force"]
 
 

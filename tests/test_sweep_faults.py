@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import random
 import shutil
@@ -11,18 +12,21 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import xarray
 
 from ringwear import Scene, sweep
-from ringwear.meshes.errors import RingwearError, SceneError
-from ringwear.studies.sweep import conduct, store
+from ringwear.meshes.errors import RingwearError, SceneError, SolverError
+from ringwear.studies.cli import main
+from ringwear.studies.sweep import cluster, compute, store
 from ringwear.studies.sweep.axes import Sweep
 from ringwear.studies.sweep.blocks import Block
 from ringwear.studies.sweep.conduct import _store
 from ringwear.studies.sweep.layout import Outcome
+from ringwear.studies.versions import differing, fingerprint
 
 # three blocks of eight scenes
 BASE = Scene.load("five_rings").changed(methods=["mdr", "direct"], accuracy__rtol=1e-1)
@@ -179,6 +183,141 @@ def test_a_directory_that_cannot_be_written(tmp_path: Path) -> None:
         swept(tmp_path / "file" / "out")
 
 
+def statuses(directory: Path) -> list[int]:
+    return xarray.open_zarr(directory / store.NAME)["status"].values.ravel().tolist()
+
+
+@pytest.mark.parametrize("error", [MemoryError("no room"), OSError(24, "Too many open files")], ids=str)
+def test_what_the_machine_lacked_is_tried_again(
+    tmp_path: Path, undisturbed: Path, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    """It is no failure of the scene, which stays pending; its neighbours are there."""
+    solve = compute.solved_to_accuracy
+
+    def starved(method: Any, problems: Any, stages: Any) -> Any:
+        if any(np.isclose(problem.wear_coefficients.min(), 0.5) for problem in problems):
+            raise error
+        return solve(method, problems, stages)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(compute, "solved_to_accuracy", starved)
+        swept(tmp_path)
+    dataset = xarray.open_zarr(tmp_path / store.NAME).load()
+    pending = np.isclose(AXES["punch.wear_ratio"]["geomspace"][0], dataset["wear_ratio"])
+    np.testing.assert_array_equal(dataset["status"], np.where(pending, 0, 1) * np.ones((3, 1)))
+    assert str(error) in str(dataset["reason"].values[0, 0])
+    assert (dataset["checksum"].values[:, pending] == 0).all()
+    assert np.isfinite(dataset["steady_rms_slope"].values[:, ~pending]).all()
+    swept(tmp_path, resume=True)
+    assert contents(tmp_path) == contents(undisturbed)
+
+
+def test_the_command_ends_with_what_became_of_the_scenes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """1 where scenes failed, whose reason is said, or are left; failed ones are tried again only if asked for."""
+    (tmp_path / "sweep.toml").write_text(FILE.replace("9, 10]", "9]").replace("[2, 3, 4, 5, 6, 7, 8, ", "[2, 3, "))
+    command = ["sweep", str(tmp_path / "sweep.toml"), "--workers", "1", "--out"]
+    whole, out = tmp_path / "whole", tmp_path / "out"
+    assert main([*command, str(whole)]) == 0
+    solve, tried = compute.solved_to_accuracy, list[int]()
+
+    def failing(method: Any, problems: Any, stages: Any) -> Any:
+        tried.append(len(problems))
+        if len(problems[0].rings.ring_edges) == 3:
+            raise failure
+        return solve(method, problems, stages)
+
+    for failure, status, word in ((ValueError("a bad day"), 2, "failed"), (MemoryError("full"), 0, "left")):
+        shutil.rmtree(out, ignore_errors=True)
+        monkeypatch.setattr(compute, "solved_to_accuracy", failing)
+        assert main([*command, str(out)]) == 1
+        assert statuses(out) == [status] * 9 + [1] * 18
+        said = capsys.readouterr().out
+        assert f"{word}: mdr: {type(failure).__name__}: {failure} (9 scenes)" in said
+        assert "--retry-failed" in said
+        tried.clear()
+        assert main([*command, str(out), "--resume"]) == 1
+        # a failure is final, and what the machine lacked is not
+        assert bool(tried) == (status == 0)
+        monkeypatch.setattr(compute, "solved_to_accuracy", solve)
+        assert main([*command, str(out), "--resume", "--retry-failed"]) == 0
+        assert contents(out) == contents(whole)
+        capsys.readouterr()
+    assert main([*command, str(out), "--retry-failed"]) == 2
+    assert "give --resume" in capsys.readouterr().err
+
+
+def test_methods_that_disagree_end_the_command_with_3(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "sweep.toml").write_text(FILE)
+    command = ["sweep", str(tmp_path / "sweep.toml"), "--workers", "1", "--out", str(tmp_path / "out"), "--resume"]
+    worst, solve = compute.worst, compute.solved_to_accuracy
+    monkeypatch.setattr(compute, "worst", lambda *given: worst(*given)._replace(disagreement=1.5))
+    assert main(command) == 3
+    assert main(command) == 3
+
+    def failing(method: Any, problems: Any, stages: Any) -> Any:
+        if len(problems[0].rings.ring_edges) == 3:
+            raise ValueError
+        return solve(method, problems, stages)
+
+    # a scene that failed comes before scenes that disagree
+    monkeypatch.setattr(compute, "solved_to_accuracy", failing)
+    shutil.rmtree(tmp_path / "out")
+    assert main(command) == 1
+
+
+def test_one_code_computes_a_store(tmp_path: Path, undisturbed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What another code, or other versions, have computed is not stored; and no other goes on with a store."""
+    other = json.dumps(json.loads(fingerprint()) | {"code": "0", "numpy": "1.0"})
+    for foreign in (other, ""):
+        with monkeypatch.context() as patch:
+            patch.setattr(compute, "FINGERPRINT", foreign)
+            with pytest.raises(SolverError, match=r"has another .*numpy.*code than this process") as raised:
+                swept(tmp_path / f"of {foreign[:9]}")
+        assert "\n" not in str(raised.value)
+        assert statuses(tmp_path / f"of {foreign[:9]}") == [0] * 24
+    assert xarray.open_zarr(undisturbed / store.NAME).attrs["versions"] == fingerprint()
+    shutil.copytree(undisturbed / store.NAME, tmp_path / store.NAME)
+    monkeypatch.setattr(store, "fingerprint", lambda: other)
+    with pytest.raises(SceneError, match=r"begun with another versions: install the ringwear"):
+        swept(tmp_path, resume=True)
+    assert contents(tmp_path) == contents(undisturbed)
+
+
+def test_code_and_tables_have_a_fingerprint(tmp_path: Path) -> None:
+    """That of a checkout is that of an installed copy, until one number in it changes."""
+    tree = installed_copy(tmp_path)
+    assert fingerprint_of(tree) == fingerprint()
+    for name in ("studies/wear/contact.py", "studies/costs.json", "mdr/transforms.py"):
+        file = tree / "ringwear" / name
+        text = file.read_text("utf-8")
+        file.write_text(text + "\n", "utf-8")
+        assert differing(fingerprint_of(tree)) == "code", name
+        file.write_text(text, "utf-8")
+    assert fingerprint_of(tree) == fingerprint()
+
+
+def installed_copy(directory: Path) -> Path:
+    """A directory to put on the path, with ringwear in it as pip installs it."""
+    root, tree = Path(__file__).parents[1], directory / "tree"
+    quiet = shutil.ignore_patterns("__pycache__", "api")
+    for part in ("meshes", "mdr", "fem", "studies"):
+        shutil.copytree(root / part, tree / "ringwear" / part, ignore=quiet)
+    shutil.copy(root / "studies/api/__init__.py", tree / "ringwear")
+    return tree
+
+
+def fingerprint_of(tree: Path) -> str:
+    code = "from ringwear.studies import versions\nprint(versions.__file__)\nprint(versions.fingerprint())"
+    found = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=os.environ | {"PYTHONPATH": str(tree)}
+    )
+    where, known = found.stdout.splitlines()
+    assert Path(where).is_relative_to(tree)
+    return known
+
+
 @pytest.mark.slow
 def test_processes_give_the_same(tmp_path: Path, undisturbed: Path) -> None:
     swept(tmp_path, workers=2)
@@ -187,7 +326,7 @@ def test_processes_give_the_same(tmp_path: Path, undisturbed: Path) -> None:
 
 def test_a_scheduler_that_does_not_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr(conduct, "ANSWER", 1)
+    monkeypatch.setattr(cluster, "ANSWER", 1)
     with pytest.raises(RingwearError, match="does not answer"):
         swept(tmp_path, scheduler="tcp://127.0.0.1:9")
 

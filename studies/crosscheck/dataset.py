@@ -18,12 +18,10 @@ from ringwear.studies.crosscheck.scope import left_out, modelled
 from ringwear.studies.methods.base import Solution
 from ringwear.studies.methods.quantities import ERROR, NORMS, OF_PROFILES, QUANTITIES, array, common, error_name, values
 from ringwear.studies.problem.scene import Scene
-from ringwear.studies.problem.unit_names import UnitNames
+from ringwear.studies.problem.unit_names import UNSTATED, UnitNames
 from ringwear.studies.progress import Stages
 from ringwear.studies.versions import versions
 from ringwear.studies.wear.modes import SHOWN
-
-UNSTATED = "the scene's own consistent units"
 
 DEFINITIONS = {
     "verdict": "agree: every difference is within the uncertainty, or within rtol, and the uncertainty within a few rtol; "

@@ -72,7 +72,7 @@ QUANTITIES = {
     "steady_wear_rate": Quantity((), "wear_rate", "df/dt in the steady state (Eq. 23)"),
 }
 
-# what a user asks of the punch, derived from these (`crosscheck/answer.py`)
+# the answer of a run (`studies/crosscheck/answer.py`), without errors of its own
 STATES = ("start", "steady")
 OF_PUNCH, OF_RINGS = (), ("state", "ring")
 ANSWER = {

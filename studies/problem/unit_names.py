@@ -23,6 +23,15 @@ SI: dict[str, tuple[tuple[float, str], ...]] = {
     "volume": ((1e-18, "µm³"), (1e-9, "mm³"), (1e-6, "cm³"), (1.0, "m³")),
 }  # fmt: skip
 BASE = ("m", "N", "Pa", "s")
+UNSTATED = "the scene's own consistent units"
+# kinds of scene keys that have a unit
+KINDS = {
+    "punch.radius": "length", "punch.ring_edges": "length", "output.radii": "length",
+    "punch.wear_coefficient": "wear_coefficient", "punch.wear_coefficients": "wear_coefficient",
+    "half_space.plane_strain_modulus": "pressure", "half_space.youngs_modulus": "pressure",
+    "load.normal_force": "force", "load.mean_pressure": "pressure", "load.sliding_speed": "wear_rate",
+    "wear.times": "time", "wear.step": "time", "accuracy.mdr.step": "time", "output.field_times": "time",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

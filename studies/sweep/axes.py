@@ -32,7 +32,7 @@ from ringwear.studies.problem.scene import Scene, bundled, declaration
 from ringwear.studies.sweep.kept import JUDGED, checked_keep
 
 DRAW = "draw"
-RESERVED = {"solver", "time", "radius", "ring", "mode", "status", "reason", "checksum", *JUDGED}
+RESERVED = {"solver", "time", "radius", "ring", "mode", "state", "status", "reason", "checksum", *JUDGED}
 SPACINGS: dict[str, Any] = {"linspace": np.linspace, "geomspace": np.geomspace}
 # a scale to draw uniformly on, and the way back
 DRAWN: dict[str, Any] = {"linspace": (float, float), "geomspace": (np.log, np.exp)}
@@ -159,15 +159,15 @@ class Sweep:
         )
         return Sweep({"base": self.table["base"]}, tuple(axes), self.keep, self.name)
 
-    def coordinates(self) -> Iterator[tuple[str, str, list[Any]]]:
-        """Name, dimension and values of each coordinate; what is neither a number nor a word is written as TOML would."""
+    def coordinates(self) -> Iterator[tuple[str, str, list[Any], str]]:
+        """Name, dimension, values and key of each coordinate; lists and tables are written as text."""
         taken = {*RESERVED, *self.dims}
         for axis in self.axes:
             for number, (key, values) in enumerate(axis.columns.items()):
                 name = axis.dim if not number and axis.dim != DRAW else _named(key, taken)
                 taken.add(name)
                 plain = all(isinstance(value, int | float | str) for value in values)
-                yield name, axis.dim, values if plain else [str(value) for value in values]
+                yield name, axis.dim, values if plain else [str(value) for value in values], key
 
     def _try_out(self) -> None:
         """Read the first scene, and every other value of each axis beside the first of the others."""
@@ -197,14 +197,26 @@ def _axes(table: Table, name: str) -> Iterator[Axis]:
         if not isinstance(table.get(section, {}), dict):
             raise SceneError(f"{name}: {section} = {table[section]!r} is no table of scene keys: give [{section}]")
     for key, values in table.get("axes", {}).items():
-        yield Axis(_named(key, taken), {key: _spaced(key, values, name)})
+        yield _without_twins(Axis(_named(key, taken), {key: _spaced(key, values, name)}), name)
     if columns := {key: _spaced(key, values, name) for key, values in table.get("zip", {}).items()}:
         if len({len(values) for values in columns.values()}) > 1:
             lengths = ", ".join(f"{key} {len(values)}" for key, values in columns.items())
             raise SceneError(f"{name}: columns of [zip] go together, and must be of one length: {lengths}")
-        yield Axis(_named(next(iter(columns)), taken), columns)
+        yield _without_twins(Axis(_named(next(iter(columns)), taken), columns), name)
     if "random" in table:
         yield _drawn(dict(table["random"]), name)
+
+
+def _without_twins(axis: Axis, name: str) -> Axis:
+    """The axis, if no scene on it is there twice."""
+    # numbers that are equal, such as 1 and 1.0, give one scene; lists cannot be compared in a set
+    rows = [tuple(str(value) if isinstance(value, list | dict) else value for value in row)
+            for row in zip(*axis.columns.values(), strict=True)]  # fmt: skip
+    if len(set(rows)) < len(rows):
+        twin = next(row for number, row in enumerate(rows) if row in rows[:number])
+        columns, values = ", ".join(axis.columns), ", ".join(map(str, twin))
+        raise SceneError(f"{name}: {columns} = {values} is there twice: give it once")
+    return axis
 
 
 def _named(key: str, taken: set[str]) -> str:

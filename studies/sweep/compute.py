@@ -1,7 +1,7 @@
 """Compute one block of scenes: those that can share a discretisation share it, and one that fails fails alone."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import product
 from threading import Lock
 
@@ -12,18 +12,32 @@ from ringwear.meshes.errors import RingwearError, SceneError
 from ringwear.meshes.radial import Array
 from ringwear.studies.crosscheck.accuracy import solved_to_accuracy
 from ringwear.studies.crosscheck.agreement import worst
+from ringwear.studies.crosscheck.answer import answer
 from ringwear.studies.methods.base import Method, Solution, method
-from ringwear.studies.methods.quantities import HISTORIES, QUANTITIES, common, error_name
+from ringwear.studies.methods.quantities import ANSWER, HISTORIES, QUANTITIES, common, error_name
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.shared import groups
 from ringwear.studies.progress import LOG, Stages
 from ringwear.studies.sweep.axes import Sweep
-from ringwear.studies.sweep.kept import asked_for
-from ringwear.studies.sweep.layout import DONE, FAILED, Layout, Outcome
+from ringwear.studies.sweep.kept import ANSWERS, asked_for
+from ringwear.studies.sweep.layout import DONE, FAILED, PENDING, Layout, Outcome
+from ringwear.studies.versions import fingerprint
 
+# of the code that this process has loaded: files may change later
+FINGERPRINT = fingerprint()
+# what the machine lacks today, it may have tomorrow
+OF_THE_MACHINE = (MemoryError, OSError)
 # gmsh has one state for a whole process, whose threads a cluster may give several blocks
 ONE_AT_A_TIME = Lock()
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why a scene has no solution, and whether to try again is in vain."""
+
+    reason: str
+    final: bool
 
 
 def computed(sweep: Sweep, layout: Layout) -> Outcome:
@@ -35,14 +49,14 @@ def computed(sweep: Sweep, layout: Layout) -> Outcome:
 def _computed(sweep: Sweep, layout: Layout) -> Outcome:
     count = sweep.count
     values = {name: np.full((count, *one.shape), np.nan) for name, one in layout.variables.items()}
-    reason = [""] * count
+    reason, status = [""] * count, np.full(count, DONE, dtype=np.uint8)
     scenes: dict[int, tuple[Scene, Problem]] = {}
     for number, index in enumerate(product(*map(range, sweep.shape))):
         try:
             scene = sweep.scene(index)
             scenes[number] = scene, posed(scene, sweep.keep)
         except SceneError as error:
-            reason[number] = str(error)
+            reason[number], status[number] = str(error), FAILED
     solutions: dict[int, dict[str, Solution]] = {number: {} for number in scenes}
     for name in layout.solvers:
         numbers = [number for number in scenes if name in scenes[number][0].methods and not reason[number]]
@@ -50,8 +64,9 @@ def _computed(sweep: Sweep, layout: Layout) -> Outcome:
             together = [numbers[at] for at in group]
             found = solved(method(name), [scenes[number][1] for number in together])
             for number, solution in zip(together, found, strict=True):
-                if isinstance(solution, str):
-                    reason[number] = f"{name}: {solution}"
+                if isinstance(solution, Failure):
+                    reason[number] = f"{name}: {solution.reason}"
+                    status[number] = FAILED if solution.final else PENDING
                 else:
                     solutions[number][name] = solution
     for number, (_, problem) in scenes.items():
@@ -62,19 +77,19 @@ def _computed(sweep: Sweep, layout: Layout) -> Outcome:
         if len(layout.solvers) > 1:
             for name, value in worst(problem, list(solutions[number].values()), sweep.keep)._asdict().items():
                 values[name][number] = value
-    status = np.array([FAILED if why else DONE for why in reason], dtype=np.uint8)
-    return Outcome(values, status, reason)
+    return Outcome(values, status, reason, FINGERPRINT)
 
 
 def posed(scene: Scene, keep: tuple[str, ...]) -> Problem:
     """The problem of a scene, asking for what is kept and nothing else."""
     problem = scene.problem
-    kept = frozenset(name for name in keep if name == "relaxation_time" or asked_for(scene.wear, name))
+    needed = {quantity for name in keep for quantity in ANSWERS.get(name, (name,))}
+    kept = frozenset(name for name in needed if name == "relaxation_time" or asked_for(scene.wear, name))
     times = problem.times if kept & HISTORIES else np.empty(0)
     return replace(problem, quantities=kept, times=times, march=problem.march if len(times) else "modal")
 
 
-def solved(one: Method, problems: Sequence[Problem]) -> list[Solution | str]:
+def solved(one: Method, problems: Sequence[Problem]) -> list[Solution | Failure]:
     """Each problem's solution, or the reason why it has none: what fails together is tried again by halves."""
     try:
         for problem in problems:
@@ -88,18 +103,26 @@ def solved(one: Method, problems: Sequence[Problem]) -> list[Solution | str]:
                 LOG.warning("%8s  %d scenes together: %s: %s; again by halves", one.name, len(problems), kind, error)
             half = len(problems) // 2
             return [*solved(one, problems[:half]), *solved(one, problems[half:])]
-        return [str(error) if isinstance(error, RingwearError) else f"{type(error).__name__}: {error}"]
+        if isinstance(error, RingwearError):
+            return [Failure(str(error), final=True)]
+        final = not isinstance(error, OF_THE_MACHINE)
+        return [Failure(f"{type(error).__name__}: {error}", final)]
 
 
 def put(
     values: dict[str, Array], place: tuple[int, int], problem: Problem, solution: Solution, keep: tuple[str, ...]
 ) -> None:  # fmt: skip
-    """Kept quantities of one scene by one method, in the scene's units, and their errors."""
+    """Put what is kept of one scene by one method in its place, in the scene's units."""
+    answers = answer(problem, solution) if ANSWERS.keys() & set(keep) else {}
+    found: dict[str, Array] = {}
     for name in keep:
-        if name not in solution.results:
-            continue
-        found = np.asarray(solution.results.variables[name].values) * getattr(problem.units, QUANTITIES[name].unit)
-        for label, array in ((name, found), (error_name(name), np.asarray(solution.errors[name]))):
-            target = values[label][place[0]]
-            known = common(array.shape, target.shape[1:])
-            target[(place[1], *known)] = array[known]
+        if name in answers:
+            found[name] = answers[name] * getattr(problem.units, ANSWER[name].unit)
+        elif name in solution.results:
+            scale = getattr(problem.units, QUANTITIES[name].unit)
+            found[name] = np.asarray(solution.results.variables[name].values) * scale
+            found[error_name(name)] = np.asarray(solution.errors[name])
+    for label, array in found.items():
+        target = values[label][place[0]]
+        known = common(array.shape, target.shape[1:])
+        target[(place[1], *known)] = array[known]

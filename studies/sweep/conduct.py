@@ -19,21 +19,21 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ringwear.meshes.errors import SceneError, SolverError
 from ringwear.studies.crosscheck.scope import machine_memory
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.progress import LOG
 from ringwear.studies.sweep.axes import Sweep
 from ringwear.studies.sweep.blocks import Block, block_shape, blocks
+from ringwear.studies.sweep.cluster import check_fingerprint, compute_on_cluster
 from ringwear.studies.sweep.compute import computed
-from ringwear.studies.sweep.layout import FAILED, Layout, Outcome, layout
+from ringwear.studies.sweep.layout import DONE, FAILED, Layout, Outcome, layout
 from ringwear.studies.sweep.plan import planned
 from ringwear.studies.sweep.store import NAME, Store, alone, write_whole
 from ringwear.studies.sweep.summary import summary
 
-# seconds between lines of progress, and that a scheduler has for an answer
-EVERY, ANSWER = 2.0, 20
-# blocks given to each worker, of which it computes one
+# seconds between lines of progress
+EVERY = 2.0
+# blocks given to each process, of which it computes one
 AHEAD = 2
 # times that the process that computes a block may die before the block is left alone
 MOST_DEATHS = 3
@@ -60,7 +60,9 @@ class Tally:
         return f"   sweep  {self.finished} finished, {self.failed} failed, {self.left} left; {rate:.3g} scenes/s{ahead}"
 
 
-def conduct(store: Store, workers: int = 1, scheduler: str | None = None) -> Tally:
+def conduct(
+    store: Store, workers: int = 1, scheduler: str | None = None, retry_failed: bool = False
+) -> Tally:  # fmt: skip
     """Compute what is not finished in a store, by so many processes or by the Dask cluster of a scheduler.
 
     Blocks whose worker dies again and again are left, and counted as such.
@@ -69,7 +71,8 @@ def conduct(store: Store, workers: int = 1, scheduler: str | None = None) -> Tal
     tally, last = Tally(whole.count), 0.0
     unfinished = []
     for block in blocks(whole, store.block_shape):
-        if (statuses := store.statuses(block)) is None:
+        statuses = store.statuses(block)
+        if statuses is None or (retry_failed and (statuses == FAILED).any()):
             unfinished.append(block)
         else:
             _count(tally, statuses)
@@ -77,6 +80,7 @@ def conduct(store: Store, workers: int = 1, scheduler: str | None = None) -> Tal
     if tally.found:
         LOG.info("   sweep  %d of %d scenes are finished and sound", tally.found, tally.scenes)
     for block, outcome in _outcomes(whole, store.layout, unfinished, workers, scheduler):
+        check_fingerprint(outcome.computed_by, "a worker")
         store.write(block, outcome)
         _count(tally, outcome.status)
         if time.perf_counter() - last > EVERY or not tally.left:
@@ -86,9 +90,8 @@ def conduct(store: Store, workers: int = 1, scheduler: str | None = None) -> Tal
 
 
 def _count(tally: Tally, statuses: Any) -> None:
-    failed = int(np.count_nonzero(statuses == FAILED))
-    tally.failed += failed
-    tally.finished += len(statuses) - failed
+    tally.failed += int(np.count_nonzero(statuses == FAILED))
+    tally.finished += int(np.count_nonzero(statuses == DONE))
 
 
 def _outcomes(
@@ -96,8 +99,7 @@ def _outcomes(
 ) -> Iterator[tuple[Block, Outcome]]:  # fmt: skip
     """Blocks as they are finished."""
     if scheduler is not None:
-        with _cluster(scheduler) as (executor, count):
-            yield from _from(executor, whole, laid_out, todo, {}, AHEAD * count)
+        yield from compute_on_cluster(scheduler, whole, laid_out, todo)
     elif workers > 1 and len(todo) > 1:
         yield from _from_processes(whole, laid_out, todo, workers)
     else:
@@ -174,34 +176,6 @@ def _end_with_the_parent() -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-@contextmanager
-def _cluster(scheduler: str) -> Iterator[tuple[Executor, int]]:
-    """A Dask cluster as an executor, and the number of its threads. What a lost worker had, Dask gives to another.
-
-    Raises
-    ------
-    SceneError
-        if Dask is not installed
-    SolverError
-        if the scheduler does not answer, or has no workers
-    """
-    try:
-        from distributed import Client
-    except ImportError:
-        raise SceneError("--scheduler needs Dask: pip install 'ringwear[cluster]'") from None
-    try:
-        client = Client(scheduler, timeout=ANSWER, set_as_default=False)
-    except (OSError, ValueError) as error:
-        raise SolverError(f"the scheduler {scheduler} does not answer ({error}): start it by `dask scheduler`, or leave out "
-                          "--scheduler to compute here") from error  # fmt: skip
-    with client:
-        try:
-            client.wait_for_workers(1, timeout=ANSWER)
-        except TimeoutError:
-            raise SolverError(f"the scheduler {scheduler} has no workers: start some by `dask worker {scheduler}`") from None
-        yield client.get_executor(pure=False, retries=MOST_DEATHS), sum(client.nthreads().values())
-
-
 def sweep(
     base: Scene | str | Mapping[str, Any],
     axes: Mapping[str, Any] | None = None,
@@ -213,6 +187,7 @@ def sweep(
     workers: int = 1,
     scheduler: str | None = None,
     resume: bool = False,
+    retry_failed: bool = False,
 ) -> xarray.Dataset:
     """Compute scenes over axes of scene keys.
 
@@ -228,6 +203,7 @@ def sweep(
     workers, scheduler : processes on this machine (in a script, call from under ``if __name__ == "__main__"`` if more than
         one), or the address of a Dask scheduler
     resume : go on with what is in `out`
+    retry_failed : then try again the scenes that have failed
 
     Returns
     -------
@@ -249,7 +225,7 @@ def sweep(
         return store.dataset().load()
     with alone(Path(out)):
         store = _store(made, Path(out), resume)
-        conduct(store, workers, scheduler)
+        conduct(store, workers, scheduler, retry_failed)
         return store.dataset()
 
 
@@ -258,27 +234,32 @@ def _store(made: Sweep, directory: Path | None, resume: bool) -> Store:
     return Store(made, kept, block_shape(made, kept), directory, resume)
 
 
-def swept(source: str, out: Path, options: argparse.Namespace) -> tuple[list[str], bool]:
-    """The command: what it found, a line each, and whether all scenes are finished."""
+def swept(source: str, out: Path, options: argparse.Namespace) -> tuple[list[str], bool, bool]:
+    """The command: what it found, a line each; whether all scenes are done; whether methods agree."""
     from ringwear.studies.sweep.figure import drawn
 
     made = Sweep.load(source)
     plan = planned(made, options.memory or machine_memory(), options.workers).said(options.workers)
     if options.dry_run:
-        return plan, True
+        return plan, True, True
     for line in plan:
         LOG.info("   sweep  %s", line)
     with alone(out):
         store = _store(made, out, options.resume)
-        tally = conduct(store, options.workers, options.scheduler)
+        tally = conduct(store, options.workers, options.scheduler, options.retry_failed)
         dataset = store.dataset()
         found = summary(dataset, made)
         write_whole(out / "summary.json", (json.dumps(found, indent=1) + "\n").encode())
         write_whole(out / "sweep.png", drawn(dataset, made))
-    return [*_said(tally, found), f"{NAME}, sweep.png and summary.json in {out}"], not tally.left
+    lines = [*_said(tally, found), f"{NAME}, sweep.png and summary.json in {out}"]
+    return lines, tally.finished == tally.scenes, not found.get("disagreeing")
 
 
 def _said(tally: Tally, found: dict[str, Any]) -> list[str]:
     lines = [f"{tally.finished} scenes finished, {tally.failed} failed, {tally.left} left"]
     lines += [f"failed: {reason} ({count} scenes)" for reason, count in found["reasons"].items()]
+    pending = found["reasons_pending"]
+    lines += [f"left: {reason} ({count} scenes)" for reason, count in pending.items()]
+    if tally.failed or tally.left:
+        lines.append("--resume computes what is left, and with --retry-failed what failed")
     return [*lines, *found["conclusions"]]

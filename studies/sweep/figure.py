@@ -20,8 +20,11 @@ DECADES = 20.0
 def drawn(dataset: xarray.Dataset, sweep: Sweep) -> bytes:
     """The first quantities kept: of histories the end, of relaxation times the slowest, by the first method that has it."""
     shown = [part for name in sweep.keep if (part := _of_scenes(dataset, name)) is not None][:ROWS]
-    dims = sorted((dim for dim in sweep.dims if dataset.sizes[dim] > 1), key=lambda dim: (not _numeric(dataset, dim),
-                                                                                         -dataset.sizes[dim]))  # fmt: skip
+    dims: list[Any] = [dim for dim in sweep.dims if dataset.sizes[dim] > 1]
+    dims.sort(key=lambda dim: (not _numeric(dataset, dim), -dataset.sizes[dim]))
+    if DRAW in dims:
+        # points over the draws: every other axis gives panels
+        dims = [DRAW, None, *(dim for dim in dims if dim != DRAW)]
     across, along, *others = (*dims, None, None)[: max(2, len(dims))]
     panels = list(islice(product(*(range(dataset.sizes[dim]) for dim in others if dim)), COLUMNS))
     figure = new_figure(1.2 + 4.3 * len(panels), 0.6 + 3.5 * len(shown))
@@ -40,7 +43,8 @@ def drawn(dataset: xarray.Dataset, sweep: Sweep) -> bytes:
             labels = (f"{dim} = {_short(dataset[dim].values[at])}" for dim, at in chosen.items() if dim)
             axes.set_title(", ".join(labels), fontsize=9)
     left = int(np.prod([dataset.sizes[dim] for dim in others if dim])) - len(panels)
-    figure.suptitle(dataset.attrs["title"] + (f" ({left} further panels are in the store)" if left else ""), fontsize=10)
+    title = dataset.attrs["title"] + (f" ({left} further panels are in the store)" if left else "")
+    figure.suptitle(_plain(title), fontsize=10)
     picture = BytesIO()
     figure.savefig(picture, format="png")
     return picture.getvalue()
@@ -67,7 +71,12 @@ def _numeric(dataset: xarray.Dataset, dim: str) -> bool:
 
 
 def _short(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float | np.floating) else str(value)
+    return f"{value:.4g}" if isinstance(value, float | np.floating) else _plain(str(value))
+
+
+def _plain(text: str) -> str:
+    """The user's text for matplotlib, which would read a formula between two dollars."""
+    return text.replace("$", r"\$")
 
 
 def _logarithmic(values: Array) -> bool:
@@ -114,11 +123,13 @@ def _curves(axes: Any, dataset: xarray.Dataset, part: xarray.DataArray, across: 
 
 
 def _points(axes: Any, dataset: xarray.Dataset, part: xarray.DataArray, sweep: Sweep, figure: Any) -> None:
-    names = [name for name, dim, _ in sweep.coordinates() if dim == DRAW and np.issubdtype(dataset[name].dtype, np.number)]
+    names = [name for name, dim, *_ in sweep.coordinates() if dim == DRAW and np.issubdtype(dataset[name].dtype, np.number)]
     x = dataset[names[0]].values if names else np.arange(dataset.sizes[DRAW])
-    shades = axes.scatter(x, part.values, s=6, c=dataset[names[1]].values if len(names) > 1 else None, cmap="viridis")
     if len(names) > 1:
+        shades = axes.scatter(x, part.values, s=6, c=dataset[names[1]].values, cmap="viridis")
         figure.colorbar(shades, ax=axes, label=names[1])
+    else:
+        axes.scatter(x, part.values, s=6)
     _scaled(axes, "x", x)
     _scaled(axes, "y", part.values)
     axes.set(xlabel=names[0] if names else DRAW, ylabel=part.name)

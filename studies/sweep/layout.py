@@ -7,11 +7,15 @@ import numpy as np
 
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.radial import Array
-from ringwear.studies.methods.quantities import ERROR, NORMS, QUANTITIES, error_name
+from ringwear.studies.methods.quantities import ERROR, NORMS, STATES, error_name
+from ringwear.studies.problem.unit_names import KINDS, UNSTATED, UnitNames
 from ringwear.studies.sweep.axes import Sweep
-from ringwear.studies.sweep.kept import JUDGED
+from ringwear.studies.sweep.kept import ANSWERS, JUDGED, keepable
 from ringwear.studies.wear.modes import SHOWN
 
+# keys that leave relaxation times as they are
+OF_ONE_TIME_SCALE = ("load.normal_force", "load.mean_pressure", "accuracy.", "output.", "wear.", "methods",
+                     "title", "units")  # fmt: skip
 # what may become of a scene
 PENDING, DONE, FAILED = 0, 1, 2
 
@@ -33,11 +37,13 @@ class Layout:
     ----------
     solvers : methods of any scene
     coordinates : of the dimensions that are not the sweep's, in the scenes' units: name, values
+    about : attributes of coordinates, the sweep's own among them
     variables : by name
     """
 
     solvers: tuple[str, ...]
     coordinates: dict[str, Array]
+    about: dict[str, dict[str, str]]
     variables: dict[str, Variable]
 
 
@@ -49,11 +55,13 @@ class Outcome:
     ----------
     values : of the layout's variables, the first axis running over the scenes of the block
     status, reason : of each scene
+    computed_by : fingerprint of the ringwear that computed it; releases without one send none
     """
 
     values: dict[str, Array]
     status: Any
     reason: list[str]
+    computed_by: str = ""
 
 
 def layout(sweep: Sweep) -> Layout:
@@ -65,10 +73,10 @@ def layout(sweep: Sweep) -> Layout:
         if scenes differ in the times or radii that the kept quantities are at
     """
     first = sweep.scene((0,) * len(sweep.axes))
-    dims = {dim for name in sweep.keep for dim in QUANTITIES[name].dims}
+    known = keepable()
+    dims = {dim for name in sweep.keep for dim in known[name].dims}
     keys = {key: values for axis in sweep.axes for key, values in axis.columns.items()}
-    if "time" in dims and "wear.times" in keys:
-        raise SceneError(f"{sweep.name}: wear.times varies, and {_needing('time', sweep)} is kept: give one list")
+    _check_times(sweep, dims, keys)
     if "radius" in dims and (first.output.radii is None or {"output.radii", "punch.radius"} & set(keys)):
         raise SceneError(f"{sweep.name}: {_needing('radius', sweep)} is kept at radii that all scenes share: give the base "
                          "output.radii, and vary neither them nor punch.radius")  # fmt: skip
@@ -80,22 +88,57 @@ def layout(sweep: Sweep) -> Layout:
         "radius": np.array(first.output.radii or [], dtype=float),
         "ring": np.arange(1, max(rings) + 1),
         "mode": np.arange(1, SHOWN + 1),
+        "state": np.array(STATES),
     }
     solvers = tuple(dict.fromkeys(name for names in methods for name in names))
     sizes = {"solver": len(solvers)} | {dim: len(values) for dim, values in coordinates.items()}
-    variables, stated = {}, first.units or "the scene's own consistent units"
+    stated = "" if "units" in keys else first.units
+    names = UnitNames.of(stated)
+
+    def unit(kind: str) -> str:
+        return names.name(kind) or stated or UNSTATED
+
+    variables: dict[str, Variable] = {}
+
+    def add(label: str, own: tuple[str, ...], long_name: str, kind: str) -> None:
+        whole = ("solver", *own)
+        shape = tuple(sizes[dim] for dim in whole)
+        variables[label] = Variable(whole, shape, {"long_name": long_name, "units": unit(kind)})
+
     for name in sweep.keep:
-        quantity = QUANTITIES[name]
-        for label, own, about in (
-            (name, quantity.dims, {"long_name": quantity.definition, "units": "1" if quantity.unit == "slope" else stated}),
-            (error_name(name), quantity.error_dims, {"long_name": ERROR.format(name, NORMS[quantity.norm]), "units": "1"}),
-        ):
-            whole = ("solver", *own)
-            variables[label] = Variable(whole, tuple(sizes[dim] for dim in whole), about)
+        quantity = known[name]
+        add(name, quantity.dims, quantity.definition, quantity.unit)
+        if name not in ANSWERS:
+            long_name = ERROR.format(name, NORMS[quantity.norm])
+            add(error_name(name), quantity.error_dims, long_name, "number")
     if len(solvers) > 1:
         variables |= {name: Variable((), (), {"long_name": text, "units": "1"}) for name, text in JUDGED.items()}
-    return Layout(solvers, {dim: values for dim, values in coordinates.items() if dim in dims}, variables)
+    about = {
+        "time": {"long_name": "time of sliding", "units": unit("time")},
+        "radius": {"long_name": "distance from the axis", "units": unit("length")},
+        "ring": {"long_name": "ring, counted from the centre"},
+        "mode": {"long_name": "wear mode, slowest first"},
+    }
+    for name, _, values, key in sweep.coordinates():
+        about[name] = {"long_name": key}
+        if key in KINDS or not any(isinstance(value, str) for value in values):
+            about[name]["units"] = unit(KINDS.get(key, "number"))
+    return Layout(solvers, {dim: values for dim, values in coordinates.items() if dim in dims}, about, variables)
+
+
+def _check_times(sweep: Sweep, dims: set[str], keys: dict[str, list[Any]]) -> None:
+    """Refuse what is kept over times that scenes do not share."""
+    if "time" in dims and "wear.times" in keys:
+        raise SceneError(f"{sweep.name}: wear.times varies, and {_needing('time', sweep)} is kept: give one list")
+    times = [sweep.table["base"].get("wear", {}).get("times"), *keys.get("wear.times", [])]
+    counted = any(isinstance(value, str | dict) for value in times)
+    kept = [name for name in sweep.keep if "time" in keepable()[name].dims or name == "worn_volume"]
+    varied = [key for key in keys if not key.startswith(OF_ONE_TIME_SCALE)]
+    if counted and kept and varied:
+        remedy = "give wear.times as numbers, or keep only what is not over time"
+        raise SceneError(f"{sweep.name}: wear.times counts relaxation times, which {varied[0]} may change, "
+                         f"and {kept[0]} is kept at times that all scenes share: {remedy}")  # fmt: skip
 
 
 def _needing(dim: str, sweep: Sweep) -> str:
-    return next(name for name in sweep.keep if dim in QUANTITIES[name].dims)
+    return next(name for name in sweep.keep if dim in keepable()[name].dims)

@@ -11,6 +11,7 @@ from ringwear.studies.methods.base import method
 from ringwear.studies.methods.costs import DISCRETISING, by_terms
 from ringwear.studies.methods.estimate import solved_whole
 from ringwear.studies.problem.problem import Problem
+from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.shared import Shared, groups
 from ringwear.studies.sweep.axes import Sweep
 from ringwear.studies.sweep.blocks import block_shape, blocks
@@ -26,6 +27,8 @@ CLOSED, SCENE, SQUARE = 7e-4, 3e-3, 3e-7
 ONE, TOGETHER, PRESSURE = 0.4, 1.2e-2, 7e-5
 # seconds and bytes to write a block, per variable, and to label a scene
 WRITTEN, CHUNK = 1.5e-3, 200
+# seconds until a process has loaded what it computes with
+START = 1.0
 
 
 @dataclass(frozen=True)
@@ -47,10 +50,15 @@ class Plan:
     memory: float
     size: float
 
+    def elapsed(self, workers: int) -> float:
+        """Return seconds by so many processes, which cannot divide a block."""
+        rounds = ceil(self.blocks / workers)
+        return START + self.seconds * rounds / self.blocks
+
     def said(self, workers: int) -> list[str]:
         """In words."""
-        hours = self.seconds / workers / 3600
-        time = f"{hours:.3g} h" if hours > 2 else f"{self.seconds / workers:.2g} s"
+        seconds = self.elapsed(workers)
+        time = f"{seconds / 3600:.3g} h" if seconds > 7200 else f"{seconds:.2g} s"
         return [
             f"{self.scenes} scenes in {self.blocks} blocks: about {time} by {workers} processes, "
             f"{100 * self.shared / self.seconds:.0f} % of it for discretisations that scenes share",
@@ -78,6 +86,7 @@ def planned(sweep: Sweep, memory: float, workers: int) -> Plan:
         part = sweep.part(block.bounds)
         sampled += block.count
         problems: dict[str, list[Problem]] = {}
+        scenes: dict[str, list[Scene]] = {}
         for index in np.ndindex(part.shape):
             try:
                 scene = part.scene(index)
@@ -85,13 +94,16 @@ def planned(sweep: Sweep, memory: float, workers: int) -> Plan:
                 continue
             for name in scene.methods:
                 problems.setdefault(name, []).append(posed(scene, sweep.keep))
-            if not any(index):
-                whole = expected(scene)
-                if refusal := beyond_memory(whole, memory / workers):
-                    raise SceneError(refusal)
-                most = max(most, whole.gib)
+                scenes.setdefault(name, []).append(scene)
         for name, of_method in problems.items():
             for numbers in groups(of_method):
+                # the sharpest scene of a discretisation, and that of most numbers
+                of_group = [scenes[name][number] for number in numbers]
+                for scene in (of_group[0], max(of_group, key=_fields)):
+                    whole = expected(scene)
+                    if refusal := beyond_memory(whole, memory / workers):
+                        raise SceneError(refusal)
+                    most = max(most, whole.gib)
                 once, each = _seconds(name, Shared.of([of_method[number] for number in numbers]))
                 shared += once
                 seconds += once + each * len(numbers)
@@ -100,6 +112,11 @@ def planned(sweep: Sweep, memory: float, workers: int) -> Plan:
     size = sweep.count * (8.0 * values + 12) + CHUNK * count * (len(kept.variables) + 3)
     written = WRITTEN * count * (len(kept.variables) + 3)
     return Plan(sweep.count, count, factor * seconds + written, factor * shared, most, size)
+
+
+def _fields(scene: Scene) -> int:
+    """Return how many numbers a field over time has."""
+    return len(scene.problem.times) * len(scene.problem.radii)
 
 
 def _seconds(name: str, problem: Shared) -> tuple[float, float]:

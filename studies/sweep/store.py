@@ -25,12 +25,12 @@ from ringwear.meshes.radial import Array
 from ringwear.studies.sweep.axes import Sweep
 from ringwear.studies.sweep.blocks import Block
 from ringwear.studies.sweep.layout import DONE, FAILED, PENDING, Layout, Outcome
-from ringwear.studies.versions import versions
+from ringwear.studies.versions import fingerprint
 
 NAME = "sweep.zarr"
 STATUS = {"long_name": "what has become of the scene", "flag_values": [PENDING, DONE, FAILED],
           "flag_meanings": "pending done failed"}  # fmt: skip
-REASON = {"long_name": "why the scene failed"}
+REASON = {"long_name": "why the scene failed, or is pending still"}
 CHECKSUM = {"long_name": "BLAKE2b of all that is kept of the scene, 8 bytes; 0 until it is finished"}
 
 
@@ -39,6 +39,10 @@ def alone(directory: Path) -> Iterator[None]:
     """The only sweep in a directory, until it ends in whatever way: the lock is the system's, and dies with the process."""
     import fcntl
 
+    # a Path of "s3://bucket" has one slash left
+    if ":/" in str(directory):
+        remedy = "give one, and copy the store from there"
+        raise SceneError(f"--out {directory} is no directory of this machine: {remedy}")
     try:
         directory.mkdir(parents=True, exist_ok=True)
         lock = (directory / ".lock").open("a")
@@ -85,7 +89,9 @@ class Store:
         """Everything but results: metadata and coordinates."""
         sweep, layout = self.sweep, self.layout
         about = {"title": f"Sweep of {sweep.table['base'].get('title', 'a scene')}", "sweep": sweep.to_json(),
-                 "versions": json.dumps(versions()), "block_shape": list(self.block_shape)}  # fmt: skip
+                 "versions": fingerprint(), "block_shape": list(self.block_shape),
+                 # those that are not named as their dimension; xarray reads it
+                 "coordinates": " ".join(name for name, dim, *_ in sweep.coordinates() if name != dim)}  # fmt: skip
         group = zarr.open_group(store, mode="w", zarr_format=3, attributes=about)
         coders: dict[str, Any] = {"compressors": [ZstdCodec(level=3), Crc32cCodec()]}
         kept = {name: (one.dims, one.shape, "f8", np.nan, one.attributes) for name, one in layout.variables.items()}
@@ -98,10 +104,12 @@ class Store:
                 dimension_names=(*sweep.dims, *dims), attributes=attributes, config={"write_empty_chunks": True}, **coders,
             )  # fmt: skip
         common = {"solver": list(layout.solvers)} | {dim: list(values) for dim, values in layout.coordinates.items()}
-        for name, dim, values in (*sweep.coordinates(), *((dim, dim, values) for dim, values in common.items())):
+        along = {name: (dim, values) for name, dim, values, _ in sweep.coordinates()}
+        along |= {dim: (dim, values) for dim, values in common.items()}
+        for name, (dim, values) in along.items():
             kind = "str" if any(isinstance(value, str) for value in values) else np.asarray(values).dtype
             array = group.create_array(name, shape=(len(values),), dtype=kind, chunks=(len(values),), dimension_names=(dim,),
-                                       **coders)  # fmt: skip
+                                       attributes=layout.about.get(name, {}), **coders)  # fmt: skip
             array[:] = np.array(values, dtype=object if kind == "str" else kind)
         with warnings.catch_warnings():
             # consolidated metadata are not in the specification yet; readers without it read the rest
@@ -112,7 +120,7 @@ class Store:
         """The results of a block; the checksums last."""
         parts: dict[str, Any] = dict(outcome.values)
         parts |= {"status": outcome.status, "reason": np.array(outcome.reason, dtype=object)}
-        parts["checksum"] = checksums(parts)
+        parts["checksum"] = np.where(outcome.status == PENDING, np.uint64(0), checksums(parts))
         try:
             for name, values in parts.items():
                 self._arrays[name][block.region] = values.reshape(*block.shape, *values.shape[1:])
@@ -133,7 +141,8 @@ class Store:
 
     def dataset(self) -> xarray.Dataset:
         """What is there so far, as an xarray Dataset, read when it is used."""
-        return xarray.open_dataset(self._store, engine="zarr", consolidated=True)
+        # times in "hours" stay numbers
+        return xarray.open_dataset(self._store, engine="zarr", consolidated=True, decode_timedelta=False)
 
 
 def checksums(parts: dict[str, Any]) -> Any:
@@ -155,7 +164,9 @@ def _put_in_place(path: Path, wanted: dict[str, bytes], resume: bool) -> None:
             there = json.loads((path / "zarr.json").read_text("utf-8"))["attributes"]
         except (OSError, ValueError, KeyError, TypeError):
             there = about  # damaged: made again, as everything else is that is
-        for name, remedy in (("sweep", "give its own file"), ("versions", "install them"), ("block_shape", "delete it")):
+        remedies = {"sweep": "give its own file", "block_shape": "delete it",
+                    "versions": "install the ringwear, and what it computes with, that began it"}  # fmt: skip
+        for name, remedy in remedies.items():
             if there.get(name) != about[name]:
                 raise SceneError(f"{path} was begun with another {name}: {remedy}, or give another --out")
         for left in path.rglob("*.partial"):

@@ -8,7 +8,7 @@ import xarray
 
 from ringwear.meshes.radial import Array
 from ringwear.studies.sweep.axes import Sweep, described
-from ringwear.studies.sweep.layout import DONE, FAILED
+from ringwear.studies.sweep.layout import DONE, FAILED, PENDING
 
 # the commonest reasons of failures that are listed
 REASONS = 10
@@ -17,12 +17,12 @@ REASONS = 10
 def summary(dataset: xarray.Dataset, sweep: Sweep) -> dict[str, Any]:
     """Numbers of scenes, the commonest reasons of failures, greatest disagreement and least effectivity, each with where."""
     status = dataset["status"].values
-    reasons = Counter(str(text) for text in dataset["reason"].values[status == FAILED])
     found: dict[str, Any] = {
         "scenes": sweep.count,
         "finished": int(np.sum(status == DONE)),
         "failed": int(np.sum(status == FAILED)),
-        "reasons": dict(reasons.most_common(REASONS)),
+        "reasons": _reasons(dataset, FAILED),
+        "reasons_pending": _reasons(dataset, PENDING),
         "sweep": sweep.table,
     }
     conclusions = []
@@ -39,6 +39,12 @@ def summary(dataset: xarray.Dataset, sweep: Sweep) -> dict[str, Any]:
             f"least error stated, over the one that a far more accurate method shows: {-least:.2g}, at {where}"
         )
     return found | {"conclusions": conclusions}
+
+
+def _reasons(dataset: xarray.Dataset, status: int) -> dict[str, int]:
+    """The commonest reasons of scenes with such a status, and how many have them."""
+    texts = dataset["reason"].values[dataset["status"].values == status]
+    return dict(Counter(str(text) for text in texts if text).most_common(REASONS))
 
 
 def _greatest(values: Array, sweep: Sweep) -> tuple[float, str]:
