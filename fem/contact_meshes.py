@@ -40,9 +40,7 @@ def fitted_half_space(edges: tuple[float, ...], infinite: tuple[bool, ...], degr
     return _half_space(AxisymmetricElasticity(mesh, degree, poisson_ratio), marks)
 
 
-def even_half_space(
-    cells: ContactCells, poisson_ratio: float, growth: float = TRIANGLE_GROWTH
-) -> HalfSpace:
+def even_half_space(cells: ContactCells, poisson_ratio: float, growth: float = TRIANGLE_GROWTH) -> HalfSpace:
     """Triangles of degree 3 whose facets on the contact are no larger than the cells, with linear pressures on these."""
     mesh = bisection.mesh(contact_mesh_field(cells, growth, TRIANGLE_TRUNCATION))
     half_space = _half_space(AxisymmetricElasticity(mesh, TRIANGLE_DEGREE, poisson_ratio), np.array(cells.ring_edges))

@@ -294,7 +294,7 @@ def test_what_cannot_be_done_is_refused(changes: dict[str, Any], words: list[str
 
 
 def test_an_indentation_that_does_not_touch_is_refused() -> None:
-    with pytest.raises(SceneError, match="too small to touch: the punch stands 0.01 "):
+    with pytest.raises(SceneError, match=r"too small to touch: the punch stands 0\.01 "):
         run(scene(punch__recess=[0.01, 0.02, 0.01], load={"indentation": 0.005}))
 
 

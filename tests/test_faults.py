@@ -147,9 +147,7 @@ def of_modes(change: Callable[[Modes], Modes]) -> Fault:
 def lost(number: int) -> Fault:
     def without(modes: Modes) -> Modes:
         kept = np.arange(len(modes.relaxation)) != number - 1
-        return Modes(
-            modes.relaxation[kept], modes.shapes[:, kept], modes.amplitudes[kept], modes.exact - 1
-        )
+        return Modes(modes.relaxation[kept], modes.shapes[:, kept], modes.amplitudes[kept], modes.exact - 1)
 
     return of_modes(without)
 
@@ -169,9 +167,7 @@ def reported(name: str, size: float, start: bool = True, everywhere: bool = True
         for part in ("history", "steady"):
             right = getattr(Sampler, part)
 
-            def wrong(
-                self: Sampler, state: Any, on_face: bool = False, right: Any = right
-            ) -> xarray.Dataset:
+            def wrong(self: Sampler, state: Any, on_face: bool = False, right: Any = right) -> xarray.Dataset:
                 found = right(self, state, on_face)
                 if name not in found or (on_face and not everywhere):
                     return found

@@ -139,7 +139,8 @@ def test_errors_of_a_worn_sphere_are_not_below_the_truth(monkeypatch: pytest.Mon
 def test_a_face_finer_than_the_cells_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     """The truth touches the highest of many peaks; cells see their mean."""
     generator = np.random.default_rng(0)
-    heights = {"kind": "table", "radii": np.linspace(0, 1, 2000).tolist(), "heights": generator.uniform(0, 1e-3, 2000).tolist()}
+    radii, heights = np.linspace(0, 1, 2000).tolist(), generator.uniform(0, 1e-3, 2000).tolist()
+    heights = {"kind": "table", "radii": radii, "heights": heights}
     result = run(sphere(1e-2, [0.0, 0.01], profile=heights))
     assert any("the face is finer than the" in note for note in result.notes)
     cells(monkeypatch, 600)

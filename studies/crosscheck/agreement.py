@@ -85,9 +85,7 @@ def worst(problem: Problem, solutions: Collection[Solution], keep: Collection[st
         found = differences(both[0].checked, both[1].checked, problem.face)
         for name in found.keys() & set(keep):
             difference, first, second = _compared(problem, name, found[name], both)
-            disagreement = np.fmax(
-                disagreement, np.max(_over_bound(problem, difference, first, second), initial=0.0)
-            )
+            disagreement = np.fmax(disagreement, np.max(_over_bound(problem, difference, first, second), initial=0.0))
             # estimates of errors far below the accuracy asked for may be of chance
             counted = difference > problem.rtol / 20
             for stated, other in ((first, second), (second, first)):
@@ -159,7 +157,9 @@ def remedy(problem: Problem, name: str, blamed: str, error: float) -> str:
     if blamed == "fem" and problem.fem.far_field == "fixed":
         return "the clamped boundary errs by 1.1 a/R; far_field = 'boussinesq' does not"
     if problem.profile is not None and name not in ENERGIES:
-        where = "pressures jump at edges of worn faces that move" if problem.earliest else "pressures may be infinite at edges"
+        where = "pressures may be infinite at edges"
+        if problem.earliest:
+            where = "pressures jump at edges of worn faces that move"
         return f"{where}, and fields are known to a cell there; ask for a smaller rtol"
     if name in EARLY and at_smallest(problem):
         return f"the layers that wear makes by the first times are thinner than {blamed} can resolve; ask for later times"

@@ -12,11 +12,21 @@ from ringwear.meshes.radial import Array
 from ringwear.studies.crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
 from ringwear.studies.crosscheck.anchors import Anchor, anchors
 from ringwear.studies.crosscheck.answer import ALSO, answer
-from ringwear.studies.methods.quantities import ANSWER, STATES
 from ringwear.studies.crosscheck.operators import OperatorDifference
 from ringwear.studies.crosscheck.scope import left_out, modelled
 from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import ERROR, NORMS, OF_PROFILES, QUANTITIES, array, common, error_name, values
+from ringwear.studies.methods.quantities import (
+    ANSWER,
+    ERROR,
+    NORMS,
+    OF_PROFILES,
+    QUANTITIES,
+    STATES,
+    array,
+    common,
+    error_name,
+    values,
+)
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.unit_names import UNSTATED, UnitNames
 from ringwear.studies.progress import Stages

@@ -83,9 +83,8 @@ class ComplianceMethod(Method):
                 f"wear.march = 'explicit' does not go with {self.name} on an initial profile or a fixed indentation, where "
                 "contact is an inequality: give 'implicit', or 'modal' for steps that suit the accuracy"
             )
-        if problem.indentation is not None:
-            if not len(problem.times):
-                return "load.indentation has no steady state but that nothing presses any more: give wear.times"
+        if problem.indentation is not None and not len(problem.times):
+            return "load.indentation has no steady state but that nothing presses any more: give wear.times"
         return ""
 
     @abstractmethod

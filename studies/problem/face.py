@@ -85,9 +85,7 @@ class Face:
 
     def interpolate(self, values: Array, radii: Array) -> tuple[Array, Array]:
         """Return (T, M) values at radii (M,) off the rim by (T, R) ones, and how much they may be off."""
-        element = np.clip(
-            np.searchsorted(self.breakpoints, radii, side="right") - 1, 0, len(self.breakpoints) - 2
-        )
+        element = np.clip(np.searchsorted(self.breakpoints, radii, side="right") - 1, 0, len(self.breakpoints) - 2)
         size = np.diff(self.breakpoints)[element]
         local = 2 * (radii - self.breakpoints[element]) / size - 1
         at_rim = element == len(self.breakpoints) - 2

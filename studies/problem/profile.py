@@ -66,10 +66,7 @@ class InitialProfile:
     def sampled(self) -> tuple[Array, Array]:
         """Radii, many in every ring, its edges and kinks, and heights there."""
         within, kinks = np.linspace(0.0, 1.0, 501), np.array(self.kinks)
-        parts = [
-            np.union1d(a + (b - a) * within, kinks[(kinks > a) & (kinks < b)])
-            for a, b in pairwise(self.ring_edges)
-        ]
+        parts = [np.union1d(a + (b - a) * within, kinks[(kinks > a) & (kinks < b)]) for a, b in pairwise(self.ring_edges)]
         heights = [self.in_ring(part, np.full(len(part), ring)) for ring, part in enumerate(parts)]
         return np.concatenate(parts), np.concatenate(heights)
 

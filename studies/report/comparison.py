@@ -9,9 +9,8 @@ import xarray
 
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.crosscheck.answer import ALSO
-from ringwear.studies.methods.quantities import ANSWER
 from ringwear.studies.crosscheck.run import run
-from ringwear.studies.methods.quantities import QUANTITIES
+from ringwear.studies.methods.quantities import ANSWER, QUANTITIES
 from ringwear.studies.problem.scene import Scene
 from ringwear.studies.problem.unit_names import UnitNames
 from ringwear.studies.report.words import Rows

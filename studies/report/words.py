@@ -8,10 +8,9 @@ import numpy as np
 
 from ringwear.meshes.radial import Array, ring_areas
 from ringwear.studies.crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement
-from ringwear.studies.methods.quantities import STATES
 from ringwear.studies.crosscheck.dataset import Result
 from ringwear.studies.crosscheck.scope import outside
-from ringwear.studies.methods.quantities import QUANTITIES
+from ringwear.studies.methods.quantities import QUANTITIES, STATES
 from ringwear.studies.problem.unit_names import UnitNames
 
 # rings that a table shows at each end when there are more than both together

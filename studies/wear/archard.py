@@ -55,8 +55,7 @@ class History:
     flat: FlatStart | None = None
 
     def __getitem__(self, which: Indices) -> "History":
-        parts = self.times, self.pressure, self.profile, self.indentation
-        return History(*(part[which] for part in parts), self.flat)
+        return History(self.times[which], self.pressure[which], self.profile[which], self.indentation[which], self.flat)
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,10 +138,9 @@ class RunningIn:
 
     @property
     def share_of_modes(self) -> float:
-        """The share of the flat start's deviation that the modes have, by the squares of what each displaces: 1 unless lost."""
+        """The share of the flat start that the modes have, by the squares of what they displace: 1 if none is lost."""
         moments, steady = (
-            self._mass_factor.forward(right)
-            for right in (self._to_pressure.T @ self.steady.moments, self._weights)
+            self._mass_factor.forward(right) for right in (self._to_pressure.T @ self.steady.moments, self._weights)
         )
         whole = moments @ moments - (moments @ steady) ** 2 / (steady @ steady)
         return float(np.sum((self._modes.amplitudes * self._modes.relaxation) ** 2) / whole)

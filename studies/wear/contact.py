@@ -1,9 +1,10 @@
 """Press a punch on any compliance: the flat start and the steady state. Non-dimensional, force 1.
 
-The flat start is sought among pressures that suit it, ``p = sum_j c_j P_2j(t) / t`` with ``t = sqrt(1 - r^2)`` and Legendre
-polynomials `P_2j`: infinite at the rim as a root, and smooth elsewhere. Ring edges are not felt before anything has worn, and
-the small elements beside them, which later times need, would lose the start to roundoff. The exact compliance of the
-half-space is diagonal on these functions, and only the first of them carries force (Popov, PMM 27 (1963) 1255).
+The flat start is sought among pressures that suit it, ``p = sum_j c_j P_2j(t) / t`` with
+``t = sqrt(1 - r^2)`` and Legendre polynomials `P_2j`: infinite at the rim as a root, and smooth
+elsewhere. Ring edges are not felt before anything has worn, and the small elements beside them,
+which later times need, would lose the start to roundoff. The exact compliance of the half-space is
+diagonal on these functions, and only the first of them carries force (tests/test_flat_punch.py).
 """
 
 from dataclasses import dataclass
@@ -74,9 +75,7 @@ def flat_start(compliance: Compliance) -> FlatStart:
     try:
         solution = cho_solve(cho_factor(displaced.T @ displaced), forces)
     except np.linalg.LinAlgError as error:
-        raise SolverError(
-            f"the compliance is not positive definite: {error}; ask for less extreme sizes"
-        ) from error
+        raise SolverError(f"the compliance is not positive definite: {error}; ask for less extreme sizes") from error
     softness = forces @ solution
     coefficients = solution / softness
     return FlatStart(coefficients, projected @ coefficients, float(1 / softness))
@@ -106,9 +105,7 @@ def press_flat(compliance: Compliance) -> FlatPress:
     try:
         solution = cho_solve(cho_factor(continuous.T @ compliance.matrix @ continuous), weights)
     except np.linalg.LinAlgError as error:
-        raise SolverError(
-            f"the compliance is not positive definite: {error}; ask for less extreme sizes"
-        ) from error
+        raise SolverError(f"the compliance is not positive definite: {error}; ask for less extreme sizes") from error
     softness = weights @ solution
     return FlatPress(continuous @ solution / softness, float(1 / softness))
 
@@ -134,9 +131,7 @@ def _moments(space: PressureSpace, count: int) -> Array:
     weights[-1] = 2 * np.pi * weight * greatest
     distance = root[-1] ** 2 / (1 + np.sqrt((1 - root[-1]) * (1 + root[-1])))
     local[-1] = 1 - 2 * distance / size[-1]
-    values = np.einsum(
-        "eq,eqj,eqi->eij", weights, _even_legendre(root, count), shapes(local, space.top), optimize=True
-    )
+    values = np.einsum("eq,eqj,eqi->eij", weights, _even_legendre(root, count), shapes(local, space.top), optimize=True)
     moments = np.zeros((space.size + 1, count))
     np.add.at(moments, space.dofs, values)
     return moments[:-1]

@@ -107,19 +107,23 @@ def history(one: UnilateralMethod, problem: Problem, stages: Stages) -> Solution
         errors |= {name: np.maximum(errors[name], lost) for name in ("profile", "displacement")}
         # nothing has worn at the start
         errors["profile"] = np.where(problem.times == 0, ROUNDOFF, errors["profile"])
-        rough = unresolved_height(profile, compliance.space, fine.history.indentation.max())
-        rough = rough / fine.history.indentation
-        errors |= {name: np.maximum(errors[name], rough) for name in OF_HEIGHTS}
-        if rough.max() > problem.rtol:
+        height = unresolved_height(profile, compliance.space, float(fine.history.indentation.max()))
+        missed = height / fine.history.indentation
+        errors |= {name: np.maximum(errors[name], missed) for name in OF_HEIGHTS}
+        if problem.indentation is not None:
+            # forces go as no more than the square of the depth
+            forces = ("normal_force", "ring_force")
+            errors |= {name: np.maximum(errors[name], 2 * missed) for name in forces}
+        if missed.max() > problem.rtol:
             notes.append(
                 f"the face is finer than the {len(compliance.space.degrees)} cells resolve: heights "
-                f"differ from what they hold by up to {rough.max():.1e} of the indentation"
+                f"differ from what they hold by up to {missed.max():.1e} of the indentation"
             )
     parts = {"pressure space": float(errors["indentation"].max())}
     if problem.indentation is not None:
         # what was given has no error; the force decays, and is judged by the first
-        forces = fine.history.force
-        parts = {"force": SAFETY * float(np.abs(coarse.history.force - forces).max() / forces[0])}
+        force = fine.history.force
+        parts = {"force": SAFETY * float(np.abs(coarse.history.force - force).max() / force[0])}
     if problem.march != "modal":
         exact = _Marched(fine.sampler, _steps(fine.sampler, problem, tolerance, None), presses[0])
         steps = differences(fine.sampled(on_face=True), exact.sampled(on_face=True), problem.face)
@@ -165,9 +169,7 @@ def _fitted(
     return press
 
 
-def _march(
-    problem: Problem, compliance: Compliance, first: FittedPress | None, tolerance: float
-) -> _Marched:
+def _march(problem: Problem, compliance: Compliance, first: FittedPress | None, tolerance: float) -> _Marched:
     assert problem.profile is not None
     sampler = ContactSampler(problem, problem.profile, compliance)
     return _Marched(sampler, _steps(sampler, problem, tolerance, problem.step), first)
