@@ -66,8 +66,8 @@ ROUNDOFF = 1e-14
 # part of the accuracy asked for that energies, and everything else, are not known better than: where two computations differ
 # by less, it may be by chance
 CHANCE_OF_ENERGIES, CHANCE = 1e-4, 0.02
-# of slopes by finite elements of high degree, whose stiffnesses span many digits: seen in random scenes at 1e-8
-ROUNDOFF_OF_ELEMENTS = {"rms_slope": 3e-7, "steady_rms_slope": 5e-8}
+# times roundoff over the root of the smallest size that slopes by finite elements err by: measured from 1e-10 to 1e-12
+ROUNDOFF_OF_ELEMENTS = {"rms_slope": 2600.0, "steady_rms_slope": 260.0}
 # logarithm of the wear ratio within which a history is solved whole, and times before the first that it is followed from;
 # punches for each that is solved whole, so that sharing modes is a gain; materials at the most
 REACH, BEFORE, GAIN, MOST_MATERIALS = np.log(10) / 2 * 1.01, 1000, 2, 8
@@ -226,7 +226,9 @@ def estimated(
             part = pair.safety.of(name) * at_times(problem, name, difference)
             least = problem.rtol * (CHANCE_OF_ENERGIES if name in ENERGIES else CHANCE)
             if pair.part == "discretisation":
-                least = max(least, ROUNDOFF_OF_ELEMENTS.get(name, 0.0))
+                size = float(np.diff(compliance.space.breakpoints).min())
+                of_elements = np.finfo(float).eps / np.sqrt(size)
+                least = max(least, ROUNDOFF_OF_ELEMENTS.get(name, 0.0) * of_elements)
             errors[name] = np.maximum(_added(errors.get(name, np.zeros(part.shape)), part), max(roundoff, least))
         parts[pair.part] = pair.safety.energies * float(np.max(found.get("indentation", 0.0)))
     for greatest, field in OF_FIELD.items() if compliance.space.top <= LOW else ():

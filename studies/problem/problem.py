@@ -246,11 +246,11 @@ class Problem:
 
     @cached_property
     def face(self) -> Face:
-        """Radii that crowd at ring edges, and at the rim as the earliest layer there does."""
+        """Radii that crowd at ring edges and at the rim, as the layers of the earliest time do."""
         if self.compared_on is not None:
             return self.compared_on
         rings = self.merged
-        rim = float(np.clip(0.1 * (self.earliest or 1.0), 1e-12, 1e-6))
+        rim = float(np.clip(0.1 * self.blunted.slow[-1], 1e-12, 1e-6))
         nearest = 1e-4 * rings.narrower
         if self.profile is None:
             # slopes of early times are steepest within what wear has blunted beside an edge

@@ -111,9 +111,9 @@ def history(one: UnilateralMethod, problem: Problem, stages: Stages) -> Solution
         missed = height / fine.history.indentation
         errors |= {name: np.maximum(errors[name], missed) for name in OF_HEIGHTS}
         if problem.indentation is not None:
-            # forces go as no more than the square of the depth
+            # forces go as no more than the square of the depth, and their errors stay while they decay
             forces = ("normal_force", "ring_force")
-            errors |= {name: np.maximum(errors[name], 2 * missed) for name in forces}
+            errors |= {name: 2 * np.maximum(errors[name], missed) for name in forces}
         if missed.max() > problem.rtol:
             notes.append(
                 f"the face is finer than the {len(compliance.space.degrees)} cells resolve: heights "
