@@ -7,7 +7,7 @@ geometric layers round ring edges and rim, and in few large ones between.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -54,6 +54,12 @@ class SizeField:
         for edge, smallest in zip(self.ring_edges, (self.centre_size, *self.ring_sizes, self.rim_size), strict=True):
             size = np.minimum(size, smallest + self.growth * np.hypot(points[:, 0] - edge, points[:, 1]))
         return size
+
+    def coarser(self) -> "SizeField":
+        """The sizes of a mesh whose difference shows what this one errs by."""
+        larger = tuple(2 * size for size in self.ring_sizes)
+        growth = min(1.5 * self.growth, 2.0)
+        return replace(self, rim_size=2 * self.rim_size, ring_size=larger, growth=growth)
 
     @property
     def largest(self) -> float:

@@ -37,7 +37,7 @@ def indentation(name: str, problem: Problem) -> Array:
     if name == "mdr-grid":
         grid = UniformGrid(*problem.merged, problem.mdr.grid)
         return grid.march(problem.times, grid_step(problem, grid.stability_limit()))[2]
-    ready = compliance_method(name).discretised(problem, Stages(name), pairs=False)
+    ready = compliance_method(name).discretised(problem, Stages(name), coarser=False)
     wear = RunningIn(ready.compliance, problem.merged.wear_coefficients, problem.earliest)
     return wear.history(problem.times, problem.march, problem.step).indentation
 

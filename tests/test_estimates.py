@@ -98,8 +98,8 @@ def test_forces_add_up() -> None:
 class Hopeful(Mdr):
     """An MDR whose sizes promise far more accuracy than they give."""
 
-    def discretised(self, problem: Problem, stages: Stages, pairs: bool = True) -> Discretised:
-        return super().discretised(replace(problem, rtol=min(0.1, 1e2 * problem.rtol)), stages, pairs)
+    def discretised(self, problem: Problem, stages: Stages, coarser: bool = True) -> Discretised:
+        return super().discretised(replace(problem, rtol=min(0.1, 1e2 * problem.rtol)), stages, coarser)
 
 
 def test_refined_until_the_accuracy_is_reached(caplog: pytest.LogCaptureFixture) -> None:

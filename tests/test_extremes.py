@@ -103,12 +103,12 @@ def test_the_reference_allows_for_what_cancels_over_a_narrow_ring_of_high_pressu
 def test_finite_elements_are_shared_by_scenes_of_other_loads_but_not_of_other_times_or_wear() -> None:
     """Their sizes follow what wear has blunted by the first time asked for."""
     problem = replace(FIVE.problem, fem=FemAccuracy(mesher="bisection"))
-    early, late = (study.discretised(replace(problem, times=np.array([time])), "fem", pairs=False) for time in (1e-6, 1e3))
+    early, late = (study.discretised(replace(problem, times=np.array([time])), "fem", coarser=False) for time in (1e-6, 1e3))
     assert early.unknowns > late.unknowns
     longer = replace(problem, times=np.array([1e3, 1e4]))
-    assert study.discretised(longer, "fem", pairs=False) is late
+    assert study.discretised(longer, "fem", coarser=False) is late
     rings = problem.rings._replace(wear_coefficients=problem.wear_coefficients**2)
-    assert study.discretised(replace(longer, rings=rings), "fem", pairs=False) is not late
+    assert study.discretised(replace(longer, rings=rings), "fem", coarser=False) is not late
 
 
 def test_refusals_are_not_crashes() -> None:

@@ -38,8 +38,7 @@ def scaled(method: type, size: float) -> Fault:
                 return Compliance(one.space, one.factor * np.sqrt(1 + size))
 
             ready = right(self, *arguments, **named)
-            pairs = tuple(replace(pair, finer=softer(pair.finer), coarser=softer(pair.coarser)) for pair in ready.pairs)
-            return replace(ready, compliance=softer(ready.compliance), pairs=pairs)
+            return replace(ready, compliance=softer(ready.compliance), coarser=softer(ready.coarser))
 
         patch.setattr(method, "discretised", wrong)
 

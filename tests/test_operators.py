@@ -31,7 +31,7 @@ def five_rings(**changes: object) -> Problem:
 
 
 def by_elements(problem: Problem) -> Compliance:
-    return fem.METHOD.discretised(problem, Stages("test"), pairs=False).compliance
+    return fem.METHOD.discretised(problem, Stages("test"), coarser=False).compliance
 
 
 @pytest.mark.parametrize(("rings", "rtol"), [(1, 1e-4), (2, 1e-4), (5, 1e-4), (32, 1e-3), (1, 1e-6), (2, 1e-6), (5, 1e-6)])

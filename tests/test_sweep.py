@@ -67,10 +67,10 @@ def test_many_punches_share_their_modes() -> None:
     scenes = [FIVE.changed(punch__wear_coefficients=[1.0, float(ratio)]) for ratio in np.geomspace(0.1, 8.0, 16)]
     problems, mdr = [scene.problem for scene in scenes], compliance_method("mdr")
     one = mdr.discretised(Shared.of(problems), Stages("mdr"))
-    together = worn_together(problems, one.compliance, one.pairs)
+    together = worn_together(problems, one.compliance, one.coarser)
     assert together is not None
     for problem in problems[::4]:
-        found, alone = (estimated(problem, one.compliance, one.pairs, shared) for shared in (together, None))
+        found, alone = (estimated(problem, one.compliance, one.coarser, shared) for shared in (together, None))
         assert found.result.wear.shared is not None
         lost = together.lost(found.result.wear, problem)
         for name, difference in differences(found.result.for_estimate, alone.result.for_estimate, problem.face).items():
@@ -79,8 +79,9 @@ def test_many_punches_share_their_modes() -> None:
             assert np.max(np.atleast_1d(lost[name])[:3]) <= 0.25 * problem.rtol
             assert (stated >= 0.6 * own).all(), name
     # too few to be worth it, and a march in steps
-    assert worn_together(problems[:5], one.compliance, one.pairs) is None
-    assert worn_together([replace(problem, march="implicit", step=0.1) for problem in problems], one.compliance, ()) is None
+    assert worn_together(problems[:5], one.compliance, one.coarser) is None
+    stepped = [replace(problem, march="implicit", step=0.1) for problem in problems]
+    assert worn_together(stepped, one.compliance, one.coarser) is None
 
 
 def test_labels_are_those_asked_for(small: xarray.Dataset) -> None:

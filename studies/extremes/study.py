@@ -109,7 +109,7 @@ def solved(problem: Problem, name: str) -> tuple[xarray.Dataset, dict[str, Array
         solution = method(name).solve(problem, Stages(name))
         return solution.results, solution.errors
     ready = discretised(problem, name)
-    known = estimated(problem, ready.compliance, ready.pairs)
+    known = estimated(problem, ready.compliance, ready.coarser)
     return known.result.results, known.errors
 
 
@@ -145,7 +145,7 @@ def known(problem: Problem, name: str) -> dict[str, tuple[Array | float, Array |
         indentation = np.where(late, rate * times + pressures @ exact.grams[1] @ pressures, D0)
         if between.any():
             other = replace(problem, rtol=1e-6, fem=FemAccuracy(), mdr=MdrAccuracy())
-            compliance = discretised(other, FEM if name == MDR else MDR, pairs=False).compliance
+            compliance = discretised(other, FEM if name == MDR else MDR, coarser=False).compliance
             indentation[between] = RunningIn(compliance, problem.merged.wear_coefficients).modal(times[between]).indentation
         values["indentation"] = indentation, np.where(between, 5e-7, REFERENCE)
     return values
@@ -155,16 +155,16 @@ def known(problem: Problem, name: str) -> dict[str, tuple[Array | float, Array |
 reference = lru_cache(maxsize=16)(lambda ring_edges: Reference(np.array(ring_edges)))
 
 
-def discretised(problem: Problem, name: str, pairs: bool = True) -> Discretised:
+def discretised(problem: Problem, name: str, coarser: bool = True) -> Discretised:
     """A method prepared, which does not depend on later times."""
     settings = {setting: getattr(problem, setting) for setting in ("poisson_ratio", "rtol", "fem", "mdr")}
     ring_edges, wear_coefficients = (tuple(part) for part in problem.merged)
-    return _discretised(name, pairs, ring_edges, wear_coefficients, problem.earliest, **settings)
+    return _discretised(name, coarser, ring_edges, wear_coefficients, problem.earliest, **settings)
 
 
 @lru_cache(maxsize=16)
 def _discretised(
-    name: str, pairs: bool, ring_edges: tuple[float, ...], wear: tuple[float, ...], earliest: float, **settings: Any
+    name: str, coarser: bool, ring_edges: tuple[float, ...], wear: tuple[float, ...], earliest: float, **settings: Any
 ) -> Discretised:
     rings = Rings(np.array(ring_edges), np.array(wear))
-    return compliance_method(name).discretised(Problem(rings, np.array([earliest]), **settings), Stages(name), pairs)
+    return compliance_method(name).discretised(Problem(rings, np.array([earliest]), **settings), Stages(name), coarser)

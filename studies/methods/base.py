@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ringwear.fem.half_space import HalfSpace
 
 # parts of an error estimate that finer sizes make smaller
-OF_SIZES = ("pressure space", "layers", "discretisation")
+OF_SIZES = ("discretisation",)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.studies.methods.base import Method, Solution, method
 from ringwear.studies.methods.costs import steps
-from ringwear.studies.methods.estimate import Pair, Together, estimated, worn_together
+from ringwear.studies.methods.estimate import SAFETY, Together, estimated, worn_together
 from ringwear.studies.problem.marching import refused_steps
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.problem.shared import Shared
@@ -27,19 +27,21 @@ class Discretised:
     Parameters
     ----------
     compliance : on the method's own pressure space
-    pairs : finer and coarser computations, for the error estimate
+    coarser : of a coarser discretisation, for the error estimate; None if none is wanted
     unknowns : size of the system behind the compliance
     settings : the sizes chosen, for the summary
     half_space : the finite-element half-space, if there is one
     notes : what the user should know, such as a mesher replaced
+    safety : times the difference to the coarser one that errors are stated as
     """
 
     compliance: Compliance
-    pairs: tuple[Pair, ...]
+    coarser: Compliance | None
     unknowns: int
     settings: dict[str, Any]
     half_space: "HalfSpace | None" = None
     notes: tuple[str, ...] = ()
+    safety: float = SAFETY
 
 
 def marches_contact(problem: Problem) -> bool:
@@ -60,16 +62,17 @@ class ComplianceMethod(Method):
     operator = True
 
     @abstractmethod
-    def discretised(self, problem: Problem, stages: Stages, pairs: bool = True) -> Discretised:
-        """The method made ready for a problem; without `pairs`, its error cannot be estimated."""
+    def discretised(self, problem: Problem, stages: Stages, coarser: bool = True) -> Discretised:
+        """The method made ready for a problem; without a `coarser` one its error cannot be estimated."""
 
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         """Discretise once, for the sharpest of the problems; then wear, sample and estimate each."""
         if problems[0].profile is not None:
             return [self._with_profile(problem, stages) for problem in problems]
         one = self.discretised(Shared.of(problems) if len(problems) > 1 else problems[0], stages)
+        assert one.coarser is not None
         with stages("marching" if len(problems[0].times) else "steady state"):
-            together = worn_together(problems, one.compliance, one.pairs) if len(problems) > 1 else None
+            together = worn_together(problems, one.compliance, one.coarser) if len(problems) > 1 else None
             return [_solved(problem, one, together) for problem in problems]
 
     def refusal(self, problem: Problem) -> str:
@@ -106,7 +109,8 @@ class ComplianceMethod(Method):
 
 
 def _solved(problem: Problem, one: Discretised, together: Together | None) -> Solution:
-    known = estimated(problem, one.compliance, one.pairs, together)
+    assert one.coarser is not None
+    known = estimated(problem, one.compliance, one.coarser, together, one.safety)
     results, checked = known.result.results, known.result.checked
     found = results, checked, known.errors, known.parts
     return Solution(*found, one.unknowns, one.settings, one.notes, known.result.wear, one.half_space)

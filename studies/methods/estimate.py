@@ -1,15 +1,13 @@
-"""What a method's results are worth, by its own account: finer against coarser computations, and safety factors.
+"""What a method's results are worth, by its own account: the difference to one coarser discretisation, times one factor.
 
-One rule for every quantity at every time: its error is the sum, over pairs of computations that differ in one thing (a
-degree and a layer of the mesh, the highest pressure bubbles, the last far-field pole), of their difference times a safety
-factor. Differences cross zero now and then in time, where they say nothing: the greatest within a factor of `NEAR` counts.
-Energies converge twice as fast as fields, and slopes, whose squares are summed, on their own: each kind of pair has a
-factor for each. The factors were chosen on scenes drawn at random, and checked on others (`ringwear study estimates`).
+The coarser one differs in everything (a degree, a layer at every singular point, a pole of the far field), so that one
+difference holds all parts of the error. Differences cross zero now and then in time, where they say nothing: the greatest
+within a factor of `NEAR` counts. The factor was chosen on scenes drawn at random, and checked on others
+(`ringwear study estimates`).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -18,56 +16,24 @@ from ringwear.meshes.radial import Array
 from ringwear.studies.methods.quantities import COMPARED_MODES, ENERGIES, QUANTITIES, common, differences
 from ringwear.studies.methods.sampler import Evaluation
 from ringwear.studies.problem.problem import Problem
-from ringwear.studies.problem.sections import FemAccuracy
 from ringwear.studies.wear.archard import RunningIn
 from ringwear.studies.wear.shared_modes import SharedModes
 
 NEAR = 2.5
 
 
-class Safety(NamedTuple):
-    """Safety factors: of energies, which converge twice as fast, of everything else, of RMS slopes, and of the steady one.
-
-    In the steady state pressures jump at every ring edge, which high degrees feel in slopes.
-    """
-
-    energies: float
-    fields: float
-    slopes: float
-    steady_slope: float
-
-    def of(self, quantity: str) -> float:
-        if quantity in ENERGIES:
-            return self.energies
-        return {"rms_slope": self.slopes, "steady_rms_slope": self.steady_slope}.get(quantity, self.fields)
-
-
-# on the radial mesh: one degree less; one layer less at every singular point, which only slopes feel
-RADIAL, LAYERS = Safety(1.0, 1.6, 0.65, 1.3), Safety(0.7, 0.5, 1.2, 2.4)
-# where nothing is left to coarsen, the pair is finer than the result, and the difference the error itself
-RADIAL_FINER = Safety(1.5, 2.0, 3.0, 3.0)
-# of finite elements: one degree of the pressure less; then one degree of the displacement (and a layer) less
-QUAD_MULTIPLIERS, QUADS = Safety(0.1, 1.4, 0.7, 1.4), Safety(1.5, 1.9, 1.0, 2.0)
-TRIANGLE_MULTIPLIERS, TRIANGLES = Safety(20.0, 2.0, 18.0, 18.0), Safety(12.0, 1.0, 18.0, 18.0)
-TRIANGLES_FINER = Safety(2.0, 3.0, 12.0, 12.0)
-# times more that fields err on P3 than P4 says
-CUBIC = 4.0
-# with half the springs and twice the step, what is of first order doubles; slopes and jumps at ring edges are of half that
-GRID = Safety(1.5, 2.5, 2.5, 2.5)
+# times the difference that errors are stated as; on triangles, whose degree is low, meshes of two sizes may miss the same
+SAFETY, SAFETY_OF_TRIANGLES = 1.5, 8.0
 # fraction of d0 that the element at the rim costs, over its size and times its degree: it cannot hold a pressure that is
 # infinite. Measured for degree 1, 2, 4 and 7: 0.05, 0.023, 0.009 and 0.004
 AT_RIM = 0.055
 # and that pressures of the start err by there, over its size: it moves the other functions that the start is sought among
 START_AT_RIM = 8.0
-# up to this degree of the pressure a greatest value is known no better than its field: their differences often vanish
-LOW, OF_FIELD = 2, {"displacement_max": "displacement", "steady_displacement_max": "steady_profile"}
 # of the numbers of elements
 ROUNDOFF = 1e-14
 # part of the accuracy asked for that energies, and everything else, are not known better than: where two computations differ
 # by less, it may be by chance
 CHANCE_OF_ENERGIES, CHANCE = 1e-4, 0.02
-# times roundoff over the root of the smallest size that slopes by finite elements err by: measured from 1e-10 to 1e-12
-ROUNDOFF_OF_ELEMENTS = {"rms_slope": 2600.0, "steady_rms_slope": 260.0}
 # logarithm of the wear ratio within which a history is solved whole, and times before the first that it is followed from;
 # punches for each that is solved whole, so that sharing modes is a gain; materials at the most
 REACH, BEFORE, GAIN, MOST_MATERIALS = np.log(10) / 2 * 1.01, 1000, 2, 8
@@ -77,35 +43,6 @@ LEFT_OUT = 2e-3
 CHECKED, MOST_CHECKS, SMALL_PART = 4.0, 3, 0.25
 # of the times of the estimate, those at which it is looked at what shared modes leave out: it changes slowly
 LOOKED_AT = 4
-
-
-def of_triangles(degree: int, growth: float, safety: Safety) -> Safety:
-    """On finer triangles one degree less costs ever more: of a difference in energy, less remains."""
-    energies = safety.energies * min(1.0, (growth / 0.75) ** 3)
-    return safety._replace(energies=energies, fields=safety.fields * (CUBIC if degree == 3 else 1.0))
-
-
-def of_truncation(chosen: FemAccuracy, truncation: float) -> Safety:
-    """Each pole takes the truncation error down by four orders in a/R (`ringwear study truncation`)."""
-    factor = 1.1 if chosen.far_field == "fixed" else 8 / truncation**4
-    return Safety(factor, factor, factor, factor)
-
-
-@dataclass(frozen=True, eq=False)
-class Pair:
-    """A finer and a coarser computation, whose difference estimates one part of the error.
-
-    Parameters
-    ----------
-    part : what differs
-    finer, coarser : the pair
-    safety : factors on their difference
-    """
-
-    part: str
-    finer: Compliance
-    coarser: Compliance
-    safety: Safety
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +89,7 @@ class Together:
         return all(float(np.max(np.atleast_1d(error)[:COMPARED_MODES])) <= SMALL_PART * rtol for error in lost.values())
 
 
-def worn_together(problems: Sequence[Problem], compliance: Compliance, pairs: tuple[Pair, ...]) -> Together | None:
+def worn_together(problems: Sequence[Problem], compliance: Compliance, coarser: Compliance) -> Together | None:
     """Modes for punches that differ in wear alone, by histories of a few and checked on another; None if that is no gain."""
     first, rtol = min(one.earliest for one in problems), min(one.rtol for one in problems)
     logs, whole = _logs(problems), solved_whole(problems)
@@ -174,8 +111,7 @@ def worn_together(problems: Sequence[Problem], compliance: Compliance, pairs: tu
         errors = {name: error if "mode" in QUANTITIES[name].dims else error.max() for name, error in errors.items()}
         together = Together({}, found.wear.left_out(_looked_at(checked)), errors)
         if together.negligible(together.lost(found.wear, problems[number]), rtol):
-            every = (compliance, *(one for pair in pairs for one in (pair.finer, pair.coarser)))
-            return replace(together, modes={id(one): shared.on(one) for one in every})
+            return replace(together, modes={id(one): shared.on(one) for one in (compliance, coarser)})
         whole.append(number)
         rates.append(known.wear.rates(times))
     return None
@@ -207,33 +143,23 @@ def _farthest(points: Array, found: list[int]) -> tuple[int, float]:
 
 
 def estimated(
-    problem: Problem, compliance: Compliance, pairs: tuple[Pair, ...], together: Together | None = None
-) -> Estimate:  # fmt: skip
-    """Evaluate a compliance and its pairs."""
-    cache: dict[int, Evaluation] = {}
-
-    def evaluated(one: Compliance) -> Evaluation:
-        if id(one) not in cache:
-            cache[id(one)] = Evaluation(problem, one, together.modes[id(one)] if together else None)
-        return cache[id(one)]
-
-    result, roundoff = evaluated(compliance), ROUNDOFF * len(compliance.space.breakpoints)
-    errors: dict[str, Array] = {}
-    parts: dict[str, float] = {}
-    for pair in pairs:
-        found = differences(evaluated(pair.coarser).for_estimate, evaluated(pair.finer).for_estimate, problem.face)
-        for name, difference in found.items():
-            part = pair.safety.of(name) * at_times(problem, name, difference)
-            least = problem.rtol * (CHANCE_OF_ENERGIES if name in ENERGIES else CHANCE)
-            if pair.part == "discretisation":
-                size = float(np.diff(compliance.space.breakpoints).min())
-                of_elements = np.finfo(float).eps / np.sqrt(size)
-                least = max(least, ROUNDOFF_OF_ELEMENTS.get(name, 0.0) * of_elements)
-            errors[name] = np.maximum(_added(errors.get(name, np.zeros(part.shape)), part), max(roundoff, least))
-        parts[pair.part] = pair.safety.energies * float(np.max(found.get("indentation", 0.0)))
-    for greatest, field in OF_FIELD.items() if compliance.space.top <= LOW else ():
-        if greatest in errors and field in errors:
-            errors[greatest] = np.maximum(errors[greatest], errors[field])
+    problem: Problem,
+    compliance: Compliance,
+    coarser: Compliance,
+    together: Together | None = None,
+    safety: float = SAFETY,
+) -> Estimate:
+    """Evaluate a compliance, and state errors by a coarser one."""
+    result, other = (
+        Evaluation(problem, one, together.modes[id(one)] if together else None) for one in (compliance, coarser)
+    )
+    roundoff = ROUNDOFF * len(compliance.space.breakpoints)
+    found = differences(other.for_estimate, result.for_estimate, problem.face)
+    errors = {}
+    for name, difference in found.items():
+        least = problem.rtol * (CHANCE_OF_ENERGIES if name in ENERGIES else CHANCE)
+        errors[name] = np.maximum(safety * at_times(problem, name, difference), max(least, roundoff))
+    parts = {"discretisation": safety * float(np.max(found.get("indentation", 0.0)))}
     start = problem.times == 0
     if "indentation" in errors and start.any():
         size, degree = float(np.diff(compliance.space.breakpoints)[-1]), int(compliance.space.degrees[-1])
@@ -249,7 +175,7 @@ def estimated(
     if together:
         lost = together.lost(result.wear, problem)
         if not together.negligible(lost, problem.rtol):
-            return estimated(problem, compliance, pairs)
+            return estimated(problem, compliance, coarser, safety=safety)
         errors |= {name: _added(errors[name], lost[name]) for name in errors.keys() & lost.keys()}
         parts["shared modes"] = float(lost.get("indentation", 0.0))
     if "indentation" in errors and problem.march != "modal":

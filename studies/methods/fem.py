@@ -10,16 +10,7 @@ from ringwear.meshes.sizes import NARROWEST
 from ringwear.studies.methods import fem_counts
 from ringwear.studies.methods.base import Cost
 from ringwear.studies.methods.by_compliance import ComplianceMethod, Discretised, marches_contact
-from ringwear.studies.methods.estimate import (
-    QUAD_MULTIPLIERS,
-    QUADS,
-    TRIANGLE_MULTIPLIERS,
-    TRIANGLES,
-    TRIANGLES_FINER,
-    Pair,
-    of_triangles,
-    of_truncation,
-)
+from ringwear.studies.methods.estimate import SAFETY, SAFETY_OF_TRIANGLES
 from ringwear.studies.methods.unilateral import costs
 from ringwear.studies.problem import defaults
 from ringwear.studies.problem.problem import Problem
@@ -167,7 +158,7 @@ class Fem(ComplianceMethod):
     def sizes_given(self, problem: Problem) -> bool:
         return problem.fem.given
 
-    def discretised(self, problem: Problem, stages: Stages, pairs: bool = True) -> Discretised:
+    def discretised(self, problem: Problem, stages: Stages, coarser: bool = True) -> Discretised:
         from ringwear.meshes.half_space import truncation
 
         fixed = problem.fem.far_field == "fixed"
@@ -177,25 +168,24 @@ class Fem(ComplianceMethod):
             half_space = half_space_on(problem, meshed)
             _ = half_space.lower_triangle
         with stages("condensing"):
-            tied = half_space.compliance()
-            # the last rows of the factor belong to the poles: without them the outer boundary is clamped
-            fine = replace(tied, factor=tied.factor[: -len(half_space.poles)]) if fixed else tied
-        outer = truncation(meshed.mesh)
-        every: tuple[Pair, ...] = ()
-        if pairs:
+            fine = half_space.compliance()
+            if fixed:
+                # the last rows of the factor belong to the poles: without them the outer boundary is clamped
+                fine = replace(fine, factor=fine.factor[: -len(half_space.poles)])
+        other = None
+        if coarser:
             with stages("estimating"):
-                clamped = fine if fixed else replace(tied, factor=tied.factor[:-1])
-                far = Pair("truncation", tied, clamped, of_truncation(problem.fem, outer))
-                every = (*coarser_pairs(problem, meshed, half_space, tied), far)
+                other = _coarser_half_space(problem, meshed, half_space).compliance()
         settings = {
             "mesher": meshed.mesher, "elements": meshed.mesh.nelements, "degree": half_space.solid.degree,
             "multipliers": fine.space.size, "far_field": problem.fem.far_field,
-            "poles": 0 if fixed else len(half_space.poles), "truncation": outer, "solver": solver(),
+            "poles": 0 if fixed else len(half_space.poles), "truncation": truncation(meshed.mesh), "solver": solver(),
         }  # fmt: skip
         if fixed:
             # displacements and stresses inside are those of the clamped half-space, too
             half_space = replace(half_space, poles=())
-        return Discretised(fine, every, half_space.unknowns, settings, half_space, meshed.notes)
+        safety = SAFETY_OF_TRIANGLES if meshed.graded is None else SAFETY
+        return Discretised(fine, other, half_space.unknowns, settings, half_space, meshed.notes, safety)
 
     def unilateral(self, problem: Problem) -> "UnilateralMethod":
         from ringwear.fem.contact_meshes import COARSER_GROWTH, TRIANGLE_GROWTH, even_half_space, fitted_half_space
@@ -213,28 +203,25 @@ class Fem(ComplianceMethod):
         return UnilateralMethod(even, fitted, (8, 7))
 
 
-def coarser_pairs(problem: Problem, meshed: Meshed, whole: "HalfSpace", fine: "Compliance") -> tuple[Pair, ...]:
-    """The half-space with one degree (and one layer) less, and with the pressure alone one degree lower."""
-    from ringwear.fem.half_space import pressure_space
+def _coarser_half_space(problem: Problem, meshed: Meshed, whole: "HalfSpace") -> "HalfSpace":
+    """A degree and a layer less, or larger triangles, and a pole less.
 
-    def with_degree(degree: int, mesh: Any) -> "HalfSpace":
-        solid = replace(whole.solid, degree=degree, mesh=mesh)
-        return replace(whole, solid=solid, space=pressure_space(solid, problem.merged.ring_edges))
+    A clamped boundary is held against poles: what it errs by is far more than one of them does.
+    """
+    from ringwear.fem.half_space import HalfSpace, pressure_space
+    from ringwear.meshes import bisection, triangles
 
-    degree, coarser = whole.solid.degree, fine.coarser()
+    degree = whole.solid.degree - 1
     if meshed.graded is not None:
-        lower = with_degree(degree - 1, meshed.graded.coarser().mesh).compliance()
-        return Pair("pressure space", fine, coarser, QUAD_MULTIPLIERS), Pair("discretisation", coarser, lower, QUADS)
-    growth = defaults.triangle_sizes(problem).growth
-    multipliers = Pair("pressure space", fine, coarser, of_triangles(degree, growth, TRIANGLE_MULTIPLIERS))
-    if degree == 2:
-        # no stable multipliers go with a lower degree, so the pair is finer, its pressures, too: the difference is the error
-        finer = with_degree(3, meshed.mesh).compliance()
-        elements = Pair("discretisation", finer, fine, TRIANGLES_FINER)
+        mesh = meshed.graded.coarser().mesh
     else:
-        lower = replace(with_degree(degree - 1, meshed.mesh), space=coarser.space).compliance()
-        elements = Pair("discretisation", coarser, lower, of_triangles(degree, growth, TRIANGLES))
-    return (multipliers, elements) if fine.space.top > 1 else (elements,)
+        field = defaults.triangle_sizes(problem).coarser()
+        mesh = triangles.mesh(field) if meshed.mesher == "gmsh" else bisection.mesh(field)
+        # with less than two no multipliers are stable
+        degree = max(degree, 2)
+    solid = replace(whole.solid, degree=degree, mesh=mesh)
+    poles = whole.poles if problem.fem.far_field == "fixed" else whole.poles[:-1]
+    return HalfSpace(solid, pressure_space(solid, problem.merged.ring_edges), poles)
 
 
 METHOD = Fem()

@@ -11,7 +11,6 @@ from ringwear.meshes.radial import Array, Indices, graded_breakpoints, ring_of
 from ringwear.meshes.sizes import spared_degrees
 from ringwear.studies.methods.base import Cost
 from ringwear.studies.methods.by_compliance import AnySpaceMethod, Discretised, marches_contact
-from ringwear.studies.methods.estimate import LAYERS, RADIAL, RADIAL_FINER, Pair
 from ringwear.studies.methods.unilateral import costs
 from ringwear.studies.problem.defaults import affordable, mdr_sizes, sharpness
 from ringwear.studies.problem.problem import Problem
@@ -83,29 +82,23 @@ class Mdr(AnySpaceMethod):
     def sizes_given(self, problem: Problem) -> bool:
         return problem.mdr.given
 
-    def discretised(self, problem: Problem, stages: Stages, pairs: bool = True) -> Discretised:
+    def discretised(self, problem: Problem, stages: Stages, coarser: bool = True) -> Discretised:
         sizes = mdr_sizes(problem)
         with stages("assembling"):
             fine = self.compliance(radial_space(problem, **sizes))
-        if not pairs:
-            return Discretised(fine, (), fine.space.size, smallest(sizes))
-        with stages("estimating"):
-            return Discretised(fine, self._pairs(problem, sizes, fine), fine.space.size, smallest(sizes))
+        other = None
+        if coarser:
+            with stages("estimating"):
+                other = self.compliance(_coarser_space(problem, sizes))
+        return Discretised(fine, other, fine.space.size, smallest(sizes))
 
-    def _pairs(self, problem: Problem, sizes: dict[str, Any], fine: Compliance) -> tuple[Pair, ...]:
-        """One degree less, and one layer less at every singular point."""
-        layer, narrowest = sizes["grading"], 0.1 * float(problem.merged.widths.min())
-        if sizes["degree"] <= LOWEST:
-            # nothing is left to coarsen, so the pair is finer, and the difference the error itself
-            finer = {"degree": sizes["degree"] + 1, "grading": layer}
-            finer |= {name: layer * np.minimum(sizes[name], narrowest) for name in ("rim_size", "ring_size")}
-            return (Pair("pressure space", self.compliance(radial_space(problem, **finer)), fine, RADIAL_FINER),)
-        lower = Pair("pressure space", fine, fine.coarser(), RADIAL)
-        coarser = {"degree": sizes["degree"], "grading": layer}
-        coarser |= {name: np.minimum(sizes[name] / layer, 0.5) for name in ("rim_size", "ring_size")}
-        # also where the ring's width, not the size asked for, set the layer
-        space = radial_space(problem, **coarser, widest=min(0.1 / layer, 0.5))
-        return lower, Pair("layers", fine, self.compliance(space), LAYERS)
+
+def _coarser_space(problem: Problem, sizes: dict[str, Any]) -> PressureSpace:
+    """A degree less, and a layer less at every singular point, also where the ring's width set the layer."""
+    grading = sizes["grading"]
+    larger = {name: np.minimum(sizes[name] / grading, 0.5) for name in ("rim_size", "ring_size")}
+    fewer = max(sizes["degree"] - 1, 1)
+    return radial_space(problem, fewer, **larger, grading=grading, widest=min(0.1 / grading, 0.5))
 
 
 METHOD = Mdr()

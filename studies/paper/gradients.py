@@ -101,7 +101,7 @@ def fem_grams(problem: Problem, count: int, width_ratio: float) -> Array:
     """(2, 2, 2) `compliance_grams` of finite elements: one condensation, kept for both figures."""
     # any two wear coefficients do: the compliance knows only where the edges are
     punch = replace(problem, rings=Rings.alternating(count, width_ratio, WEAR_RATIO_OF_WIDTHS), rtol=FEM_RTOL)
-    return compliance_grams(compliance_method("fem").discretised(punch, Stages("fem"), pairs=False).compliance)
+    return compliance_grams(compliance_method("fem").discretised(punch, Stages("fem"), coarser=False).compliance)
 
 
 @dataclass(frozen=True, eq=False)

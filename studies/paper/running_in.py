@@ -137,7 +137,7 @@ def five_rings(problem: Problem) -> FiveRings:
     steady = method("direct").solve(problem, Stages("direct")).results
     return FiveRings(
         reference,
-        Evolution(problem, ready["mdr"].pairs[0].coarser),
+        Evolution(problem, ready["mdr"].compliance.coarser()),
         stationary,
         times,
         {name: evolution.states(times) for name, evolution in evolutions.items()},
@@ -154,7 +154,7 @@ def relaxation_times(problem: Problem, counts: tuple[int, ...]) -> dict[int, Arr
     times = {}
     for count in progress(counts, "rings"):
         punch = replace(problem, rings=Rings.alternating(count, 1.0, WEAR_RATIO), times=np.empty(0), rtol=SPECTRUM_RTOL)
-        compliance = compliance_method("mdr").discretised(punch, Stages("mdr"), pairs=False).compliance
+        compliance = compliance_method("mdr").discretised(punch, Stages("mdr"), coarser=False).compliance
         by_ratio = (Rings.alternating(count, 1.0, ratio).wear_coefficients for ratio in WEAR_RATIOS)
         wears = [RunningIn(compliance, coefficients / coefficients.min()) for coefficients in by_ratio]
         times[count] = np.array([wear.relaxation_times[:MODES] for wear in wears])

@@ -19,6 +19,7 @@ from ringwear.meshes.contact_cells import ContactCells
 from ringwear.meshes.errors import RingwearError
 from ringwear.meshes.radial import Array
 from ringwear.studies.methods.base import Solution
+from ringwear.studies.methods.estimate import CHANCE
 from ringwear.studies.methods.quantities import differences
 from ringwear.studies.methods.unilateral.sampler import ContactSampler
 from ringwear.studies.problem.defaults import cells_of
@@ -189,7 +190,8 @@ def _errors(problem: Problem, coarse: xarray.Dataset, fine: xarray.Dataset) -> d
         if later.any():
             among = np.pad(difference[later], AROUND)
             near[later] = np.lib.stride_tricks.sliding_window_view(among, 2 * AROUND + 1).max(axis=1)
-        errors[name] = SAFETY * near + LEAST.get(name, ROUNDOFF)
+        least = np.where(later, CHANCE * problem.rtol, LEAST.get(name, ROUNDOFF))
+        errors[name] = np.maximum(SAFETY * near, least)
     return errors
 
 
