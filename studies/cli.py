@@ -19,7 +19,7 @@ from ringwear.meshes.errors import RingwearError, SceneError
 from ringwear.studies.output.folder import Folder, held
 from ringwear.studies.parser import parser
 from ringwear.studies.problem.scene import Scene, bundled
-from ringwear.studies.progress import LOG, STAGES, Terminal
+from ringwear.studies.progress import LOG, STAGES, STOPPED, Terminal
 from ringwear.studies.registry import INTERRUPTED, STUDIES
 
 if TYPE_CHECKING:
@@ -55,14 +55,22 @@ def main(arguments: list[str] | None = None) -> int:
 @contextmanager
 def _terminable() -> Iterator[None]:
     """SIGTERM, by which a batch system ends a job, ends the work as Ctrl-C does."""
+    STOPPED.clear()
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    numbers = signal.SIGINT, signal.SIGTERM
+    before = [signal.signal(number, _stop) for number in numbers]
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in zip(numbers, before, strict=True):
+            signal.signal(number, handler)
+
+
+def _stop(*_: object) -> None:
+    STOPPED.set()
+    raise KeyboardInterrupt
 
 
 def _results_of(options: argparse.Namespace) -> Path:

@@ -2,6 +2,7 @@
 
 import logging
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -9,6 +10,8 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 T = TypeVar("T")
+# set by Ctrl-C and SIGTERM: a library may take the exception for a failure of its own
+STOPPED = threading.Event()
 LOG = logging.getLogger("ringwear")
 STAGES = LOG.getChild("stages")  # of single methods: more than a study wants to show
 EVERY = 10.0  # seconds between lines of progress that are not for a terminal

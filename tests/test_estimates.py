@@ -81,8 +81,8 @@ def test_time_steps_are_estimated(march: str) -> None:
     wear = {"times": [0.01, 0.1, 0.5], "steady": True, "march": march} | ({"step": 0.01} if march == "implicit" else {})
     result = run(Scene.load("five_rings").changed(methods=["mdr"], wear=wear))
     error, estimate = true_errors(result)["mdr"]
-    # an indentation is not known better than to a ten thousandth of the accuracy asked for
-    assert error <= estimate <= 50 * error + 2e-8
+    # an indentation is not known better than to 1e-5 of the accuracy asked for
+    assert error <= estimate <= 50 * error + 2e-9
     assert ("mdr" in result.short_of) == (march == "implicit")
 
 

@@ -33,7 +33,7 @@ START_AT_RIM = 8.0
 ROUNDOFF = 1e-14
 # part of the accuracy asked for that energies, and everything else, are not known better than: where two computations differ
 # by less, it may be by chance
-CHANCE_OF_ENERGIES, CHANCE = 1e-4, 0.02
+CHANCE_OF_ENERGIES, CHANCE = 1e-5, 0.02
 # logarithm of the wear ratio within which a history is solved whole, and times before the first that it is followed from;
 # punches for each that is solved whole, so that sharing modes is a gain; materials at the most
 REACH, BEFORE, GAIN, MOST_MATERIALS = np.log(10) / 2 * 1.01, 1000, 2, 8

@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ringwear.studies.progress import STOPPED
+
 
 class Job(NamedTuple):
     """A file by its name, and what writes it to a path."""
@@ -51,6 +53,8 @@ def _make(jobs: Sequence[Job], directory: Path) -> list[str]:
             path.unlink(missing_ok=True)
             if not isinstance(error, Exception):
                 raise
+            if STOPPED.is_set():
+                raise KeyboardInterrupt from error
             lines = str(error).strip().splitlines() or [type(error).__name__]
             failures.append(f"{job.name} could not be made: {lines[0]}")
     return failures

@@ -29,6 +29,10 @@ SPARED = 0.7
 # pressures that are worth a field to the accuracy asked for: dense matrices cost their third power
 MOST_PRESSURES = 1000
 
+# size at the rim over the accuracy asked for: pressures of the flat start err by up to eight times that
+# size, its energy by a twentieth
+START = 0.03
+
 # cells over the punch, or over the first contact, for an accuracy of 1e-4. Where edges move d errs by about their inverse;
 # as many as for a tenth of that accuracy take minutes
 CELLS, FEWEST, MOST = 150, 80, 300
@@ -86,11 +90,11 @@ def field_accuracy(problem: Problem) -> float:
 
 def mdr_sizes(problem: Problem) -> dict[str, Any]:
     """Of the radial mesh of the MDR and of boundary elements."""
-    chosen, grading = problem.mdr, problem.mdr.grading or GRADING
+    chosen, grading, at_start = problem.mdr, problem.mdr.grading or GRADING, START * problem.rtol
     problem = affordable(problem, grading)
     return {
         "degree": chosen.degree or min(int(np.ceil(pressure_degree(problem, grading))), 20),
-        "rim_size": chosen.rim_size or rim_size(problem),
+        "rim_size": chosen.rim_size or min(rim_size(problem), at_start),
         "ring_size": chosen.ring_size or ring_sizes(problem),
         "grading": grading,
     }
@@ -108,8 +112,6 @@ def edge_sizes(problem: Problem) -> Array:
     )
     # of the pressure, the power 3/2 of that
     sizes = np.minimum(sizes, 0.3 * blunted.slow * (rtol / np.sqrt(sharp)) ** (2 / 3))
-    # the energy of the flat start errs by a twentieth of the size at the rim
-    sizes[-1] = min(sizes[-1], 0.1 * rtol)
     return np.asarray(np.maximum(sizes, np.where(at_rim, SMALLEST_RIM, SMALLEST)))
 
 
@@ -143,14 +145,14 @@ class QuadSizes:
 
 def quad_sizes(problem: Problem) -> QuadSizes:
     """Of quadrilaterals in geometric layers."""
-    chosen = problem.fem
+    chosen, at_start = problem.fem, START * problem.rtol
     problem = affordable(problem, FACTOR)
     wanted = ring_sizes(problem)
     sizes = np.full(len(wanted), chosen.ring_size) if chosen.ring_size else wanted
     return QuadSizes(
         degree=chosen.degree or quad_degree(problem),
         ring_sizes=tuple(float(size) for size in sizes),
-        rim_size=chosen.rim_size or max(rim_size(problem), SMALLEST),
+        rim_size=chosen.rim_size or max(min(rim_size(problem), at_start), SMALLEST),
         growth=chosen.growth or GROWTH,
         truncation=chosen.truncation or (TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION),
         sharpness=sharpness(problem),
