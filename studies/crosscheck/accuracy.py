@@ -7,6 +7,7 @@ from ringwear.studies.methods.base import Method, Solution
 from ringwear.studies.methods.quantities import ENERGIES, FINEST
 from ringwear.studies.problem.defaults import at_smallest, field_accuracy
 from ringwear.studies.problem.problem import Problem
+from ringwear.studies.problem.sections import DEGREES
 from ringwear.studies.progress import LOG, Stages
 
 MOST_REFINEMENTS = 4
@@ -56,8 +57,11 @@ def error_of_sizes(problem: Problem, solution: Solution) -> float:
     # closed forms and the uniform grid have no sizes that go by the accuracy asked for
     if problem.march != "modal" or not solution.has_sizes:
         return solution.error_of_sizes
-    # fields follow neither on triangles, whose degree is low, nor with so many rings that they take too many pressures
-    energies = solution.settings.get("mesher", "quads") != "quads" or field_accuracy(problem) > problem.rtol
+    # fields follow neither on triangles, whose degree is low, nor beyond the highest degree of quadrilaterals, where more
+    # layers bring roundoff, nor with so many rings that they take too many pressures
+    mesher, degree = solution.settings.get("mesher"), solution.settings.get("degree", 0)
+    highest = mesher is not None and degree >= DEGREES[mesher][-1]
+    energies = highest or field_accuracy(problem) > problem.rtol
     thin = ("rms_slope", "pressure") if at_smallest(problem) else ()
     names = ENERGIES if energies else [name for name in solution.errors if name not in thin]
     return max((solution.greatest_error(name) for name in names if name in solution.errors), default=0.0)

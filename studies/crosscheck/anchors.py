@@ -168,7 +168,7 @@ class _Anchors:
         known = _flat_pressure(edges[:-1])
         wrong = np.abs(self._reported("pressure_min")[0] / known - 1).max()
         wrong = np.maximum(wrong, np.abs(self._reported("pressure_max")[0, :-1] / known[1:] - 1).max(initial=0.0))
-        yield "flat start of the answer, pressures", _worst(wrong, self.problem.rtol)
+        yield "flat start of the answer, pressures", _worst(wrong, self._tolerated("pressure").max())
 
     def _of_wear(self) -> Iterator[Worst]:
         """Return what is worn, over all of the face."""

@@ -28,7 +28,7 @@ SAFETY, SAFETY_OF_TRIANGLES = 1.5, 8.0
 # infinite. Measured for degree 1, 2, 4 and 7: 0.05, 0.023, 0.009 and 0.004
 AT_RIM = 0.055
 # and that pressures of the start err by there, over its size: it moves the other functions that the start is sought among
-START_AT_RIM = 8.0
+START_AT_RIM = 3.0
 # of the numbers of elements
 ROUNDOFF = 1e-14
 # part of the accuracy asked for that energies, and everything else, are not known better than: where two computations differ

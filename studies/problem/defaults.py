@@ -29,7 +29,7 @@ SPARED = 0.7
 # pressures that are worth a field to the accuracy asked for: dense matrices cost their third power
 MOST_PRESSURES = 1000
 
-# size at the rim over the accuracy asked for: pressures of the flat start err by up to eight times that
+# size at the rim over the accuracy asked for: pressures of the flat start err by up to three times that
 # size, its energy by a twentieth
 START = 0.03
 

@@ -23,7 +23,7 @@ from ringwear.studies.wear.modes import BandedCholesky
 
 # functions that the start is sought among, where the space is not too small for them: what a compliance adds to the first is
 # an error of its own
-FUNCTIONS = 6
+FUNCTIONS = 3
 # Gauss points of an element beyond its degree: the root is one element away, where each point gains a factor of seven
 MORE_POINTS = 24
 
