@@ -109,7 +109,8 @@ def solved(problem: Problem, name: str) -> tuple[xarray.Dataset, dict[str, Array
         solution = method(name).solve(problem, Stages(name))
         return solution.results, solution.errors
     ready = discretised(problem, name)
-    known = estimated(problem, ready.compliance, ready.coarser)
+    assert ready.coarser is not None
+    known = estimated(problem, ready.compliance, ready.coarser, safety=ready.safety)
     return known.result.results, known.errors
 
 
