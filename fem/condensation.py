@@ -12,8 +12,8 @@ import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix, tril
 from scipy.sparse.linalg import splu
 
-from ringwear.meshes.errors import SolverError
-from ringwear.meshes.radial import Array, Indices
+from ..meshes.errors import SolverError
+from ..meshes.radial import Array, Indices
 
 SYMMETRIC: dict[str, Any] = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
 

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from ringwear.fem.elasticity import AxisymmetricElasticity
-from ringwear.fem.far_field import enough_poles
-from ringwear.fem.half_space import HalfSpace, pressure_space
-from ringwear.meshes import bisection
-from ringwear.meshes.contact_cells import ContactCells, contact_mesh_field
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.quads import graded
-from ringwear.meshes.radial import Array, Indices
+from ..meshes import bisection
+from ..meshes.contact_cells import ContactCells, contact_mesh_field
+from ..meshes.pressure_space import PressureSpace
+from ..meshes.quads import graded
+from ..meshes.radial import Array, Indices
+from .elasticity import AxisymmetricElasticity
+from .far_field import enough_poles
+from .half_space import HalfSpace, pressure_space
 
 # a mark beside the axis, where a cone's pressure is infinite as a logarithm, and sizes as the radial mesh has them; those
 # at free edges larger, for the stiffness of small elements has fewer digits

@@ -13,11 +13,11 @@ from scipy.sparse.linalg import splu
 from skfem import Element, ElementQuadP, Mesh
 from skfem.assembly import Dofs
 
-from ringwear.fem.condensation import symmetric
-from ringwear.fem.weak_form import element_of_degree, stiffness, tables
-from ringwear.meshes.half_space import LOWER, facet_ends, segments
-from ringwear.meshes.radial import Array, Indices
-from ringwear.meshes.sizes import LOWEST
+from ..meshes.half_space import LOWER, facet_ends, segments
+from ..meshes.radial import Array, Indices
+from ..meshes.sizes import LOWEST
+from .condensation import symmetric
+from .weak_form import element_of_degree, stiffness, tables
 
 
 @lru_cache(maxsize=1024)

@@ -16,7 +16,7 @@ import math
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander
 
-from ringwear.meshes.radial import Array
+from ..meshes.radial import Array
 
 
 def enough_poles(truncation: float, negligible: float) -> tuple[int, ...]:

@@ -19,15 +19,15 @@ from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix, diags
 from scipy.sparse.linalg import splu
 from skfem import MeshQuad
 
-from ringwear.fem.condensation import fill_reducing_order, symmetric, trailing_factor
-from ringwear.fem.elasticity import AxisymmetricElasticity
-from ringwear.fem.far_field import exterior_stiffness, poles
-from ringwear.fem.weak_form import moduli
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.errors import SolverError
-from ringwear.meshes.half_space import contact_facets, contact_radii, segments
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import Array, Indices, layer_degrees
+from ..meshes.compliance import Compliance
+from ..meshes.errors import SolverError
+from ..meshes.half_space import contact_facets, contact_radii, segments
+from ..meshes.pressure_space import PressureSpace
+from ..meshes.radial import Array, Indices, layer_degrees
+from .condensation import fill_reducing_order, symmetric, trailing_factor
+from .elasticity import AxisymmetricElasticity
+from .far_field import exterior_stiffness, poles
+from .weak_form import moduli
 
 
 def pressure_space(solid: AxisymmetricElasticity, ring_edges: Array) -> PressureSpace:

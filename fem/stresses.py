@@ -6,12 +6,12 @@ from scipy.sparse.linalg import splu
 from skfem import MeshQuad
 from skfem.quadrature import get_quadrature
 
-from ringwear.fem.condensation import SYMMETRIC
-from ringwear.fem.elasticity import AxisymmetricElasticity
-from ringwear.fem.half_space import HalfSpace
-from ringwear.fem.weak_form import moduli, tables
-from ringwear.meshes.errors import SolverError
-from ringwear.meshes.radial import Array, Indices
+from ..meshes.errors import SolverError
+from ..meshes.radial import Array, Indices
+from .condensation import SYMMETRIC
+from .elasticity import AxisymmetricElasticity
+from .half_space import HalfSpace
+from .weak_form import moduli, tables
 
 
 def displacements(half_space: HalfSpace, pressures: Array) -> Array:

@@ -13,7 +13,7 @@ import skfem
 from skfem import BilinearForm, Element, Mesh, MeshQuad
 from skfem.quadrature import get_quadrature
 
-from ringwear.meshes.radial import Array, Indices
+from ..meshes.radial import Array, Indices
 
 
 def moduli(poisson_ratio: float) -> tuple[float, float]:

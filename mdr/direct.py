@@ -15,7 +15,7 @@ Eq. 25 of the paper integrates over the angle twice, beside its factor 2 pi; Eq.
 import numpy as np
 from scipy.special import ellipe, ellipkm1
 
-from ringwear.meshes.radial import Array, ring_areas, unit_gauss
+from ..meshes.radial import Array, ring_areas, unit_gauss
 
 # measured: 4e-14 in the RMS gradient for rings of any width ratio from 0.1 to 10
 EDGE_NODES = 24

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ringwear.mdr.transforms import line_density, panel_quadrature
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.pressure_space import PressureSpace
+from ..meshes.compliance import Compliance
+from ..meshes.pressure_space import PressureSpace
+from .transforms import line_density, panel_quadrature
 
 
 def compliance(space: PressureSpace) -> Compliance:

@@ -15,10 +15,10 @@ import numpy as np
 from scipy.linalg import cholesky
 from scipy.special import ellipkm1
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.errors import SolverError
-from ringwear.meshes.pressure_space import PressureSpace, shapes
-from ringwear.meshes.radial import Array, Indices, unit_gauss
+from ..meshes.compliance import Compliance
+from ..meshes.errors import SolverError
+from ..meshes.pressure_space import PressureSpace, shapes
+from ..meshes.radial import Array, Indices, unit_gauss
 
 # x = w^POWER: logarithms of x, times the slope of the power, are smooth enough at w = 0 for Gauss points in w
 POWER = 6

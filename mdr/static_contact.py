@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import gamma, hyp2f1
 
-from ringwear.meshes.radial import Array
+from ..meshes.radial import Array
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ includes the jump of `q` at ``x = a``, which the print does not show: it yields 
 
 import numpy as np
 
-from ringwear.meshes.pressure_space import PressureSpace, shapes
-from ringwear.meshes.radial import Array, Indices, gauss, unit_gauss
+from ..meshes.pressure_space import PressureSpace, shapes
+from ..meshes.radial import Array, Indices, gauss, unit_gauss
 
 ROUNDOFF = 1e-17
 POSITIONS_AT_ONCE = 512

@@ -10,9 +10,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ringwear.mdr.transforms import pressure_transform, profile_transform
-from ringwear.meshes.errors import SceneError
-from ringwear.meshes.radial import Array, ring_of
+from ..meshes.errors import SceneError
+from ..meshes.radial import Array, ring_of
+from .transforms import pressure_transform, profile_transform
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,10 +10,10 @@ from dataclasses import replace
 import numpy as np
 from skfem import MeshTri
 
-from ringwear.meshes.errors import MeshError
-from ringwear.meshes.half_space import half_space
-from ringwear.meshes.radial import Array, Indices
-from ringwear.meshes.sizes import NARROWEST, SizeField
+from .errors import MeshError
+from .half_space import half_space
+from .radial import Array, Indices
+from .sizes import NARROWEST, SizeField
 
 
 def mesh(field: SizeField) -> MeshTri:

@@ -9,9 +9,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ringwear.meshes.errors import SolverError
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import Array
+from .errors import SolverError
+from .pressure_space import PressureSpace
+from .radial import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import Array, layer_degrees, layers
-from ringwear.meshes.sizes import SizeField
+from .pressure_space import PressureSpace
+from .radial import Array, layer_degrees, layers
+from .sizes import SizeField
 
 
 @dataclass(frozen=True)

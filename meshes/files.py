@@ -14,9 +14,9 @@ import numpy as np
 from skfem import Mesh
 from skfem.io.meshio import from_meshio
 
-from ringwear.meshes.errors import MeshError
-from ringwear.meshes.half_space import half_space
-from ringwear.meshes.radial import Array
+from .errors import MeshError
+from .half_space import half_space
+from .radial import Array
 
 # relative: how far a coordinate may be from where it belongs, so that files with nine digits are welcome
 SLACK = 1e-8

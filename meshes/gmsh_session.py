@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ringwear.meshes.errors import MeshError
-from ringwear.meshes.radial import Array, Indices
+from .errors import MeshError
+from .radial import Array, Indices
 
 SYSTEM_PACKAGES = "libgl1 libglu1-mesa libgomp1 libxrender1 libxcursor1 libxft2 libxinerama1"
 OPTIONS = {

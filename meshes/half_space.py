@@ -12,8 +12,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import Mesh, MeshQuad
 
-from ringwear.meshes.errors import MeshError
-from ringwear.meshes.radial import Array, Indices
+from .errors import MeshError
+from .radial import Array, Indices
 
 # subdomains `degree -1`, `degree -2`, ... of a mesh: where the degree of the displacement may be so much lower
 LOWER = "degree -"

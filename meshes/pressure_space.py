@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 
-from ringwear.meshes.radial import Array, Indices, ring_of
+from .radial import Array, Indices, ring_of
 
 
 @dataclass(frozen=True, eq=False)

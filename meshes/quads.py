@@ -15,12 +15,12 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 from skfem import MeshQuad
 
-from ringwear.meshes import gmsh_session
-from ringwear.meshes.errors import MeshError
-from ringwear.meshes.gmsh_session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
-from ringwear.meshes.half_space import LOWER, half_space, quality
-from ringwear.meshes.radial import Array, Indices
-from ringwear.meshes.sizes import LARGEST, Behind, Sharpness, beside, falls, patch_layers, patch_widths
+from . import gmsh_session
+from .errors import MeshError
+from .gmsh_session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
+from .half_space import LOWER, half_space, quality
+from .radial import Array, Indices
+from .sizes import LARGEST, Behind, Sharpness, beside, falls, patch_layers, patch_widths
 
 # corners of a layer of half-width 1, from the surface inside the singular point to that outside it; and of the outermost
 LAYER = np.array([[-1.0, 0.0], [-0.75, 0.75], [0.0, 1.0], [0.75, 0.75], [1.0, 0.0]])

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ringwear.meshes.radial import Array, Indices
+from .radial import Array, Indices
 
 # what stands behind the highest degree of elements, by their distance from the nearest edge, the half width of the ring
 # there, and the number of the edge

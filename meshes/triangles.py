@@ -5,9 +5,9 @@ import itertools
 import numpy as np
 from skfem import MeshTri
 
-from ringwear.meshes.gmsh_session import TRIANGLE, elements, session, set_sizes
-from ringwear.meshes.half_space import half_space
-from ringwear.meshes.sizes import SizeField
+from .gmsh_session import TRIANGLE, elements, session, set_sizes
+from .half_space import half_space
+from .sizes import SizeField
 
 
 def mesh(field: SizeField) -> MeshTri:

@@ -15,15 +15,15 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ringwear.meshes.errors import RingwearError, SceneError
-from ringwear.studies.output.folder import Folder, held
-from ringwear.studies.parser import parser
-from ringwear.studies.problem.scene import Scene, bundled
-from ringwear.studies.progress import LOG, STAGES, STOPPED, Terminal
-from ringwear.studies.registry import INTERRUPTED, STUDIES
+from ..meshes.errors import RingwearError, SceneError
+from .output.folder import Folder, held
+from .parser import parser
+from .problem.scene import Scene, bundled
+from .progress import LOG, STAGES, STOPPED, Terminal
+from .registry import INTERRUPTED, STUDIES
 
 if TYPE_CHECKING:
-    from ringwear.studies.crosscheck.dataset import Result
+    from .crosscheck.dataset import Result
 
 DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
 
@@ -85,16 +85,14 @@ def _run(options: argparse.Namespace) -> int:
         scene = scene.changed(methods=[name.strip() for name in options.methods.split(",") if name.strip()])
     # that the folder can be written to is known before the work
     with held(_results_of(options), "run") as folder:
-        from ringwear.studies.crosscheck import agreement
-        from ringwear.studies.crosscheck.run import run
-        from ringwear.studies.crosscheck.scope import beyond_memory, cannot_be_animated, expected, machine_memory
-        from ringwear.studies.output.of_run import draw, write_numbers
-        from ringwear.studies.output.side_by_side import Job, make
-        from ringwear.studies.report.printed import print_result
+        from .crosscheck import agreement
+        from .crosscheck.run import run
+        from .crosscheck.scope import beyond_memory, expected, machine_memory
+        from .output.of_run import draw, write_numbers
+        from .output.side_by_side import Job, make
+        from .report.printed import print_result
 
         if refusal := beyond_memory(expected(scene), options.memory or machine_memory()):
-            raise SceneError(refusal)
-        if options.animate and (refusal := cannot_be_animated(scene)):
             raise SceneError(refusal)
         result = run(scene)
         write_numbers(result, folder, tables=options.csv)
@@ -103,8 +101,6 @@ def _run(options: argparse.Namespace) -> int:
             print_result(result)
             sys.stdout.flush()
         failures = draw(result, folder, figures=not options.no_figures)
-        if options.animate:
-            failures += make([Job("animation.gif", lambda path: _animate(result, path))], [], folder.hidden)
         if not (options.no_figures or options.no_report):
             failures += make(
                 [Job("report.html", lambda path: _write_report(result, folder.hidden, path))], [], folder.hidden
@@ -118,15 +114,9 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _write_report(result: "Result", figures: Path, path: Path) -> None:
-    from ringwear.studies.report.page import write_report
+    from .report.page import write_report
 
     write_report(result, figures, path)
-
-
-def _animate(result: "Result", path: Path) -> None:
-    from ringwear.studies.figures.animation import animate
-
-    animate(result.scene, result.solutions, path)
 
 
 def _say_files(folder: Folder) -> None:
@@ -139,9 +129,9 @@ def _say_files(folder: Folder) -> None:
 
 
 def _plan(options: argparse.Namespace) -> int:
-    from ringwear.studies.crosscheck.run import run
-    from ringwear.studies.crosscheck.scope import plan, time_scale
-    from ringwear.studies.report.printed import print_scope
+    from .crosscheck.run import run
+    from .crosscheck.scope import plan, time_scale
+    from .report.printed import print_scope
 
     scene = Scene.load(options.scene)
     print(f"\n{scene.title or 'Untitled scene'}")
@@ -164,9 +154,9 @@ def _plan(options: argparse.Namespace) -> int:
 def _mesh(options: argparse.Namespace) -> int:
     scene = Scene.load(options.scene)
     with held(_results_of(options), "mesh") as folder:
-        from ringwear.meshes.half_space import quality
-        from ringwear.studies.methods.fem import half_space_mesh
-        from ringwear.studies.output.of_run import write_mesh
+        from ..meshes.half_space import quality
+        from .methods.fem import half_space_mesh
+        from .output.of_run import write_mesh
 
         meshed = half_space_mesh(scene.problem)
         write_mesh(scene, meshed, folder)
@@ -182,10 +172,10 @@ def _mesh(options: argparse.Namespace) -> int:
 
 def _compare(options: argparse.Namespace) -> int:
     with held(options.out, "compare") as folder:
-        from ringwear.studies.figures.comparison import OVER_RADIUS, OVER_TIME, draw_comparison
-        from ringwear.studies.report import comparison
-        from ringwear.studies.report.printed import print_rows
-        from ringwear.studies.tables import Table
+        from .figures.comparison import OVER_RADIUS, OVER_TIME, draw_comparison
+        from .report import comparison
+        from .report.printed import print_rows
+        from .tables import Table
 
         one, other = comparison.both(options.A, options.B)
         keys, answers = comparison.scene_rows(one, other), comparison.answer_rows(one, other)
@@ -204,13 +194,13 @@ def _compare(options: argparse.Namespace) -> int:
 
 
 def _study(options: argparse.Namespace) -> int:
-    from ringwear.studies.tables import keeping_rows
+    from .tables import keeping_rows
 
     scene = Scene.load(options.scene)
     study = STUDIES[options.study]
-    if scene.problem.profile is not None and not study.any_punch:
+    if scene.problem.profile is not None:
         raise SceneError(f"study {options.study} is about flat punches under a force: leave out punch.recess and "
-                         "punch.profile, and give load.normal_force; or study compare")  # fmt: skip
+                         "punch.profile, and give load.normal_force")  # fmt: skip
     with held(options.out or Path("results") / options.study, f"study {options.study}") as folder:
         conclusions = list[str]()
         with keeping_rows(conclusions):
@@ -223,8 +213,8 @@ def _study(options: argparse.Namespace) -> int:
                 raise KeyboardInterrupt
         failures = list[str]()
         with keeping_rows(conclusions):
-            from ringwear.studies.output.side_by_side import Job, make
-            from ringwear.studies.report.page import write_study
+            from .output.side_by_side import Job, make
+            from .report.page import write_study
 
             named = options.study, study.purpose
             page = Job(
@@ -240,7 +230,7 @@ def _study(options: argparse.Namespace) -> int:
 
 
 def _sweep(options: argparse.Namespace) -> int:
-    from ringwear.studies.sweep.conduct import swept
+    from .sweep.conduct import swept
 
     if options.workers < 1:
         raise SceneError(f"--workers {options.workers}: give 1 or more")

@@ -8,19 +8,19 @@ from functools import partial
 import numpy as np
 import xarray
 
-from ringwear.mdr.uniform_grid import UniformGrid
-from ringwear.meshes.errors import RingwearError
-from ringwear.meshes.radial import Array
-from ringwear.studies.methods import mdr
-from ringwear.studies.methods.base import method
-from ringwear.studies.methods.by_compliance import compliance_method
-from ringwear.studies.methods.quantities import array
-from ringwear.studies.methods.sampler import Evaluation
-from ringwear.studies.problem.defaults import grid_step
-from ringwear.studies.problem.problem import D0, Problem
-from ringwear.studies.progress import Stages
-from ringwear.studies.tables import Row
-from ringwear.studies.wear.archard import RunningIn
+from ..mdr.uniform_grid import UniformGrid
+from ..meshes.errors import RingwearError
+from ..meshes.radial import Array
+from .methods import mdr
+from .methods.base import method
+from .methods.by_compliance import compliance_method
+from .methods.quantities import array
+from .methods.sampler import Evaluation
+from .problem.defaults import grid_step
+from .problem.problem import D0, Problem
+from .progress import Stages
+from .tables import Row
+from .wear.archard import RunningIn
 
 
 def exact(problem: Problem) -> xarray.Dataset:

@@ -5,7 +5,7 @@ import os
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from ringwear.studies.registry import STUDIES, Study
+from .registry import STUDIES, Study
 
 
 def parser() -> argparse.ArgumentParser:
@@ -26,7 +26,6 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument("--no-figures", action="store_true", help="numbers only: neither figures nor the report")
     run.add_argument("--no-report", action="store_true", help="figures, but no report.html")
     run.add_argument("--csv", action="store_true", help="the results as CSV tables, too")
-    run.add_argument("--animate", action="store_true", help="the wearing punch as animation.gif, too")
     _add_memory(run)
     run.set_defaults(command="run")
 

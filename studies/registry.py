@@ -40,13 +40,12 @@ INTERRUPTED = "INTERRUPTED: tables and figures hold the rows that were finished.
 
 @dataclass(frozen=True)
 class Study:
-    """A study: its file, its purpose, its scene by default, its own options, and whether punches may have a profile."""
+    """A study of flat punches: its file, its purpose, its scene by default, and its own options."""
 
     module: str
     purpose: str
     scene: str = "five_rings"
     options: tuple[tuple[str, dict[str, Any]], ...] = ()
-    any_punch: bool = False
 
     @property
     def conduct(self) -> Callable[..., list[str]]:
@@ -64,7 +63,6 @@ STUDIES: dict[str, Study] = {
     "convergence": Study("convergence.study", "orders of convergence in element size and degree, graded and uniform"),
     "truncation": Study("truncation", "what the outer boundary costs, for every far field and Poisson's ratio"),
     "march": Study("time_steps", "orders of the time marches, and where the explicit one blows up"),
-    "compare": Study("compare", "every method over one scene on one page", any_punch=True),
     "refinement": Study(
         "refinement.study",
         "uniform, graded and self-refining meshes, and a mesh file of your own, against what is known",

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ringwear.studies.registry import INTERRUPTED
+from .registry import INTERRUPTED
 
 Row = Mapping[str, Any]
 

@@ -15,17 +15,17 @@ import numpy as np
 from scipy.optimize import bisect
 from threadpoolctl import threadpool_limits
 
-from ringwear.mdr.energy import compliance
-from ringwear.mdr.uniform_grid import UniformGrid
-from ringwear.meshes.radial import Array
-from ringwear.studies.convergence.orders import ORDER_FIELDS, Sequence, draw_orders, verdicts
-from ringwear.studies.figures.style import curve, legend_below, new_figure
-from ringwear.studies.methods.mdr import radial_space
-from ringwear.studies.problem.problem import P0, Problem
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.progress import LOG, progress
-from ringwear.studies.tables import Table, keeping_rows, write_page
-from ringwear.studies.wear.archard import RunningIn
+from ..mdr.energy import compliance
+from ..mdr.uniform_grid import UniformGrid
+from ..meshes.radial import Array
+from .convergence.orders import ORDER_FIELDS, Sequence, draw_orders, verdicts
+from .figures.style import curve, legend_below, new_figure
+from .methods.mdr import radial_space
+from .problem.problem import P0, Problem
+from .problem.scene import Scene
+from .progress import LOG, progress
+from .tables import Table, keeping_rows, write_page
+from .wear.archard import RunningIn
 
 TIME = 0.5  # of the errors, non-dimensional
 STEPS = 1500  # enough of them for a step 1 % above the limit to grow by 1e13

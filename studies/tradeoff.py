@@ -15,14 +15,14 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ringwear.studies.figures.style import curve, legend_below, new_figure
-from ringwear.studies.measured import exact, measured
-from ringwear.studies.methods.quantities import array
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.problem.sections import FemAccuracy, MdrAccuracy
-from ringwear.studies.progress import LOG, progress
-from ringwear.studies.tables import Row, Table, keeping_rows, write_page
+from .figures.style import curve, legend_below, new_figure
+from .measured import exact, measured
+from .methods.quantities import array
+from .problem.problem import Problem
+from .problem.scene import Scene
+from .problem.sections import FemAccuracy, MdrAccuracy
+from .progress import LOG, progress
+from .tables import Row, Table, keeping_rows, write_page
 
 FIELDS = ("family", "setting", "unknowns", "seconds", "error", "estimate", "remark")
 DIALLED = ("fem quads", "mdr")  # the families of the dial

@@ -16,15 +16,15 @@ from pathlib import Path
 
 import numpy as np
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.sizes import SizeField
-from ringwear.studies.convergence.cases import FLAT, Discretised, condensed, flat_d0
-from ringwear.studies.convergence.meshes import triangulated
-from ringwear.studies.convergence.orders import ORDER_FIELDS, Refinement, Sequence, draw_orders, refined, verdicts
-from ringwear.studies.figures.style import FAINT, legend_below, new_figure
-from ringwear.studies.problem.problem import D0
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.tables import Table, write_page
+from ..meshes.compliance import Compliance
+from ..meshes.sizes import SizeField
+from .convergence.cases import FLAT, Discretised, condensed, flat_d0
+from .convergence.meshes import triangulated
+from .convergence.orders import ORDER_FIELDS, Refinement, Sequence, draw_orders, refined, verdicts
+from .figures.style import FAINT, legend_below, new_figure
+from .problem.problem import D0
+from .problem.scene import Scene
+from .tables import Table, write_page
 
 MOST_POLES = 6
 # R/a, and Poisson's ratios beside the scene's

@@ -141,20 +141,11 @@ def test_what_is_of_flat_punches_only_is_refused_before_it_is_computed(
 ) -> None:
     monkeypatch.setattr("ringwear.studies.crosscheck.run.solved_to_accuracy", None)
     shaped = scene(punch__profile={"kind": "parabola", "curvature_radius": 8.0})
-    with_fields = shaped.changed(output__field_times=[0.1])
-    flat = scene(output__field_times=[0.1])
-    cases = {
-        "output.field_times": (with_fields, []),
-        "--animate shows flat punches": (shaped, ["--animate"]),
-        "give wear.times": (flat.changed(wear__times=[]), ["--animate"]),
-        "wear.march": (flat.changed(wear__march="implicit", wear__step=0.1), ["--animate"]),
-        "name 'mdr'": (flat.changed(methods=["direct"]), ["--animate"]),
-    }
-    for key, (refused, flags) in cases.items():
-        (tmp_path / "scene.toml").write_text(refused.to_toml(), "utf-8")
-        assert main(["run", str(tmp_path / "scene.toml"), "--out", str(tmp_path / "out"), *flags]) == 2
-        assert key in capsys.readouterr().err
-        assert not (tmp_path / "out").exists()
+    refused = shaped.changed(output__field_times=[0.1])
+    (tmp_path / "scene.toml").write_text(refused.to_toml(), "utf-8")
+    assert main(["run", str(tmp_path / "scene.toml"), "--out", str(tmp_path / "out")]) == 2
+    assert "output.field_times" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
 
 
 # first contacts whose cells came back every second, third, ... look, until the looks ran out

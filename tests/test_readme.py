@@ -53,7 +53,7 @@ HOLDS = {
         "studies/wear/modes.py": ("every_mode", "excited_modes"),
         "studies/problem/time_scale.py": ("slowest_relaxation_time",),
         "studies/methods/base.py": ("Method",),
-        "studies/methods/estimate.py": ("SAFETY",),
+        "studies/methods/estimate.py": ("estimated",),
         "studies/crosscheck/agreement.py": ("agreements",),
         "studies/crosscheck/anchors.py": ("anchors",),
         "studies/crosscheck/operators.py": ("difference",),

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import pytest
 from browser import Browser, installed
-from PIL import Image
 
 from ringwear import Scene, run
 from ringwear.studies.cli import main
@@ -140,17 +139,6 @@ def test_flags_leave_out_what_they_say(tmp_path: Path) -> None:
     ):
         assert main([*quick, *flags]) == 0
         assert {file.name for file in tmp_path.glob("[!.]*")} == {"results.nc", "summary.json"} | kept
-
-
-@pytest.mark.slow
-def test_an_animation_moves(tmp_path: Path) -> None:
-    arguments = ["run", "flat_punch", "--rtol", "1e-2", "--no-figures", "--animate", "--out", str(tmp_path)]
-    assert main([*arguments, "--methods", "mdr"]) == 0
-    with Image.open(tmp_path / "animation.gif") as found:
-        assert found.n_frames == 30
-        first = np.asarray(found.convert("RGB")).copy()
-        found.seek(29)
-        assert np.abs(first.astype(int) - np.asarray(found.convert("RGB"))).max() > 50
 
 
 @pytest.fixture(scope="module")

@@ -21,10 +21,10 @@ from unittest.mock import patch
 import numpy as np
 from scipy.optimize import nnls
 
-from ringwear.meshes.radial import Array
-from ringwear.studies.crosscheck import run as running
-from ringwear.studies.methods.base import method
-from ringwear.studies.methods.costs import (
+from ...meshes.radial import Array
+from ..crosscheck import run as running
+from ..methods.base import method
+from ..methods.costs import (
     OF_TIMES,
     check_terms,
     direct_terms,
@@ -34,8 +34,8 @@ from ringwear.studies.methods.costs import (
     number_terms,
     terms,
 )
-from ringwear.studies.output import of_run, side_by_side
-from ringwear.studies.problem.scene import Scene
+from ..output import of_run, side_by_side
+from ..problem.scene import Scene
 
 DIALS = {
     "flat_punch": (1e-2, 1e-5, 1e-7),

@@ -16,16 +16,16 @@ from scipy.sparse import csc_matrix, tril
 from scipy.sparse.linalg import splu
 from threadpoolctl import threadpool_limits
 
-from ringwear.fem.condensation import SYMMETRIC, cholmod_matrix, solver
-from ringwear.studies.measured import best, exact, indentation, measured
-from ringwear.studies.methods import fem
-from ringwear.studies.methods.quantities import array
-from ringwear.studies.problem.problem import Problem, Rings
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.problem.sections import FemAccuracy, MdrAccuracy
-from ringwear.studies.progress import LOG, Stages
-from ringwear.studies.tables import Row, Table
-from ringwear.studies.wear.archard import RunningIn
+from ...fem.condensation import SYMMETRIC, cholmod_matrix, solver
+from ..measured import best, exact, indentation, measured
+from ..methods import fem
+from ..methods.quantities import array
+from ..problem.problem import Problem, Rings
+from ..problem.scene import Scene
+from ..problem.sections import FemAccuracy, MdrAccuracy
+from ..progress import LOG, Stages
+from ..tables import Row, Table
+from ..wear.archard import RunningIn
 
 FIELDS = ("case", "unknowns", "seconds", "error", "remark")
 Rows = Iterator[Row]

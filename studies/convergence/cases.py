@@ -8,20 +8,20 @@ from typing import Any
 import numpy as np
 from skfem import Mesh
 
-from ringwear.fem.elasticity import AxisymmetricElasticity
-from ringwear.fem.half_space import HalfSpace, pressure_space
-from ringwear.mdr import direct, energy
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.quads import graded
-from ringwear.meshes.radial import Array, graded_breakpoints
-from ringwear.meshes.sizes import SizeField
-from ringwear.studies.convergence.meshes import subdivided, triangulated
-from ringwear.studies.convergence.orders import Refinement, Sequence
-from ringwear.studies.methods.sampler import Evaluation
-from ringwear.studies.problem.defaults import FACTOR, GROWTH
-from ringwear.studies.problem.problem import D0, Problem
-from ringwear.studies.wear.contact import press_flat
+from ...fem.elasticity import AxisymmetricElasticity
+from ...fem.half_space import HalfSpace, pressure_space
+from ...mdr import direct, energy
+from ...meshes.compliance import Compliance
+from ...meshes.pressure_space import PressureSpace
+from ...meshes.quads import graded
+from ...meshes.radial import Array, graded_breakpoints
+from ...meshes.sizes import SizeField
+from ..methods.sampler import Evaluation
+from ..problem.defaults import FACTOR, GROWTH
+from ..problem.problem import D0, Problem
+from ..wear.contact import press_flat
+from .meshes import subdivided, triangulated
+from .orders import Refinement, Sequence
 
 Discretised = tuple[Compliance, int]  # with the number of unknowns
 

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshTri
 
-from ringwear.meshes import bisection, triangles
-from ringwear.meshes.errors import MeshError
-from ringwear.meshes.half_space import contact_radii, half_space
-from ringwear.meshes.radial import Array, Indices
-from ringwear.meshes.sizes import SizeField
+from ...meshes import bisection, triangles
+from ...meshes.errors import MeshError
+from ...meshes.half_space import contact_radii, half_space
+from ...meshes.radial import Array, Indices
+from ...meshes.sizes import SizeField
 
 Points = NDArray[np.complex128]
 FAR = 1.6  # radius beyond which subdivision is in log-polar coordinates about the origin

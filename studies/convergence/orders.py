@@ -15,12 +15,12 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.errors import RingwearError
-from ringwear.meshes.radial import Array
-from ringwear.studies.figures.style import curve, legend_below, plain_numbers
-from ringwear.studies.progress import LOG
-from ringwear.studies.tables import Table, keeping_rows
+from ...meshes.compliance import Compliance
+from ...meshes.errors import RingwearError
+from ...meshes.radial import Array
+from ..figures.style import curve, legend_below, plain_numbers
+from ..progress import LOG
+from ..tables import Table, keeping_rows
 
 WITHIN = 0.15  # how far observed orders may be from theory's, by least squares and between the last levels
 VERDICT = f"within {WITHIN}"  # the column that says so

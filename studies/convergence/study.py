@@ -20,12 +20,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ringwear.studies.convergence.cases import DIGITS, QUAD_DEGREES, SMOOTH, refinements
-from ringwear.studies.convergence.orders import ORDER_FIELDS, Sequence, draw_errors, draw_orders, refined, verdicts
-from ringwear.studies.figures.style import legend_below, new_figure
-from ringwear.studies.problem.defaults import FACTOR
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.tables import Table, write_page
+from ..figures.style import legend_below, new_figure
+from ..problem.defaults import FACTOR
+from ..problem.scene import Scene
+from ..tables import Table, write_page
+from .cases import DIGITS, QUAD_DEGREES, SMOOTH, refinements
+from .orders import ORDER_FIELDS, Sequence, draw_errors, draw_orders, refined, verdicts
 
 GAIN = ((1 + FACTOR**0.5) / (1 - FACTOR**0.5)) ** 2  # factor per degree on quadrilaterals, by theory
 

@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ringwear.studies.methods.base import Method, Solution
-from ringwear.studies.methods.quantities import ENERGIES, FINEST
-from ringwear.studies.problem.defaults import at_smallest, field_accuracy
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.problem.sections import DEGREES
-from ringwear.studies.progress import LOG, Stages
+from ..methods.base import Method, Solution
+from ..methods.quantities import ENERGIES, FINEST
+from ..problem.defaults import at_smallest, field_accuracy
+from ..problem.problem import Problem
+from ..problem.sections import DEGREES
+from ..progress import LOG, Stages
 
 MOST_REFINEMENTS = 4
 # times finer that a refinement asks for at the most; times better that it has to make the result to be followed by another

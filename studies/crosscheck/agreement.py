@@ -13,12 +13,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ringwear.meshes.radial import Array
-from ringwear.studies.methods.base import Solution, method
-from ringwear.studies.methods.costs import FINEST_MEASURED
-from ringwear.studies.methods.quantities import A_FEW, COMPARED_MODES, ENERGIES, FINEST, QUANTITIES, common, differences
-from ringwear.studies.problem.defaults import at_smallest, field_accuracy
-from ringwear.studies.problem.problem import Problem
+from ...meshes.radial import Array
+from ..methods.base import Solution, method
+from ..methods.costs import FINEST_MEASURED
+from ..methods.quantities import A_FEW, COMPARED_MODES, ENERGIES, FINEST, QUANTITIES, common, differences
+from ..problem.defaults import at_smallest, field_accuracy
+from ..problem.problem import Problem
 
 # times as accurate that a method has to be to show what another's error is
 BETTER = 10.0

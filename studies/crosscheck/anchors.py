@@ -20,18 +20,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray
 
-from ringwear.mdr import direct
-from ringwear.meshes.radial import Array, ring_of
-from ringwear.studies.crosscheck.known import energy_of_rings, natural_units, steady_state
-from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import ANSWER, FIELDS, QUANTITIES, array, radial_weight
-from ringwear.studies.problem.problem import D0, P0, Problem
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.problem.time_scale import COARSE, FINE, slowest_relaxation_time
+from ...mdr import direct
+from ...meshes.radial import Array, ring_of
+from ..methods.base import Solution
+from ..methods.quantities import ANSWER, FIELDS, QUANTITIES, array, radial_weight
+from ..problem.problem import D0, P0, Problem
+from ..problem.scene import Scene
+from ..problem.time_scale import COARSE, FINE, slowest_relaxation_time
+from .known import energy_of_rings, natural_units, steady_state
 
 if TYPE_CHECKING:
-    from ringwear.studies.problem.face import Face
-    from ringwear.studies.wear.archard import History
+    from ..problem.face import Face
+    from ..wear.archard import History
 
 # of sums and of closed forms to roundoff, where the accuracy asked for has no say
 EXACT = 1e-9

@@ -6,10 +6,10 @@ has run in, it rises in a straight line. What ``d(t) - w t`` has still to rise f
 
 import numpy as np
 
-from ringwear.meshes.radial import Array
-from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import ANSWER, STATES, array
-from ringwear.studies.problem.problem import Problem
+from ...meshes.radial import Array
+from ..methods.base import Solution
+from ..methods.quantities import ANSWER, STATES, array
+from ..problem.problem import Problem
 
 # given with it, and kept as quantities of their own
 ALSO = ("steady_wear_rate", "steady_rms_slope")

@@ -8,14 +8,9 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ringwear.meshes.radial import Array
-from ringwear.studies.crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
-from ringwear.studies.crosscheck.anchors import Anchor, anchors
-from ringwear.studies.crosscheck.answer import ALSO, answer
-from ringwear.studies.crosscheck.operators import OperatorDifference
-from ringwear.studies.crosscheck.scope import left_out, modelled
-from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import (
+from ...meshes.radial import Array
+from ..methods.base import Solution
+from ..methods.quantities import (
     ANSWER,
     ERROR,
     NORMS,
@@ -27,11 +22,16 @@ from ringwear.studies.methods.quantities import (
     error_name,
     values,
 )
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.problem.unit_names import UNSTATED, UnitNames
-from ringwear.studies.progress import Stages
-from ringwear.studies.versions import versions
-from ringwear.studies.wear.modes import SHOWN
+from ..problem.scene import Scene
+from ..problem.unit_names import UNSTATED, UnitNames
+from ..progress import Stages
+from ..versions import versions
+from ..wear.modes import SHOWN
+from .agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
+from .anchors import Anchor, anchors
+from .answer import ALSO, answer
+from .operators import OperatorDifference
+from .scope import left_out, modelled
 
 DEFINITIONS = {
     "verdict": "agree: every difference is within the uncertainty, or within rtol, and the uncertainty within a few rtol; "
@@ -109,7 +109,9 @@ class Result:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        return tuple(note for solution in self.solutions.values() for note in solution.notes)
+        # what is the same by every method is said once
+        notes = (note for solution in self.solutions.values() for note in solution.notes)
+        return tuple(dict.fromkeys(notes))
 
     @cached_property
     def answers(self) -> dict[str, dict[str, Array]]:

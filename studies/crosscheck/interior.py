@@ -16,14 +16,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ringwear.meshes.radial import Array, Indices
-from ringwear.studies.methods.base import Solution
-from ringwear.studies.problem.problem import D0, P0, Problem, Units
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.wear.archard import RunningIn
+from ...meshes.radial import Array, Indices
+from ..methods.base import Solution
+from ..problem.problem import D0, P0, Problem, Units
+from ..problem.scene import Scene
+from ..wear.archard import RunningIn
 
 if TYPE_CHECKING:
-    from ringwear.fem.half_space import HalfSpace
+    from ...fem.half_space import HalfSpace
 
 # times that each element is refined to show what its polynomials say, and the highest degree worth its cost
 REFINEMENTS = {"MeshQuad1": 3, "MeshTri1": 2}
@@ -111,9 +111,9 @@ def interior(scene: Scene, fem: Solution) -> Interior:
 
 def refined(problem: Problem, half_space: "HalfSpace", degree: int) -> Iterator["HalfSpace"]:
     """The half-space in another degree, with enough poles; then in one degree and with one pole less."""
-    from ringwear.fem.far_field import enough_poles
-    from ringwear.fem.half_space import pressure_space
-    from ringwear.meshes.half_space import truncation
+    from ...fem.far_field import enough_poles
+    from ...fem.half_space import pressure_space
+    from ...meshes.half_space import truncation
 
     highest_ratio = HIGHEST_RATIO[type(half_space.solid.mesh).__name__]
     factored = half_space.solid.degree, half_space.solid.poisson_ratio, half_space.poles
@@ -137,7 +137,7 @@ def refined(problem: Problem, half_space: "HalfSpace", degree: int) -> Iterator[
 
 def fields_of(problem: Problem, half_space: "HalfSpace", times: Array) -> Fields:
     """The fields of a half-space at non-dimensional times, and when steady, all from its own pressures."""
-    from ringwear.fem.stresses import sampled, von_mises
+    from ...fem.stresses import sampled, von_mises
 
     earliest = float(min(times[times > 0], default=0.0))
     wear = RunningIn(half_space.compliance(), problem.merged.wear_coefficients, earliest)
@@ -152,7 +152,7 @@ def fields_of(problem: Problem, half_space: "HalfSpace", times: Array) -> Fields
 
 def estimates(problem: Problem, fine: Fields, coarse: Fields, highest_ratio: float) -> dict[str, Array]:
     """Of each field, by its name, in each state: the greatest difference, and what Poisson's ratio 1/2 adds to it."""
-    from ringwear.fem.stresses import von_mises
+    from ...fem.stresses import von_mises
 
     r, z = fine.points
     far = np.hypot(r - problem.merged.ring_edges[1:, None], z).min(axis=0) > NEAR

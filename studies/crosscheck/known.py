@@ -5,10 +5,10 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ringwear.mdr import direct
-from ringwear.meshes.radial import Array, ring_of
-from ringwear.studies.problem.problem import Problem, Units
-from ringwear.studies.problem.scene import Scene
+from ...mdr import direct
+from ...meshes.radial import Array, ring_of
+from ..problem.problem import Problem, Units
+from ..problem.scene import Scene
 
 
 def natural_units(scene: Scene) -> Units:

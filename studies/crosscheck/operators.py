@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import eigh, solve_triangular
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.errors import SolverError
-from ringwear.meshes.radial import Array
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.wear.archard import RunningIn
+from ...meshes.compliance import Compliance
+from ...meshes.errors import SolverError
+from ...meshes.radial import Array
+from ..problem.problem import Problem
+from ..wear.archard import RunningIn
 
 # below this share of the energy of a pressure, the multipliers no longer see the displacement: a checkerboard
 LEAST_STABLE = 0.01

@@ -6,17 +6,17 @@ from itertools import combinations
 
 from threadpoolctl import threadpool_limits
 
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.crosscheck.accuracy import solved_to_accuracy
-from ringwear.studies.crosscheck.agreement import agreements
-from ringwear.studies.crosscheck.dataset import Result
-from ringwear.studies.crosscheck.operators import OperatorDifference, difference
-from ringwear.studies.crosscheck.scope import refusals
-from ringwear.studies.methods.base import Solution, method
-from ringwear.studies.methods.by_compliance import AnySpaceMethod
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.progress import Stages
+from ...meshes.errors import SceneError
+from ..methods.base import Solution, method
+from ..methods.by_compliance import AnySpaceMethod
+from ..problem.problem import Problem
+from ..problem.scene import Scene
+from ..progress import Stages
+from .accuracy import solved_to_accuracy
+from .agreement import agreements
+from .dataset import Result
+from .operators import OperatorDifference, difference
+from .scope import refusals
 
 
 def run(scene: Scene) -> Result:

@@ -5,12 +5,12 @@ from itertools import combinations
 
 import numpy as np
 
-from ringwear.studies.methods.base import method
-from ringwear.studies.methods.costs import Expected, check_terms, figure_terms, memory_terms, number_terms, rates
-from ringwear.studies.problem.defaults import truncation
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.problem.time_scale import MOST_RINGS, slowest_relaxation_time
-from ringwear.studies.problem.unit_names import UnitNames
+from ..methods.base import method
+from ..methods.costs import Expected, check_terms, figure_terms, memory_terms, number_terms, rates
+from ..problem.defaults import truncation
+from ..problem.scene import Scene
+from ..problem.time_scale import MOST_RINGS, slowest_relaxation_time
+from ..problem.unit_names import UnitNames
 
 # counts of the slowest relaxation time before which little has happened, and after which nothing does
 BEFORE, AFTER = 0.01, 5.0
@@ -125,23 +125,6 @@ def refusals(scene: Scene) -> list[str]:
             "flat punches under a force only: leave it out"
         )
     return refused
-
-
-def cannot_be_animated(scene: Scene) -> str:
-    """Why there can be no animation of a scene, with the remedy; empty if there can."""
-    if scene.problem.profile is not None:
-        return (
-            "--animate shows flat punches under a force: leave it out, or leave out punch.recess "
-            "and punch.profile, and give load.normal_force"
-        )
-    if not scene.problem.earliest:
-        return "--animate shows a history: give wear.times, or leave it out"
-    if scene.problem.march != "modal":
-        march = scene.problem.march
-        return f"--animate goes by modes, not by wear.march = '{march}': give 'modal', or leave it out"
-    if not any(method(name).operator for name in scene.methods):
-        return "--animate needs the state at every time: name 'mdr', 'bem' or 'fem' in methods, or leave it out"
-    return ""
 
 
 def plan(scene: Scene) -> list[str]:

@@ -5,7 +5,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ringwear.meshes.radial import Array, Indices
+from ...meshes.radial import Array, Indices
 
 
 class Layers(NamedTuple):

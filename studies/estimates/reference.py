@@ -16,11 +16,11 @@ from numpy.polynomial.legendre import legder, leggauss, legval, legvander
 from scipy.linalg import qr, svd
 from scipy.special import roots_jacobi
 
-from ringwear.meshes.radial import Array, Indices
-from ringwear.studies.estimates.layers import Layers
-from ringwear.studies.methods.direct import steady
-from ringwear.studies.methods.quantities import labelled
-from ringwear.studies.problem.problem import D0, Problem
+from ...meshes.radial import Array, Indices
+from ..methods.direct import steady
+from ..methods.quantities import labelled
+from ..problem.problem import D0, Problem
+from .layers import Layers
 
 # elements, in s: thinner layers would be felt by slopes alone, and by little
 SMALLEST = 1e-14

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ringwear.meshes.radial import Array
-from ringwear.studies.problem.scene import Scene
+from ...meshes.radial import Array
+from ..problem.scene import Scene
 
 NARROWEST = 1e-4
 LONGEST, SHORTEST = 1e3, 1e-8  # times, in natural units

@@ -12,18 +12,18 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ringwear.meshes.errors import RingwearError
-from ringwear.meshes.radial import Array
-from ringwear.studies.crosscheck.run import Result, run
-from ringwear.studies.estimates.reference import known
-from ringwear.studies.estimates.scenes import random_scenes
-from ringwear.studies.figures.style import new_figure
-from ringwear.studies.methods.base import method
-from ringwear.studies.methods.quantities import COMPARED_MODES, QUANTITIES, differences
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.progress import progress
-from ringwear.studies.tables import Row, Table, keeping_rows, write_page
+from ...meshes.errors import RingwearError
+from ...meshes.radial import Array
+from ..crosscheck.run import Result, run
+from ..figures.style import new_figure
+from ..methods.base import method
+from ..methods.quantities import COMPARED_MODES, QUANTITIES, differences
+from ..problem.problem import Problem
+from ..problem.scene import Scene
+from ..progress import progress
+from ..tables import Row, Table, keeping_rows, write_page
+from .reference import known
+from .scenes import random_scenes
 
 FIELDS = ("scene", "rings", "narrowest", "least_wear", "poisson_ratio", "earliest", "rtol", "method", "quantity", "error",
           "estimate", "values", "below", "effectivity", "verdict", "seconds", "seconds_planned", "unknowns",

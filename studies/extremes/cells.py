@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ringwear.studies.problem.scene import Scene
+from ..problem.scene import Scene
 
 Changes = dict[str, Any]  # of a scene, as `Scene.changed` takes them
 Axis = dict[Any, Changes]  # what each value of a parameter changes

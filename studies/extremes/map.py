@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ringwear.studies.figures.style import GREYS, RED, legend_of, new_figure
-from ringwear.studies.tables import Row, Table
+from ..figures.style import GREYS, RED, legend_of, new_figure
+from ..tables import Row, Table
 
 # marker, shade and size of each verdict, from the best to the worst; only defects are red
 LOOKS = {"within": ("s", "0.8", 20), "degraded": ("^", GREYS[4], 24), "refused": ("_", GREYS[0], 28),

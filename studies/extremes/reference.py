@@ -12,7 +12,7 @@ from numpy.polynomial.legendre import leggauss
 from scipy.optimize import minimize_scalar
 from scipy.special import elliprd, elliprf
 
-from ringwear.meshes.radial import Array
+from ...meshes.radial import Array
 
 
 @dataclass(frozen=True, eq=False)

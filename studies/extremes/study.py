@@ -25,22 +25,22 @@ import numpy as np
 import xarray
 from threadpoolctl import threadpool_limits
 
-from ringwear.meshes.errors import RingwearError
-from ringwear.meshes.radial import Array
-from ringwear.studies.crosscheck.run import run
-from ringwear.studies.extremes.cells import DIRECT, FEM, MDR, Cell, all_cells
-from ringwear.studies.extremes.map import LOOKS, draw, limits
-from ringwear.studies.extremes.reference import Reference
-from ringwear.studies.methods.base import method
-from ringwear.studies.methods.by_compliance import Discretised, compliance_method
-from ringwear.studies.methods.estimate import estimated
-from ringwear.studies.methods.quantities import QUANTITIES, array
-from ringwear.studies.problem.problem import D0, Problem, Rings
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.problem.sections import FemAccuracy, MdrAccuracy
-from ringwear.studies.progress import Stages, progress
-from ringwear.studies.tables import Table, keeping_rows, write_page
-from ringwear.studies.wear.archard import RunningIn
+from ...meshes.errors import RingwearError
+from ...meshes.radial import Array
+from ..crosscheck.run import run
+from ..methods.base import method
+from ..methods.by_compliance import Discretised, compliance_method
+from ..methods.estimate import estimated
+from ..methods.quantities import QUANTITIES, array
+from ..problem.problem import D0, Problem, Rings
+from ..problem.scene import Scene
+from ..problem.sections import FemAccuracy, MdrAccuracy
+from ..progress import Stages, progress
+from ..tables import Table, keeping_rows, write_page
+from ..wear.archard import RunningIn
+from .cells import DIRECT, FEM, MDR, Cell, all_cells
+from .map import LOOKS, draw, limits
+from .reference import Reference
 
 FACTOR = 3.0
 REFERENCE = 2e-10  # relative accuracy of the quadratures of the reference solution

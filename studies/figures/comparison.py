@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ringwear.studies.figures.scale import Scale
-from ringwear.studies.figures.style import Margins, broken_at, curve, footing, heading, page, powers, save, styled
-from ringwear.studies.problem.scene import Scene
+from ..problem.scene import Scene
+from .scale import Scale
+from .style import Margins, broken_at, curve, footing, heading, page, powers, save, styled
 
 # quantity: kind of its axis and its label
 OVER_RADIUS = {

@@ -5,8 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ringwear.studies.figures.scale import Scale
-from ringwear.studies.figures.style import (
+from ..methods.base import Solution
+from ..methods.quantities import array
+from ..problem.scene import Scene
+from .scale import Scale
+from .style import (
     Margins,
     curve,
     footing,
@@ -18,9 +21,6 @@ from ringwear.studies.figures.style import (
     time_axis,
     titled,
 )
-from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import array
-from ringwear.studies.problem.scene import Scene
 
 MOST_RINGS = 5
 

@@ -9,10 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from ringwear.meshes.radial import Array
-from ringwear.studies.figures.scale import Scale
-from ringwear.studies.figures.states import given
-from ringwear.studies.figures.style import (
+from ...meshes.radial import Array
+from ..methods.base import Solution
+from ..methods.quantities import array
+from ..methods.sampler import Sampler
+from ..problem.problem import Problem
+from ..problem.scene import Scene
+from .scale import Scale
+from .states import given
+from .style import (
     DECADES,
     FAINT,
     GREYS,
@@ -27,11 +32,6 @@ from ringwear.studies.figures.style import (
     time_axis,
     titled,
 )
-from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import array
-from ringwear.studies.methods.sampler import Sampler
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.problem.scene import Scene
 
 SMOOTH = 80
 QUANTITIES = {"displacement_max": "height", "rms_slope": "slope"}

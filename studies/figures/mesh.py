@@ -7,11 +7,11 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.ticker import MaxNLocator
 
-from ringwear.meshes.radial import Array
-from ringwear.studies.crosscheck.interior import NEAR, Interior
-from ringwear.studies.figures.scale import Scale
-from ringwear.studies.figures.style import PAGE, RED, Margins, footing, heading, page, save, styled, titled
-from ringwear.studies.problem.scene import Scene
+from ...meshes.radial import Array
+from ..crosscheck.interior import NEAR, Interior
+from ..problem.scene import Scene
+from .scale import Scale
+from .style import PAGE, RED, Margins, footing, heading, page, save, styled, titled
 
 
 @styled
@@ -47,7 +47,7 @@ def draw_stress(scene: Scene, fields: Interior, path: Path) -> None:
 @styled
 def draw_mesh(mesh: Any, mesher: str, ring_edges: Array, path: Path) -> None:
     """The whole mesh, the mesh under the punch, and the mesh at the rim."""
-    from ringwear.meshes.half_space import contact_radii, truncation
+    from ...meshes.half_space import contact_radii, truncation
 
     figure, (panels,) = page(1, 3, 2.05, Margins(top=0.45, bottom=0.35, across=0.4))
     rim = max(30 * float(np.diff(contact_radii(mesh)).min()), 1e-6)

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ringwear.studies.crosscheck.operators import OperatorDifference
-from ringwear.studies.figures.style import GREYS, Margins, footing, heading, page, powers, save, styled, titled
-from ringwear.studies.problem.scene import Scene
+from ..crosscheck.operators import OperatorDifference
+from ..problem.scene import Scene
+from .style import GREYS, Margins, footing, heading, page, powers, save, styled, titled
 
 LEAST = 1e-16  # a difference drawn where there is none
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ringwear.studies.problem.problem import D0, P0
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.problem.unit_names import UnitNames
+from ..problem.problem import D0, P0
+from ..problem.scene import Scene
+from ..problem.unit_names import UnitNames
 
 
 @dataclass(frozen=True)

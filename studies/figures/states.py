@@ -10,9 +10,13 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ringwear.meshes.radial import Array, Indices
-from ringwear.studies.figures.scale import Scale
-from ringwear.studies.figures.style import (
+from ...meshes.radial import Array, Indices
+from ..methods.base import Solution
+from ..methods.quantities import array
+from ..problem.problem import P0, Problem
+from ..problem.scene import Scene
+from .scale import Scale
+from .style import (
     FAINT,
     Margins,
     broken_at,
@@ -25,10 +29,6 @@ from ringwear.studies.figures.style import (
     styled,
     titled,
 )
-from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import array
-from ringwear.studies.problem.problem import P0, Problem
-from ringwear.studies.problem.scene import Scene
 
 # more rings than this take the whole width of a page, and lines without marks
 MANY = 24

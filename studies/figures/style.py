@@ -12,8 +12,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from ringwear.meshes.radial import Array
-from ringwear.studies.methods.base import method
+from ...meshes.radial import Array
+from ..methods.base import method
 
 MARKERS = "os^Dvx+*"
 LINES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))

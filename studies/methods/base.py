@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import xarray
 
-from ringwear.meshes.radial import Array
-from ringwear.studies.methods.costs import Cost, by_rates
-from ringwear.studies.methods.quantities import COMPARED_MODES, QUANTITIES
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.progress import Stages
-from ringwear.studies.wear.archard import RunningIn
+from ...meshes.radial import Array
+from ..problem.problem import Problem
+from ..progress import Stages
+from ..wear.archard import RunningIn
+from .costs import Cost, by_rates
+from .quantities import COMPARED_MODES, QUANTITIES
 
 if TYPE_CHECKING:
-    from ringwear.fem.half_space import HalfSpace
+    from ...fem.half_space import HalfSpace
 
 # parts of an error estimate that finer sizes make smaller
 OF_SIZES = ("discretisation",)

@@ -2,10 +2,10 @@
 
 from typing import Any, ClassVar
 
-from ringwear.mdr import ring_kernel
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.studies.methods.mdr import Mdr
+from ...mdr import ring_kernel
+from ...meshes.compliance import Compliance
+from ...meshes.pressure_space import PressureSpace
+from .mdr import Mdr
 
 
 class Bem(Mdr):

@@ -5,19 +5,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.studies.methods.base import Method, Solution, method
-from ringwear.studies.methods.costs import steps
-from ringwear.studies.methods.estimate import SAFETY, Together, estimated, worn_together
-from ringwear.studies.problem.marching import refused_steps
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.problem.shared import Shared
-from ringwear.studies.progress import Stages
+from ...meshes.compliance import Compliance
+from ...meshes.pressure_space import PressureSpace
+from ..problem.marching import refused_steps
+from ..problem.problem import Problem
+from ..problem.shared import Shared
+from ..progress import Stages
+from .base import Method, Solution, method
+from .costs import steps
+from .estimate import SAFETY, Together, estimated, worn_together
 
 if TYPE_CHECKING:
-    from ringwear.fem.half_space import HalfSpace
-    from ringwear.studies.methods.unilateral.solution import UnilateralMethod
+    from ...fem.half_space import HalfSpace
+    from .unilateral.solution import UnilateralMethod
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,7 @@ class ComplianceMethod(Method):
 
     def _with_profile(self, problem: Problem, stages: Stages) -> Solution:
         """The history from the unworn face, and the steady state, which is the flat punch's."""
-        from ringwear.studies.methods.unilateral import solution
+        from .unilateral import solution
 
         steady = None
         if problem.steady and problem.indentation is None:
@@ -124,8 +124,8 @@ class AnySpaceMethod(ComplianceMethod):
         """The compliance on a space."""
 
     def unilateral(self, problem: Problem) -> "UnilateralMethod":
-        from ringwear.meshes.contact_cells import ContactCells, fitted_space
-        from ringwear.studies.methods.unilateral.solution import UnilateralMethod
+        from ...meshes.contact_cells import ContactCells, fitted_space
+        from .unilateral.solution import UnilateralMethod
 
         def even(cells: ContactCells, _: bool) -> tuple[Compliance, int]:
             space = cells.space()

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from ringwear.meshes.radial import Array
-from ringwear.studies.problem.marching import steps_between
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.wear.modes import LARGE
+from ...meshes.radial import Array
+from ..problem.marching import steps_between
+from ..problem.problem import Problem
+from ..wear.modes import LARGE
 
 # the first of the terms are of the discretisation, whatever is then asked of it; the last of times, on any compliance alike
 DISCRETISING, OF_TIMES = 5, 2

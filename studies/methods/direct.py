@@ -6,13 +6,13 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 import xarray
 
-from ringwear.mdr import direct
-from ringwear.meshes.radial import Array, ring_of
-from ringwear.studies.methods.base import Method, Solution
-from ringwear.studies.methods.costs import Cost, direct_terms, rates
-from ringwear.studies.methods.quantities import FIELDS, labelled
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.progress import Stages
+from ...mdr import direct
+from ...meshes.radial import Array, ring_of
+from ..problem.problem import Problem
+from ..progress import Stages
+from .base import Method, Solution
+from .costs import Cost, direct_terms, rates
+from .quantities import FIELDS, labelled
 
 # pressures whose greatest displacements are sought at once, few enough to stay in memory
 AT_ONCE = 2**16

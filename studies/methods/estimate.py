@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.radial import Array
-from ringwear.studies.methods.quantities import COMPARED_MODES, ENERGIES, QUANTITIES, common, differences
-from ringwear.studies.methods.sampler import Evaluation
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.wear.archard import RunningIn
-from ringwear.studies.wear.shared_modes import SharedModes
+from ...meshes.compliance import Compliance
+from ...meshes.radial import Array
+from ..problem.problem import Problem
+from ..wear.archard import RunningIn
+from ..wear.shared_modes import SharedModes
+from .quantities import CHANCE, CHANCE_OF_ENERGIES, COMPARED_MODES, ENERGIES, QUANTITIES, common, differences
+from .sampler import Evaluation
 
 NEAR = 2.5
 
@@ -31,9 +31,6 @@ AT_RIM = 0.055
 START_AT_RIM = 3.0
 # of the numbers of elements
 ROUNDOFF = 1e-14
-# part of the accuracy asked for that energies, and everything else, are not known better than: where two computations differ
-# by less, it may be by chance
-CHANCE_OF_ENERGIES, CHANCE = 1e-5, 0.02
 # logarithm of the wear ratio within which a history is solved whole, and times before the first that it is followed from;
 # punches for each that is solved whole, so that sharing modes is a gain; materials at the most
 REACH, BEFORE, GAIN, MOST_MATERIALS = np.log(10) / 2 * 1.01, 1000, 2, 8

@@ -3,24 +3,24 @@
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from ringwear.fem.condensation import solver
-from ringwear.meshes.errors import MeshError
-from ringwear.meshes.gmsh_session import unavailable
-from ringwear.meshes.sizes import NARROWEST
-from ringwear.studies.methods import fem_counts
-from ringwear.studies.methods.base import Cost
-from ringwear.studies.methods.by_compliance import ComplianceMethod, Discretised, marches_contact
-from ringwear.studies.methods.estimate import SAFETY, SAFETY_OF_TRIANGLES
-from ringwear.studies.methods.unilateral import costs
-from ringwear.studies.problem import defaults
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.progress import Stages
+from ...fem.condensation import solver
+from ...meshes.errors import MeshError
+from ...meshes.gmsh_session import unavailable
+from ...meshes.sizes import NARROWEST
+from ..problem import defaults
+from ..problem.problem import Problem
+from ..progress import Stages
+from . import fem_counts
+from .base import Cost
+from .by_compliance import ComplianceMethod, Discretised, marches_contact
+from .estimate import SAFETY, SAFETY_OF_TRIANGLES
+from .unilateral import costs
 
 if TYPE_CHECKING:
-    from ringwear.fem.half_space import HalfSpace
-    from ringwear.meshes.compliance import Compliance
-    from ringwear.meshes.quads import GradedQuads
-    from ringwear.studies.methods.unilateral.solution import UnilateralMethod
+    from ...fem.half_space import HalfSpace
+    from ...meshes.compliance import Compliance
+    from ...meshes.quads import GradedQuads
+    from .unilateral.solution import UnilateralMethod
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +77,8 @@ def half_space_mesh(problem: Problem) -> Meshed:
 
 
 def _meshed(problem: Problem, mesher: str) -> Meshed:
-    from ringwear.meshes import bisection, triangles
-    from ringwear.meshes.quads import graded
+    from ...meshes import bisection, triangles
+    from ...meshes.quads import graded
 
     if mesher == "quads":
         sizes = defaults.quad_sizes(problem)
@@ -91,9 +91,9 @@ def _meshed(problem: Problem, mesher: str) -> Meshed:
 
 def half_space_on(problem: Problem, meshed: Meshed) -> "HalfSpace":
     """The half-space on a mesh, with scikit-fem's elements of the degree that goes with it."""
-    from ringwear.fem.elasticity import AxisymmetricElasticity
-    from ringwear.fem.half_space import HalfSpace, pressure_space
-    from ringwear.meshes.half_space import truncation
+    from ...fem.elasticity import AxisymmetricElasticity
+    from ...fem.half_space import HalfSpace, pressure_space
+    from ...meshes.half_space import truncation
 
     degree = defaults.triangle_degree(problem) if meshed.graded is None else defaults.quad_sizes(problem).degree
     solid = AxisymmetricElasticity(meshed.mesh, degree, problem.poisson_ratio)
@@ -159,7 +159,7 @@ class Fem(ComplianceMethod):
         return problem.fem.given
 
     def discretised(self, problem: Problem, stages: Stages, coarser: bool = True) -> Discretised:
-        from ringwear.meshes.half_space import truncation
+        from ...meshes.half_space import truncation
 
         fixed = problem.fem.far_field == "fixed"
         with stages("meshing"):
@@ -188,9 +188,9 @@ class Fem(ComplianceMethod):
         return Discretised(fine, other, half_space.unknowns, settings, half_space, meshed.notes, safety)
 
     def unilateral(self, problem: Problem) -> "UnilateralMethod":
-        from ringwear.fem.contact_meshes import COARSER_GROWTH, TRIANGLE_GROWTH, even_half_space, fitted_half_space
-        from ringwear.meshes.contact_cells import ContactCells
-        from ringwear.studies.methods.unilateral.solution import UnilateralMethod
+        from ...fem.contact_meshes import COARSER_GROWTH, TRIANGLE_GROWTH, even_half_space, fitted_half_space
+        from ...meshes.contact_cells import ContactCells
+        from .unilateral.solution import UnilateralMethod
 
         def even(cells: ContactCells, coarser: bool) -> "tuple[Compliance, int]":
             growth = COARSER_GROWTH if coarser else TRIANGLE_GROWTH
@@ -208,8 +208,8 @@ def _coarser_half_space(problem: Problem, meshed: Meshed, whole: "HalfSpace") ->
 
     A clamped boundary is held against poles: what it errs by is far more than one of them does.
     """
-    from ringwear.fem.half_space import HalfSpace, pressure_space
-    from ringwear.meshes import bisection, triangles
+    from ...fem.half_space import HalfSpace, pressure_space
+    from ...meshes import bisection, triangles
 
     degree = whole.solid.degree - 1
     if meshed.graded is not None:

@@ -6,10 +6,10 @@ that `ringwear study estimates` draws.
 
 import numpy as np
 
-from ringwear.meshes.radial import Array
-from ringwear.meshes.sizes import LOWEST, falls, patch_layers, patch_widths
-from ringwear.studies.problem.defaults import quad_sizes, triangle_degree, triangle_sizes
-from ringwear.studies.problem.problem import Problem
+from ...meshes.radial import Array
+from ...meshes.sizes import LOWEST, falls, patch_layers, patch_widths
+from ..problem.defaults import quad_sizes, triangle_degree, triangle_sizes
+from ..problem.problem import Problem
 
 SIDE = np.sqrt(3) / 4  # area of an equilateral triangle of side one
 BISECTION = 2.6  # triangles by bisection for one by gmsh, at equal sizes

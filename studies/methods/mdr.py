@@ -4,17 +4,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ringwear.mdr import energy
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import Array, Indices, graded_breakpoints, ring_of
-from ringwear.meshes.sizes import spared_degrees
-from ringwear.studies.methods.base import Cost
-from ringwear.studies.methods.by_compliance import AnySpaceMethod, Discretised, marches_contact
-from ringwear.studies.methods.unilateral import costs
-from ringwear.studies.problem.defaults import affordable, mdr_sizes, sharpness
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.progress import Stages
+from ...mdr import energy
+from ...meshes.compliance import Compliance
+from ...meshes.pressure_space import PressureSpace
+from ...meshes.radial import Array, Indices, graded_breakpoints, ring_of
+from ...meshes.sizes import spared_degrees
+from ..problem.defaults import affordable, mdr_sizes, sharpness
+from ..problem.problem import Problem
+from ..progress import Stages
+from .base import Cost
+from .by_compliance import AnySpaceMethod, Discretised, marches_contact
+from .unilateral import costs
 
 
 def radial_space(

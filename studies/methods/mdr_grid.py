@@ -8,16 +8,16 @@ import numpy as np
 import xarray
 from scipy.integrate import cumulative_trapezoid
 
-from ringwear.mdr.uniform_grid import UniformGrid
-from ringwear.meshes.radial import Array
-from ringwear.studies.methods.base import Method, Solution
-from ringwear.studies.methods.costs import Cost
-from ringwear.studies.methods.quantities import differences, labelled
-from ringwear.studies.methods.sampler import radial_weight
-from ringwear.studies.problem.defaults import grid_step
-from ringwear.studies.problem.marching import refused_steps, steps_between
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.progress import Stages
+from ...mdr.uniform_grid import UniformGrid
+from ...meshes.radial import Array
+from ..problem.defaults import grid_step
+from ..problem.marching import refused_steps, steps_between
+from ..problem.problem import Problem
+from ..progress import Stages
+from .base import Method, Solution
+from .costs import Cost
+from .quantities import differences, labelled
+from .sampler import radial_weight
 
 # with half the springs and twice the step, what is of first order doubles; slopes and jumps at ring edges are of half that
 OF_FIRST_ORDER = 2.5

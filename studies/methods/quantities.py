@@ -6,11 +6,14 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
-from ringwear.meshes.radial import Array
-from ringwear.studies.problem.face import Face
+from ...meshes.radial import Array
+from ..problem.face import Face
 
 # times the accuracy asked for that the uncertainty of two methods may be, each of which is to be that accurate
 A_FEW = 4.0
+# part of the accuracy asked for that energies, and everything else, are not known better than: where two computations differ
+# by less, it may be by chance
+CHANCE_OF_ENERGIES, CHANCE = 1e-5, 0.02
 # the finest accuracy that can be asked for
 FINEST = 1e-9
 ERROR = "relative error of {}, the method's own estimate: {}"

@@ -7,14 +7,14 @@ import numpy as np
 import xarray
 from scipy.sparse import csr_matrix
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import Array, Indices
-from ringwear.studies.methods.quantities import FIELDS, HISTORIES, STEADY, array, labelled, radial_weight
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.wear.archard import History, RunningIn
-from ringwear.studies.wear.contact import SteadyState
-from ringwear.studies.wear.shared_modes import SharedModes
+from ...meshes.compliance import Compliance
+from ...meshes.pressure_space import PressureSpace
+from ...meshes.radial import Array, Indices
+from ..problem.problem import Problem
+from ..wear.archard import History, RunningIn
+from ..wear.contact import SteadyState
+from ..wear.shared_modes import SharedModes
+from .quantities import FIELDS, HISTORIES, STEADY, array, labelled, radial_weight
 
 AVERAGES = ("line", "area")
 # times whose coefficients are held at once

@@ -17,7 +17,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ringwear.meshes.errors import SceneError
+from ...meshes.errors import SceneError
 
 MANIFEST, HIDDEN = ".ringwear.json", ".writing-"
 # of Linux's renameat2: paths are as they stand, and the two change places

@@ -4,16 +4,16 @@ import json
 from functools import cache
 from typing import TYPE_CHECKING
 
-from ringwear.meshes.errors import RingwearError
-from ringwear.studies.output.csv_tables import write_csv
-from ringwear.studies.output.folder import Folder, signals_wait
-from ringwear.studies.output.side_by_side import Job, make
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.progress import LOG
+from ...meshes.errors import RingwearError
+from ..problem.scene import Scene
+from ..progress import LOG
+from .csv_tables import write_csv
+from .folder import Folder, signals_wait
+from .side_by_side import Job, make
 
 if TYPE_CHECKING:
-    from ringwear.studies.crosscheck.run import Result
-    from ringwear.studies.methods.fem import Meshed
+    from ..crosscheck.run import Result
+    from ..methods.fem import Meshed
 
 
 def write_numbers(result: "Result", folder: Folder, tables: bool = False) -> None:
@@ -47,8 +47,8 @@ def draw(result: "Result", folder: Folder, figures: bool = True) -> list[str]:
 
 def of_contact(result: "Result") -> list[Job]:
     """Figures of what is on the face of the punch."""
-    from ringwear.studies.figures.history import draw_history
-    from ringwear.studies.figures.states import draw_states, draw_steady, given
+    from ..figures.history import draw_history
+    from ..figures.states import draw_states, draw_steady, given
 
     scene, solutions, jobs = result.scene, result.solutions, []
     if given("profile", solutions):
@@ -56,7 +56,7 @@ def of_contact(result: "Result") -> list[Job]:
         if scene.problem.earliest:
             jobs.append(Job("history.png", lambda path: draw_history(scene, solutions, path)))
             if scene.problem.profile is not None:
-                from ringwear.studies.figures.contact import draw_contact
+                from ..figures.contact import draw_contact
 
                 jobs.append(Job("contact.png", lambda path: draw_contact(scene, solutions, path)))
     if given("steady_profile", solutions):
@@ -66,7 +66,7 @@ def of_contact(result: "Result") -> list[Job]:
 
 def of_operators(result: "Result") -> list[Job]:
     """The figure that compares methods for every pressure."""
-    from ringwear.studies.figures.operators import draw_operators
+    from ..figures.operators import draw_operators
 
     draw = Job("operator_difference.png", lambda path: draw_operators(result.scene, result.operators, path))
     return [draw] if result.operators else []
@@ -77,8 +77,8 @@ def of_inside(result: "Result") -> list[Job]:
     fem = result.solutions.get("fem")
     if fem is None or fem.half_space is None or result.scene.problem.profile is not None:
         return []
-    from ringwear.studies.crosscheck import interior
-    from ringwear.studies.figures.mesh import draw_mesh, draw_stress
+    from ..crosscheck import interior
+    from ..figures.mesh import draw_mesh, draw_stress
 
     scene, solid, mesher = result.scene, fem.half_space.solid.mesh, fem.settings["mesher"]
     fields = cache(lambda: interior.interior(scene, fem))
@@ -97,8 +97,8 @@ def write_mesh(scene: Scene, meshed: "Meshed", folder: Folder) -> None:
     import numpy as np
     from skfem.io.meshio import to_meshio
 
-    from ringwear.meshes.half_space import quality
-    from ringwear.studies.figures.mesh import draw_mesh
+    from ...meshes.half_space import quality
+    from ..figures.mesh import draw_mesh
 
     content = to_meshio(meshed.mesh.scaled(scene.punch.radius), cell_data={"quality": [quality(meshed.mesh)]})
     content.points = np.column_stack([content.points, np.zeros(len(content.points))])

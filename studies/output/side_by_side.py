@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ringwear.studies.progress import STOPPED
+from ..progress import STOPPED
 
 
 class Job(NamedTuple):

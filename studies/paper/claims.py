@@ -4,11 +4,11 @@ import time
 
 import numpy as np
 
-from ringwear.mdr import direct
-from ringwear.meshes.radial import Array, alternating_edges, ring_areas
-from ringwear.studies.paper.gradients import WEAR_RATIO_OF_WIDTHS, Curves, direct_gradients, homogeneous, many_rings
-from ringwear.studies.paper.running_in import COUNT, CURVE, STATIONARY, WEAR_RATIO, WEAR_RATIOS, Evolution, FiveRings, States
-from ringwear.studies.problem.problem import P0, Rings
+from ...mdr import direct
+from ...meshes.radial import Array, alternating_edges, ring_areas
+from ..problem.problem import P0, Rings
+from .gradients import WEAR_RATIO_OF_WIDTHS, Curves, direct_gradients, homogeneous, many_rings
+from .running_in import COUNT, CURVE, STATIONARY, WEAR_RATIO, WEAR_RATIOS, Evolution, FiveRings, States
 
 EXTREMES = np.array([0.0, np.inf])  # wear ratios that leave all force to the slower rings
 SETTLED = 0.1  # distance of a ring's mean pressure from its steady value at which its level counts as reached

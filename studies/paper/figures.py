@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from ringwear.mdr import direct
-from ringwear.meshes.radial import Array
-from ringwear.studies.figures.style import FAINT, LINES, broken_at, legend_of, method_curve, new_figure, shade_rings
-from ringwear.studies.methods.sampler import AVERAGES
-from ringwear.studies.paper.gradients import WEAR_RATIO_OF_WIDTHS, Curves, direct_gradients
-from ringwear.studies.paper.running_in import CURVE, SHARES, STATIONARY, WEAR_RATIO, WEAR_RATIOS, FiveRings, many_ring_times
-from ringwear.studies.problem.problem import D0, Rings
+from ...mdr import direct
+from ...meshes.radial import Array
+from ..figures.style import FAINT, LINES, broken_at, legend_of, method_curve, new_figure, shade_rings
+from ..methods.sampler import AVERAGES
+from ..problem.problem import D0, Rings
+from .gradients import WEAR_RATIO_OF_WIDTHS, Curves, direct_gradients
+from .running_in import CURVE, SHARES, STATIONARY, WEAR_RATIO, WEAR_RATIOS, FiveRings, many_ring_times
 
 QUANTITIES = {
     "profile": "profile $(f-f_{min})/d_0$",

@@ -16,14 +16,14 @@ from functools import cache
 
 import numpy as np
 
-from ringwear.mdr import direct
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.radial import Array, alternating_edges, ring_areas
-from ringwear.studies.methods.by_compliance import compliance_method
-from ringwear.studies.methods.sampler import AVERAGES, radial_weight
-from ringwear.studies.problem.problem import Problem, Rings
-from ringwear.studies.progress import Stages, progress
-from ringwear.studies.wear.modes import BandedCholesky
+from ...mdr import direct
+from ...meshes.compliance import Compliance
+from ...meshes.radial import Array, alternating_edges, ring_areas
+from ..methods.by_compliance import compliance_method
+from ..methods.sampler import AVERAGES, radial_weight
+from ..problem.problem import Problem, Rings
+from ..progress import Stages, progress
+from ..wear.modes import BandedCholesky
 
 RINGS = (2, 4, 8, 16, 32, 64)
 QUICK_RINGS = (2, 4, 8)

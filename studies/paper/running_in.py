@@ -13,16 +13,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
-from ringwear.mdr.transforms import line_density
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.radial import Array
-from ringwear.studies.methods.base import method
-from ringwear.studies.methods.by_compliance import compliance_method
-from ringwear.studies.methods.quantities import array, values
-from ringwear.studies.methods.sampler import AVERAGES, Sampler
-from ringwear.studies.problem.problem import D0, P0, Problem, Rings
-from ringwear.studies.progress import Stages, progress
-from ringwear.studies.wear.archard import History, RunningIn
+from ...mdr.transforms import line_density
+from ...meshes.compliance import Compliance
+from ...meshes.radial import Array
+from ..methods.base import method
+from ..methods.by_compliance import compliance_method
+from ..methods.quantities import array, values
+from ..methods.sampler import AVERAGES, Sampler
+from ..problem.problem import D0, P0, Problem, Rings
+from ..progress import Stages, progress
+from ..wear.archard import History, RunningIn
 
 METHODS = ("mdr", "fem", "bem")  # the first gives the times
 COUNT, WEAR_RATIO = 5, 10.0

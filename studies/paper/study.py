@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ringwear.meshes.radial import Array
-from ringwear.studies.paper import claims, figures, gradients, running_in
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.tables import Table, keeping_rows, write_page
+from ...meshes.radial import Array
+from ..problem.scene import Scene
+from ..tables import Table, keeping_rows, write_page
+from . import claims, figures, gradients, running_in
 
 MANY, QUICK_MANY = (256, 512, 1024), (64, 128)  # rings at which the limit of many rings is checked
 

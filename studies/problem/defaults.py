@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from ringwear.meshes.contact_cells import ContactCells
-from ringwear.meshes.radial import Array
-from ringwear.meshes.sizes import Sharpness, SizeField, convergence
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.problem.sections import DEGREES
+from ...meshes.contact_cells import ContactCells
+from ...meshes.radial import Array
+from ...meshes.sizes import Sharpness, SizeField, convergence
+from .problem import Problem
+from .sections import DEGREES
 
 # of the half-space: quadrilaterals with Boussinesq's far field, and anything else (`ringwear study truncation`)
 TRUNCATION, WIDER_TRUNCATION = 2.5, 5.0
@@ -207,7 +207,7 @@ def truncation(problem: Problem) -> float:
 
 def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:
     """Orders of the poles tied to the outer boundary: those asked for, or enough of them."""
-    from ringwear.fem.far_field import enough_poles
+    from ...fem.far_field import enough_poles
 
     if problem.fem.poles:
         return tuple(range(0, 2 * problem.fem.poles, 2))

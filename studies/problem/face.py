@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial.legendre import legder, legval, legvander
 
-from ringwear.meshes.radial import Array, Indices, gauss, ring_of
+from ...meshes.radial import Array, Indices, gauss, ring_of
 
 POINTS = 8
 

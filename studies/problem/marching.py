@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ringwear.meshes.radial import Array
+from ...meshes.radial import Array
 
 MOST_STEPS = 2_000_000
 

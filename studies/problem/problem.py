@@ -9,11 +9,11 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ringwear.meshes.errors import SceneError
-from ringwear.meshes.radial import Array, Indices, alternating_edges, graded_breakpoints, ring_of
-from ringwear.studies.problem.face import Face
-from ringwear.studies.problem.profile import InitialProfile, unworn
-from ringwear.studies.problem.sections import (
+from ...meshes.errors import SceneError
+from ...meshes.radial import Array, Indices, alternating_edges, graded_breakpoints, ring_of
+from .face import Face
+from .profile import InitialProfile, unworn
+from .sections import (
     AccuracySection,
     FemAccuracy,
     HalfSpaceSection,

@@ -13,9 +13,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from ringwear.meshes.errors import SceneError
-from ringwear.meshes.radial import Array, Indices, ring_of
-from ringwear.studies.problem.sections import ProfileSection, PunchSection
+from ...meshes.errors import SceneError
+from ...meshes.radial import Array, Indices, ring_of
+from .sections import ProfileSection, PunchSection
 
 Height = Callable[[Array], Array]
 

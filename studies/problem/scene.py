@@ -12,9 +12,10 @@ from typing import Annotated, Any, Self, get_args
 import tomli_w
 from pydantic import AfterValidator, Field, PrivateAttr, ValidationError, model_validator
 
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.problem.sections import (
+from ...meshes.errors import SceneError
+from ..registry import METHODS
+from .problem import Problem
+from .sections import (
     AccuracySection,
     HalfSpaceSection,
     LoadSection,
@@ -24,7 +25,6 @@ from ringwear.studies.problem.sections import (
     WearSection,
     increasing,
 )
-from ringwear.studies.registry import METHODS
 
 # counts of the slowest relaxation time that ``times = "running-in"`` stands for
 RUNNING_IN = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0]
@@ -124,7 +124,7 @@ class Scene(Section):
 
     def _timed(self, counts: list[float], name: str) -> "Scene":
         """The scene at counts of its slowest relaxation time, to three digits."""
-        from ringwear.studies.problem.time_scale import MOST_RINGS, slowest_relaxation_time
+        from .time_scale import MOST_RINGS, slowest_relaxation_time
 
         problem = self._posed()
         if problem.profile is not None:

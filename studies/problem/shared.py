@@ -10,7 +10,7 @@ from typing import Self
 
 import numpy as np
 
-from ringwear.studies.problem.problem import Blunted, Problem
+from .problem import Blunted, Problem
 
 # greatest ratio of the lengths that wear has blunted in problems that share a discretisation: pressures that the sharper
 # needs cost the others their third power

@@ -8,10 +8,10 @@ elements in each ring are enough.
 import numpy as np
 from scipy.linalg import eigh, qr
 
-from ringwear.mdr.transforms import line_density, panel_quadrature
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import graded_breakpoints
-from ringwear.studies.problem.problem import Rings
+from ...mdr.transforms import line_density, panel_quadrature
+from ...meshes.pressure_space import PressureSpace
+from ...meshes.radial import graded_breakpoints
+from .problem import Rings
 
 # degree, size at the rim and ratio of neighbouring sizes: a few digits; and a check of them, of more
 COARSE, FINE = (3, 1e-3, 0.3), (6, 1e-6, 0.2)

@@ -11,18 +11,18 @@ from typing import NamedTuple
 import numpy as np
 from skfem import CellBasis, Mesh, MeshTri, adaptive_theta
 
-from ringwear.fem.elasticity import AxisymmetricElasticity
-from ringwear.fem.half_space import HalfSpace, pressure_space
-from ringwear.fem.stresses import displacements, stresses
-from ringwear.fem.weak_form import element_of_degree, projection
-from ringwear.meshes import bisection
-from ringwear.meshes.half_space import contact_facets, truncation
-from ringwear.meshes.radial import Array, Indices
-from ringwear.meshes.sizes import SizeField
-from ringwear.studies.problem.defaults import WIDER_TRUNCATION, pole_orders
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.wear.archard import RunningIn
-from ringwear.studies.wear.contact import press_flat
+from ...fem.elasticity import AxisymmetricElasticity
+from ...fem.half_space import HalfSpace, pressure_space
+from ...fem.stresses import displacements, stresses
+from ...fem.weak_form import element_of_degree, projection
+from ...meshes import bisection
+from ...meshes.half_space import contact_facets, truncation
+from ...meshes.radial import Array, Indices
+from ...meshes.sizes import SizeField
+from ..problem.defaults import WIDER_TRUNCATION, pole_orders
+from ..problem.problem import Problem
+from ..wear.archard import RunningIn
+from ..wear.contact import press_flat
 
 SIZE = 1.2  # of the elements of the uniform mesh
 DEGREE = 4

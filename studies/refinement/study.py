@@ -17,25 +17,25 @@ import numpy as np
 from skfem import Mesh, MeshQuad
 from threadpoolctl import threadpool_limits
 
-from ringwear.mdr.direct import greatest_displacement, steady_pressures
-from ringwear.meshes import files
-from ringwear.meshes.errors import MeshError, SceneError
-from ringwear.meshes.half_space import quality, truncation
-from ringwear.meshes.radial import Array
-from ringwear.studies.figures.mesh import mesh_panel
-from ringwear.studies.figures.style import FAINT, RED, curve, new_figure
-from ringwear.studies.measured import exact
-from ringwear.studies.methods.fem import half_space_mesh
-from ringwear.studies.methods.quantities import array
-from ringwear.studies.methods.sampler import Sampler
-from ringwear.studies.problem.defaults import WIDER_TRUNCATION, triangle_degree
-from ringwear.studies.problem.problem import D0, Problem, Rings
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.problem.sections import FemAccuracy
-from ringwear.studies.progress import LOG
-from ringwear.studies.refinement.adaptive import DEGREE, Solved, adapted, solved, uniform
-from ringwear.studies.tables import Row, Table, keeping_rows, write_page
-from ringwear.studies.wear.contact import press_flat
+from ...mdr.direct import greatest_displacement, steady_pressures
+from ...meshes import files
+from ...meshes.errors import MeshError, SceneError
+from ...meshes.half_space import quality, truncation
+from ...meshes.radial import Array
+from ..figures.mesh import mesh_panel
+from ..figures.style import FAINT, RED, curve, new_figure
+from ..measured import exact
+from ..methods.fem import half_space_mesh
+from ..methods.quantities import array
+from ..methods.sampler import Sampler
+from ..problem.defaults import WIDER_TRUNCATION, triangle_degree
+from ..problem.problem import D0, Problem, Rings
+from ..problem.scene import Scene
+from ..problem.sections import FemAccuracy
+from ..progress import LOG
+from ..tables import Row, Table, keeping_rows, write_page
+from ..wear.contact import press_flat
+from .adaptive import DEGREE, Solved, adapted, solved, uniform
 
 GOAL = 1e-5
 TIMES = np.geomspace(1e-3, 20, 12)

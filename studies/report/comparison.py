@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.crosscheck.answer import ALSO
-from ringwear.studies.crosscheck.run import run
-from ringwear.studies.methods.quantities import ANSWER, QUANTITIES
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.problem.unit_names import UnitNames
-from ringwear.studies.report.words import Rows
+from ...meshes.errors import SceneError
+from ..crosscheck.answer import ALSO
+from ..crosscheck.run import run
+from ..methods.quantities import ANSWER, QUANTITIES
+from ..problem.scene import Scene
+from ..problem.unit_names import UnitNames
+from .words import Rows
 
 
 @dataclass(frozen=True, eq=False)

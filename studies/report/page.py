@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 
 from jinja2 import Environment, StrictUndefined, select_autoescape
 
-from ringwear.studies.crosscheck.dataset import Result, versions
-from ringwear.studies.crosscheck.scope import left_out, modelled
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.report import words
-from ringwear.studies.report.slides import slides
+from ..crosscheck.dataset import Result, versions
+from ..crosscheck.scope import left_out, modelled
+from ..problem.scene import Scene
+from . import words
+from .slides import slides
 
 # what each figure shows, in the order of the page
 CAPTIONS = {

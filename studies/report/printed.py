@@ -1,9 +1,9 @@
 """What the commands print: the answer first, then the verdict in a line, then accuracy and cost."""
 
-from ringwear.studies.crosscheck.dataset import Result
-from ringwear.studies.crosscheck.scope import left_out, modelled
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.report import words
+from ..crosscheck.dataset import Result
+from ..crosscheck.scope import left_out, modelled
+from ..problem.scene import Scene
+from . import words
 
 
 def print_result(result: Result) -> None:

@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from ringwear.meshes.radial import Array, ring_of
-from ringwear.studies.crosscheck.dataset import Result
-from ringwear.studies.figures.scale import Scale
-from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.quantities import array
-from ringwear.studies.methods.sampler import Sampler
-from ringwear.studies.problem.problem import Problem
+from ...meshes.radial import Array, ring_of
+from ..crosscheck.dataset import Result
+from ..figures.scale import Scale
+from ..methods.base import Solution
+from ..methods.quantities import array
+from ..methods.sampler import Sampler
+from ..problem.problem import Problem
 
 COUNT = 48
 # radii of a slide, so that a page of hundreds of rings stays small

@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ringwear.meshes.radial import Array, ring_areas
-from ringwear.studies.crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement
-from ringwear.studies.crosscheck.dataset import Result
-from ringwear.studies.crosscheck.scope import outside
-from ringwear.studies.methods.quantities import QUANTITIES, STATES
-from ringwear.studies.problem.unit_names import UnitNames
+from ...meshes.radial import Array, ring_areas
+from ..crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement
+from ..crosscheck.dataset import Result
+from ..crosscheck.scope import outside
+from ..methods.quantities import QUANTITIES, STATES
+from ..problem.unit_names import UnitNames
 
 # rings that a table shows at each end when there are more than both together
 MOST_SHOWN = 8

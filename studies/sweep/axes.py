@@ -26,10 +26,10 @@ from typing import Any, Self
 
 import numpy as np
 
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.problem.problem import unilateral
-from ringwear.studies.problem.scene import Scene, bundled, declaration
-from ringwear.studies.sweep.kept import JUDGED, checked_keep
+from ...meshes.errors import SceneError
+from ..problem.problem import unilateral
+from ..problem.scene import Scene, bundled, declaration
+from .kept import JUDGED, checked_keep
 
 DRAW = "draw"
 RESERVED = {"solver", "time", "radius", "ring", "mode", "state", "status", "reason", "checksum", *JUDGED}
@@ -85,7 +85,7 @@ class Sweep:
     @classmethod
     def load(cls, path: str | Path) -> Self:
         """Read a sweep file, or a bundled one by its name."""
-        from ringwear.studies.sweep.bundled import sweep_text
+        from .bundled import sweep_text
 
         text = sweep_text(path)
         try:

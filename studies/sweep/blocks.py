@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from itertools import product
 from math import ceil, prod
 
-from ringwear.studies.sweep.axes import Axis, Sweep
-from ringwear.studies.sweep.layout import Layout
+from .axes import Axis, Sweep
+from .layout import Layout
 
 # keys that scenes may differ in and yet share a discretisation: wear, load, time and units
 SHARING = ("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs", "load.", "wear.", "output.", "title")

@@ -3,7 +3,7 @@
 from importlib.resources import files
 from pathlib import Path
 
-from ringwear.meshes.errors import SceneError
+from ...meshes.errors import SceneError
 
 
 def bundled_sweeps() -> list[str]:

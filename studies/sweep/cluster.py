@@ -7,13 +7,13 @@ from contextlib import contextmanager
 from itertools import islice
 from typing import Any
 
-from ringwear.meshes.errors import SceneError, SolverError
-from ringwear.studies.progress import LOG
-from ringwear.studies.sweep.axes import Sweep
-from ringwear.studies.sweep.blocks import Block
-from ringwear.studies.sweep.compute import computed
-from ringwear.studies.sweep.layout import Layout, Outcome
-from ringwear.studies.versions import differing, fingerprint
+from ...meshes.errors import SceneError, SolverError
+from ..progress import LOG
+from ..versions import differing, fingerprint
+from .axes import Sweep
+from .blocks import Block
+from .compute import computed
+from .layout import Layout, Outcome
 
 # seconds that a scheduler has for an answer, and without a block after which workers are looked at
 ANSWER, QUIET = 20, 30

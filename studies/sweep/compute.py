@@ -8,21 +8,21 @@ from threading import Lock
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ringwear.meshes.errors import RingwearError, SceneError
-from ringwear.meshes.radial import Array
-from ringwear.studies.crosscheck.accuracy import solved_to_accuracy
-from ringwear.studies.crosscheck.agreement import worst
-from ringwear.studies.crosscheck.answer import answer
-from ringwear.studies.methods.base import Method, Solution, method
-from ringwear.studies.methods.quantities import ANSWER, HISTORIES, QUANTITIES, common, error_name
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.problem.shared import groups
-from ringwear.studies.progress import LOG, Stages
-from ringwear.studies.sweep.axes import Sweep
-from ringwear.studies.sweep.kept import ANSWERS, asked_for
-from ringwear.studies.sweep.layout import DONE, FAILED, PENDING, Layout, Outcome
-from ringwear.studies.versions import fingerprint
+from ...meshes.errors import RingwearError, SceneError
+from ...meshes.radial import Array
+from ..crosscheck.accuracy import solved_to_accuracy
+from ..crosscheck.agreement import worst
+from ..crosscheck.answer import answer
+from ..methods.base import Method, Solution, method
+from ..methods.quantities import ANSWER, HISTORIES, QUANTITIES, common, error_name
+from ..problem.problem import Problem
+from ..problem.scene import Scene
+from ..problem.shared import groups
+from ..progress import LOG, Stages
+from ..versions import fingerprint
+from .axes import Sweep
+from .kept import ANSWERS, asked_for
+from .layout import DONE, FAILED, PENDING, Layout, Outcome
 
 # of the code that this process has loaded: files may change later
 FINGERPRINT = fingerprint()

@@ -19,17 +19,17 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ringwear.studies.crosscheck.scope import machine_memory
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.progress import LOG
-from ringwear.studies.sweep.axes import Sweep
-from ringwear.studies.sweep.blocks import Block, block_shape, blocks
-from ringwear.studies.sweep.cluster import check_fingerprint, compute_on_cluster
-from ringwear.studies.sweep.compute import computed
-from ringwear.studies.sweep.layout import DONE, FAILED, Layout, Outcome, layout
-from ringwear.studies.sweep.plan import planned
-from ringwear.studies.sweep.store import NAME, Store, alone, write_whole
-from ringwear.studies.sweep.summary import summary
+from ..crosscheck.scope import machine_memory
+from ..problem.scene import Scene
+from ..progress import LOG
+from .axes import Sweep
+from .blocks import Block, block_shape, blocks
+from .cluster import check_fingerprint, compute_on_cluster
+from .compute import computed
+from .layout import DONE, FAILED, Layout, Outcome, layout
+from .plan import planned
+from .store import NAME, Store, alone, write_whole
+from .summary import summary
 
 # seconds between lines of progress
 EVERY = 2.0
@@ -236,7 +236,7 @@ def _store(made: Sweep, directory: Path | None, resume: bool) -> Store:
 
 def swept(source: str, out: Path, options: argparse.Namespace) -> tuple[list[str], bool, bool]:
     """The command: what it found, a line each; whether all scenes are done; whether methods agree."""
-    from ringwear.studies.sweep.figure import drawn
+    from .figure import drawn
 
     made = Sweep.load(source)
     plan = planned(made, options.memory or machine_memory(), options.workers).said(options.workers)

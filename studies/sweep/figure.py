@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ringwear.meshes.radial import Array
-from ringwear.studies.figures.style import curve, new_figure
-from ringwear.studies.sweep.axes import DRAW, Sweep
+from ...meshes.radial import Array
+from ..figures.style import curve, new_figure
+from .axes import DRAW, Sweep
 
 # quantities (rows), further values (columns), and curves that a page holds; an axis of more values wants a map
 ROWS, COLUMNS, CURVES = 4, 6, 8

@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING, Any
 
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.problem.sections import WearSection
+from ...meshes.errors import SceneError
+from ..problem.sections import WearSection
 
 if TYPE_CHECKING:
-    from ringwear.studies.methods.quantities import Quantity
+    from ..methods.quantities import Quantity
 
 # answers (`studies/crosscheck/answer.py`) that can be kept, and the quantities that they are found from;
 # methods state no errors of them
@@ -26,7 +26,7 @@ JUDGED = {
 
 def keepable() -> dict[str, "Quantity"]:
     """Return the quantities and answers of a flat punch that can be kept."""
-    from ringwear.studies.methods.quantities import ANSWER, OF_PROFILES, QUANTITIES
+    from ..methods.quantities import ANSWER, OF_PROFILES, QUANTITIES
 
     flat = {name: QUANTITIES[name] for name in QUANTITIES if name not in OF_PROFILES}
     return flat | {name: ANSWER[name] for name in ANSWERS}
@@ -34,7 +34,7 @@ def keepable() -> dict[str, "Quantity"]:
 
 def checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
     """The quantities to keep: those named, or all that need no radius and no ring and that the scene asks for."""
-    from ringwear.studies.methods.quantities import HISTORIES
+    from ..methods.quantities import HISTORIES
 
     known = keepable()
     if keep is None:

@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from ringwear.meshes.errors import SceneError
-from ringwear.meshes.radial import Array
-from ringwear.studies.methods.quantities import ERROR, NORMS, STATES, error_name
-from ringwear.studies.problem.unit_names import KINDS, UNSTATED, UnitNames
-from ringwear.studies.sweep.axes import Sweep
-from ringwear.studies.sweep.kept import ANSWERS, JUDGED, keepable
-from ringwear.studies.wear.modes import SHOWN
+from ...meshes.errors import SceneError
+from ...meshes.radial import Array
+from ..methods.quantities import ERROR, NORMS, STATES, error_name
+from ..problem.unit_names import KINDS, UNSTATED, UnitNames
+from ..wear.modes import SHOWN
+from .axes import Sweep
+from .kept import ANSWERS, JUDGED, keepable
 
 # keys that leave relaxation times as they are
 OF_ONE_TIME_SCALE = ("load.normal_force", "load.mean_pressure", "accuracy.", "output.", "wear.", "methods",

@@ -5,18 +5,18 @@ from math import ceil, prod
 
 import numpy as np
 
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.crosscheck.scope import beyond_memory, expected
-from ringwear.studies.methods.base import method
-from ringwear.studies.methods.costs import DISCRETISING, by_terms
-from ringwear.studies.methods.estimate import solved_whole
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.problem.scene import Scene
-from ringwear.studies.problem.shared import Shared, groups
-from ringwear.studies.sweep.axes import Sweep
-from ringwear.studies.sweep.blocks import block_shape, blocks
-from ringwear.studies.sweep.compute import posed
-from ringwear.studies.sweep.layout import layout
+from ...meshes.errors import SceneError
+from ..crosscheck.scope import beyond_memory, expected
+from ..methods.base import method
+from ..methods.costs import DISCRETISING, by_terms
+from ..methods.estimate import solved_whole
+from ..problem.problem import Problem
+from ..problem.scene import Scene
+from ..problem.shared import Shared, groups
+from .axes import Sweep
+from .blocks import block_shape, blocks
+from .compute import posed
+from .layout import layout
 
 # blocks that a plan looks into
 SAMPLED = 40

@@ -20,12 +20,12 @@ import zarr
 from zarr.codecs import Crc32cCodec, ZstdCodec
 from zarr.storage import LocalStore, MemoryStore
 
-from ringwear.meshes.errors import RingwearError, SceneError
-from ringwear.meshes.radial import Array
-from ringwear.studies.sweep.axes import Sweep
-from ringwear.studies.sweep.blocks import Block
-from ringwear.studies.sweep.layout import DONE, FAILED, PENDING, Layout, Outcome
-from ringwear.studies.versions import fingerprint
+from ...meshes.errors import RingwearError, SceneError
+from ...meshes.radial import Array
+from ..versions import fingerprint
+from .axes import Sweep
+from .blocks import Block
+from .layout import DONE, FAILED, PENDING, Layout, Outcome
 
 NAME = "sweep.zarr"
 STATUS = {"long_name": "what has become of the scene", "flag_values": [PENDING, DONE, FAILED],

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ringwear.meshes.radial import Array
-from ringwear.studies.sweep.axes import Sweep, described
-from ringwear.studies.sweep.layout import DONE, FAILED, PENDING
+from ...meshes.radial import Array
+from .axes import Sweep, described
+from .layout import DONE, FAILED, PENDING
 
 # the commonest reasons of failures that are listed
 REASONS = 10

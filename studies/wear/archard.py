@@ -14,12 +14,12 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse import csr_matrix
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.errors import SceneError
-from ringwear.meshes.radial import Array, Indices
-from ringwear.studies.problem.marching import refused_steps, steps_between
-from ringwear.studies.wear.contact import FlatStart, SteadyState, flat_start, steady_state
-from ringwear.studies.wear.modes import (
+from ...meshes.compliance import Compliance
+from ...meshes.errors import SceneError
+from ...meshes.radial import Array, Indices
+from ..problem.marching import refused_steps, steps_between
+from .contact import FlatStart, SteadyState, flat_start, steady_state
+from .modes import (
     LARGE,
     LARGEST,
     SHOWN,
@@ -30,7 +30,7 @@ from ringwear.studies.wear.modes import (
     excited_modes,
     slowest_times,
 )
-from ringwear.studies.wear.shared_modes import SharedModes, steady_rate
+from .shared_modes import SharedModes, steady_rate
 
 # smallest element, or first time, above which eigenvalues are as good as singular values, at a quarter of the time
 # (measured: no digit of indentation, relaxation time or slope differs from rtol 1e-3 to 1e-9). Below it the stiff modes

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.polynomial.legendre import legval, legvander
 from scipy.linalg import cho_factor, cho_solve
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.errors import SolverError
-from ringwear.meshes.pressure_space import PressureSpace, shapes
-from ringwear.meshes.radial import Array, unit_gauss
-from ringwear.studies.wear.modes import BandedCholesky
+from ...meshes.compliance import Compliance
+from ...meshes.errors import SolverError
+from ...meshes.pressure_space import PressureSpace, shapes
+from ...meshes.radial import Array, unit_gauss
+from .modes import BandedCholesky
 
 # functions that the start is sought among, where the space is not too small for them: what a compliance adds to the first is
 # an error of its own

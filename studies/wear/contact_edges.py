@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.contact_cells import ContactCells
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import Array, Indices
-from ringwear.studies.problem.profile import InitialProfile
-from ringwear.studies.wear.moments import moments
-from ringwear.studies.wear.unilateral import Contact, Interval, Load, Mask, Press
+from ...meshes.compliance import Compliance
+from ...meshes.contact_cells import ContactCells
+from ...meshes.pressure_space import PressureSpace
+from ...meshes.radial import Array, Indices
+from ..problem.profile import InitialProfile
+from .moments import moments
+from .unilateral import Contact, Interval, Load, Mask, Press
 
 # cells that the narrowest first contact should have, and looks at finer and finer cells for that
 ENOUGH, LOOKS = 12, 24

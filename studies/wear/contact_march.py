@@ -22,12 +22,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.errors import SceneError
-from ringwear.meshes.radial import Array
-from ringwear.studies.problem.marching import steps_between
-from ringwear.studies.wear.modes import BandedCholesky, Modes, every_mode
-from ringwear.studies.wear.unilateral import Contact, Load, Mask, Press
+from ...meshes.compliance import Compliance
+from ...meshes.errors import SceneError
+from ...meshes.radial import Array
+from ..problem.marching import steps_between
+from .modes import BandedCholesky, Modes, every_mode
+from .unilateral import Contact, Load, Mask, Press
 
 GAMMA = 1 - np.sqrt(0.5)
 # weights of the parabola through the start and the two stages, less those of the method

@@ -16,13 +16,13 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import root
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.errors import SolverError
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import Array, Indices
-from ringwear.studies.problem.profile import InitialProfile
-from ringwear.studies.wear.moments import moments
-from ringwear.studies.wear.unilateral import Interval, Load
+from ...meshes.compliance import Compliance
+from ...meshes.errors import SolverError
+from ...meshes.pressure_space import PressureSpace
+from ...meshes.radial import Array, Indices
+from ..problem.profile import InitialProfile
+from .moments import moments
+from .unilateral import Interval, Load
 
 # (edges from 0 to 1 that every pressure space must be broken at, which of them the pressure is infinite at) -> compliance
 CompliancesOn = Callable[[tuple[float, ...], tuple[bool, ...]], Compliance]

@@ -16,8 +16,8 @@ from scipy.linalg.lapack import dtbtrs
 from scipy.sparse import csr_matrix, tril
 from scipy.sparse.linalg import eigsh
 
-from ringwear.meshes.errors import SolverError
-from ringwear.meshes.radial import Array
+from ...meshes.errors import SolverError
+from ...meshes.radial import Array
 
 # beyond this size singular values would take minutes
 LARGE = 700

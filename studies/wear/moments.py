@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
-from ringwear.meshes.pressure_space import PressureSpace, shapes
-from ringwear.meshes.radial import Array, Indices, ring_of, unit_gauss
-from ringwear.studies.problem.profile import InitialProfile
+from ...meshes.pressure_space import PressureSpace, shapes
+from ...meshes.radial import Array, Indices, ring_of, unit_gauss
+from ..problem.profile import InitialProfile
 
 # Gauss points between two kinks of an element, more than a polynomial of its degree needs: heights may be anything
 MORE_POINTS = 8

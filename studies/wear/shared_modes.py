@@ -15,9 +15,9 @@ import numpy as np
 from scipy.linalg import eigh, svd
 from scipy.sparse import csr_matrix
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.radial import Array, Indices
-from ringwear.studies.wear.modes import SHOWN, BandedCholesky, Modes, modes_of
+from ...meshes.compliance import Compliance
+from ...meshes.radial import Array, Indices
+from .modes import SHOWN, BandedCholesky, Modes, modes_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
-from ringwear.meshes.errors import SolverError
-from ringwear.meshes.radial import Array
+from ...meshes.errors import SolverError
+from ...meshes.radial import Array
 
 Mask = NDArray[np.bool_]
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.studies.methods.base import Cost
-from ringwear.studies.problem.defaults import cells_of
-from ringwear.studies.problem.problem import Problem
+from ....meshes.pressure_space import PressureSpace
+from ...problem.defaults import cells_of
+from ...problem.problem import Problem
+from ..base import Cost
 
 # cells beside those that are known beforehand, where contact begins on a narrow part of the face
 MORE = 1.3

@@ -4,15 +4,15 @@ import numpy as np
 import xarray
 from scipy.sparse.linalg import splu
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.radial import Array
-from ringwear.studies.methods.quantities import labelled, radial_weight
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.problem.profile import InitialProfile
-from ringwear.studies.wear.contact_edges import nodes, worn_edges
-from ringwear.studies.wear.contact_march import ContactHistory
-from ringwear.studies.wear.fitted_press import FittedPress
-from ringwear.studies.wear.unilateral import Interval
+from ....meshes.compliance import Compliance
+from ....meshes.radial import Array
+from ...problem.problem import Problem
+from ...problem.profile import InitialProfile
+from ...wear.contact_edges import nodes, worn_edges
+from ...wear.contact_march import ContactHistory
+from ...wear.fitted_press import FittedPress
+from ...wear.unilateral import Interval
+from ..quantities import labelled, radial_weight
 
 Edges = list[tuple[float, float]]
 

@@ -13,24 +13,23 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ringwear.mdr import energy
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.contact_cells import ContactCells
-from ringwear.meshes.errors import RingwearError
-from ringwear.meshes.radial import Array
-from ringwear.studies.methods.base import Solution
-from ringwear.studies.methods.estimate import CHANCE
-from ringwear.studies.methods.quantities import differences
-from ringwear.studies.methods.unilateral.sampler import ContactSampler
-from ringwear.studies.problem.defaults import cells_of
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.problem.profile import InitialProfile
-from ringwear.studies.progress import Stages
-from ringwear.studies.wear.contact_edges import located
-from ringwear.studies.wear.contact_march import ContactHistory, ContactMarch
-from ringwear.studies.wear.fitted_press import CLOSE, CompliancesOn, FittedContact, FittedPress
-from ringwear.studies.wear.moments import moments, unresolved_height
-from ringwear.studies.wear.unilateral import Interval, Load
+from ....mdr import energy
+from ....meshes.compliance import Compliance
+from ....meshes.contact_cells import ContactCells
+from ....meshes.errors import RingwearError
+from ....meshes.radial import Array
+from ...problem.defaults import cells_of
+from ...problem.problem import Problem
+from ...problem.profile import InitialProfile
+from ...progress import Stages
+from ...wear.contact_edges import located
+from ...wear.contact_march import ContactHistory, ContactMarch
+from ...wear.fitted_press import CLOSE, CompliancesOn, FittedContact, FittedPress
+from ...wear.moments import moments, unresolved_height
+from ...wear.unilateral import Interval, Load
+from ..base import Solution
+from ..quantities import CHANCE, differences
+from .sampler import ContactSampler
 
 # of the accuracy asked for that each step in time may add to the worn depth
 PER_STEP = 0.05
