@@ -10,13 +10,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import xarray
 
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..wear.archard import RunningIn
 from ..wear.shared_modes import SharedModes
-from .quantities import CHANCE, CHANCE_OF_ENERGIES, COMPARED_MODES, ENERGIES, QUANTITIES, common, differences
+from .quantities import (
+    CHANCE,
+    CHANCE_OF_ENERGIES,
+    COMPARED_MODES,
+    ENERGIES,
+    QUANTITIES,
+    array,
+    common,
+    differences,
+    radial_weight,
+)
 from .sampler import Evaluation
 
 NEAR = 2.5
@@ -24,6 +35,9 @@ NEAR = 2.5
 
 # times the difference that errors are stated as; on triangles, whose degree is low, meshes of two sizes may miss the same
 SAFETY, SAFETY_OF_TRIANGLES = 1.5, 8.0
+# fields that greatest values, and root mean square slopes, are taken from
+OF_FIELD = {"displacement_max": "displacement", "steady_displacement_max": "steady_profile"}
+SLOPES_OF = {"steady_rms_slope": "steady_profile"}
 # fraction of d0 that the element at the rim costs, over its size and times its degree: it cannot hold a pressure that is
 # infinite. Measured for degree 1, 2, 4 and 7: 0.05, 0.023, 0.009 and 0.004
 AT_RIM = 0.055
@@ -156,6 +170,13 @@ def estimated(
     for name, difference in found.items():
         least = problem.rtol * (CHANCE_OF_ENERGIES if name in ENERGIES else CHANCE)
         errors[name] = np.maximum(safety * at_times(problem, name, difference), max(least, roundoff))
+    errors |= {
+        name: np.maximum(errors[name], safety * part)
+        for name, part in _squares_of_slopes(problem, other.for_estimate, result.for_estimate).items()
+    }
+    for greatest, field in OF_FIELD.items():
+        if greatest in errors and field in errors:
+            errors[greatest] = np.maximum(errors[greatest], errors[field])
     parts = {"discretisation": safety * float(np.max(found.get("indentation", 0.0)))}
     start = problem.times == 0
     if "indentation" in errors and start.any():
@@ -181,6 +202,23 @@ def estimated(
         errors |= {name: errors[name] + step for name, step in steps.items()}
         parts["time step"] = float(steps["indentation"].max())
     return Estimate(result, errors, parts)
+
+
+def _squares_of_slopes(problem: Problem, coarse: xarray.Dataset, fine: xarray.Dataset) -> dict[str, Array]:
+    """Return the mean square of the difference of slopes over that of slopes, for each root mean square slope.
+
+    Roots of mean squares may differ by less, where the difference happens to be orthogonal to the slope.
+    """
+    face, found = problem.face, {}
+    weights = face.lengths * radial_weight(face.radii, problem.gradient_average)
+    for name, field in SLOPES_OF.items():
+        if name not in fine or field not in fine:
+            continue
+        profile = array(fine, field)
+        slopes, wrong = (face.slopes(one)[0] ** 2 @ weights for one in (profile, profile - array(coarse, field)))
+        share = np.divide(wrong, slopes, out=np.zeros_like(wrong), where=slopes > 0)
+        found[name] = at_times(problem, name, share)
+    return found
 
 
 def at_times(problem: Problem, name: str, error: Array) -> Array:

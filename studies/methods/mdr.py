@@ -1,5 +1,6 @@
 """The method of dimensionality reduction: its energy on a graded radial mesh. Its sizes serve boundary elements, too."""
 
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -94,11 +95,15 @@ class Mdr(AnySpaceMethod):
 
 
 def _coarser_space(problem: Problem, sizes: dict[str, Any]) -> PressureSpace:
-    """A degree less, and a layer less at every singular point, also where the ring's width set the layer."""
-    grading = sizes["grading"]
+    """A degree less in every element, and a layer less at every singular point, also where the ring's width set the layer.
+
+    Of degree 1, with every second breakpoint.
+    """
+    grading = sizes["grading"] ** (2 if sizes["degree"] == 1 else 1)
     larger = {name: np.minimum(sizes[name] / grading, 0.5) for name in ("rim_size", "ring_size")}
-    fewer = max(sizes["degree"] - 1, 1)
-    return radial_space(problem, fewer, **larger, grading=grading, widest=min(0.1 / grading, 0.5))
+    widest = min(0.1 / grading, 0.5)
+    space = radial_space(problem, sizes["degree"], **larger, grading=grading, widest=widest)
+    return replace(space, degrees=np.maximum(space.degrees - 1, 1))
 
 
 METHOD = Mdr()
