@@ -209,7 +209,7 @@ def _study(options: argparse.Namespace) -> int:
             # stopped between its rows: tables are whole after every row, but a figure may be half there
             for file in set(folder.hidden.iterdir()) - set(folder.hidden.glob("*.csv")):
                 file.unlink()
-            if not any(folder.hidden.iterdir()):
+            if not any(_rows(file) for file in folder.hidden.iterdir()):
                 raise KeyboardInterrupt
         failures = list[str]()
         with keeping_rows(conclusions):
@@ -227,6 +227,11 @@ def _study(options: argparse.Namespace) -> int:
     for failure in failures:
         print(f"ringwear: {failure}", file=sys.stderr)
     return FAILED if failures or INTERRUPTED in conclusions else DONE
+
+
+def _rows(table: Path) -> int:
+    """Rows of a table below its heading."""
+    return len(table.read_text("utf-8").splitlines()) - 1
 
 
 def _sweep(options: argparse.Namespace) -> int:

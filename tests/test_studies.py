@@ -72,7 +72,7 @@ def test_a_study_stopped_early_keeps_its_tables(name: str, line: int, tmp_path: 
 
 def test_ctrl_c_outside_of_a_studys_rows_leaves_nothing(tmp_path: Path) -> None:
     with interrupted_at(1):
-        assert main(["study", "compare", "--quick", "--out", str(tmp_path)]) == 1
+        assert main(["study", "benchmark", "--quick", "--out", str(tmp_path)]) == 1
     assert list(tmp_path.iterdir()) == []
 
 
