@@ -267,3 +267,11 @@ def test_anchors_hold_what_is_written(name: str, anchor: str) -> None:
     wrong = dataset.assign({name: 1.001 * dataset[name]})
     assert all(one.holds for one in anchors(result.scene, "mdr", dataset, solution))
     assert anchor in {one.name for one in anchors(result.scene, "mdr", wrong, solution) if not one.holds}
+
+
+def test_no_number_holds_to_nothing() -> None:
+    result = verdict(["mdr"], 1e-4)
+    dataset, solution = result.dataset.sel(solver="mdr"), result.solutions["mdr"]
+    lost = dataset.assign(indentation=dataset["indentation"] * np.nan)
+    broken = {one.name for one in anchors(result.scene, "mdr", lost, solution) if not one.holds}
+    assert "flat start, d = F / (2 a E*)" in broken

@@ -39,6 +39,8 @@ EXACT = 1e-9
 POWER_TIMES, POWER_STEP = 6, 0.005
 # roundoff of d, which differences of it over short times have
 ROUNDOFF_OF_D = 1e-14
+# the difference of what is no number, which JSON cannot hold
+NO_NUMBER = 1e99
 # doubt of slopes on the face beyond which they tell nothing
 UNTOLD = 0.1
 # times the doubt of a quadrature or an interpolation on the face that its error may be
@@ -70,7 +72,7 @@ def anchors(scene: Scene, name: str, dataset: xarray.Dataset, solution: Solution
     solution : what the method said of the face, and of its own errors
     """
     held = _Anchors(scene, name, dataset, solution)
-    return [Anchor(what, name, *worst) for what, worst in held.all() if np.isfinite(worst).all()]
+    return [Anchor(what, name, *worst) for what, worst in held.all() if np.isfinite(worst[1])]
 
 
 Worst = tuple[str, tuple[float, float]]
@@ -349,5 +351,7 @@ def _greatest(values: Array) -> tuple[Array, Array]:
 def _worst(difference: "Array | float", tolerance: "Array | float") -> tuple[float, float]:
     """Return both where the difference is the greatest part of what is tolerated."""
     difference, tolerance = np.broadcast_arrays(np.atleast_1d(difference), np.atleast_1d(tolerance))
+    # what is no number holds to nothing
+    difference = np.where(np.isnan(difference), NO_NUMBER, difference)
     worst = int(np.argmax(difference / tolerance))
     return float(difference[worst]), float(tolerance[worst])
