@@ -13,7 +13,7 @@ from ..problem.face import Face
 A_FEW = 4.0
 # part of the accuracy asked for that energies, and everything else, are not known better than: where two computations differ
 # by less, it may be by chance
-CHANCE_OF_ENERGIES, CHANCE = 1e-5, 0.02
+CHANCE_OF_ENERGIES, CHANCE = 1e-5, 0.01
 # the finest accuracy that can be asked for
 FINEST = 1e-9
 ERROR = "relative error of {}, the method's own estimate: {}"

@@ -189,7 +189,8 @@ def _errors(problem: Problem, coarse: xarray.Dataset, fine: xarray.Dataset) -> d
         if later.any():
             among = np.pad(difference[later], AROUND)
             near[later] = np.lib.stride_tricks.sliding_window_view(among, 2 * AROUND + 1).max(axis=1)
-        least = np.where(later, CHANCE * problem.rtol, LEAST.get(name, ROUNDOFF))
+        # edges of the contact leave more to chance
+        least = np.where(later, 2 * CHANCE * problem.rtol, LEAST.get(name, ROUNDOFF))
         errors[name] = np.maximum(SAFETY * near, least)
     return errors
 
