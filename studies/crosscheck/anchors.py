@@ -71,7 +71,7 @@ def anchors(scene: Scene, name: str, dataset: xarray.Dataset, solution: Solution
     dataset : what is written of it, in the scene's units
     solution : what the method said of the face, and of its own errors
     """
-    held = _Anchors(scene, name, dataset, solution)
+    held = _Anchors(scene, dataset, solution)
     return [Anchor(what, name, *worst) for what, worst in held.all() if np.isfinite(worst[1])]
 
 
@@ -81,8 +81,8 @@ Worst = tuple[str, tuple[float, float]]
 class _Anchors:
     """The anchors of one method: pairs of a name, and the difference and the tolerance where it is worst."""
 
-    def __init__(self, scene: Scene, name: str, dataset: xarray.Dataset, solution: Solution) -> None:
-        self.scene, self.name, self.solution = scene, name, solution
+    def __init__(self, scene: Scene, dataset: xarray.Dataset, solution: Solution) -> None:
+        self.solution = solution
         self.problem: Problem = scene.problem
         self.face: Face = self.problem.face
         units = natural_units(scene)
