@@ -1,1 +1,4 @@
-"""The half-space in elements: axisymmetric elasticity, Lagrange-multiplier contact, Boussinesq far field."""
+"""The half-space in elements.
+
+Axisymmetric elasticity, Lagrange-multiplier contact, Boussinesq far field.
+"""

@@ -1,8 +1,10 @@
-"""Eliminate the inside of the half-space: a sparse Cholesky factorisation whose trailing block is what is wanted.
+"""Eliminate the inside of the half-space.
 
-With the kept unknowns ordered last, the trailing block `L` of the factor satisfies ``L L^T = `` Schur complement of
-the inside: one factorisation, no solve per kept unknown. CHOLMOD (from `kvxopt`, an optional extra) is used where it
-is installed, SuperLU (from scipy) everywhere else.
+A sparse Cholesky factorisation whose trailing block is what is wanted.
+
+With the kept unknowns ordered last, the trailing block `L` of the factor satisfies ``L L^T = ``
+Schur complement of the inside: one factorisation, no solve per kept unknown. CHOLMOD (from
+`kvxopt`, an optional extra) is used where it is installed, SuperLU (from scipy) everywhere else.
 """
 
 import importlib.util
@@ -28,11 +30,15 @@ def fill_reducing_order(groups: Indices, name: str = "") -> Indices:
 
     Parameters
     ----------
-    groups : (p, m) the p vertices of each of m groups, numbered from 0 to n - 1; those of one group are neighbours
+    groups : (p, m) the p vertices of each of m groups, numbered from 0 to n - 1; those of one group
+        are neighbours
     name : `cholmod` or `superlu`; default the best one installed
     """
     one, other = np.tril_indices(len(groups))
-    rows, columns = np.maximum(groups[one], groups[other]).ravel(), np.minimum(groups[one], groups[other]).ravel()
+    rows, columns = (
+        np.maximum(groups[one], groups[other]).ravel(),
+        np.minimum(groups[one], groups[other]).ravel(),
+    )
     lower = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(groups.max() + 1,) * 2)
     if (name or solver()) == "cholmod":
         from kvxopt import amd
@@ -63,8 +69,8 @@ def trailing_factor(lower: coo_matrix, inside: int, name: str = "") -> Array:
 
     Parameters
     ----------
-    lower : lower triangle of a symmetric positive definite matrix; unknowns to eliminate first, in the order of
-        elimination; entries at one place are summed
+    lower : lower triangle of a symmetric positive definite matrix; unknowns to eliminate first, in
+        the order of elimination; entries at one place are summed
     inside : how many to eliminate
     name : `cholmod` or `superlu`; default the best one installed
 
@@ -76,7 +82,9 @@ def trailing_factor(lower: coo_matrix, inside: int, name: str = "") -> Array:
     try:
         factor = {"cholmod": _cholmod, "superlu": _superlu}[name or solver()](lower, inside)
     except (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
-        raise SolverError(f"the stiffness of the half-space could not be factorised: {error}") from error
+        raise SolverError(
+            f"the stiffness of the half-space could not be factorised: {error}"
+        ) from error
     if not np.isfinite(factor).all():
         raise SolverError("the stiffness of the half-space is singular: its factor is not finite")
     return factor
@@ -96,7 +104,8 @@ def _cholmod(lower: coo_matrix, inside: int) -> Array:
         # a factorisation that met a pivot that is not positive stops without a word
         if not (np.array(cholmod.diag(factor)) > 0).all():
             raise ArithmeticError("it is not positive definite")
-        # all of the factor is many times as large as what is wanted of it: one copy, and room for it
+        # all of the factor is many times as large as what is wanted of it: one copy, and room for
+        # it
         del matrix
         trailing = cholmod.getfactor(factor)[inside:, inside:]
     finally:
@@ -111,5 +120,6 @@ def _superlu(lower: coo_matrix, inside: int) -> Array:
     pivots = factor.U.diagonal()
     if pivoted or not (pivots > 0).all():
         raise ArithmeticError("it is not positive definite")
-    # of a symmetric matrix U = D L^T: Cholesky's factor is L with its columns scaled, without any product of the two
+    # of a symmetric matrix U = D L^T: Cholesky's factor is L with its columns scaled, without any
+    # product of the two
     return factor.L[inside:, inside:].toarray() * np.sqrt(pivots[inside:])

@@ -1,4 +1,7 @@
-"""Finite-element half-spaces for contacts on part of the face: fitted to its edges, or fine all over the face."""
+"""Finite-element half-spaces for contacts on part of the face.
+
+Fitted to its edges, or fine all over the face.
+"""
 
 import numpy as np
 
@@ -11,8 +14,9 @@ from .elasticity import AxisymmetricElasticity
 from .far_field import enough_poles
 from .half_space import HalfSpace, pressure_space
 
-# a mark beside the axis, where a cone's pressure is infinite as a logarithm, and sizes as the radial mesh has them; those
-# at free edges larger, for the stiffness of small elements has fewer digits
+# a mark beside the axis, where a cone's pressure is infinite as a logarithm, and sizes as the
+# radial mesh has them; those at free edges larger, for the stiffness of small elements has fewer
+# digits
 MARK, AT_FREE, AT_CORNER = 1e-2, 2.5e-7, 1e-10
 FACTOR, GROWTH, TRUNCATION = 0.25, 0.8, 2.5
 # of triangles whose contact line follows given cells
@@ -22,7 +26,9 @@ COARSER_GROWTH = 0.9
 FAR_FIELD = 1e-10
 
 
-def fitted_half_space(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int, poisson_ratio: float) -> HalfSpace:
+def fitted_half_space(
+    edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int, poisson_ratio: float
+) -> HalfSpace:
     """Quadrilaterals of high degree in geometric layers round every edge of a contact.
 
     Parameters
@@ -40,13 +46,22 @@ def fitted_half_space(edges: tuple[float, ...], infinite: tuple[bool, ...], degr
     return _half_space(AxisymmetricElasticity(mesh, degree, poisson_ratio), marks)
 
 
-def even_half_space(cells: ContactCells, poisson_ratio: float, growth: float = TRIANGLE_GROWTH) -> HalfSpace:
-    """Triangles of degree 3 whose facets on the contact are no larger than the cells, with linear pressures on these."""
+def even_half_space(
+    cells: ContactCells, poisson_ratio: float, growth: float = TRIANGLE_GROWTH
+) -> HalfSpace:
+    """Triangles of degree 3 whose facets on the contact are no larger than the cells, with linear
+    pressures on these.
+    """
     mesh = bisection.mesh(contact_mesh_field(cells, growth, TRIANGLE_TRUNCATION))
-    half_space = _half_space(AxisymmetricElasticity(mesh, TRIANGLE_DEGREE, poisson_ratio), np.array(cells.ring_edges))
+    half_space = _half_space(
+        AxisymmetricElasticity(mesh, TRIANGLE_DEGREE, poisson_ratio), np.array(cells.ring_edges)
+    )
     space = half_space.space
-    return HalfSpace(half_space.solid, PressureSpace(space.breakpoints, np.ones_like(space.degrees), space.ring_edges),
-                     half_space.poles)  # fmt: skip
+    return HalfSpace(
+        half_space.solid,
+        PressureSpace(space.breakpoints, np.ones_like(space.degrees), space.ring_edges),
+        half_space.poles,
+    )
 
 
 def _as_root(distance: Array, *_: Array | Indices) -> Array:

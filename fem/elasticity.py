@@ -1,6 +1,8 @@
-"""The axisymmetric elastic solid on any scikit-fem mesh of the half-space, its degrees of freedom numbered by scikit-fem.
+"""The axisymmetric elastic solid on any scikit-fem mesh of the half-space, its degrees of freedom
+numbered by scikit-fem.
 
-Functions inside elements are condensed, all elements of one degree at once, before anything is assembled.
+Functions inside elements are condensed, all elements of one degree at once, before anything is
+assembled.
 """
 
 from collections.abc import Callable
@@ -22,7 +24,9 @@ from .weak_form import element_of_degree, stiffness, tables
 
 @lru_cache(maxsize=1024)
 def _side_table(element: Element, side: int, outwards: bool, local: bytes, slope: bool) -> Array:
-    """(functions, q) values, or slopes, of the functions of one side of the reference element at coordinates along it."""
+    """(functions, q) values, or slopes, of the functions of one side of the reference element at
+    coordinates along it.
+    """
     refdom, along, count = element.refdom, np.frombuffer(local), int(element.facet_dofs)
     ends = list(refdom.facets[side])
     start, end = refdom.p.T[ends if outwards else ends[::-1]]
@@ -41,7 +45,8 @@ class Batch:
     elements : (m,) their numbers in the mesh
     degree : polynomial degree
     functions : (b + i,) the element's functions that are used, those inside it last
-    unknowns : (m, 2 b) radial, then axial unknowns of those that are not inside; one past the last if held at zero
+    unknowns : (m, 2 b) radial, then axial unknowns of those that are not inside; one past the last
+        if held at zero
     inside : (m, i) numbers of those inside
     """
 
@@ -55,17 +60,20 @@ class Batch:
 
 @dataclass(frozen=True, eq=False)
 class AxisymmetricElasticity:
-    """The elastic solid on a mesh; unknowns are all radial, then all axial coefficients, numbered by scikit-fem's `Dofs`.
+    """The elastic solid on a mesh.
 
-    In subdomains of the mesh that allow it (`meshes.half_space.LOWER`) the degree is lower. A side has the lower degree of
-    its two elements: the functions that exceed it are held at zero.
+    Unknowns are all radial, then all axial coefficients, numbered by scikit-fem's `Dofs`.
+
+    In subdomains of the mesh that allow it (`meshes.half_space.LOWER`) the degree is lower. A side
+    has the lower degree of its two elements: the functions that exceed it are held at zero.
 
     Parameters
     ----------
     mesh : triangles or turned quadrilaterals, with boundaries named (`meshes.half_space`)
     degree : polynomial degree of the displacement: 1 to 4 on triangles, any on quadrilaterals
     given_ratio : Poisson's ratio, up to and including 1/2
-    own_element : an H1 element of scikit-fem's, or of one's own, of that degree along a side; default `element_of_degree`
+    own_element : an H1 element of scikit-fem's, or of one's own, of that degree along a side;
+        default `element_of_degree`
     highest_ratio : Poisson's ratio that stands for any from there to 1/2
     """
 
@@ -79,8 +87,9 @@ class AxisymmetricElasticity:
     def poisson_ratio(self) -> float:
         """Poisson's ratio that is modelled: a little less than 1/2 for an incompressible solid.
 
-        With the plane strain modulus given, pressures and displacements on the contact do not depend on it, and closer to
-        1/2 roundoff costs more than it gains. What is inside depends on it, in proportion to 1 - 2 nu.
+        With the plane strain modulus given, pressures and displacements on the contact do not
+        depend on it, and closer to 1/2 roundoff costs more than it gains. What is inside depends on
+        it, in proportion to 1 - 2 nu.
         """
         return min(self.given_ratio, self.highest_ratio)
 
@@ -99,7 +108,11 @@ class AxisymmetricElasticity:
     @property
     def facet_dofs(self) -> Indices:
         """(degree - 1, facets) functions of the facets, by degree."""
-        return self.dofs.facet_dofs if self.degree > 1 else np.empty((0, self.mesh.nfacets), dtype=np.int64)
+        return (
+            self.dofs.facet_dofs
+            if self.degree > 1
+            else np.empty((0, self.mesh.nfacets), dtype=np.int64)
+        )
 
     @cached_property
     def degrees(self) -> Indices:
@@ -107,7 +120,9 @@ class AxisymmetricElasticity:
         out = np.full(self.mesh.nelements, self.degree)
         for name, elements in (self.mesh.subdomains or {}).items():
             if name.startswith(LOWER):
-                out[elements] = max(min(self.degree, LOWEST), self.degree - int(name.removeprefix(LOWER)))
+                out[elements] = max(
+                    min(self.degree, LOWEST), self.degree - int(name.removeprefix(LOWER))
+                )
         return out
 
     @cached_property
@@ -118,12 +133,17 @@ class AxisymmetricElasticity:
 
     @property
     def nodes(self) -> int:
-        """Number of functions of vertices and facets, numbered first; there are twice as many unknowns."""
+        """Number of functions of vertices and facets, numbered first.
+
+        There are twice as many unknowns.
+        """
         return int(self.dofs.N) - int(self.element.interior_dofs) * self.mesh.nelements
 
     @cached_property
     def held(self) -> Indices:
-        """(nodes,) whether a function is held at zero, because an element beside its facet has a lower degree."""
+        """(nodes,) whether a function is held at zero, because an element beside its facet has a
+        lower degree.
+        """
         out = np.zeros(self.nodes, dtype=bool)
         if self.degrees.min() < self.degree:
             out[self.facet_dofs] = np.arange(2, self.degree + 1)[:, None] > self.facet_degrees
@@ -132,14 +152,20 @@ class AxisymmetricElasticity:
     @property
     def unknowns(self) -> int:
         """Number of displacement unknowns, those inside elements among them."""
-        return 2 * (self.nodes - int(self.held.sum()) + sum(batch.inside.size for batch in self.batches))
+        return 2 * (
+            self.nodes - int(self.held.sum()) + sum(batch.inside.size for batch in self.batches)
+        )
 
     @property
     def parts(self) -> tuple[Indices, Indices]:
-        """Vertices and facets of each element (p, m), in one numbering, and the vertex or facet of each node (nodes,)."""
+        """Vertices and facets of each element (p, m), in one numbering, and the vertex or facet of
+        each node (nodes,).
+        """
         mesh = self.mesh
         per_part = np.repeat([1, int(self.element.facet_dofs)], [mesh.nvertices, mesh.nfacets])
-        return np.concatenate([mesh.t, mesh.nvertices + mesh.t2f]), np.repeat(np.arange(len(per_part)), per_part)
+        return np.concatenate([mesh.t, mesh.nvertices + mesh.t2f]), np.repeat(
+            np.arange(len(per_part)), per_part
+        )
 
     @cached_property
     def batches(self) -> tuple[Batch, ...]:
@@ -154,14 +180,19 @@ class AxisymmetricElasticity:
         inside = np.arange(int(element.interior_dofs))
         among_highest = inside
         if isinstance(element, ElementQuadP):
-            # products of bubbles, and where they stand among those of the highest degree. If their two degrees sum to more
-            # than 2 above the degree they cost more than they give, but near incompressibility, where stresses need them
+            # products of bubbles, and where they stand among those of the highest degree. If their
+            # two degrees sum to more than 2 above the degree they cost more than they give, but
+            # near incompressibility, where stresses need them
             one, other = np.divmod(inside, degree - 1)
             used = (one + other + 4 <= degree + 2) | (self.given_ratio > 0.45)
             inside, among_highest = inside[used], (one * (self.degree - 1) + other)[used]
         # the functions of a facet come by degree
-        on_sides = np.arange(sides)[:, None] * int(self.element.facet_dofs) + np.arange(int(element.facet_dofs))
-        numbers = self.dofs.element_dofs[np.append(np.arange(corners), corners + on_sides)][:, elements].T
+        on_sides = np.arange(sides)[:, None] * int(self.element.facet_dofs) + np.arange(
+            int(element.facet_dofs)
+        )
+        numbers = self.dofs.element_dofs[np.append(np.arange(corners), corners + on_sides)][
+            :, elements
+        ].T
         unknowns = np.concatenate([numbers, numbers + self.nodes], axis=1)
         unknowns[np.tile(self.held[numbers], 2)] = 2 * self.nodes
         functions = np.append(np.arange(outer), outer + inside)
@@ -170,7 +201,10 @@ class AxisymmetricElasticity:
 
     @cached_property
     def condensed(self) -> tuple[tuple[Array, Array], ...]:
-        """Of each batch: (m, 2b, 2b) stiffness of the boundary, and (m, 2i, 2b) coefficients inside by those on it."""
+        """Of each batch.
+
+        (m, 2b, 2b) stiffness of the boundary, and (m, 2i, 2b) coefficients inside by those on it.
+        """
         return tuple(self._condensed(batch) for batch in self.batches)
 
     def _condensed(self, batch: Batch) -> tuple[Array, Array]:
@@ -182,7 +216,14 @@ class AxisymmetricElasticity:
         for start in range(0, m, at_once):
             few = slice(start, start + at_once)
             elements = batch.elements[few]
-            whole = stiffness(self.mesh, batch.element, batch.functions, elements, batch.degree, self.poisson_ratio)
+            whole = stiffness(
+                self.mesh,
+                batch.element,
+                batch.functions,
+                elements,
+                batch.degree,
+                self.poisson_ratio,
+            )
             k = len(whole)
             across = whole[:, :, n:, :, :n].reshape(k, i, b)
             inside = whole[:, :, n:, :, n:].reshape(k, i, i)
@@ -192,18 +233,26 @@ class AxisymmetricElasticity:
         return boundary, from_boundary
 
     def with_insides(self, displacement: Array) -> Array:
-        """(states, dofs, 2) coefficients of all functions, by (states, nodes, 2) ones of those not inside elements."""
+        """(states, dofs, 2) coefficients of all functions, by (states, nodes, 2) ones of those not
+        inside elements.
+        """
         states = len(displacement)
         out = np.zeros((states, int(self.dofs.N), 2))
         out[:, : self.nodes] = displacement
-        known = np.concatenate([displacement[..., 0], displacement[..., 1], np.zeros((states, 1))], axis=1)
+        known = np.concatenate(
+            [displacement[..., 0], displacement[..., 1], np.zeros((states, 1))], axis=1
+        )
         for batch, (_, from_boundary) in zip(self.batches, self.condensed, strict=True):
-            inside = np.einsum("mib,smb->smi", from_boundary, known[:, batch.unknowns], optimize=True)
+            inside = np.einsum(
+                "mib,smb->smi", from_boundary, known[:, batch.unknowns], optimize=True
+            )
             out[:, batch.inside] = np.stack(np.split(inside, 2, axis=2), axis=-1)
         return out
 
     def lower_triangle(self, position: Indices) -> coo_matrix:
-        """Lower triangle of the stiffness without the insides of elements; entries at one place are to be summed.
+        """Lower triangle of the stiffness without the insides of elements.
+
+        Entries at one place are to be summed.
 
         Parameters
         ----------
@@ -225,7 +274,10 @@ class AxisymmetricElasticity:
 
     @cached_property
     def stiffness(self) -> csc_matrix:
-        """(2 nodes, 2 nodes) symmetric stiffness without the insides of elements; no boundary condition applied."""
+        """(2 nodes, 2 nodes) symmetric stiffness without the insides of elements.
+
+        No boundary condition applied.
+        """
         return symmetric(self.lower_triangle(np.arange(2 * self.nodes)))
 
     def forces(self, displacement: Array) -> Array:
@@ -251,37 +303,53 @@ class AxisymmetricElasticity:
         return np.asarray(numbers[~self.held[numbers]], dtype=np.int64)
 
     def interpolate(self, name: str, fields: Callable[[Array], Array]) -> Array:
-        """(functions, ...) coefficients of fields on a named boundary, in its order, by values (n, ...) at (n, 2) points.
+        """(functions, ...) coefficients of fields on a named boundary, in its order, by values (n,
+        ...) at (n, 2) points.
 
-        Least squares at as many points of each facet as it has functions, both ends among them: an interpolation.
+        Least squares at as many points of each facet as it has functions, both ends among them: an
+        interpolation.
         """
         facets = self.mesh.boundaries[name]
         local = (1 - np.cos(np.pi * np.arange(self.degree + 1) / self.degree)) / 2
         basis = self.trace(facets, local)[:, self.boundary(name)]
         start, end = segments(self.mesh, facets)[:, :, None].swapaxes(0, 1)
         values = fields((start + local[:, None] * (end - start)).reshape(-1, 2))
-        coefficients = splu((basis.T @ basis).tocsc()).solve(basis.T @ values.reshape(len(values), -1))
+        coefficients = splu((basis.T @ basis).tocsc()).solve(
+            basis.T @ values.reshape(len(values), -1)
+        )
         return np.asarray(coefficients.reshape(-1, *values.shape[1:]))
 
     def trace(self, facets: Indices, local: Array, slope: bool = False) -> csr_matrix:
-        """(facets x points, nodes) values, or slopes along the facet, at local coordinates on facets of the boundary.
+        """(facets x points, nodes) values, or slopes along the facet, at local coordinates on
+        facets of the boundary.
 
-        Evaluated on the sides of the reference element: `FacetBasis` inverts the mapping by Newton's method, which does
-        not end on elements smaller than its tolerance. Local coordinates run from 0, at the end nearer to the axis, to 1.
+        Evaluated on the sides of the reference element: `FacetBasis` inverts the mapping by
+        Newton's method, which does not end on elements smaller than its tolerance. Local
+        coordinates run from 0, at the end nearer to the axis, to 1.
         """
         mesh = self.mesh
         element = mesh.f2t[0, facets]
         side = (mesh.t2f[:, element] == facets).argmax(axis=0)
         ends = mesh.t[np.array(self.element.refdom.facets)[side].T, element]
         outwards = ends[0] == facet_ends(mesh, facets)[0]
-        scale = 1 / np.linalg.norm(mesh.p[:, ends[1]] - mesh.p[:, ends[0]], axis=0) if slope else np.ones(len(facets))
+        scale = (
+            1 / np.linalg.norm(mesh.p[:, ends[1]] - mesh.p[:, ends[0]], axis=0)
+            if slope
+            else np.ones(len(facets))
+        )
         entries = []
-        kinds, kind = np.unique(np.stack([side, outwards, self.facet_degrees[facets]]), axis=1, return_inverse=True)
+        kinds, kind = np.unique(
+            np.stack([side, outwards, self.facet_degrees[facets]]), axis=1, return_inverse=True
+        )
         for number, (one_side, outward, degree) in enumerate(kinds.T.tolist()):
             chosen = np.flatnonzero(kind == number)
-            table = _side_table(self._element(degree), one_side, bool(outward), local.tobytes(), slope)
+            table = _side_table(
+                self._element(degree), one_side, bool(outward), local.tobytes(), slope
+            )
             on_facets = self.facet_dofs[: degree - 1, facets[chosen]]
-            columns = np.concatenate([self.dofs.nodal_dofs[0, ends[:, chosen]], on_facets]).T[:, None]
+            columns = np.concatenate([self.dofs.nodal_dofs[0, ends[:, chosen]], on_facets]).T[
+                :, None
+            ]
             rows = chosen[:, None, None] * len(local) + np.arange(len(local))[:, None]
             parts = np.broadcast_arrays(scale[chosen, None, None] * table.T, rows, columns)
             entries.append([part.ravel() for part in parts])

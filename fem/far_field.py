@@ -1,14 +1,18 @@
 """Boussinesq multipoles: the exact exterior of a half-space loaded near the origin.
 
-An axisymmetric load on ``r < 1`` is seen from afar as a point force, its horizontal Laplacian, and so on; the pole
-of order ``n`` (0, 2, 4, ...) decays as ``1/rho^(n+1)``. In the Hankel form of Boussinesq's solution a horizontal
-Laplacian multiplies by ``-s^2``, so each pole is a pair of Legendre functions and needs no derivation of its own:
+An axisymmetric load on ``r < 1`` is seen from afar as a point force, its horizontal Laplacian, and
+so on; the pole of order ``n`` (0, 2, 4, ...) decays as ``1/rho^(n+1)``. In the Hankel form of
+Boussinesq's solution a horizontal Laplacian multiplies by ``-s^2``, so each pole is a pair of
+Legendre functions and needs no derivation of its own:
 
-    2G u_z =  2(1-nu) L_n + z L_(n+1),     L_n = int s^n exp(-sz) J_0(sr) ds = n! P_n(cos t) / rho^(n+1)
-    2G u_r = -(1-2nu) M_n + z M_(n+1),     M_n = int s^n exp(-sz) J_1(sr) ds = (n-1)! sin t P_n'(cos t) / rho^(n+1)
+    2G u_z =  2(1-nu) L_n + z L_(n+1)
+    2G u_r = -(1-2nu) M_n + z M_(n+1)
+    L_n = int s^n exp(-sz) J_0(sr) ds = n! P_n(cos t) / rho^(n+1)
+    M_n = int s^n exp(-sz) J_1(sr) ds = (n-1)! sin t P_n'(cos t) / rho^(n+1)
 
-with z the depth, ``rho`` and ``t`` the spherical radius and the angle from the axis. The surface is free of traction
-but for the origin. The fields and their stresses are finite for every Poisson's ratio up to and including 1/2.
+with z the depth, ``rho`` and ``t`` the spherical radius and the angle from the axis. The surface is
+free of traction but for the origin. The fields and their stresses are finite for every Poisson's
+ratio up to and including 1/2.
 """
 
 import math
@@ -22,7 +26,8 @@ from ..meshes.radial import Array
 def enough_poles(truncation: float, negligible: float) -> tuple[int, ...]:
     """Orders of the poles that leave next to nothing of the truncation at a radius in `a`.
 
-    With n poles tied, the first one neglected has the share ``(a/R)^(4n+1)`` of the energy (`ringwear study truncation`).
+    With n poles tied, the first one neglected has the share ``(a/R)^(4n+1)`` of the energy
+    (`ringwear study truncation`).
     """
     count = max(1, math.ceil((math.log(1 / negligible) / math.log(truncation) - 1) / 4))
     return tuple(range(0, 2 * count, 2))
@@ -42,8 +47,11 @@ def _moments(points: Array, highest: int) -> tuple[Array, Array]:
     return values * scale, slopes
 
 
-def poles(points: Array, orders: tuple[int, ...], poisson_ratio: float, shear_modulus: float) -> tuple[Array, Array]:
-    """Displacement and stress of poles of even orders, each normalised to size one at unit distance.
+def poles(
+    points: Array, orders: tuple[int, ...], poisson_ratio: float, shear_modulus: float
+) -> tuple[Array, Array]:
+    """Displacement and stress of poles of even orders, each normalised to size one at unit
+    distance.
 
     Parameters
     ----------
@@ -58,19 +66,31 @@ def poles(points: Array, orders: tuple[int, ...], poisson_ratio: float, shear_mo
     nu, order = poisson_ratio, np.array(orders, dtype=np.int64)
     axial_moments, radial_moments = _moments(points, int(order.max(initial=0)) + 2)
     first, second = (order + 1.0)[:, None], ((order + 1.0) * (order + 2))[:, None]
-    l0, l1, l2 = axial_moments[order], first * axial_moments[order + 1], second * axial_moments[order + 2]
-    m0_r, m1_r, m2_r = radial_moments[order], first * radial_moments[order + 1], second * radial_moments[order + 2]
+    l0, l1, l2 = (
+        axial_moments[order],
+        first * axial_moments[order + 1],
+        second * axial_moments[order + 2],
+    )
+    m0_r, m1_r, m2_r = (
+        radial_moments[order],
+        first * radial_moments[order + 1],
+        second * radial_moments[order + 2],
+    )
     hoop = z * m1_r - (1 - 2 * nu) * m0_r
     radial, axial = r * hoop, 2 * (1 - nu) * l0 + z * l1
     strain_rr = z * (l2 - m1_r) - (1 - 2 * nu) * (l1 - m0_r)
     strain_zz = -(1 - 2 * nu) * l1 - z * l2
     pressure_part = -2 * nu * l1  # lambda div u: finite at nu = 1/2
     shear = -z * r * m2_r  # (d u_r/dz + d u_z/dr) / 2
-    stress = np.stack([pressure_part + strain_rr, pressure_part + strain_zz, shear, pressure_part + hoop], axis=-1)
+    stress = np.stack(
+        [pressure_part + strain_rr, pressure_part + strain_zz, shear, pressure_part + hoop], axis=-1
+    )
     return np.stack([radial, axial], axis=-1) / (2 * shear_modulus), stress
 
 
-def exterior_stiffness(segments: Array, orders: tuple[int, ...], poisson_ratio: float, shear_modulus: float) -> Array:
+def exterior_stiffness(
+    segments: Array, orders: tuple[int, ...], poisson_ratio: float, shear_modulus: float
+) -> Array:
     """(k, k) energy of the poles outside a polygon, ``-int t_i . u_j dA`` over its sides.
 
     Parameters

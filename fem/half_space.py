@@ -1,12 +1,15 @@
-"""Frictionless contact on the finite-element half-space: Lagrange multipliers, condensed to a compliance.
+"""Frictionless contact on the finite-element half-space.
 
-Unknowns: displacements `u`, the pressure `p` on the contact (the multipliers, on the radial pressure space), and the
-indentation `d`. With the coupling ``N_ij = int v_i phi_j dA`` of contact displacements and pressures,
+Lagrange multipliers, condensed to a compliance.
+
+Unknowns: displacements `u`, the pressure `p` on the contact (the multipliers, on the radial
+pressure space), and the indentation `d`. With the coupling ``N_ij = int v_i phi_j dA`` of contact
+displacements and pressures,
 
     K u = N p,      N^T u = d b - int f phi dA,      b . p = F.
 
-`saddle_point` solves that system whole. `compliance` eliminates `u` once, ``A = N^T K^-1 N``, which is all that
-contact, wear and steady states ever need.
+`saddle_point` solves that system whole. `compliance` eliminates `u` once, ``A = N^T K^-1 N``, which
+is all that contact, wear and steady states ever need.
 """
 
 from dataclasses import dataclass
@@ -36,12 +39,16 @@ def pressure_space(solid: AxisymmetricElasticity, ring_edges: Array) -> Pressure
     # ring edges exactly as they are
     breakpoints[np.abs(breakpoints[:, None] - ring_edges).argmin(axis=0)] = ring_edges
     if isinstance(solid.mesh, MeshQuad):
-        # one degree below the displacement, near incompressibility, some pressures would have but 2 per cent of their energy
+        # one degree below the displacement, near incompressibility, some pressures would have but 2
+        # per cent of their energy
         degrees = np.maximum(solid.facet_degrees[contact_facets(solid.mesh)] - 2, 1)
     else:
-        # the highest that is stable, reached within a few facets of a ring edge or the rim, where a low one is as accurate
+        # the highest that is stable, reached within a few facets of a ring edge or the rim, where a
+        # low one is as accurate
         highest = solid.degree - 1
-        degrees = layer_degrees(breakpoints, ring_edges, highest, rise=0.5, lowest=max(1, highest - 1))
+        degrees = layer_degrees(
+            breakpoints, ring_edges, highest, rise=0.5, lowest=max(1, highest - 1)
+        )
     return PressureSpace(breakpoints, degrees, ring_edges)
 
 
@@ -68,14 +75,17 @@ class HalfSpace:
 
     @cached_property
     def _order(self) -> Indices:
-        """Unknowns inside the half-space in the order of elimination, then axial ones on the contact by radius."""
+        """Unknowns inside the half-space in the order of elimination, then axial ones on the
+        contact by radius.
+        """
         solid, n = self.solid, self.solid.nodes
         free = np.stack([~solid.held, ~solid.held])
         far, contact = solid.boundary("far"), solid.boundary("contact")
         free[0, solid.boundary("axis")] = False
         free[:, far] = False
         free[1, contact] = False
-        # nodes of one corner or side have the same neighbours: theirs is a far smaller graph than that of unknowns
+        # nodes of one corner or side have the same neighbours: theirs is a far smaller graph than
+        # that of unknowns
         neighbours, part = solid.parts
         rank = np.argsort(fill_reducing_order(neighbours, self.solver))
         order = np.argsort(rank[part], kind="stable")
@@ -89,21 +99,30 @@ class HalfSpace:
         if not self.poles:
             return np.zeros((2 * solid.nodes, 0))
         nu, (_, shear) = solid.poisson_ratio, moduli(solid.poisson_ratio)
-        nodal = solid.interpolate("far", lambda points: np.moveaxis(poles(points, self.poles, nu, shear)[0], 0, -1))
+        nodal = solid.interpolate(
+            "far", lambda points: np.moveaxis(poles(points, self.poles, nu, shear)[0], 0, -1)
+        )
         out = np.zeros((2 * solid.nodes, len(self.poles)))
         out[far], out[far + solid.nodes] = nodal.swapaxes(0, 1)
         return out
 
     @cached_property
     def lower_triangle(self) -> coo_matrix:
-        """Lower triangle of `system`, its entries at one place not summed yet: all that condensing takes."""
+        """Lower triangle of `system`, its entries at one place not summed yet.
+
+        All that condensing takes.
+        """
         position = np.full(2 * self.solid.nodes, -1)
         position[self._order] = np.arange(len(self._order))
         free = self.solid.lower_triangle(position)
         if not self.poles:
             return free
         border = self.solid.forces(self._far_fields)
-        mesh, nu, (_, shear) = self.solid.mesh, self.solid.poisson_ratio, moduli(self.solid.poisson_ratio)
+        mesh, nu, (_, shear) = (
+            self.solid.mesh,
+            self.solid.poisson_ratio,
+            moduli(self.solid.poisson_ratio),
+        )
         exterior = exterior_stiffness(segments(mesh, mesh.boundaries["far"]), self.poles, nu, shear)
         corner = self._far_fields.T @ border + exterior
         edge, end = coo_matrix(border[self._order].T), coo_matrix(np.tril((corner + corner.T) / 2))
@@ -125,8 +144,12 @@ class HalfSpace:
         return np.concatenate([on_contact, np.zeros((len(self.poles), self.space.size))])
 
     def _trace(self, local: Array, slope: bool = False) -> csr_matrix:
-        """(facets x points, contact nodes) contact displacements, or their slopes, at local coordinates of every facet."""
-        return self.solid.trace(contact_facets(self.solid.mesh), local, slope)[:, self.solid.boundary("contact")]
+        """(facets x points, contact nodes) contact displacements, or their slopes, at local
+        coordinates of every facet.
+        """
+        return self.solid.trace(contact_facets(self.solid.mesh), local, slope)[
+            :, self.solid.boundary("contact")
+        ]
 
     def expand(self, solution: Array) -> Array:
         """(m, nodes, 2) displacements by the (unknowns of `system`, m) solutions."""
@@ -138,45 +161,63 @@ class HalfSpace:
     def compliance(self) -> Compliance:
         """Condense the half-space to its compliance on the pressure space.
 
-        The rows of the factor belong to contact nodes, then to poles: without its last row it is the compliance of
-        the same half-space with one pole less.
+        The rows of the factor belong to contact nodes, then to poles: without its last row it is
+        the compliance of the same half-space with one pole less.
         """
         factor = np.zeros_like(self.coupling)
-        # both run along the radius: a pressure has nothing to do with contact nodes closer to the axis
+        # both run along the radius: a pressure has nothing to do with contact nodes closer to the
+        # axis
         for start in range(0, self.space.size, 256):
             columns = slice(start, start + 256)
             rows = slice(np.flatnonzero(self.coupling[:, columns].any(axis=1))[0], None)
-            factor[rows, columns] = solve_triangular(self._factor[rows, rows], self.coupling[rows, columns], lower=True)
+            factor[rows, columns] = solve_triangular(
+                self._factor[rows, rows], self.coupling[rows, columns], lower=True
+            )
         return Compliance(self.space, factor)
 
     @cached_property
     def _factor(self) -> Array:
         """Cholesky factor of the stiffness condensed to contact nodes and poles."""
-        return trailing_factor(self.lower_triangle, self.lower_triangle.shape[0] - len(self.coupling), self.solver)
+        return trailing_factor(
+            self.lower_triangle, self.lower_triangle.shape[0] - len(self.coupling), self.solver
+        )
 
     def contact_displacement(self, pressure: Array, local: Array) -> tuple[Array, Array, Array]:
-        """Radii, axial displacements and slopes (facets, q) at local coordinates, under pressure coefficients (size,)."""
+        """Radii, axial displacements and slopes (facets, q) at local coordinates, under pressure
+        coefficients (size,).
+        """
         load = solve_triangular(self._factor, self.coupling @ pressure, lower=True)
-        displacement = solve_triangular(self._factor, load, lower=True, trans="T")[: -len(self.poles) or None]
+        displacement = solve_triangular(self._factor, load, lower=True, trans="T")[
+            : -len(self.poles) or None
+        ]
         radii = self.space.breakpoints[:-1, None] + np.diff(self.space.breakpoints)[:, None] * local
-        return radii, *((self._trace(local, slope) @ displacement).reshape(radii.shape) for slope in (False, True))
+        return radii, *(
+            (self._trace(local, slope) @ displacement).reshape(radii.shape)
+            for slope in (False, True)
+        )
 
     def saddle_point(self, force: float = 1.0) -> tuple[Array, float]:
-        """Pressure coefficients (size,) and indentation of the flat punch, from the whole system at once.
+        """Pressure coefficients (size,) and indentation of the flat punch, from the whole system at
+        once.
 
-        The pressure is sought among those continuous across ring edges. This is the plain reference that
-        `compliance` is tested against.
+        The pressure is sought among those continuous across ring edges. This is the plain reference
+        that `compliance` is tested against.
         """
         continuous = self.space.joined()
         weights = continuous.T @ self.space.weights
-        pressure, indentation, _ = self._saddle_point(self.coupling @ continuous, weights, np.zeros(len(weights)), force)
+        pressure, indentation, _ = self._saddle_point(
+            self.coupling @ continuous, weights, np.zeros(len(weights)), force
+        )
         return continuous @ pressure, indentation
 
-    def unilateral_saddle_point(self, moments: Array, force: float = 1.0) -> tuple[Array, Array, float]:
-        """Pressures (size,) >= 0 at nodes, moments (size,) >= 0 of the gap, and indentation, from the whole system.
+    def unilateral_saddle_point(
+        self, moments: Array, force: float = 1.0
+    ) -> tuple[Array, Array, float]:
+        """Pressures (size,) >= 0 at nodes, moments (size,) >= 0 of the gap, and indentation, from
+        the whole system.
 
-        The plain reference for contact on part of the face: linear pressures only, a factorisation for every contact that is
-        tried, each by the signs that the last one gave.
+        The plain reference for contact on part of the face: linear pressures only, a factorisation
+        for every contact that is tried, each by the signs that the last one gave.
 
         Parameters
         ----------
@@ -203,11 +244,20 @@ class HalfSpace:
             contact ^= wrong
         raise SolverError("the contact keeps changing")
 
-    def _saddle_point(self, loads: Array, weights: Array, moments: Array, force: float) -> tuple[Array, float, Array]:
-        """Pressure, indentation, and the displacement's moments (size,) against every pressure of the space."""
+    def _saddle_point(
+        self, loads: Array, weights: Array, moments: Array, force: float
+    ) -> tuple[Array, float, Array]:
+        """Pressure, indentation, and the displacement's moments (size,) against every pressure of
+        the space.
+        """
         inside = self.system.shape[0]
-        block, row = csc_matrix(np.pad(loads, ((inside - len(loads), 0), (0, 0)))), csc_matrix(weights)
-        whole = bmat([[self.system, -block, None], [-block.T, None, row.T], [None, row, None]], format="csc")
+        block, row = (
+            csc_matrix(np.pad(loads, ((inside - len(loads), 0), (0, 0)))),
+            csc_matrix(weights),
+        )
+        whole = bmat(
+            [[self.system, -block, None], [-block.T, None, row.T], [None, row, None]], format="csc"
+        )
         solution = splu(whole).solve(np.concatenate([np.zeros(inside), moments, [force]]))
         if not np.isfinite(solution).all():
             raise SolverError("the contact system is singular")

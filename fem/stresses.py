@@ -1,4 +1,6 @@
-"""Displacements and stresses inside the half-space, recovered from contact pressures in scikit-fem's elements."""
+"""Displacements and stresses inside the half-space, recovered from contact pressures in
+scikit-fem's elements.
+"""
 
 import numpy as np
 from numpy.polynomial.legendre import legvander2d
@@ -15,7 +17,8 @@ from .weak_form import moduli, tables
 
 
 def displacements(half_space: HalfSpace, pressures: Array) -> Array:
-    """(states, functions, 2) radial and axial coefficients under (states, size) pressure coefficients.
+    """(states, functions, 2) radial and axial coefficients under (states, size) pressure
+    coefficients.
 
     Raises
     ------
@@ -26,16 +29,21 @@ def displacements(half_space: HalfSpace, pressures: Array) -> Array:
     right = np.pad(loads, ((system.shape[0] - len(loads), 0), (0, 0)))
     solution = splu(system, permc_spec="MMD_AT_PLUS_A", **SYMMETRIC).solve(right)
     if not np.isfinite(solution).all():
-        raise SolverError("the stiffness of the half-space is singular: no displacement can be recovered")
+        raise SolverError(
+            "the stiffness of the half-space is singular: no displacement can be recovered"
+        )
     return half_space.solid.with_insides(half_space.expand(solution))
 
 
-def stresses(solid: AxisymmetricElasticity, displacement: Array, elements: Indices, points: Array) -> tuple[Array, Array]:
-    """Displacements (states, m, q, 2) and stresses rr, zz, rz, hoop (states, m, q, 4) at reference points of elements.
+def stresses(
+    solid: AxisymmetricElasticity, displacement: Array, elements: Indices, points: Array
+) -> tuple[Array, Array]:
+    """Displacements (states, m, q, 2) and stresses rr, zz, rz, hoop (states, m, q, 4) at reference
+    points of elements.
 
-    The elements must be of one degree p. Near incompressibility lambda makes noise of the dilatation but for its part in
-    the polynomials of total degree p - 1, which with displacements of degree p are stable: the dilatation is projected on
-    them in each element, by volume.
+    The elements must be of one degree p. Near incompressibility lambda makes noise of the
+    dilatation but for its part in the polynomials of total degree p - 1, which with displacements
+    of degree p are stable: the dilatation is projected on them in each element, by volume.
     """
     degree = int(solid.degrees[elements[0]])
     rule, weights = get_quadrature(solid.element, 2 * degree + 1)
@@ -44,7 +52,9 @@ def stresses(solid: AxisymmetricElasticity, displacement: Array, elements: Indic
     _, (rr, zz, _, hoop) = _strains(solid, displacement, elements, rule)
     at_rule, at_points = _polynomials(degree - 1, rule), _polynomials(degree - 1, points)
     count = len(at_rule)
-    masses = (volume @ (at_rule[:, None] * at_rule).reshape(count**2, -1).T).reshape(-1, count, count)
+    masses = (volume @ (at_rule[:, None] * at_rule).reshape(count**2, -1).T).reshape(
+        -1, count, count
+    )
     moments = (volume * (rr + zz + hoop)) @ at_rule.T
     dilatation = np.linalg.solve(masses, moments[..., None])[..., 0] @ at_points
     moved, (rr, zz, rz, hoop) = _strains(solid, displacement, elements, points)
@@ -62,8 +72,12 @@ def _polynomials(degree: int, points: Array) -> Array:
     return legvander2d(first, second, [degree, degree]).T[one + other <= degree]
 
 
-def _strains(solid: AxisymmetricElasticity, displacement: Array, elements: Indices, points: Array) -> tuple[Array, Array]:
-    """Displacements (states, m, q, 2) and strains rr, zz, rz, hoop (4, states, m, q) at reference points of elements."""
+def _strains(
+    solid: AxisymmetricElasticity, displacement: Array, elements: Indices, points: Array
+) -> tuple[Array, Array]:
+    """Displacements (states, m, q, 2) and strains rr, zz, rz, hoop (4, states, m, q) at reference
+    points of elements.
+    """
     value, gradient = tables(solid.element, points)
     mapping = solid.mesh.mapping()
     r, inverse = mapping.F(points, elements)[0], mapping.invDF(points, elements)
@@ -77,10 +91,14 @@ def _strains(solid: AxisymmetricElasticity, displacement: Array, elements: Indic
     return np.moveaxis(moved, 0, -1), np.stack([rr, zz, (rz + zr) / 2, hoop])
 
 
-def sampled(half_space: HalfSpace, pressures: Array, refinements: int) -> tuple[Array, Indices, Array, Array]:
-    """The fields of all elements under (states, size) pressure coefficients, not averaged between elements.
+def sampled(
+    half_space: HalfSpace, pressures: Array, refinements: int
+) -> tuple[Array, Indices, Array, Array]:
+    """The fields of all elements under (states, size) pressure coefficients, not averaged between
+    elements.
 
-    Points and triangles depend on the mesh only, so that the fields of two degrees can be compared point by point.
+    Points and triangles depend on the mesh only, so that the fields of two degrees can be compared
+    point by point.
 
     Parameters
     ----------
@@ -103,7 +121,9 @@ def sampled(half_space: HalfSpace, pressures: Array, refinements: int) -> tuple[
     points = solid.mesh.mapping().F(reference.p).reshape(2, -1)
     moved, stress = np.empty((states, elements, each, 2)), np.empty((states, elements, each, 4))
     for batch in solid.batches:
-        moved[:, batch.elements], stress[:, batch.elements] = stresses(solid, coefficients, batch.elements, reference.p)
+        moved[:, batch.elements], stress[:, batch.elements] = stresses(
+            solid, coefficients, batch.elements, reference.p
+        )
     return points, triangles, moved.reshape(states, -1, 2), stress.reshape(states, -1, 4)
 
 

@@ -1,9 +1,11 @@
 """The weak form of axisymmetric linear elasticity, and the stiffness of many elements at once.
 
-Energy ``int sigma : eps dV`` with ``dV = 2 pi r dr dz``: stiffness, forces and areas all carry the full 2 pi. Strains
-are ``eps_rr = du_r/dr``, ``eps_zz = du_z/dz``, ``eps_hoop = u_r/r``, ``2 eps_rz = du_r/dz + du_z/dr``; z is the depth.
-Radial and axial displacement are two scalar fields on one basis, so the weak form is three bilinear forms. scikit-fem
-assembles them pair by pair of functions, which is slow in high degrees; `stiffness` gives the same numbers in one product.
+Energy ``int sigma : eps dV`` with ``dV = 2 pi r dr dz``: stiffness, forces and areas all carry the
+    full 2 pi. Strains
+are ``eps_rr = du_r/dr``, ``eps_zz = du_z/dz``, ``eps_hoop = u_r/r``, ``2 eps_rz = du_r/dz +
+du_z/dr``; z is the depth. Radial and axial displacement are two scalar fields on one basis, so the
+weak form is three bilinear forms. scikit-fem assembles them pair by pair of functions, which is
+slow in high degrees; `stiffness` gives the same numbers in one product.
 """
 
 from functools import lru_cache
@@ -34,13 +36,20 @@ def radial_radial(u, v, w):  # type: ignore[no-untyped-def]
 def radial_axial(u, v, w):  # type: ignore[no-untyped-def]
     """Energy of an axial displacement `u` on a radial one `v`."""
     r = w.x[0]
-    return 2 * np.pi * r * (w.lame * u.grad[1] * (v.grad[0] + v / r) + w.shear * u.grad[0] * v.grad[1])
+    return (
+        2 * np.pi * r * (w.lame * u.grad[1] * (v.grad[0] + v / r) + w.shear * u.grad[0] * v.grad[1])
+    )
 
 
 @BilinearForm
 def axial_axial(u, v, w):  # type: ignore[no-untyped-def]
     """Energy of axial displacements `u` and `v`."""
-    return 2 * np.pi * w.x[0] * ((w.lame + 2 * w.shear) * u.grad[1] * v.grad[1] + w.shear * u.grad[0] * v.grad[0])
+    return (
+        2
+        * np.pi
+        * w.x[0]
+        * ((w.lame + 2 * w.shear) * u.grad[1] * v.grad[1] + w.shear * u.grad[0] * v.grad[0])
+    )
 
 
 def element_of_degree(mesh: Mesh, degree: int) -> Element:
@@ -53,24 +62,40 @@ def _element(on_quadrilaterals: bool, degree: int) -> Element:
     if on_quadrilaterals:
         low = skfem.ElementQuad0, skfem.ElementQuad1, skfem.ElementQuad2
         return low[degree]() if degree < len(low) else skfem.ElementQuadP(degree)
-    return (skfem.ElementTriP0, skfem.ElementTriP1, skfem.ElementTriP2, skfem.ElementTriP3, skfem.ElementTriP4)[degree]()
+    return (
+        skfem.ElementTriP0,
+        skfem.ElementTriP1,
+        skfem.ElementTriP2,
+        skfem.ElementTriP3,
+        skfem.ElementTriP4,
+    )[degree]()
 
 
 def stiffness(
-    mesh: Mesh, element: Element, functions: Indices, elements: Indices, degree: int, poisson_ratio: float
+    mesh: Mesh,
+    element: Element,
+    functions: Indices,
+    elements: Indices,
+    degree: int,
+    poisson_ratio: float,
 ) -> Array:
-    """(m, 2, n, 2, n) stiffness of some functions on some elements, radial first: the forms above, all at once.
+    """(m, 2, n, 2, n) stiffness of some functions on some elements, radial first.
 
-    The rule of quadrature is exact for polynomials of degree 2p + 1 on quadrilaterals. Triangles, which may touch the axis
-    with a corner, need more for the hoop strain u/r: 2p + 4.
+    The forms above, all at once.
+
+    The rule of quadrature is exact for polynomials of degree 2p + 1 on quadrilaterals. Triangles,
+    which may touch the axis with a corner, need more for the hoop strain u/r: 2p + 4.
     """
-    points, weights, *at_points = _at_rule(element, 2 * degree + (1 if isinstance(mesh, MeshQuad) else 4))
+    points, weights, *at_points = _at_rule(
+        element, 2 * degree + (1 if isinstance(mesh, MeshQuad) else 4)
+    )
     value, gradient = (table[functions] for table in at_points)
     mapping = mesh.mapping()
     r, inverse = mapping.F(points, elements)[0], mapping.invDF(points, elements)
     root = np.sqrt(2 * np.pi * r * np.abs(mapping.detDF(points, elements)) * weights)
     m, n, q = len(elements), len(value), len(weights)
-    # du_r/dr, u_r/r and du_r/dz (or du_z/dz) of every function at every point, and the products of every two
+    # du_r/dr, u_r/r and du_r/dz (or du_z/dz) of every function at every point, and the products of
+    # every two
     slopes = np.empty((m, 3, n, q))
     slopes[:, 1] = (root / r)[:, None] * value
     for field, axis in ((0, 0), (2, 1)):
@@ -91,7 +116,9 @@ def stiffness(
 
 @lru_cache(maxsize=64)
 def _at_rule(element: Element, order: int) -> tuple[Array, Array, Array, Array]:
-    """Points and weights of scikit-fem's quadrature of an order, and the element's `tables` there."""
+    """Points and weights of scikit-fem's quadrature of an order, and the element's `tables`
+    there.
+    """
     points, weights = get_quadrature(element, order)
     return points, weights, *tables(element, points)
 
@@ -103,7 +130,9 @@ def tables(element: Element, points: Array) -> tuple[Array, Array]:
 
 
 def projection(element: Element, points: Array, weights: Array, targets: Array) -> Array:
-    """(q, targets) values at reference points of the least squares in an element's functions, by values at a rule's."""
+    """(q, targets) values at reference points of the least squares in an element's functions, by
+    values at a rule's.
+    """
     value, _ = tables(element, points)
     moments = value * weights
     return np.asarray(moments.T @ np.linalg.solve(moments @ value.T, tables(element, targets)[0]))

@@ -1,1 +1,4 @@
-"""The half-space in theory: dimensionality reduction, direct integration, and the paper's grid algorithm."""
+"""The half-space in theory.
+
+Dimensionality reduction, direct integration, and the paper's grid algorithm.
+"""

@@ -1,10 +1,13 @@
-"""The compliance by boundary elements: the Galerkin matrix of the ring kernel (Eq. 19), with no MDR identity in it.
+"""The compliance by boundary elements.
 
-``A_ij = int int G(r, s) phi_i(r) phi_j(s) dA dA``, ``G = 2 K(k) / (pi^2 (r + s))``, whose complementary modulus is
-``|r - s| / (r + s)``. The kernel is logarithmic at ``r = s``. An element with itself, and two that share a breakpoint,
-are split into triangles at a common vertex (Duffy), with powers that flatten the logarithms; two that are apart get as
-many Gauss points as the nearest singularity demands. Distances are sums of parts of elements, never differences of
-radii, so that elements may be tiny. Non-dimensional: punch radius 1, modulus 1.
+The Galerkin matrix of the ring kernel (Eq. 19), with no MDR identity in it.
+
+``A_ij = int int G(r, s) phi_i(r) phi_j(s) dA dA``, ``G = 2 K(k) / (pi^2 (r + s))``, whose
+complementary modulus is ``|r - s| / (r + s)``. The kernel is logarithmic at ``r = s``. An element
+with itself, and two that share a breakpoint, are split into triangles at a common vertex (Duffy),
+with powers that flatten the logarithms; two that are apart get as many Gauss points as the nearest
+singularity demands. Distances are sums of parts of elements, never differences of radii, so that
+elements may be tiny. Non-dimensional: punch radius 1, modulus 1.
 """
 
 import itertools
@@ -20,9 +23,11 @@ from ..meshes.errors import SolverError
 from ..meshes.pressure_space import PressureSpace, shapes
 from ..meshes.radial import Array, Indices, unit_gauss
 
-# x = w^POWER: logarithms of x, times the slope of the power, are smooth enough at w = 0 for Gauss points in w
+# x = w^POWER: logarithms of x, times the slope of the power, are smooth enough at w = 0 for Gauss
+# points in w
 POWER = 6
-# Gauss points in an element that is apart from the other; where these are too few, the powers cluster at the gap
+# Gauss points in an element that is apart from the other; where these are too few, the powers
+# cluster at the gap
 GAUSS_LADDER = (4, 6, 8, 10, 12, 15, 18, 22, 28, 36, 48, 64)
 ROUNDOFF = 1e-16
 # kernel values, or entries of blocks, held at a time
@@ -33,7 +38,8 @@ class _Rule(NamedTuple):
     """Quadrature of `q` points for pairs of elements, the first the inner one, or the same twice.
 
     first, second : (q,) radii, as fractions of each element from its left end
-    apart : two of (q,), the parts of the two widths that add to the gap in the distance between the radii
+    apart : two of (q,), the parts of the two widths that add to the gap in the distance between the
+        radii
     weight : (q,) weights of the unit square
     """
 
@@ -72,7 +78,8 @@ def compliance(space: PressureSpace) -> Compliance:
         factor = cholesky(half + half.T, check_finite=False)
     except np.linalg.LinAlgError as error:
         raise SolverError(
-            f"the boundary-element compliance of {space.size} unknowns is not positive definite to roundoff: "
+            f"the boundary-element compliance of {space.size} unknowns is not positive definite to "
+            "roundoff: "
             "lower the degree of the pressure, or grade the radial mesh less"
         ) from error
     return Compliance(space, factor)
@@ -108,10 +115,13 @@ def _separate(space: PressureSpace) -> _Blocks:
 
 
 def _rung(space: PressureSpace, element: Indices, gap: Array) -> Indices:
-    """Place on the ladder of Gauss counts (one past its end: too few) for elements with a singularity `gap` away.
+    """Place on the ladder of Gauss counts (one past its end.
 
-    The Chebyshev coefficients of the kernel fall by the sum of the semi-axes of the ellipse that has the element for
-    its foci and goes through the singularity; Gauss points are exact up to twice their number.
+    Too few) for elements with a singularity `gap` away.
+
+    The Chebyshev coefficients of the kernel fall by the sum of the semi-axes of the ellipse that
+    has the element for its foci and goes through the singularity; Gauss points are exact up to
+    twice their number.
     """
     width = np.diff(space.breakpoints)[element]
     decay = 2 * np.arcsinh(np.sqrt(gap / width))
@@ -120,7 +130,9 @@ def _rung(space: PressureSpace, element: Indices, gap: Array) -> Indices:
 
 
 def _flattened(degree: int) -> tuple[Array, Array]:
-    """Points and weights on (0, 1) for products of two shape functions, and of these with logarithms at 0."""
+    """Points and weights on (0, 1) for products of two shape functions, and of these with
+    logarithms at 0.
+    """
     node, weight = unit_gauss(28 + 2 * degree)
     return node**POWER, weight * POWER * node ** (POWER - 1)
 
@@ -132,15 +144,22 @@ def _product(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Arra
 
 
 def _facing(inward: Array, outward: Array, weight: Array) -> _Rule:
-    """Rule of two different elements, from fractions measured from the ends that face each other."""
+    """Rule of two different elements, from fractions measured from the ends that face each
+    other.
+    """
     return _Rule(1 - inward, outward, (inward, outward), weight)
 
 
 def _integrate(space: PressureSpace, first: Indices, second: Indices, rule: _Rule) -> _Blocks:
-    """Pairs of elements and their blocks (m, top+1, top+1) by one rule, in chunks of bounded memory."""
+    """Pairs of elements and their blocks (m, top+1, top+1) by one rule, in chunks of bounded
+    memory.
+    """
     local = space.top + 1
     products = np.einsum(
-        "q,qi,qj->qij", rule.weight, shapes(2 * rule.first - 1, space.top), shapes(2 * rule.second - 1, space.top)
+        "q,qi,qj->qij",
+        rule.weight,
+        shapes(2 * rule.first - 1, space.top),
+        shapes(2 * rule.second - 1, space.top),
     ).reshape(-1, local**2)
     left, right = space.breakpoints[:-1, None], space.breakpoints[1:, None]
     count = max(1, CHUNK // max(len(rule.weight), local**2))
@@ -149,11 +168,22 @@ def _integrate(space: PressureSpace, first: Indices, second: Indices, rule: _Rul
         inner_width, outer_width = (right - left)[inner], (right - left)[outer]
         gap = np.maximum(left[outer] - right[inner], 0.0)  # an element with itself has none
         distance = gap + inner_width * rule.apart[0] + outer_width * rule.apart[1]
-        kernel = _weighted_kernel(left[inner] + inner_width * rule.first, left[outer] + outer_width * rule.second, distance)
-        yield inner, outer, (inner_width * outer_width * (kernel @ products)).reshape(-1, local, local)
+        kernel = _weighted_kernel(
+            left[inner] + inner_width * rule.first,
+            left[outer] + outer_width * rule.second,
+            distance,
+        )
+        yield (
+            inner,
+            outer,
+            (inner_width * outer_width * (kernel @ products)).reshape(-1, local, local),
+        )
 
 
 def _weighted_kernel(radius: Array, ring: Array, distance: Array) -> Array:
-    """``G dA dA / (dr ds)`` of Eq. 19, ``8 r s K / (r + s)``, for rings whose radii are `distance` apart."""
+    """``G dA dA / (dr ds)`` of Eq.
+
+    19, ``8 r s K / (r + s)``, for rings whose radii are `distance` apart.
+    """
     total = radius + ring
     return 8 * radius * ring / total * ellipkm1((distance / total) ** 2)

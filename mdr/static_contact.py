@@ -1,16 +1,20 @@
-"""Static contact in closed form: a punch ``f = c r^n`` on a half-space, any ``n > 0``; the sphere and the cone among them.
+"""Static contact in closed form.
 
-Sneddon, The relation between load and penetration in the axisymmetric Boussinesq problem for a punch of arbitrary profile,
-Int. J. Engng Sci. 3 (1965) 47, doi 10.1016/0020-7225(65)90019-4; by the one-dimensional profile ``g = kappa c x^n`` of
-Eq. 3 also in Popov and Hess, Method of Dimensionality Reduction in Contact Mechanics and Friction (2015), chapter 3. With
-the radius of contact a,
+A punch ``f = c r^n`` on a half-space, any ``n > 0``; the sphere and the cone among them.
+
+Sneddon, The relation between load and penetration in the axisymmetric Boussinesq problem for a
+punch of arbitrary profile, Int. J. Engng Sci. 3 (1965) 47, doi 10.1016/0020-7225(65)90019-4; by the
+one-dimensional profile ``g = kappa c x^n`` of Eq. 3 also in Popov and Hess, Method of
+Dimensionality Reduction in Contact Mechanics and Friction (2015), chapter 3. With the radius of
+contact a,
 
     kappa = sqrt(pi) Gamma(n/2 + 1) / Gamma((n + 1)/2),       d = kappa c a^n,
     F = 2 E* kappa c a^(n+1) n / (n + 1),
     p(r) = (n E* kappa c / pi) a^(n-2) s 2F1(1, 1 - n/2; 3/2; s^2 / a^2),       s^2 = a^2 - r^2.
 
-A sphere of radius R has n = 2 and c = 1/(2 R), a cone n = 1 and its slope. Plane strain modulus 1; nothing here is used by
-the methods: it is what they are held to. The annulus and the worn sphere have no exact closed form, but limits.
+A sphere of radius R has n = 2 and c = 1/(2 R), a cone n = 1 and its slope. Plane strain modulus 1;
+nothing here is used by the methods: it is what they are held to. The annulus and the worn sphere
+have no exact closed form, but limits.
 """
 
 from dataclasses import dataclass
@@ -54,11 +58,13 @@ class PowerPunch:
 
 
 def annulus_stiffness(hole: float) -> float:
-    """``F / (2 E* a d)`` of a flat annulus with a small hole, by the ratio e of its radii, to the order of ``e^8``.
+    """``F / (2 E* a d)`` of a flat annulus with a small hole, by the ratio e of its radii, to the
+    order of ``e^8``.
 
-    W. D. Collins, On the solution of some axisymmetric boundary value problems by means of integral equations, VIII.
-    Potential problems for a circular annulus, Proc. Edinburgh Math. Soc. 13 (1963) 235: the capacitance of an annulus over
-    that of the disc, which is the stiffness of the punch over that of the punch without a hole.
+    W. D. Collins, On the solution of some axisymmetric boundary value problems by means of integral
+    equations, VIII. Potential problems for a circular annulus, Proc. Edinburgh Math. Soc. 13 (1963)
+    235: the capacitance of an annulus over that of the disc, which is the stiffness of the punch
+    over that of the punch without a hole.
     """
     e, square = hole, np.pi**2
     odd = 4 * e**3 / 3 + 8 * e**5 / 15 + 92 * e**7 / 315
@@ -69,21 +75,27 @@ def annulus_stiffness(hole: float) -> float:
 def thin_ring_stiffness(inner: float, outer: float) -> float:
     """``F / (E* d)`` of a flat ring much narrower than its radius.
 
-    A ring of mean radius R and half-width w whose pressure goes as ``(w^2 - x^2)^(-1/2)``: with ``K -> ln(8 R / |x|)`` in
-    Eq. 19 and the mean of ``ln |x|`` over that pressure, ``ln(w/2)``, it is ``pi^2 R / ln(16 R / w)``.
+    A ring of mean radius R and half-width w whose pressure goes as ``(w^2 - x^2)^(-1/2)``: with ``K
+    -> ln(8 R / |x|)`` in Eq. 19 and the mean of ``ln |x|`` over that pressure, ``ln(w/2)``, it is
+    ``pi^2 R / ln(16 R / w)``.
     """
     mean, half = (outer + inner) / 2, (outer - inner) / 2
     return float(np.pi**2 * mean / np.log(16 * mean / half))
 
 
-def worn_sphere(curvature_radius: float, wear_coefficient: float, force: float, contact: float) -> tuple[float, float]:
-    """Time and indentation at which a sphere of one material has worn to a radius of contact, at sliding speed 1.
+def worn_sphere(
+    curvature_radius: float, wear_coefficient: float, force: float, contact: float
+) -> tuple[float, float]:
+    """Time and indentation at which a sphere of one material has worn to a radius of contact, at
+    sliding speed 1.
 
-    The worn face is flat but for what the half-space yields under a uniform pressure ``F / (pi c^2)``: its edge stands
-    at the height of the sphere, ``d = c^2 / (2 R) + u(c)`` with ``u(c) = 4 F / (pi^2 c)``, and what has worn off is the
-    cap less the volume of that displacement, ``pi c^4 / (4 R) = k F t + 4 F c / (3 pi)``. It tends to the truth as wear
-    flattens the pressure.
+    The worn face is flat but for what the half-space yields under a uniform pressure ``F / (pi
+    c^2)``: its edge stands at the height of the sphere, ``d = c^2 / (2 R) + u(c)`` with ``u(c) = 4
+    F / (pi^2 c)``, and what has worn off is the cap less the volume of that displacement, ``pi c^4
+    / (4 R) = k F t + 4 F c / (3 pi)``. It tends to the truth as wear flattens the pressure.
     """
     c = contact
-    time = (np.pi * c**4 / (4 * curvature_radius) - 4 * force * c / (3 * np.pi)) / (wear_coefficient * force)
+    time = (np.pi * c**4 / (4 * curvature_radius) - 4 * force * c / (3 * np.pi)) / (
+        wear_coefficient * force
+    )
     return float(time), float(c**2 / (2 * curvature_radius) + 4 * force / (np.pi**2 * c))

@@ -1,9 +1,12 @@
-"""The MDR transforms: between pressure and line density, profile and one-dimensional profile (Eqs. 3 and 7).
+"""The MDR transforms.
 
-`line_density` is the inverse of Eq. 7, ``q(x) = 2 int_x^a r p / sqrt(r^2 - x^2) dr``, on the pressure space; the
-grid matrices are Eqs. 3 and 7 themselves for piecewise linear functions. The integral of Eq. 7 runs to infinity and
-includes the jump of `q` at ``x = a``, which the print does not show: it yields the edge term
-``q(a) / (pi sqrt(a^2 - r^2))``, the whole pressure of a flat punch.
+Between pressure and line density, profile and one-dimensional profile (Eqs. 3 and 7).
+
+`line_density` is the inverse of Eq. 7, ``q(x) = 2 int_x^a r p / sqrt(r^2 - x^2) dr``, on the
+pressure space; the grid matrices are Eqs. 3 and 7 themselves for piecewise linear functions. The
+integral of Eq. 7 runs to infinity and includes the jump of `q` at ``x = a``, which the print does
+not show: it yields the edge term ``q(a) / (pi sqrt(a^2 - r^2))``, the whole pressure of a flat
+punch.
 """
 
 import numpy as np
@@ -13,12 +16,23 @@ from ..meshes.radial import Array, Indices, gauss, unit_gauss
 
 ROUNDOFF = 1e-17
 POSITIONS_AT_ONCE = 512
-# Gauss points that integrate a polynomial in exp(theta) to roundoff, by (degree x length of the interval)
-GAUSS_POINTS = ((0.25, 10), (1.0, 14), (4.0, 20), (12.0, 32), (40.0, 56), (100.0, 100), (np.inf, 200))
+# Gauss points that integrate a polynomial in exp(theta) to roundoff, by (degree x length of the
+# interval)
+GAUSS_POINTS = (
+    (0.25, 10),
+    (1.0, 14),
+    (4.0, 20),
+    (12.0, 32),
+    (40.0, 56),
+    (100.0, 100),
+    (np.inf, 200),
+)
 
 
 def line_density(space: PressureSpace, positions: Array) -> Array:
-    """(len(positions), size) line density ``q(x)`` of each pressure function at positions in (0, 1)."""
+    """(len(positions), size) line density ``q(x)`` of each pressure function at positions in (0,
+    1).
+    """
     out = np.empty((len(positions), space.size))
     # the pairs of positions and elements outgrow fast memory long before the result does
     for start in range(0, len(positions), POSITIONS_AT_ONCE):
@@ -35,21 +49,26 @@ def _rows(space: PressureSpace, positions: Array) -> Array:
     values[far] = _from_afar(space, positions[point[far]], element[far])
     values[~far] = _from_near(space, positions[point[~far]], element[~far])
     out = np.zeros((len(positions), space.size + 1))
-    # each position meets each element once, and neighbours share hats: add the hats one after the other
+    # each position meets each element once, and neighbours share hats: add the hats one after the
+    # other
     for j in range(space.top + 1):
         out[point, space.dofs[element, j]] += values[:, j]
     return out[:, :-1]
 
 
 def _from_afar(space: PressureSpace, x: Array, element: Indices) -> Array:
-    """Integrals over elements at least half their width away, where the root is smooth: plain Gauss in the radius.
+    """Integrals over elements at least half their width away, where the root is smooth.
 
-    The further away the element, the wider the ellipse round it in which the root is analytic, and the fewer points
-    reach roundoff.
+    Plain Gauss in the radius.
+
+    The further away the element, the wider the ellipse round it in which the root is analytic, and
+    the fewer points reach roundoff.
     """
     left, half = space.breakpoints[element], np.diff(space.breakpoints)[element] / 2
     outside = 1 + (left - x) / half
-    count = (space.degrees[element] + 1 - np.log(ROUNDOFF) / np.log(outside + np.sqrt(outside**2 - 1))) / 2
+    count = (
+        space.degrees[element] + 1 - np.log(ROUNDOFF) / np.log(outside + np.sqrt(outside**2 - 1))
+    ) / 2
     rounded = 4 * np.ceil(count / 4).astype(np.int64)
     values = np.empty((len(x), space.top + 1))
     for points in np.unique(rounded):
@@ -80,7 +99,9 @@ def _from_near(space: PressureSpace, x: Array, element: Indices) -> Array:
         start = stop
         node, weight = gauss(max(count, space.top + 4))
         sinh = np.sinh(span[group, None] * (1 + node) / 4)
-        above = 2 * sinh * (lower_root[group, None] * np.sqrt(1 + sinh**2) + lower[group, None] * sinh)
+        above = (
+            2 * sinh * (lower_root[group, None] * np.sqrt(1 + sinh**2) + lower[group, None] * sinh)
+        )
         radius = lower[group, None] + above
         local = 2 * ((lower - left)[group, None] + above) / (right - left)[group, None] - 1
         weighted = (radius * weight * span[group, None])[:, None, :]
@@ -91,8 +112,8 @@ def _from_near(space: PressureSpace, x: Array, element: Indices) -> Array:
 def panel_quadrature(space: PressureSpace) -> tuple[Array, Array]:
     """Positions and weights on (0, 1) that integrate products of line densities of the space.
 
-    A line density has a square-root singularity on the left of every breakpoint and ``x^2 log x`` at the axis;
-    squares substituted at those ends make the integrand smooth.
+    A line density has a square-root singularity on the left of every breakpoint and ``x^2 log x``
+    at the axis; squares substituted at those ends make the integrand smooth.
     """
     left, right = space.breakpoints[:-1, None], space.breakpoints[1:, None]
     node, weight = unit_gauss(2 * space.top + 6)
@@ -103,14 +124,18 @@ def panel_quadrature(space: PressureSpace) -> tuple[Array, Array]:
     folded = node * (2 - node)
     innermost = right[0] * (1 - folded) * (1 + folded)
     inner_weights = right[0] * 4 * folded * (1 - node) * weight
-    return np.concatenate([innermost, positions.ravel()]), np.concatenate([inner_weights, weights.ravel()])
+    return np.concatenate([innermost, positions.ravel()]), np.concatenate(
+        [inner_weights, weights.ravel()]
+    )
 
 
 def profile_transform(radii: Array, positions: Array) -> Array:
-    """Matrix of Eq. 3, ``g = T f``, for a profile linear between `radii` and flat inside the first of them.
+    """Matrix of Eq.
 
-    Beyond the last radius the profile goes on with its last slope. Positions must be positive. Eq. 3 as printed holds
-    for ``f(0) = 0``; a centre that has worn adds ``f(0)`` to `g` everywhere.
+    3, ``g = T f``, for a profile linear between `radii` and flat inside the first of them.
+
+    Beyond the last radius the profile goes on with its last slope. Positions must be positive. Eq.
+    3 as printed holds for ``f(0) = 0``; a centre that has worn adds ``f(0)`` to `g` everywhere.
     """
     cells = np.append(radii[:-1], np.inf)
     x = positions[:, None]
@@ -124,7 +149,9 @@ def profile_transform(radii: Array, positions: Array) -> Array:
 
 
 def pressure_transform(positions: Array, radii: Array) -> Array:
-    """Matrix of Eq. 7 with its edge term, ``p = S q``, for a line density linear between `positions`.
+    """Matrix of Eq.
+
+    7 with its edge term, ``p = S q``, for a line density linear between `positions`.
 
     The positions start at 0 and end at the rim; radii must lie strictly between.
     """

@@ -1,8 +1,10 @@
-"""The paper's own algorithm: MDR on a uniform grid, explicit in time (Eqs. 3, 7 and 14 to 17). The baseline.
+"""The paper's own algorithm.
 
-Springs and points of the profile coincide at ``i/n`` (Fig. 2). The pressure at the rim is infinite at the start; it is
-taken half a cell inside. First order in the grid and in the step, and stable only for small steps. Non-dimensional,
-force 1.
+MDR on a uniform grid, explicit in time (Eqs. 3, 7 and 14 to 17). The baseline.
+
+Springs and points of the profile coincide at ``i/n`` (Fig. 2). The pressure at the rim is infinite
+at the start; it is taken half a cell inside. First order in the grid and in the step, and stable
+only for small steps. Non-dimensional, force 1.
 """
 
 from dataclasses import dataclass
@@ -53,18 +55,25 @@ class UniformGrid:
         return to_pressure @ (indentation - springs), indentation
 
     def stability_limit(self) -> float:
-        """Greatest stable step: a pattern of wavelength 2/n relaxes in ``2 / (pi n k)``, and Euler takes twice that."""
+        """Greatest stable step.
+
+        A pattern of wavelength 2/n relaxes in ``2 / (pi n k)``, and Euler takes twice that.
+        """
         return 4 / (np.pi * self.count * float(self.coefficients.max()))
 
     def rate_matrix(self) -> Array:
-        """(count+1, count+1) `M` in ``df/dt = M f + const``; its eigenvalues are the grid's relaxation rates."""
+        """(count+1, count+1) `M` in ``df/dt = M f + const``.
+
+        Its eigenvalues are the grid's relaxation rates.
+        """
         to_springs, rule, to_pressure = self._transforms
         return self.coefficients[:, None] * (
             to_pressure @ (np.outer(np.ones(self.count + 1), rule @ to_springs) - to_springs)
         )
 
     def march(self, times: Array, step: float) -> tuple[Array, Array, Array]:
-        """Pressures and profiles (T, count+1) and indentations (T,) at `times`, by steps of at most `step`.
+        """Pressures and profiles (T, count+1) and indentations (T,) at `times`, by steps of at most
+        `step`.
 
         Raises
         ------
@@ -82,7 +91,8 @@ class UniformGrid:
                     pressure, indentation = self.contact(profile)
             if not np.abs(pressure).max() < 1e6:
                 raise SceneError(
-                    f"the march on the uniform grid blew up: its step is {step / self.stability_limit():.3g} times the "
+                    "the march on the uniform grid blew up: its step is "
+                    f"{step / self.stability_limit():.3g} times the "
                     "stability limit; give a smaller wear.step, or leave it out for half the limit"
                 )
             now = time

@@ -1,1 +1,4 @@
-"""What is discretised: ring edges, the radial pressure space, and the truncated half-space as plain arrays."""
+"""What is discretised.
+
+Ring edges, the radial pressure space, and the truncated half-space as plain arrays.
+"""

@@ -1,8 +1,8 @@
 """The graded quarter disc by scikit-fem's own local refinement: no gmsh, no system library.
 
-A coarse polar quarter disc is refined (red-green-blue) to the size field. Its contact line then holds dyadic radii
-only, so the field is followed on a dyadic image of the punch and every point is moved radially at the end, by the
-piecewise linear map that carries dyadic radii to ring edges.
+A coarse polar quarter disc is refined (red-green-blue) to the size field. Its contact line then
+holds dyadic radii only, so the field is followed on a dyadic image of the punch and every point is
+moved radially at the end, by the piecewise linear map that carries dyadic radii to ring edges.
 """
 
 from dataclasses import replace
@@ -41,16 +41,23 @@ def mesh(field: SizeField) -> MeshTri:
         points[:, arc] *= field.truncation / np.hypot(*points[:, arc])
         current = replace(current, doflocs=points)
     else:
-        raise MeshError("local refinement did not reach the sizes asked for: ask for larger ones, or for gmsh")
+        raise MeshError(
+            "local refinement did not reach the sizes asked for: ask for larger ones, or for gmsh"
+        )
     return half_space(replace(current, doflocs=_moved(current.p, dyadic, ring_edges)), ring_edges)
 
 
 def _dyadic_image(ring_edges: Array) -> tuple[Array, float]:
-    """A dyadic radius for each edge, in order and close to it, and the spacing of that dyadic grid."""
+    """A dyadic radius for each edge, in order and close to it, and the spacing of that
+    dyadic grid.
+    """
     level = int(np.ceil(np.log2(2 / np.diff(ring_edges).min())))
     if level > 40:
         narrowest = np.diff(ring_edges).min()
-        raise MeshError(f"rings narrower than {NARROWEST:g} a cannot be meshed: the narrowest is {narrowest:.2g} a")
+        raise MeshError(
+            f"rings narrower than {NARROWEST:g} a cannot be meshed: the narrowest is "
+            f"{narrowest:.2g} a"
+        )
     return np.round(ring_edges * 2.0**level) / 2.0**level, 0.5**level
 
 
@@ -63,16 +70,23 @@ def _moved(points: Array, dyadic: Array, ring_edges: Array) -> Array:
 
 
 def _spans_an_edge(mesh: MeshTri, dyadic: Array, spacing: float) -> Indices:
-    """Triangles on the contact line with a ring edge inside their facet, or too coarse to have it as a vertex."""
+    """Triangles on the contact line with a ring edge inside their facet, or too coarse to have it
+    as a vertex.
+    """
     facets = mesh.boundary_facets()
     r, z = mesh.p[:, mesh.facets[:, facets]]
     low, high = np.sort(r, axis=0)
-    inside = np.searchsorted(dyadic, high - spacing / 8) > np.searchsorted(dyadic, low + spacing / 8)
+    inside = np.searchsorted(dyadic, high - spacing / 8) > np.searchsorted(
+        dyadic, low + spacing / 8
+    )
     return np.asarray(mesh.f2t[0, facets[(z == 0).all(axis=0) & (low < 1) & inside]])
 
 
 def _polar_quarter_disc(outer: float) -> MeshTri:
-    """A few well-shaped triangles: rays at 0, 45 and 90 degrees, radii 1, then doubling up to `outer`."""
+    """A few well-shaped triangles.
+
+    Rays at 0, 45 and 90 degrees, radii 1, then doubling up to `outer`.
+    """
     count = max(1, round(np.log2(outer)))
     radii = outer ** (np.arange(count + 1) / count)
     # exact zeros on the axis and the surface: boundaries are recognised by them
@@ -80,5 +94,8 @@ def _polar_quarter_disc(outer: float) -> MeshTri:
     points = np.concatenate([np.zeros((2, 1)), *(radius * rays for radius in radii)], axis=1)
     # points 1 to 3 lie on the first circle, 4 to 6 on the second, ...
     layer = np.array([[1, 1, 2, 3], [4, 5, 5, 5], [5, 2, 3, 6]])
-    triangles = [np.array([[0, 0], [1, 2], [2, 3]]), *(layer + 3 * number for number in range(count))]
+    triangles = [
+        np.array([[0, 0], [1, 2], [2, 3]]),
+        *(layer + 3 * number for number in range(count)),
+    ]
     return MeshTri(points, np.concatenate(triangles, axis=1))

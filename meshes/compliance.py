@@ -1,7 +1,8 @@
 """The one object that every method hands up: a compliance on the pressure space.
 
-Non-dimensional: punch radius 1, plane strain modulus 1. The compliance knows nothing of wear: it depends on where the
-ring edges are, not on what the rings are made of, so that one condensation serves every set of wear coefficients.
+Non-dimensional: punch radius 1, plane strain modulus 1. The compliance knows nothing of wear: it
+depends on where the ring edges are, not on what the rings are made of, so that one condensation
+serves every set of wear coefficients.
 """
 
 from dataclasses import dataclass, replace
@@ -18,12 +19,14 @@ from .radial import Array
 class Compliance:
     """A symmetric positive definite compliance ``A = H^T H`` with ``A_ij = int u[phi_i] phi_j dA``.
 
-    The factor `H`, not `A`, is kept: singular values of `H` have half the dynamic range of the eigenvalues of `A`.
+    The factor `H`, not `A`, is kept: singular values of `H` have half the dynamic range of the
+    eigenvalues of `A`.
 
     Parameters
     ----------
     space : pressure space, `size` functions
-    factor : (m, size) the factor `H`, m >= size; `u` in units of (pressure x radius / plane strain modulus)
+    factor : (m, size) the factor `H`, m >= size; `u` in units of (pressure x radius / plane strain
+        modulus)
     """
 
     space: PressureSpace
@@ -31,13 +34,17 @@ class Compliance:
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.factor).all():
-            raise SolverError("the compliance holds values that are not finite: the half-space system was singular")
+            raise SolverError(
+                "the compliance holds values that are not finite: the half-space system was "
+                "singular"
+            )
 
     @cached_property
     def matrix(self) -> Array:
         """(size, size) the compliance `A` itself."""
         out = np.zeros((self.space.size,) * 2)
-        # rows and columns both run along the radius, and every method's factor is zero on one side: a third of the work
+        # rows and columns both run along the radius, and every method's factor is zero on one side:
+        # a third of the work
         for rows in np.split(self.factor, range(512, len(self.factor), 512)):
             used = np.flatnonzero(rows.any(axis=0))
             if len(used):
@@ -46,7 +53,12 @@ class Compliance:
         return out
 
     def coarser(self) -> "Compliance":
-        """The same operator on the space without each element's highest bubble: for error estimates."""
+        """The same operator on the space without each element's highest bubble.
+
+        For error estimates.
+        """
         space = self.space
         kept = space.order < np.maximum(space.degree_of_function, 2)
-        return Compliance(replace(space, degrees=np.maximum(space.degrees - 1, 1)), self.factor[:, kept])
+        return Compliance(
+            replace(space, degrees=np.maximum(space.degrees - 1, 1)), self.factor[:, kept]
+        )

@@ -1,7 +1,10 @@
-"""Cells for a contact that opens, closes and spreads: small at ring edges, at the rim and where contact begins.
+"""Cells for a contact that opens, closes and spreads.
 
-Sizes are known before any mesh is, and vary by no more than a given growth with the distance, so that the contact line of
-a mesh of the half-space can follow the same field as a radial mesh. Lengths in punch radii.
+Small at ring edges, at the rim and where contact begins.
+
+Sizes are known before any mesh is, and vary by no more than a given growth with the distance, so
+that the contact line of a mesh of the half-space can follow the same field as a radial mesh.
+Lengths in punch radii.
 """
 
 import itertools
@@ -46,17 +49,24 @@ class ContactCells:
         return size
 
     def breakpoints(self) -> Array:
-        """Cells of a radial mesh: as many in each ring as the integral of one over their size, made even."""
+        """Cells of a radial mesh.
+
+        As many in each ring as the integral of one over their size, made even.
+        """
         pieces = [np.zeros(1)]
         for inner, outer in zip(self.ring_edges[:-1], self.ring_edges[1:], strict=True):
             width = outer - inner
             # fine enough to integrate one over the size: crowded at both ends, as the size is
             depth = np.geomspace(1e-3 * min(self.edge_size, width), width / 2, 400)
             spots = [r for spot in self.spots for r in spot[:2]]
-            marks = np.concatenate([inner + depth, outer - depth, np.linspace(inner, outer, 401), spots])
+            marks = np.concatenate(
+                [inner + depth, outer - depth, np.linspace(inner, outer, 401), spots]
+            )
             fine = np.unique(marks[(marks >= inner) & (marks <= outer)])
             density = 1 / self(fine)
-            along = np.concatenate([[0.0], np.cumsum(np.diff(fine) * (density[1:] + density[:-1]) / 2)])
+            along = np.concatenate(
+                [[0.0], np.cumsum(np.diff(fine) * (density[1:] + density[:-1]) / 2)]
+            )
             count = max(4, 2 * int(np.ceil(along[-1] / 2)))
             inside = np.interp(np.arange(1, count) * along[-1] / count, along, fine)
             pieces.append(np.append(inside, outer))
@@ -81,7 +91,9 @@ class ContactSizeField(SizeField):
         if self.cells is None:
             return size
         radius, depth = points.T
-        on_contact = self.cells(np.minimum(radius, 1.0)) + self.growth * np.hypot(depth, np.maximum(radius - 1.0, 0.0))
+        on_contact = self.cells(np.minimum(radius, 1.0)) + self.growth * np.hypot(
+            depth, np.maximum(radius - 1.0, 0.0)
+        )
         return np.minimum(size, on_contact)
 
 
@@ -89,16 +101,26 @@ def contact_mesh_field(cells: ContactCells, growth: float, truncation: float) ->
     """The size field of a mesh on those cells."""
     inside = len(cells.ring_edges) - 2
     return ContactSizeField(
-        cells.ring_edges, cells.edge_size, (cells.edge_size,) * inside, growth, truncation, cells.largest, 0.125, cells
+        cells.ring_edges,
+        cells.edge_size,
+        (cells.edge_size,) * inside,
+        growth,
+        truncation,
+        cells.largest,
+        0.125,
+        cells,
     )
 
 
-# of a mesh fitted to the edges of a contact: size ratio of neighbours, and sizes at the axis, where a cone's pressure is
-# infinite as a logarithm, at edges where the pressure falls to zero as a root, and where it is infinite as one
+# of a mesh fitted to the edges of a contact: size ratio of neighbours, and sizes at the axis, where
+# a cone's pressure is infinite as a logarithm, at edges where the pressure falls to zero as a root,
+# and where it is infinite as one
 FACTOR, AT_AXIS, AT_FREE, AT_CORNER = 0.2, 1e-5, 1e-7, 1e-10
 
 
-def fitted_space(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> PressureSpace:
+def fitted_space(
+    edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int
+) -> PressureSpace:
     """Pressures of high degree, graded to the axis and to every edge.
 
     Parameters
@@ -109,8 +131,16 @@ def fitted_space(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: i
     """
     sizes = [AT_AXIS, *(AT_CORNER if one else AT_FREE for one in infinite[1:])]
     pieces = [np.zeros(1)]
-    for (inner, outer), (at_inner, at_outer) in zip(itertools.pairwise(edges), itertools.pairwise(sizes), strict=True):
+    for (inner, outer), (at_inner, at_outer) in zip(
+        itertools.pairwise(edges), itertools.pairwise(sizes), strict=True
+    ):
         half = (outer - inner) / 2
-        pieces += [inner + layers(half, at_inner, FACTOR)[:0:-1], outer - layers(half, at_outer, FACTOR), np.array([outer])]
+        pieces += [
+            inner + layers(half, at_inner, FACTOR)[:0:-1],
+            outer - layers(half, at_outer, FACTOR),
+            np.array([outer]),
+        ]
     breakpoints = np.concatenate(pieces)
-    return PressureSpace(breakpoints, layer_degrees(breakpoints, edges, degree, rise=1.0, lowest=2), np.array(edges))
+    return PressureSpace(
+        breakpoints, layer_degrees(breakpoints, edges, degree, rise=1.0, lowest=2), np.array(edges)
+    )

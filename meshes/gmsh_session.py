@@ -1,4 +1,7 @@
-"""gmsh, started and ended properly: one thread, the same mesh every time, sizes by one background field."""
+"""gmsh, started and ended properly.
+
+One thread, the same mesh every time, sizes by one background field.
+"""
 
 import signal
 import threading
@@ -28,7 +31,10 @@ def unavailable() -> str:
     try:
         import gmsh  # noqa: F401
     except (ImportError, OSError) as error:
-        return f"gmsh cannot be loaded ({error}); on Debian or Ubuntu: apt-get install {SYSTEM_PACKAGES}"
+        return (
+            f"gmsh cannot be loaded ({error}); on Debian or Ubuntu: apt-get install "
+            f"{SYSTEM_PACKAGES}"
+        )
     return ""
 
 
@@ -68,14 +74,23 @@ def _restore_signal_handlers() -> None:
 
 
 def set_sizes(gmsh: Any, points: Indices, sizes: Array, growth: float, largest: float) -> None:
-    """Element sizes of the model: (N,) sizes at (N, ...) points of it, growing with the distance to the largest."""
+    """Element sizes of the model.
+
+    (N,) sizes at (N, ...) points of it, growing with the distance to the largest.
+    """
     fields = gmsh.model.mesh.field
     ramps = []
     for size in np.unique(sizes):
         distance, threshold = fields.add("Distance"), fields.add("Threshold")
         fields.setNumbers(distance, "PointsList", points[sizes == size].ravel())
         reach = max(largest - size, 0.0) / growth
-        ramp = {"InField": distance, "DistMin": 0, "DistMax": reach, "SizeMin": size, "SizeMax": largest}
+        ramp = {
+            "InField": distance,
+            "DistMin": 0,
+            "DistMax": reach,
+            "SizeMin": size,
+            "SizeMax": largest,
+        }
         for name, value in ramp.items():
             fields.setNumber(threshold, name, value)
         ramps.append(threshold)

@@ -1,8 +1,11 @@
-"""The truncated half-space: a scikit-fem mesh of a quarter disc in (radius, depth), its boundaries named.
+"""The truncated half-space.
 
-Non-dimensional: the punch has radius 1. Depth is positive into the half-space; the surface is depth zero. Boundaries are
-`contact` (surface under the punch), `free` (surface beside it), `axis` and `far` (the arc). Triangles (`MeshTri`) and
-quadrilaterals (`MeshQuad`) are welcome alike; the latter are turned so that elements of any degree conform on them.
+A scikit-fem mesh of a quarter disc in (radius, depth), its boundaries named.
+
+Non-dimensional: the punch has radius 1. Depth is positive into the half-space; the surface is depth
+zero. Boundaries are `contact` (surface under the punch), `free` (surface beside it), `axis` and
+`far` (the arc). Triangles (`MeshTri`) and quadrilaterals (`MeshQuad`) are welcome alike; the latter
+are turned so that elements of any degree conform on them.
 """
 
 from dataclasses import replace
@@ -15,12 +18,14 @@ from skfem import Mesh, MeshQuad
 from .errors import MeshError
 from .radial import Array, Indices
 
-# subdomains `degree -1`, `degree -2`, ... of a mesh: where the degree of the displacement may be so much lower
+# subdomains `degree -1`, `degree -2`, ... of a mesh: where the degree of the displacement may be so
+# much lower
 LOWER = "degree -"
 
 
 def half_space(mesh: Mesh, ring_edges: Array) -> Mesh:
-    """The mesh without orphan points, its boundaries named, checked to be the quarter disc it should be.
+    """The mesh without orphan points, its boundaries named, checked to be the quarter disc it
+    should be.
 
     Parameters
     ----------
@@ -44,22 +49,31 @@ def half_space(mesh: Mesh, ring_edges: Array) -> Mesh:
     r, z = mesh.p[:, mesh.facets[:, outer]]
     surface, axis = (z == 0).all(axis=0), (r == 0).all(axis=0)
     inside = r.mean(axis=0) < 1  # however small the facets beside the rim
-    names = {"contact": surface & inside, "free": surface & ~inside, "axis": axis, "far": ~surface & ~axis}
+    names = {
+        "contact": surface & inside,
+        "free": surface & ~inside,
+        "axis": axis,
+        "far": ~surface & ~axis,
+    }
     mesh = mesh.with_boundaries({name: outer[mask] for name, mask in names.items()})
     _check(mesh, np.asarray(ring_edges))
     return mesh
 
 
 def turned(mesh: MeshQuad) -> MeshQuad:
-    """The quadrilaterals, each renumbered from the corner that makes its sides run as its neighbours' do.
+    """The quadrilaterals, each renumbered from the corner that makes its sides run as its
+    neighbours' do.
 
-    In `ElementQuadP` the functions of a side have the direction of that side, from its first corner to its second, and
-    opposite sides are parallel. Neighbours agree on them if every side runs the same way in both its elements, which in
-    the plane can always be had (Agelek, Anderson, Bangerth, Barth, ACM Trans. Math. Softw. 44, 2017). Opposite sides
-    are linked into strips; a strip has two directions, of which one is chosen.
+    In `ElementQuadP` the functions of a side have the direction of that side, from its first corner
+    to its second, and opposite sides are parallel. Neighbours agree on them if every side runs the
+    same way in both its elements, which in the plane can always be had (Agelek, Anderson, Bangerth,
+    Barth, ACM Trans. Math. Softw. 44, 2017). Opposite sides are linked into strips; a strip has two
+    directions, of which one is chosen.
     """
     # does a side, as the reference element runs it (0-1, 1-2, 3-2, 0-3), start at its lower vertex?
-    along = np.stack([mesh.facets[0, mesh.t2f[i]] == mesh.t[start] for i, start in enumerate((0, 1, 3, 0))])
+    along = np.stack(
+        [mesh.facets[0, mesh.t2f[i]] == mesh.t[start] for i, start in enumerate((0, 1, 3, 0))]
+    )
     first, opposite = mesh.t2f[:2].ravel(), mesh.t2f[2:].ravel()
     swapped = (along[:2] != along[2:]).ravel()
     count = mesh.nfacets
@@ -71,7 +85,8 @@ def turned(mesh: MeshQuad) -> MeshQuad:
     upwards = strip[:count] < strip[count:]
     if (strip[:count] == strip[count:]).any():
         raise MeshError("the quadrilaterals form a Moebius strip: this is not a mesh of the plane")
-    # whether the first and the second pair of opposite sides run as numbered now; the corner where both start comes first
+    # whether the first and the second pair of opposite sides run as numbered now; the corner where
+    # both start comes first
     forward, upward = (along[i] == upwards[mesh.t2f[i]] for i in (0, 1))
     shift = np.select([forward & upward, ~forward & upward, ~forward & ~upward], [0, 1, 2], 3)
     corners = (np.arange(4)[:, None] + shift) % 4
@@ -81,24 +96,37 @@ def turned(mesh: MeshQuad) -> MeshQuad:
 def _check(mesh: Mesh, ring_edges: Array) -> None:
     outer = truncation(mesh)
     for name, expected in {"contact": 1.0, "free": outer - 1, "axis": outer}.items():
-        length = np.linalg.norm(np.diff(segments(mesh, mesh.boundaries[name]), axis=1), axis=2).sum()
+        length = np.linalg.norm(
+            np.diff(segments(mesh, mesh.boundaries[name]), axis=1), axis=2
+        ).sum()
         if abs(length - expected) > 1e-9 * outer:
-            raise MeshError(f"the {name} boundary is {length:.9g} a long and should be {expected:.9g} a")
+            raise MeshError(
+                f"the {name} boundary is {length:.9g} a long and should be {expected:.9g} a"
+            )
     ends = segments(mesh, mesh.boundaries["far"])
     if np.abs(np.linalg.norm(ends, axis=2) / outer - 1).max(initial=0.0) > 1e-9:
-        raise MeshError("the mesh has a hole or a gap: boundary points lie inside, where no boundary should be; merge "
-                        "vertices that are there twice (in gmsh: Coherence Mesh)")  # fmt: skip
+        raise MeshError(
+            "the mesh has a hole or a gap: boundary points lie inside, where no boundary should "
+            "be; merge "
+            "vertices that are there twice (in gmsh: Coherence Mesh)"
+        )
     enclosed = np.abs(np.linalg.det(ends)).sum() / 2
     if abs(areas(mesh).sum() / enclosed - 1) > 1e-9:
         raise MeshError("elements overlap: the mesh is folded over itself")
     missing = [edge for edge in ring_edges if np.abs(contact_radii(mesh) - edge).min() > 1e-12]
     if missing:
-        raise MeshError(f"no vertex of the mesh lies on the ring edge at r = {missing[0]:.9g} a: use a smaller ring_size")
+        raise MeshError(
+            f"no vertex of the mesh lies on the ring edge at r = {missing[0]:.9g} a: use a smaller "
+            "ring_size"
+        )
     shape = quality(mesh)
     if shape.min() < 0.02:
         r, z = mesh.p[:, mesh.t[:, shape.argmin()]].mean(axis=1)
-        raise MeshError(f"an element at r = {r:.3g} a, depth {z:.3g} a is degenerate (quality {shape.min():.1e}): "
-                        "ask for less extreme sizes")  # fmt: skip
+        raise MeshError(
+            f"an element at r = {r:.3g} a, depth {z:.3g} a is degenerate (quality "
+            f"{shape.min():.1e}): "
+            "ask for less extreme sizes"
+        )
 
 
 def truncation(mesh: Mesh) -> float:
@@ -131,11 +159,16 @@ def segments(mesh: Mesh, facets: Indices) -> Array:
 def areas(mesh: Mesh) -> Array:
     """(m,) areas of the elements in the (radius, depth) plane."""
     r, z = mesh.p[:, mesh.t]
-    return np.asarray(np.abs((r * np.roll(z, -1, axis=0) - np.roll(r, -1, axis=0) * z).sum(axis=0)) / 2)
+    return np.asarray(
+        np.abs((r * np.roll(z, -1, axis=0) - np.roll(r, -1, axis=0) * z).sum(axis=0)) / 2
+    )
 
 
 def quality(mesh: Mesh) -> Array:
-    """(m,) least sine of the corners of each element: .87 for an equilateral triangle, 1 for a rectangle, 0 if flat."""
+    """(m,) least sine of the corners of each element.
+
+    .87 for an equilateral triangle, 1 for a rectangle, 0 if flat.
+    """
     corners = mesh.p[:, mesh.t]
     sides = np.roll(corners, -1, axis=1) - corners
     sides = sides / np.linalg.norm(sides, axis=0)

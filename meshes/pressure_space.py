@@ -1,10 +1,11 @@
 """The pressure space on a radial mesh (radius of the punch = 1).
 
-The pressure is a polynomial on each element, continuous inside a ring and broken at ring edges. That one space
-holds every case of interest: the flat start (pressure continuous), wear for t > 0 (wear rate ``k p`` continuous)
-and every steady state (pressure constant on each ring, Eq. 24). The basis is hierarchical (hats and integrated
-Legendre bubbles), so that dropping the highest bubbles gives the coarser space an error estimate compares with. It is
-numbered along the radius, so that what couples neighbours only (masses, slopes) is a narrow band.
+The pressure is a polynomial on each element, continuous inside a ring and broken at ring edges.
+That one space holds every case of interest: the flat start (pressure continuous), wear for t > 0
+(wear rate ``k p`` continuous) and every steady state (pressure constant on each ring, Eq. 24). The
+basis is hierarchical (hats and integrated Legendre bubbles), so that dropping the highest bubbles
+gives the coarser space an error estimate compares with. It is numbered along the radius, so that
+what couples neighbours only (masses, slopes) is a narrow band.
 
 All areas are those of the punch face: ``dA = 2 pi r dr``.
 """
@@ -51,7 +52,9 @@ class PressureSpace:
 
     @cached_property
     def dofs(self) -> Indices:
-        """(n, top+1) global number of each local shape function; `size` where the element has none."""
+        """(n, top+1) global number of each local shape function; `size` where the element
+        has none.
+        """
         left = self.ring + np.cumsum(self.degrees) - self.degrees
         # left vertex, bubbles, right vertex along the radius; in the table both vertices come first
         order = np.arange(self.top + 1)
@@ -60,7 +63,9 @@ class PressureSpace:
         return table
 
     def _of_functions(self, values: Indices) -> Indices:
-        """(size,) a value of each basis function, by (n, top+1) values of the shape functions or (n, 1) of elements."""
+        """(size,) a value of each basis function, by (n, top+1) values of the shape functions or
+        (n, 1) of elements.
+        """
         out = np.zeros(self.size + 1, dtype=np.int64)
         out[self.dofs] = values
         return out[:-1]
@@ -76,18 +81,31 @@ class PressureSpace:
         return self._of_functions(self.degrees[:, None])
 
     def matrix(self, radii: ArrayLike, derivative: bool = False) -> csr_matrix:
-        """(len(radii), size) values, or slopes, of the basis. An edge radius belongs to the ring outside it."""
+        """(len(radii), size) values, or slopes, of the basis.
+
+        An edge radius belongs to the ring outside it.
+        """
         radii = np.asarray(radii, dtype=float)
-        element = np.clip(np.searchsorted(self.breakpoints, radii, side="right") - 1, 0, len(self.degrees) - 1)
+        element = np.clip(
+            np.searchsorted(self.breakpoints, radii, side="right") - 1, 0, len(self.degrees) - 1
+        )
         left, right = self.breakpoints[element], self.breakpoints[element + 1]
         local = ((radii - left) - (right - radii)) / (right - left)
-        values = shape_slopes(local, self.top) * (2 / (right - left)[:, None]) if derivative else shapes(local, self.top)
-        return self._assembled(values, np.arange(len(radii))[:, None], self.dofs[element], len(radii))
+        values = (
+            shape_slopes(local, self.top) * (2 / (right - left)[:, None])
+            if derivative
+            else shapes(local, self.top)
+        )
+        return self._assembled(
+            values, np.arange(len(radii))[:, None], self.dofs[element], len(radii)
+        )
 
     def on_elements(self, local: Array, derivative: bool = False) -> csr_matrix:
-        """(elements x points, size) values, or slopes, of the basis at local coordinates in [-1, 1] of every element.
+        """(elements x points, size) values, or slopes, of the basis at local coordinates in [-1, 1]
+        of every element.
 
-        By radii, as in `matrix`, coordinates would lose digits on elements much smaller than the punch.
+        By radii, as in `matrix`, coordinates would lose digits on elements much smaller than the
+        punch.
         """
         height = len(self.degrees) * len(local)
         rows = np.arange(height).reshape(-1, len(local), 1)
@@ -98,16 +116,23 @@ class PressureSpace:
 
     def _gram(self, blocks: Array) -> csr_matrix:
         """(size, size) sum of the (n, top+1, top+1) matrices of the elements."""
-        return self._assembled(blocks, self.dofs[:, :, None], self.dofs[:, None, :], self.size + 1)[:-1]
+        return self._assembled(blocks, self.dofs[:, :, None], self.dofs[:, None, :], self.size + 1)[
+            :-1
+        ]
 
     def _assembled(self, values: Array, rows: Indices, columns: Indices, height: int) -> csr_matrix:
-        """(height, size) sums of values in rows and columns, which are broadcast, without what elements have not."""
+        """(height, size) sums of values in rows and columns, which are broadcast, without what
+        elements have not.
+        """
         entries, *places = (part.ravel() for part in np.broadcast_arrays(values, rows, columns))
         return csr_matrix((entries, places), (height, self.size + 1))[:, :-1]
 
     @cached_property
     def quadrature(self) -> tuple[Array, Array, Array]:
-        """Gauss points: radii (n, q), weights of dr (n, q), local coordinate (q,); exact for products of the basis."""
+        """Gauss points.
+
+        Radii (n, q), weights of dr (n, q), local coordinate (q,); exact for products of the basis.
+        """
         local, weight = np.polynomial.legendre.leggauss(self.top + 2)
         left, half = self.breakpoints[:-1, None], np.diff(self.breakpoints)[:, None] / 2
         return left + half * (1 + local), half * weight, local
@@ -117,22 +142,35 @@ class PressureSpace:
         """(n, top+1, top+1) ``int phi_i phi_j dA`` of each element."""
         radii, weight, local = self.quadrature
         values = shapes(local, self.top)
-        return np.asarray(np.einsum("eq,qi,qj->eij", 2 * np.pi * radii * weight, values, values, optimize=True))
+        return np.asarray(
+            np.einsum("eq,qi,qj->eij", 2 * np.pi * radii * weight, values, values, optimize=True)
+        )
 
     def mass(self, ring_values: ArrayLike = 1.0) -> csr_matrix:
-        """(size, size) ``int c phi_i phi_j dA`` with the constant `c` of each ring, or one for all."""
-        return self._gram(self._masses * np.broadcast_to(ring_values, len(self.ring_edges) - 1)[self.ring, None, None])
+        """(size, size) ``int c phi_i phi_j dA`` with the constant `c` of each ring, or one
+        for all.
+        """
+        return self._gram(
+            self._masses
+            * np.broadcast_to(ring_values, len(self.ring_edges) - 1)[self.ring, None, None]
+        )
 
     @cached_property
     def weights(self) -> Array:
         """(size,) ``int phi_i dA``: the force that each basis function carries."""
         radii, weight, local = self.quadrature
         out = np.zeros(self.size + 1)
-        np.add.at(out, self.dofs, np.einsum("eq,qi->ei", 2 * np.pi * radii * weight, shapes(local, self.top)))
+        np.add.at(
+            out,
+            self.dofs,
+            np.einsum("eq,qi->ei", 2 * np.pi * radii * weight, shapes(local, self.top)),
+        )
         return out[:-1]
 
     def ring_forces(self, ring_edges: ArrayLike) -> Array:
-        """(M, size) force that each basis function puts on each of the rings between `ring_edges` (any edges)."""
+        """(M, size) force that each basis function puts on each of the rings between `ring_edges`
+        (any edges).
+        """
         ring_edges = np.asarray(ring_edges, dtype=float)
         cuts = np.union1d(self.breakpoints, ring_edges)
         node, weight = np.polynomial.legendre.leggauss(self.top + 2)
@@ -144,17 +182,25 @@ class PressureSpace:
         area = 2 * np.pi * (cuts[:-1, None] + half * (1 + node)) * half * weight
         values = np.einsum("eq,eqi->ei", area, shapes(local, self.top))
         rings = ring_of(ring_edges, cuts[:-1])[:, None]
-        return np.asarray(self._assembled(values, rings, self.dofs[element], len(ring_edges) - 1).toarray())
+        return np.asarray(
+            self._assembled(values, rings, self.dofs[element], len(ring_edges) - 1).toarray()
+        )
 
     def ring_indicator(self) -> Array:
         """(size, N) coefficients of the pressures that are one on a ring and zero on the others."""
         ring = self._of_functions(self.ring[:, None])
-        return np.where((self.order == 1)[:, None] & (ring[:, None] == np.arange(len(self.ring_edges) - 1)), 1.0, 0.0)
+        return np.where(
+            (self.order == 1)[:, None] & (ring[:, None] == np.arange(len(self.ring_edges) - 1)),
+            1.0,
+            0.0,
+        )
 
     def joined(self, ring_coefficients: ArrayLike = 1.0) -> csr_matrix:
-        """(size, size-N+1) basis of the pressures whose product with `ring_coefficients` is continuous.
+        """(size, size-N+1) basis of the pressures whose product with `ring_coefficients` is
+        continuous.
 
-        With the wear coefficients: the space of t > 0, in terms of the wear rate. By default: continuous pressures.
+        With the wear coefficients: the space of t > 0, in terms of the wear rate. By default:
+        continuous pressures.
         """
         ring, function = self._of_functions(self.ring[:, None]), np.arange(self.size)
         # the last function of a ring and the first of the next are joined in one column
@@ -165,7 +211,9 @@ class PressureSpace:
 def shapes(local: Array, top: int) -> Array:
     """(..., top+1) hats and integrated Legendre bubbles at local coordinates in [-1, 1]."""
     legendre = np.polynomial.legendre.legvander(local, top)
-    bubbles = [(legendre[..., j] - legendre[..., j - 2]) / np.sqrt(4 * j - 2) for j in range(2, top + 1)]
+    bubbles = [
+        (legendre[..., j] - legendre[..., j - 2]) / np.sqrt(4 * j - 2) for j in range(2, top + 1)
+    ]
     return np.stack([(1 - local) / 2, (1 + local) / 2, *bubbles], axis=-1)
 
 
@@ -173,4 +221,7 @@ def shape_slopes(local: Array, top: int) -> Array:
     """(..., top+1) derivatives of `shapes` in the local coordinate."""
     legendre = np.polynomial.legendre.legvander(local, top)
     half = np.full_like(local, 0.5)
-    return np.stack([-half, half, *(legendre[..., j - 1] * np.sqrt(j - 0.5) for j in range(2, top + 1))], axis=-1)
+    return np.stack(
+        [-half, half, *(legendre[..., j - 1] * np.sqrt(j - 0.5) for j in range(2, top + 1))],
+        axis=-1,
+    )

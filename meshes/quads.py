@@ -1,9 +1,12 @@
-"""The quarter disc in quadrilaterals only: geometric layers round every ring edge and the rim, and gmsh between them.
+"""The quarter disc in quadrilaterals only.
 
-Round a singular point each layer is a copy of the one outside it, smaller by a factor: four quadrilaterals to a layer,
-and two kites in the middle. Polynomials whose degree rises from layer to layer converge exponentially there. Neighbouring
-patches touch in the middle of a ring where their sizes allow it; the outline of a patch is a diamond, of which gmsh meshes
-each side as two. Outside the patches everything is smooth, and a few large quadrilaterals of high degree are enough.
+Geometric layers round every ring edge and the rim, and gmsh between them.
+
+Round a singular point each layer is a copy of the one outside it, smaller by a factor: four
+quadrilaterals to a layer, and two kites in the middle. Polynomials whose degree rises from layer to
+layer converge exponentially there. Neighbouring patches touch in the middle of a ring where their
+sizes allow it; the outline of a patch is a diamond, of which gmsh meshes each side as two. Outside
+the patches everything is smooth, and a few large quadrilaterals of high degree are enough.
 """
 
 from dataclasses import dataclass, replace
@@ -22,7 +25,8 @@ from .half_space import LOWER, half_space, quality
 from .radial import Array, Indices
 from .sizes import LARGEST, Behind, Sharpness, beside, falls, patch_layers, patch_widths
 
-# corners of a layer of half-width 1, from the surface inside the singular point to that outside it; and of the outermost
+# corners of a layer of half-width 1, from the surface inside the singular point to that outside it;
+# and of the outermost
 LAYER = np.array([[-1.0, 0.0], [-0.75, 0.75], [0.0, 1.0], [0.75, 0.75], [1.0, 0.0]])
 OUTLINE = np.array([[-1.0, 0.0], [-0.5, 0.5], [0.0, 1.0], [0.5, 0.5], [1.0, 0.0]])
 
@@ -32,12 +36,15 @@ class Way(NamedTuple):
 
     algorithm: int  # this and the next: gmsh's numbers
     recombination: int
-    divided: bool = False  # at last each triangle and quadrilateral is divided into smaller quadrilaterals
+    divided: bool = (
+        False  # at last each triangle and quadrilateral is divided into smaller quadrilaterals
+    )
     coarser: float = 1.0  # sizes asked for over those wanted
 
 
-# full-quad recombination has the fewest elements, but leaves a triangle, folds the mesh, or forgets to refine now and then,
-# which shows in flat quadrilaterals: those of this least sine are good enough
+# full-quad recombination has the fewest elements, but leaves a triangle, folds the mesh, or forgets
+# to refine now and then, which shows in flat quadrilaterals: those of this least sine are good
+# enough
 GOOD = 0.1
 WAYS = (Way(6, 3), Way(5, 3), Way(5, 0, divided=True, coarser=1.5), Way(5, 0, divided=True))
 
@@ -49,7 +56,8 @@ class GradedQuads:
     Parameters
     ----------
     ring_edges : (N+1,) ring edges, 0 first and 1 (the rim) last
-    widths : (N, 2) half-width of the patch at each edge but the centre, towards the axis and away from it
+    widths : (N, 2) half-width of the patch at each edge but the centre, towards the axis and away
+        from it
     layers : (N,) layers of each patch outside its two kites
     factor : size of a layer over that of the layer outside it
     between : points (2, n) and quadrilaterals (4, m) outside the patches
@@ -65,7 +73,10 @@ class GradedQuads:
 
     @cached_property
     def mesh(self) -> MeshQuad:
-        """The mesh; in its subdomains `degree -1`, `degree -2`, ... the degree of the displacement may be so much lower.
+        """The mesh.
+
+        In its subdomains `degree -1`, `degree -2`, ... the degree of the displacement may be so
+        much lower.
 
         Raises
         ------
@@ -74,14 +85,17 @@ class GradedQuads:
         """
         points, quadrilaterals, lower = self._patches()
         known, between = self.between
-        # gmsh has the corners of the outlines, too: each point of the patches that lies on one is the nearest of gmsh's
+        # gmsh has the corners of the outlines, too: each point of the patches that lies on one is
+        # the nearest of gmsh's
         distance, nearest = cKDTree(known.T).query(points.T)
         scale = np.repeat(self.widths.min(axis=1), 5 * (self.layers + 1) + 1)
         same = distance < 1e-6 * scale
         number = np.where(same, nearest, known.shape[1] + np.cumsum(~same) - 1)
         cells = np.concatenate([number[quadrilaterals], between], axis=1)
         parts = {f"{LOWER}{k}": np.flatnonzero(lower == k) for k in np.unique(lower[lower > 0])}
-        mesh = MeshQuad(np.concatenate([known, points[:, ~same]], axis=1), cells).with_subdomains(parts)
+        mesh = MeshQuad(np.concatenate([known, points[:, ~same]], axis=1), cells).with_subdomains(
+            parts
+        )
         return half_space(mesh, self.ring_edges)
 
     def coarser(self) -> "GradedQuads":
@@ -89,10 +103,14 @@ class GradedQuads:
         return replace(self, layers=np.maximum(self.layers - 1, 1))
 
     def _patches(self) -> tuple[Array, Indices, Indices]:
-        """Points (2, n) of the patches, their quadrilaterals (4, m), and how much lower the degree of each may be (m,)."""
+        """Points (2, n) of the patches, their quadrilaterals (4, m), and how much lower the degree
+        of each may be (m,).
+        """
         points, quadrilaterals, lower, count = [], [], [], 0
         lowered = falls(self.widths, self.layers, self.factor, self.sharpness)
-        for centre, (inner, outer), fall in zip(self.ring_edges[1:], self.widths, lowered, strict=True):
+        for centre, (inner, outer), fall in zip(
+            self.ring_edges[1:], self.widths, lowered, strict=True
+        ):
             depth = len(fall) - 1
             shapes = np.concatenate([OUTLINE[None], np.repeat(LAYER[None], depth, axis=0)])
             shapes = shapes * self.factor ** np.arange(depth + 1.0)[:, None, None]
@@ -100,25 +118,39 @@ class GradedQuads:
             z = (inner + outer) / 2 * shapes[..., 1]
             points.append(np.stack([np.append(x, centre), np.append(z, 0.0)]))
             corners = count + np.arange(5 * (depth + 1)).reshape(-1, 5)
-            around = np.stack([corners[:-1, :-1], corners[1:, :-1], corners[1:, 1:], corners[:-1, 1:]])
+            around = np.stack(
+                [corners[:-1, :-1], corners[1:, :-1], corners[1:, 1:], corners[:-1, 1:]]
+            )
             last, middle = corners[-1], corners.max() + 1
-            kites = np.array([[last[0], middle, last[2], last[1]], [middle, last[4], last[3], last[2]]]).T
+            kites = np.array(
+                [[last[0], middle, last[2], last[1]], [middle, last[4], last[3], last[2]]]
+            ).T
             quadrilaterals += [around.reshape(4, -1), kites]
             lower += [np.repeat(fall[:-1], 4), np.repeat(fall[-1:], 2)]
             count += 5 * (depth + 1) + 1
-        return np.concatenate(points, axis=1), np.concatenate(quadrilaterals, axis=1), np.concatenate(lower)
+        return (
+            np.concatenate(points, axis=1),
+            np.concatenate(quadrilaterals, axis=1),
+            np.concatenate(lower),
+        )
 
 
 def graded(
-    ring_edges: ArrayLike, sizes: ArrayLike, rim_size: float, factor: float, growth: float, outer: float,
+    ring_edges: ArrayLike,
+    sizes: ArrayLike,
+    rim_size: float,
+    factor: float,
+    growth: float,
+    outer: float,
     sharpness: Behind | None = None,
-) -> GradedQuads:  # fmt: skip
+) -> GradedQuads:
     """Mesh the quarter disc.
 
     Parameters
     ----------
     ring_edges : (N+1,) ring edges, 0 first and 1 (the rim) last
-    sizes : greatest size of the kites at each of the N-1 edges between: one for all of them, or one for each
+    sizes : greatest size of the kites at each of the N-1 edges between: one for all of them, or one
+        for each
     rim_size : the same at the rim
     factor : size of a layer over that of the layer outside it
     growth : growth of the elements with the distance from the patches
@@ -135,7 +167,9 @@ def graded(
     if np.diff(ring_edges).min() < 1e-10:
         raise MeshError("a ring is narrower than 1e-10 a: merge it with a neighbour")
     widths = patch_widths(ring_edges)
-    layers = patch_layers(widths, np.append(np.broadcast_to(sizes, len(ring_edges) - 2), rim_size), factor)
+    layers = patch_layers(
+        widths, np.append(np.broadcast_to(sizes, len(ring_edges) - 2), rim_size), factor
+    )
     if missing := gmsh_session.unavailable():
         raise MeshError(missing)
     sharpness = sharpness or Sharpness(0.0, np.zeros(len(widths)), np.ones(len(widths)))
@@ -150,12 +184,20 @@ def graded(
         except MeshError as error:
             reason = error
     if not candidates:
-        raise MeshError(f"no quadrilaterals fit between the rings ({reason}): ask for mesher = 'gmsh' (triangles)")
+        raise MeshError(
+            f"no quadrilaterals fit between the rings ({reason}): ask for mesher = 'gmsh' "
+            "(triangles)"
+        )
     return max(candidates, key=lambda one: one[0])[1]
 
 
-def _between(centres: Array, widths: Array, growth: float, outer: float, way: Way) -> tuple[Array, Indices]:
-    """Points and quadrilaterals between the patches and the arc; MeshError if gmsh fails or leaves a triangle."""
+def _between(
+    centres: Array, widths: Array, growth: float, outer: float, way: Way
+) -> tuple[Array, Indices]:
+    """Points and quadrilaterals between the patches and the arc.
+
+    MeshError if gmsh fails or leaves a triangle.
+    """
     with session() as gmsh:
         gmsh.option.setNumber("Mesh.RecombineAll", 1)
         gmsh.option.setNumber("Mesh.Algorithm", way.algorithm)
@@ -163,9 +205,14 @@ def _between(centres: Array, widths: Array, growth: float, outer: float, way: Wa
         gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", int(way.divided))
         _geometry(gmsh, centres, widths, growth, outer, way)
         if not way.divided:
-            # every curve has to have an even number of sides; those of one side are not made even by themselves
+            # every curve has to have an even number of sides; those of one side are not made even
+            # by themselves
             gmsh.model.mesh.generate(1)
-            single = [tag for _, tag in gmsh.model.getEntities(1) if len(gmsh.model.mesh.getElements(1, tag)[1][0]) == 1]
+            single = [
+                tag
+                for _, tag in gmsh.model.getEntities(1)
+                if len(gmsh.model.mesh.getElements(1, tag)[1][0]) == 1
+            ]
             gmsh.model.mesh.clear()
             for tag in single:
                 gmsh.model.mesh.setTransfiniteCurve(tag, 3)
@@ -176,9 +223,13 @@ def _between(centres: Array, widths: Array, growth: float, outer: float, way: Wa
         return elements(gmsh, QUADRILATERAL)
 
 
-def _geometry(gmsh: Any, centres: Array, widths: Array, growth: float, outer: float, way: Way) -> None:
+def _geometry(
+    gmsh: Any, centres: Array, widths: Array, growth: float, outer: float, way: Way
+) -> None:
     geometry = gmsh.model.geo
-    origin, surface_end, axis_end = (geometry.addPoint(r, z, 0) for r, z in ((0, 0), (outer, 0), (0, outer)))
+    origin, surface_end, axis_end = (
+        geometry.addPoint(r, z, 0) for r, z in ((0, 0), (outer, 0), (0, outer))
+    )
     curves, previous, at_patches = [], origin, []
     ends = np.append(0.0, centres + widths[:, 1])
     for centre, (inside, outside), end in zip(centres, widths, ends[:-1], strict=True):
@@ -186,13 +237,19 @@ def _geometry(gmsh: Any, centres: Array, widths: Array, growth: float, outer: fl
         if centre - inside - end > 1e-9 * inside:
             start = geometry.addPoint(centre - inside, 0, 0)
             curves.append(geometry.addLine(previous, start))
-        below, previous = geometry.addPoint(centre, (inside + outside) / 2, 0), geometry.addPoint(centre + outside, 0, 0)
+        below, previous = (
+            geometry.addPoint(centre, (inside + outside) / 2, 0),
+            geometry.addPoint(centre + outside, 0, 0),
+        )
         for a, b in ((start, below), (below, previous)):
             curves.append(geometry.addLine(a, b))
             geometry.mesh.setTransfiniteCurve(curves[-1], 2 if way.divided else 3)
         at_patches.append((start, below, previous))
     curves.append(geometry.addLine(previous, surface_end))
-    curves += [geometry.addCircleArc(surface_end, origin, axis_end), geometry.addLine(axis_end, origin)]
+    curves += [
+        geometry.addCircleArc(surface_end, origin, axis_end),
+        geometry.addLine(axis_end, origin),
+    ]
     geometry.addPlaneSurface([geometry.addCurveLoop(curves)])
     geometry.synchronize()
     sizes, largest = way.coarser * beside(widths), way.coarser * LARGEST * outer

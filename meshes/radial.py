@@ -1,4 +1,6 @@
-"""Ring edges, the graded radial mesh between them (radius of the punch = 1), and Gauss rules on its elements."""
+"""Ring edges, the graded radial mesh between them (radius of the punch = 1), and Gauss rules on its
+elements.
+"""
 
 import itertools
 from functools import cache
@@ -11,7 +13,10 @@ Indices = NDArray[np.int64]
 
 
 def alternating_edges(count: int, width_ratio: float = 1.0) -> Array:
-    """Edges of `count` rings on [0, 1] whose widths alternate as h1, h2, h1, ... with ``h2/h1 = width_ratio``."""
+    """Edges of `count` rings on [0, 1] whose widths alternate as h1, h2, h1, ...
+
+    With ``h2/h1 = width_ratio``.
+    """
     widths = np.where(np.arange(count) % 2 == 0, 1.0, width_ratio)
     ring_edges = np.concatenate([[0.0], np.cumsum(widths)])
     return ring_edges / ring_edges[-1]
@@ -24,18 +29,26 @@ def ring_areas(ring_edges: ArrayLike) -> Array:
 
 
 def ring_of(ring_edges: Array, radii: ArrayLike) -> Indices:
-    """Number of the ring at each radius, from 0; a radius on an edge belongs to the ring outside it, the rim to the last."""
+    """Number of the ring at each radius, from 0.
+
+    A radius on an edge belongs to the ring outside it, the rim to the last.
+    """
     return np.clip(np.searchsorted(ring_edges, radii, side="right") - 1, 0, len(ring_edges) - 2)
 
 
-def graded_breakpoints(ring_edges: ArrayLike, edge_size: ArrayLike, rim_size: float, factor: float) -> Array:
+def graded_breakpoints(
+    ring_edges: ArrayLike, edge_size: ArrayLike, rim_size: float, factor: float
+) -> Array:
     """Element boundaries that shrink by `factor` per element towards every ring edge and the rim.
 
-    The smallest elements have about `edge_size` at ring edges (one for all, or one for each between the centre and
-    the rim) and `rim_size` at the rim. There is nothing to resolve at the axis, where every field is smooth in ``r^2``.
+    The smallest elements have about `edge_size` at ring edges (one for all, or one for each between
+    the centre and the rim) and `rim_size` at the rim. There is nothing to resolve at the axis,
+    where every field is smooth in ``r^2``.
     """
     ring_edges = np.asarray(ring_edges, dtype=float)
-    sizes = np.append(np.broadcast_to(np.asarray(edge_size, dtype=float), len(ring_edges) - 2), rim_size)
+    sizes = np.append(
+        np.broadcast_to(np.asarray(edge_size, dtype=float), len(ring_edges) - 2), rim_size
+    )
     # the innermost ring is refined towards its outer edge only
     pieces = [[0.0], ring_edges[1] - layers(ring_edges[1], sizes[0], factor)[1:]]
     for i, (inner, outer) in enumerate(itertools.pairwise(ring_edges[1:])):
@@ -52,11 +65,18 @@ def layers(span: float, smallest: float, factor: float) -> Array:
     return span * factor ** np.arange(count + 1.0)
 
 
-def layer_degrees(breakpoints: Array, ring_edges: ArrayLike, degree: int, rise: float, lowest: int = 1) -> Indices:
-    """Degree of each element: `lowest` at ring edges and rim, rising by `rise` per element to `degree`."""
+def layer_degrees(
+    breakpoints: Array, ring_edges: ArrayLike, degree: int, rise: float, lowest: int = 1
+) -> Indices:
+    """Degree of each element.
+
+    `lowest` at ring edges and rim, rising by `rise` per element to `degree`.
+    """
     index = np.arange(len(breakpoints) - 1)
     # the first stands for the axis, which is no mark: far from every element
-    marks = np.append(-len(index), np.searchsorted(breakpoints, np.asarray(ring_edges, dtype=float)[1:]))
+    marks = np.append(
+        -len(index), np.searchsorted(breakpoints, np.asarray(ring_edges, dtype=float)[1:])
+    )
     after = np.searchsorted(marks, index, side="right")
     layer = np.minimum(marks[after] - 1 - index, index - marks[after - 1])
     return np.minimum(degree, lowest + np.floor(rise * layer).astype(np.int64))

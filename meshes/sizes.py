@@ -1,9 +1,10 @@
 """Element sizes of the half-space, known before any mesh is: lengths in punch radii.
 
-Triangles have the size ``min(rim_size + growth * d_rim, ring_size + growth * d_edge, far_size * R)`` with the distances to
-the rim and to the nearest other ring edge (or the centre), and the truncation radius R: well-shaped elements round every
-singular point, in numbers that grow only with the logarithm of the smallest size. Quadrilaterals come in patches of
-geometric layers round ring edges and rim, and in few large ones between.
+Triangles have the size ``min(rim_size + growth * d_rim, ring_size + growth * d_edge, far_size *
+R)`` with the distances to the rim and to the nearest other ring edge (or the centre), and the
+truncation radius R: well-shaped elements round every singular point, in numbers that grow only with
+the logarithm of the smallest size. Quadrilaterals come in patches of geometric layers round ring
+edges and rim, and in few large ones between.
 """
 
 from collections.abc import Callable
@@ -13,15 +14,16 @@ import numpy as np
 
 from .radial import Array, Indices
 
-# what stands behind the highest degree of elements, by their distance from the nearest edge, the half width of the ring
-# there, and the number of the edge
+# what stands behind the highest degree of elements, by their distance from the nearest edge, the
+# half width of the ring there, and the number of the edge
 Behind = Callable[[Array, Array, Indices], Array]
 
 # greatest quadrilaterals between the patches, over the truncation
 LARGEST = 0.4
 # rings, in a, that any mesher can tell from an edge
 NARROWEST = 1e-12
-# least degree that the displacement may fall to towards a ring edge or the rim: it goes with a stable linear pressure
+# least degree that the displacement may fall to towards a ring edge or the rim: it goes with a
+# stable linear pressure
 LOWEST = 3
 
 
@@ -36,8 +38,10 @@ class SizeField:
     ring_size : size at the other ring edges: one for all of them, or one for each
     growth : growth of the size with the distance from them
     truncation : radius of the quarter disc, in punch radii
-    centre_size : size at the centre of the punch, where little area stands behind the value that people look at
-    far_size : greatest size, over the truncation: elements of low degree follow the far field only along short sides
+    centre_size : size at the centre of the punch, where little area stands behind the value that
+        people look at
+    far_size : greatest size, over the truncation: elements of low degree follow the far field only
+        along short sides
     """
 
     ring_edges: tuple[float, ...]
@@ -51,8 +55,12 @@ class SizeField:
     def __call__(self, points: Array) -> Array:
         """(n,) sizes at (n, 2) points."""
         size = np.full(len(points), self.largest)
-        for edge, smallest in zip(self.ring_edges, (self.centre_size, *self.ring_sizes, self.rim_size), strict=True):
-            size = np.minimum(size, smallest + self.growth * np.hypot(points[:, 0] - edge, points[:, 1]))
+        for edge, smallest in zip(
+            self.ring_edges, (self.centre_size, *self.ring_sizes, self.rim_size), strict=True
+        ):
+            size = np.minimum(
+                size, smallest + self.growth * np.hypot(points[:, 0] - edge, points[:, 1])
+            )
         return size
 
     def coarser(self) -> "SizeField":
@@ -73,11 +81,14 @@ class SizeField:
 
 
 def patch_widths(ring_edges: Array) -> Array:
-    """(N, 2) half-widths of the patch at each edge but the centre, towards the axis and away from it."""
+    """(N, 2) half-widths of the patch at each edge but the centre, towards the axis and away from
+    it.
+    """
     rings = np.diff(ring_edges)
     half = np.minimum(rings, np.append(rings[1:], np.inf)) / 2
     widths = np.stack([half, half], axis=1)
-    # neighbours are widened to meet in the middle of the ring between them, where a little is enough
+    # neighbours are widened to meet in the middle of the ring between them, where a little is
+    # enough
     stretch = rings[1:] / (half[:-1] + half[1:])
     stretch[stretch > 1.6] = 1.0
     widths[:-1, 1] *= stretch
@@ -87,11 +98,15 @@ def patch_widths(ring_edges: Array) -> Array:
 
 def patch_layers(widths: Array, sizes: Array, factor: float) -> Indices:
     """(N,) layers that each patch needs for innermost elements no larger than its size."""
-    return np.maximum(1, np.ceil(np.log(sizes / widths.max(axis=1)) / np.log(factor) - 1e-9)).astype(np.int64)
+    return np.maximum(
+        1, np.ceil(np.log(sizes / widths.max(axis=1)) / np.log(factor) - 1e-9)
+    ).astype(np.int64)
 
 
 def falls(widths: Array, layers: Indices, factor: float, sharpness: Behind) -> list[Indices]:
-    """For each patch (layers + 1,) how much lower the degree may be in each layer and, last, in the middle."""
+    """For each patch (layers + 1,) how much lower the degree may be in each layer and, last, in the
+    middle.
+    """
     half = widths.max(axis=1)
     behind = [
         sharpness(reach * factor ** np.arange(count + 1.0), reach, np.full(count + 1, number))
@@ -102,24 +117,28 @@ def falls(widths: Array, layers: Indices, factor: float, sharpness: Behind) -> l
 
 
 def beside(widths: Array) -> Array:
-    """(N,) size of the elements beside each patch, in few distinct values, which is what a mesher digests."""
+    """(N,) size of the elements beside each patch, in few distinct values, which is what a mesher
+    digests.
+    """
     return np.asarray(2.0 ** (np.round(4 * np.log2(1.4 * widths.mean(axis=1))) / 4))
 
 
 @dataclass(frozen=True, eq=False)
 class Sharpness:
-    """How much stands behind the highest degree of an element near a ring edge or the rim, relative to the rest.
+    """How much stands behind the highest degree of an element near a ring edge or the rim, relative
+    to the rest.
 
-    It has to become smaller than the accuracy. Wear blunts the pressure beside an edge over a length that grows in time,
-    on each side as its material wears: between the two lengths the edge of the slower ring is sharp, as the rim is. At a
-    distance it is sharpest when the slower side has just been blunted so far. The worn profile keeps ``x log x`` there, and
-    its slope, whose square counts, ``log x``.
+    It has to become smaller than the accuracy. Wear blunts the pressure beside an edge over a
+    length that grows in time, on each side as its material wears: between the two lengths the edge
+    of the slower ring is sharp, as the rim is. At a distance it is sharpest when the slower side
+    has just been blunted so far. The worn profile keeps ``x log x`` there, and its slope, whose
+    square counts, ``log x``.
 
     Parameters
     ----------
     accuracy : wanted
-    slow : (N,) length that wear has blunted at the first time after the start, beside each edge but the centre, on the side
-        that wears slower; infinite if no history is wanted
+    slow : (N,) length that wear has blunted at the first time after the start, beside each edge but
+        the centre, on the side that wears slower; infinite if no history is wanted
     ratio : (N,) of the length on the other side to it, at least 1
     span : last time over the first
     """
@@ -135,13 +154,17 @@ class Sharpness:
         return self.slow * self.ratio
 
     def __call__(self, distance: Array, half: Array, edge: Indices) -> Array:
-        """Of elements whose far end has a distance from the nearest edge, by its number, in rings of given half width."""
+        """Of elements whose far end has a distance from the nearest edge, by its number, in rings
+        of given half width.
+        """
         at_rim, slow = edge == len(self.slow) - 1, self.slow[edge]
         with np.errstate(divide="ignore"):
             sharp = np.minimum(1.0, distance / slow)
             within = np.minimum(1.0, distance / np.minimum(slow, half))
         fast, ratio = self.fast[edge], self.ratio[edge]
-        blunted = np.maximum(distance, np.minimum(np.maximum(fast, distance * ratio), fast * self.span))
+        blunted = np.maximum(
+            distance, np.minimum(np.maximum(fast, distance * ratio), fast * self.span)
+        )
         whole = np.where(at_rim, 1.0, np.sqrt(np.minimum(1.0, blunted / half)))
         pressure = whole * sharp**1.5
         slope = 3 * np.sqrt(self.accuracy * np.maximum(whole**2 * within, distance / half))
@@ -149,9 +172,11 @@ class Sharpness:
 
 
 def convergence(ratio: float) -> float:
-    """Logarithm of what one degree more gains where each element is smaller by `ratio` than its outer neighbour.
+    """Logarithm of what one degree more gains where each element is smaller by `ratio` than its
+    outer neighbour.
 
-    A polynomial on an element one element away from a singularity converges with the ellipse through it (Bernstein).
+    A polynomial on an element one element away from a singularity converges with the ellipse
+    through it (Bernstein).
     """
     return float(np.log((1 + ratio**0.5) / (1 - ratio**0.5)))
 

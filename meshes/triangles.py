@@ -23,7 +23,10 @@ def mesh(field: SizeField) -> MeshTri:
         on_contact = [geometry.addPoint(edge, 0, 0) for edge in field.ring_edges]
         surface_end, axis_end = geometry.addPoint(outer, 0, 0), geometry.addPoint(0, outer, 0)
         curves = [geometry.addLine(a, b) for a, b in itertools.pairwise([*on_contact, surface_end])]
-        curves += [geometry.addCircleArc(surface_end, on_contact[0], axis_end), geometry.addLine(axis_end, on_contact[0])]
+        curves += [
+            geometry.addCircleArc(surface_end, on_contact[0], axis_end),
+            geometry.addLine(axis_end, on_contact[0]),
+        ]
         geometry.addPlaneSurface([geometry.addCurveLoop(curves)])
         geometry.synchronize()
         sizes = np.array([field.centre_size, *field.ring_sizes, field.rim_size])

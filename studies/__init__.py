@@ -1,1 +1,4 @@
-"""What people do with it: scenes, contact and wear on any compliance, runs, studies, figures, the command line."""
+"""What people do with it.
+
+Scenes, contact and wear on any compliance, runs, studies, figures, the command line.
+"""

@@ -1,8 +1,9 @@
 """The command line: `ringwear run | plan | mesh | compare | study | sweep | scenes`.
 
-Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree, or one cannot reach
-the accuracy asked for; 2 bad input; 1 anything else, such as a figure that could not be drawn or scenes of a sweep that
-failed, and when stopped by Ctrl-C or SIGTERM (finished rows of a study and scenes of a sweep are kept).
+Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree,
+or one cannot reach the accuracy asked for; 2 bad input; 1 anything else, such as a figure that
+could not be drawn or scenes of a sweep that failed, and when stopped by Ctrl-C or SIGTERM (finished
+rows of a study and scenes of a sweep are kept).
 """
 
 import argparse
@@ -45,7 +46,11 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"ringwear: {error}", file=sys.stderr)
         return FAILED
     except OSError as error:
-        print(f"ringwear: {error.filename or 'a file'} could not be written: {error.strerror or error}", file=sys.stderr)
+        print(
+            f"ringwear: {error.filename or 'a file'} could not be written: "
+            f"{error.strerror or error}",
+            file=sys.stderr,
+        )
         return FAILED
     except KeyboardInterrupt:
         print("ringwear: stopped; nothing half-written was left", file=sys.stderr)
@@ -82,7 +87,9 @@ def _run(options: argparse.Namespace) -> int:
     if options.rtol is not None:
         scene = scene.changed(accuracy__rtol=options.rtol)
     if options.methods is not None:
-        scene = scene.changed(methods=[name.strip() for name in options.methods.split(",") if name.strip()])
+        scene = scene.changed(
+            methods=[name.strip() for name in options.methods.split(",") if name.strip()]
+        )
     # that the folder can be written to is known before the work
     with held(_results_of(options), "run") as folder:
         from .crosscheck import agreement
@@ -96,14 +103,17 @@ def _run(options: argparse.Namespace) -> int:
             raise SceneError(refusal)
         result = run(scene)
         write_numbers(result, folder, tables=options.csv)
-        # nobody waits for the answer until all is drawn; and what is not out yet would be written by a forked process, too
+        # nobody waits for the answer until all is drawn; and what is not out yet would be written
+        # by a forked process, too
         with suppress(BrokenPipeError):
             print_result(result)
             sys.stdout.flush()
         failures = draw(result, folder, figures=not options.no_figures)
         if not (options.no_figures or options.no_report):
             failures += make(
-                [Job("report.html", lambda path: _write_report(result, folder.hidden, path))], [], folder.hidden
+                [Job("report.html", lambda path: _write_report(result, folder.hidden, path))],
+                [],
+                folder.hidden,
             )
     _say_files(folder)
     for failure in failures:
@@ -125,7 +135,10 @@ def _say_files(folder: Folder) -> None:
         print(f"note: {note}")
     if foreign := folder.foreign():
         shown = ", ".join(foreign[:5]) + (" ..." if len(foreign) > 5 else "")
-        print(f"note: {len(foreign)} other files there are not of ringwear, and were left alone: {shown}")
+        print(
+            f"note: {len(foreign)} other files there are not of ringwear, and were left alone: "
+            f"{shown}"
+        )
 
 
 def _plan(options: argparse.Namespace) -> int:
@@ -145,8 +158,10 @@ def _plan(options: argparse.Namespace) -> int:
     # the finite elements' multipliers against a compliance that resolves every pressure they have
     for both in run(scene.changed(methods=["mdr", "fem"])).operators if options.check else ():
         print(
-            f"\nMultipliers: inf-sup constant {both.stability**0.5:.2f}, least ratio of energies {both.stability:.2f} "
-            f"({both.methods[0]} over {both.methods[1]}); over all steady states they differ by {both.rings:.1e}"
+            f"\nMultipliers: inf-sup constant {both.stability**0.5:.2f}, least ratio of energies "
+            f"{both.stability:.2f} "
+            f"({both.methods[0]} over {both.methods[1]}); over all steady states they differ by "
+            f"{both.rings:.1e}"
         )
     return DONE
 
@@ -162,8 +177,11 @@ def _mesh(options: argparse.Namespace) -> int:
         write_mesh(scene, meshed, folder)
     mesh, shape = meshed.mesh, quality(meshed.mesh)
     kind = {3: "triangles", 4: "quadrilaterals"}[len(mesh.t)]
-    print(f"{mesh.nelements} {kind} by {meshed.mesher}, {len(mesh.boundaries['contact'])} facets on the contact, "
-          f"quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean {shape.mean():.2f}")  # fmt: skip
+    print(
+        f"{mesh.nelements} {kind} by {meshed.mesher}, {len(mesh.boundaries['contact'])} facets on "
+        "the contact, "
+        f"quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean {shape.mean():.2f}"
+    )
     for note in meshed.notes:
         print(f"note: {note}")
     _say_files(folder)
@@ -181,7 +199,9 @@ def _compare(options: argparse.Namespace) -> int:
         keys, answers = comparison.scene_rows(one, other), comparison.answer_rows(one, other)
         curves = {name: (one.curve(name), other.curve(name)) for name in (*OVER_RADIUS, *OVER_TIME)}
         if not any(found is not None for pair in curves.values() for found in pair):
-            raise SceneError("neither result holds a history or a steady state: there is nothing to compare")
+            raise SceneError(
+                "neither result holds a history or a steady state: there is nothing to compare"
+            )
         Table(folder.hidden / "scenes.csv", keys.headers, keys.rows)
         Table(folder.hidden / "answers.csv", answers.headers, answers.rows)
         draw_comparison((one.scene, other.scene), curves, folder.hidden / "comparison.png")
@@ -199,14 +219,18 @@ def _study(options: argparse.Namespace) -> int:
     scene = Scene.load(options.scene)
     study = STUDIES[options.study]
     if scene.problem.profile is not None:
-        raise SceneError(f"study {options.study} is about flat punches under a force: leave out punch.recess and "
-                         "punch.profile, and give load.normal_force")  # fmt: skip
+        raise SceneError(
+            f"study {options.study} is about flat punches under a force: leave out punch.recess "
+            "and "
+            "punch.profile, and give load.normal_force"
+        )
     with held(options.out or Path("results") / options.study, f"study {options.study}") as folder:
         conclusions = list[str]()
         with keeping_rows(conclusions):
             conclusions += study.conduct(scene, folder.hidden, options)
         if conclusions == [INTERRUPTED]:
-            # stopped between its rows: tables are whole after every row, but a figure may be half there
+            # stopped between its rows: tables are whole after every row, but a figure may be half
+            # there
             for file in set(folder.hidden.iterdir()) - set(folder.hidden.glob("*.csv")):
                 file.unlink()
             if not any(_rows(file) for file in folder.hidden.iterdir()):
@@ -256,8 +280,14 @@ def _scenes(_: argparse.Namespace) -> int:
 
 
 COMMANDS = {
-    "run": _run, "plan": _plan, "mesh": _mesh, "compare": _compare, "study": _study, "sweep": _sweep, "scenes": _scenes,
-}  # fmt: skip
+    "run": _run,
+    "plan": _plan,
+    "mesh": _mesh,
+    "compare": _compare,
+    "study": _study,
+    "sweep": _sweep,
+    "scenes": _scenes,
+}
 
 if __name__ == "__main__":
     raise SystemExit(main())

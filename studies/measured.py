@@ -1,4 +1,7 @@
-"""What studies measure a method by: seconds on this machine, and errors against an MDR far finer than any of them."""
+"""What studies measure a method by.
+
+Seconds on this machine, and errors against an MDR far finer than any of them.
+"""
 
 import time
 from collections.abc import Callable
@@ -26,7 +29,9 @@ from .wear.archard import RunningIn
 def exact(problem: Problem) -> xarray.Dataset:
     """What a problem asks for, by the fine MDR, exact in time."""
     space = mdr.radial_space(problem, degree=9, rim_size=1e-8, ring_size=2e-5, grading=0.25)
-    results = Evaluation(replace(problem, march="modal", step=None), mdr.METHOD.compliance(space)).results
+    results = Evaluation(
+        replace(problem, march="modal", step=None), mdr.METHOD.compliance(space)
+    ).results
     # at the start it is known in closed form, more accurately than on any mesh
     results.indentation[problem.times == 0] = D0
     return results

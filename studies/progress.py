@@ -1,4 +1,6 @@
-"""What happens, as it happens: the log, timed stages of a method, and progress through long work."""
+"""What happens, as it happens: the log, timed stages of a method, and progress through long
+work.
+"""
 
 import logging
 import sys
@@ -34,17 +36,24 @@ class Stages:
 
 
 def progress(items: Sequence[T], of: str, label: Callable[[T], object] = str) -> Iterator[T]:
-    """The items one by one, each logged with its number, the time gone by and about the time left."""
+    """The items one by one, each logged with its number, the time gone by and about the
+    time left.
+    """
     start = time.perf_counter()
     for number, item in enumerate(items):
         gone = time.perf_counter() - start
         ahead = f", about {gone / number * (len(items) - number):.0f} s left" if number else ""
-        LOG.info("%8s  %d of %d, %.0f s%s: %s ...", of, number + 1, len(items), gone, ahead, label(item))
+        LOG.info(
+            "%8s  %d of %d, %.0f s%s: %s ...", of, number + 1, len(items), gone, ahead, label(item)
+        )
         yield item
 
 
 class Terminal(logging.Handler):
-    """The log on standard error: on a terminal unfinished lines are written over; elsewhere one shows now and then."""
+    """The log on standard error.
+
+    On a terminal unfinished lines are written over; elsewhere one shows now and then.
+    """
 
     _last = float("-inf")
 

@@ -1,8 +1,10 @@
-"""The methods and the studies by name: where each is, and what a study takes. Nothing is imported until it is used.
+"""The methods and the studies by name.
 
-A method is a file with an object ``METHOD`` (`studies/methods/base.py`). A study is a file with a function
-``conduct(scene, out, options)``: it writes its figures and tables to the directory `out` and returns its conclusions, a
-line each; `INTERRUPTED` is among them if it was stopped.
+Where each is, and what a study takes. Nothing is imported until it is used.
+
+A method is a file with an object ``METHOD`` (`studies/methods/base.py`). A study is a file with a
+function ``conduct(scene, out, options)``: it writes its figures and tables to the directory `out`
+and returns its conclusions, a line each; `INTERRUPTED` is among them if it was stopped.
 """
 
 from argparse import ArgumentTypeError
@@ -19,7 +21,9 @@ def at_least(least: int) -> Callable[[str], int]:
         try:
             value = int(text)
         except ValueError:
-            raise ArgumentTypeError(f"{text!r} is not a whole number: give {least} or more") from None
+            raise ArgumentTypeError(
+                f"{text!r} is not a whole number: give {least} or more"
+            ) from None
         if value < least:
             raise ArgumentTypeError(f"{value} is too few: give {least} or more")
         return value
@@ -57,29 +61,72 @@ STUDIES: dict[str, Study] = {
         "paper.study",
         "the whole paper again: Figs. 4 to 7 redrawn, every claim checked, and what it leaves open",
         options=(
-            ("--fig", {"type": int, "choices": (4, 5, 6, 7), "help": "only this figure (default: all, and the tables)"}),
+            (
+                "--fig",
+                {
+                    "type": int,
+                    "choices": (4, 5, 6, 7),
+                    "help": "only this figure (default: all, and the tables)",
+                },
+            ),
         ),
     ),
-    "convergence": Study("convergence.study", "orders of convergence in element size and degree, graded and uniform"),
-    "truncation": Study("truncation", "what the outer boundary costs, for every far field and Poisson's ratio"),
+    "convergence": Study(
+        "convergence.study", "orders of convergence in element size and degree, graded and uniform"
+    ),
+    "truncation": Study(
+        "truncation", "what the outer boundary costs, for every far field and Poisson's ratio"
+    ),
     "march": Study("time_steps", "orders of the time marches, and where the explicit one blows up"),
     "refinement": Study(
         "refinement.study",
-        "uniform, graded and self-refining meshes, and a mesh file of your own, against what is known",
+        "uniform, graded and self-refining meshes, and a mesh file of your own, against what is "
+        "known",
         options=(
-            ("--mesh", {"type": name_of_file, "metavar": "FILE", "help": "a mesh file of yours: .msh of gmsh, .vtu, ..."}),
+            (
+                "--mesh",
+                {
+                    "type": name_of_file,
+                    "metavar": "FILE",
+                    "help": "a mesh file of yours: .msh of gmsh, .vtu, ...",
+                },
+            ),
         ),
     ),
-    "extremes": Study("extremes.study", "a map of the limits: every method at extreme parameters against closed forms"),
+    "extremes": Study(
+        "extremes.study",
+        "a map of the limits: every method at extreme parameters against closed forms",
+    ),
     "estimates": Study(
         "estimates.study",
-        "are stated errors honest, and is the accuracy reached? every quantity, on scenes drawn at random",
+        "are stated errors honest, and is the accuracy reached? every quantity, on scenes drawn "
+        "at random",
         options=(
-            ("--seed", {"type": at_least(0), "default": 0, "help": "seed that the scenes are drawn from (default: 0)"}),
-            ("--count", {"type": at_least(1), "default": 40, "help": "how many scenes (default: 40)"}),
-            ("--rings", {"type": at_least(1), "default": 8, "help": "most rings of a scene (default: 8; 24 takes long)"}),
+            (
+                "--seed",
+                {
+                    "type": at_least(0),
+                    "default": 0,
+                    "help": "seed that the scenes are drawn from (default: 0)",
+                },
+            ),
+            (
+                "--count",
+                {"type": at_least(1), "default": 40, "help": "how many scenes (default: 40)"},
+            ),
+            (
+                "--rings",
+                {
+                    "type": at_least(1),
+                    "default": 8,
+                    "help": "most rings of a scene (default: 8; 24 takes long)",
+                },
+            ),
         ),
     ),
     "tradeoff": Study("tradeoff", "error against seconds for every method and family of settings"),
-    "benchmark": Study("benchmark.study", "seconds and errors against the paper's algorithm and a bare factorisation"),
+    "benchmark": Study(
+        "benchmark.study",
+        "seconds and errors against the paper's algorithm and a bare factorisation",
+    ),
 }

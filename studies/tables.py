@@ -14,9 +14,14 @@ Row = Mapping[str, Any]
 
 
 class Table:
-    """Rows that are on disk as CSV as soon as they are known; columns that a row does not name stay empty."""
+    """Rows that are on disk as CSV as soon as they are known.
 
-    def __init__(self, path: Path, fields: Iterable[str], rows: Iterable[Row | tuple[Any, ...]] = ()) -> None:
+    Columns that a row does not name stay empty.
+    """
+
+    def __init__(
+        self, path: Path, fields: Iterable[str], rows: Iterable[Row | tuple[Any, ...]] = ()
+    ) -> None:
         self.path, self.fields = path, tuple(fields)
         self.rows: list[Row] = []
         self._append("w", self.fields)
@@ -46,7 +51,9 @@ def _cell(value: object) -> str:
     return str(value).replace("|", "\\|")
 
 
-def write_page(path: Path, title: str, conclusions: Iterable[str], tables: Mapping[str, Table]) -> None:
+def write_page(
+    path: Path, title: str, conclusions: Iterable[str], tables: Mapping[str, Table]
+) -> None:
     """A page in Markdown: the conclusions first, then each table under its heading."""
     text = [f"# {title}\n", *(f"{line}\n" for line in conclusions)]
     text += [f"## {heading}\n\n{table.markdown()}" for heading, table in tables.items()]
@@ -55,7 +62,10 @@ def write_page(path: Path, title: str, conclusions: Iterable[str], tables: Mappi
 
 @contextmanager
 def keeping_rows(conclusions: list[str]) -> Iterator[None]:
-    """Ctrl-C ends the computing, not the study: what is finished is still tabulated, drawn and named incomplete."""
+    """Ctrl-C ends the computing, not the study.
+
+    What is finished is still tabulated, drawn and named incomplete.
+    """
     try:
         yield
     except KeyboardInterrupt:

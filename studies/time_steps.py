@@ -1,8 +1,11 @@
-"""Steps in time: orders of the explicit and the implicit march against the modal one, and where the explicit blows up.
+"""Steps in time.
 
-All three march the same compliance, so that their difference is the step's alone. The limit of stability is bisected on
-whether a march blows up, and stands beside theory: twice the shortest relaxation time, or ``4/(pi n k)`` for the uniform
-grid of the paper with n springs.
+Orders of the explicit and the implicit march against the modal one, and where the explicit blows
+up.
+
+All three march the same compliance, so that their difference is the step's alone. The limit of
+stability is bisected on whether a march blows up, and stands beside theory: twice the shortest
+relaxation time, or ``4/(pi n k)`` for the uniform grid of the paper with n springs.
 """
 
 import argparse
@@ -52,14 +55,19 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
         with keeping_rows(conclusions):
             for march in ("explicit", "implicit"):
                 sequences += refine_step(wear, march, 4 if options.quick else 7, levels)
-            find_limits(wear, problem, (25, 50) if options.quick else (25, 50, 100, 200, 400), limits)
-        orders = Table(out / "orders.csv", ORDER_FIELDS, (sequence.summary() for sequence in sequences))
+            find_limits(
+                wear, problem, (25, 50) if options.quick else (25, 50, 100, 200, 400), limits
+            )
+        orders = Table(
+            out / "orders.csv", ORDER_FIELDS, (sequence.summary() for sequence in sequences)
+        )
         draw(problem, sequences, out / "march.png")
     conclusions[:0] = [f"{verdicts(sequences)} The modal march has no step."]
     for theory in dict.fromkeys(row["theory"] for row in limits.rows):
         ratios = [row["ratio"] for row in limits.rows if row["theory"] == theory]
         conclusions.append(
-            f"The explicit march blows up at {min(ratios):.3f} to {max(ratios):.3f} times its limit by theory, {theory}."
+            f"The explicit march blows up at {min(ratios):.3f} to {max(ratios):.3f} times its "
+            f"limit by theory, {theory}."
         )
     tables = {"Orders in the step": orders, "Limits of stability of the explicit march": limits}
     write_page(out / "march.md", "Marching in time", conclusions, tables)
@@ -67,7 +75,10 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
 
 
 def refine_step(wear: RunningIn, march: str, levels: int, table: Table) -> list[Sequence]:
-    """Errors at `TIME` by halved steps: of the indentation, and of the profile in the mean square over the area."""
+    """Errors at `TIME` by halved steps.
+
+    Of the indentation, and of the profile in the mean square over the area.
+    """
     times = np.array([TIME])
     exact = wear.modal(times)
     mass = wear.compliance.space.mass()
@@ -94,22 +105,37 @@ def find_limits(wear: RunningIn, problem: Problem, springs: tuple[int, ...], lim
 
     LOG.info("   march  limit of the explicit one on the compliance ...")
     limit = greatest_stable(on_compliance, expected)
-    limits.add("on a compliance", len(wear.relaxation_times) + 1, "2 tau_min", expected, limit, limit / expected)
+    limits.add(
+        "on a compliance",
+        len(wear.relaxation_times) + 1,
+        "2 tau_min",
+        expected,
+        limit,
+        limit / expected,
+    )
     for count in springs:
         LOG.info("   march  limit of the explicit one on the paper's grid, %d springs ...", count)
         grid = UniformGrid(*problem.merged, count)
         limit = greatest_stable(partial(grid_pressures, grid, STEPS), grid.stability_limit())
         greatest_rate = float(np.abs(np.linalg.eigvals(grid.rate_matrix())).max())
-        for name, expected in (("4/(pi n k)", grid.stability_limit()), ("2 / greatest rate", 2 / greatest_rate)):
+        for name, expected in (
+            ("4/(pi n k)", grid.stability_limit()),
+            ("2 / greatest rate", 2 / greatest_rate),
+        ):
             limits.add("on the paper's grid", count, name, expected, limit, limit / expected)
 
 
 def greatest_stable(pressures: Callable[[float], Array], guess: float) -> float:
-    """Greatest step at which a march stays below 1000 mean pressures, to 0.1 %; `pressures` of a step are rows over time."""
+    """Greatest step at which a march stays below 1000 mean pressures, to 0.1 %.
+
+    `pressures` of a step are rows over time.
+    """
 
     def stable(log_step: float) -> float:
         with np.errstate(all="ignore"):
-            return 1.0 if np.abs(pressures(float(np.exp(log_step)))[-1]).max() < 1e3 / np.pi else -1.0
+            return (
+                1.0 if np.abs(pressures(float(np.exp(log_step)))[-1]).max() < 1e3 / np.pi else -1.0
+            )
 
     return float(np.exp(bisect(stable, np.log(guess / 4), np.log(guess * 4), xtol=1e-3)))
 
@@ -127,7 +153,9 @@ def draw(problem: Problem, sequences: list[Sequence], path: Path) -> None:
     """Errors against the step, and what a step near the limit looks like on the paper's grid."""
     figure = new_figure(13, 5.2)
     errors, growth, pattern = figure.subplots(1, 3)
-    named = [replace(sequence, name=f"{sequence.name}, {sequence.quantity}") for sequence in sequences]
+    named = [
+        replace(sequence, name=f"{sequence.name}, {sequence.quantity}") for sequence in sequences
+    ]
     labels = r"step $\Delta t$ over $a/(E^*k_{max}v_0)$", f"relative error at $t$ = {TIME:g}"
     draw_orders(errors, named, *labels, "against the modal march on the same compliance")
     grid = UniformGrid(*problem.merged, SHOWN)
@@ -135,9 +163,16 @@ def draw(problem: Problem, sequences: list[Sequence], path: Path) -> None:
         # to 120 times the limit
         pressures = grid_pressures(grid, int(120 / ratio), ratio * grid.stability_limit()) / P0
         look = curve(number) | {"markevery": 8, "label": rf"$\Delta t$ = {ratio:g} of the limit"}
-        growth.semilogy(ratio * np.arange(len(pressures)), np.abs(pressures[:, : SHOWN // 2]).max(axis=1), **look)
+        growth.semilogy(
+            ratio * np.arange(len(pressures)),
+            np.abs(pressures[:, : SHOWN // 2]).max(axis=1),
+            **look,
+        )
         pattern.plot(grid.radii[:-2], pressures[len(pressures) // 2, :-2], **look)
-    growth.set(xlabel=r"time over the limit $4a/(\pi n E^* k_{max} v_0)$", ylabel="greatest $|p|/p_0$ within $r < a/2$")
+    growth.set(
+        xlabel=r"time over the limit $4a/(\pi n E^* k_{max} v_0)$",
+        ylabel="greatest $|p|/p_0$ within $r < a/2$",
+    )
     growth.set_title(f"the paper's grid, $n$ = {SHOWN}", fontsize=9)
     pattern.set(xlabel="radius $r/a$", ylabel="pressure $p/p_0$", ylim=(-6, 10))
     pattern.set_title("its pressure halfway", fontsize=9)

@@ -1,13 +1,14 @@
 """What the outer boundary costs: the flat start against ``a/R``, by far field and Poisson's ratio.
 
-A quarter disc of radius R is meshed. One condensation gives every far field: without its last row, the factor of the
-compliance belongs to the same half-space with one pole less, and at last to a clamped boundary. Values are over that of
-`MOST_POLES` on the same mesh, which errs by the discretisation alone: by the rim, and by nodal values that stand for the
-poles on the outer boundary.
+A quarter disc of radius R is meshed. One condensation gives every far field: without its last row,
+the factor of the compliance belongs to the same half-space with one pole less, and at last to a
+clamped boundary. Values are over that of `MOST_POLES` on the same mesh, which errs by the
+discretisation alone: by the rim, and by nodal values that stand for the poles on the outer
+boundary.
 
-Theory: with n poles tied, the first one neglected falls as ``1/rho^(2n+1)``, and the energy that it has outside R as
-``(a/R)^(4n+1)``: order 1, 5, 9, 13 for a clamped boundary and one, two, three poles. The next pole
-adds a term smaller by ``(a/R)^2``, so levels count from R = 4 a on.
+Theory: with n poles tied, the first one neglected falls as ``1/rho^(2n+1)``, and the energy that it
+has outside R as ``(a/R)^(4n+1)``: order 1, 5, 9, 13 for a clamped boundary and one, two, three
+poles. The next pole adds a term smaller by ``(a/R)^2``, so levels count from R = 4 a on.
 """
 
 import argparse
@@ -42,15 +43,27 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     conclusions: list[str] = []
     refinements = (outwards(radii, ratio) for ratio in ratios)
     sequences = refined(refinements, out / "truncation.csv", conclusions)
-    orders = Table(out / "orders.csv", ORDER_FIELDS, (one.summary() for one in sequences if one.quantity in FAR_FIELDS))
+    orders = Table(
+        out / "orders.csv",
+        ORDER_FIELDS,
+        (one.summary() for one in sequences if one.quantity in FAR_FIELDS),
+    )
     conclusions[:0] = conclude(sequences)
     draw(sequences, ratios, out / "truncation.png")
-    write_page(out / "truncation.md", "Truncation of the half-space", conclusions, {"Orders in a/R": orders})
+    write_page(
+        out / "truncation.md",
+        "Truncation of the half-space",
+        conclusions,
+        {"Orders in a/R": orders},
+    )
     return [*conclusions, orders.markdown()]
 
 
 def outwards(radii: tuple[float, ...], ratio: float) -> Refinement:
-    """Ever greater half-spaces: the truncation error of each far field, and what the discretisation errs by."""
+    """Ever greater half-spaces.
+
+    The truncation error of each far field, and what the discretisation errs by.
+    """
 
     def discretise(outer: float) -> Discretised:
         # the far field is wanted well resolved on the outer boundary, wherever that is
@@ -58,16 +71,25 @@ def outwards(radii: tuple[float, ...], ratio: float) -> Refinement:
         return condensed(disc, FLAT, 4, ratio, tuple(range(0, 2 * MOST_POLES, 2)))
 
     name = f"nu = {ratio:g}"
-    sequences = [Sequence(name, far, order, 1.0, ROUNDOFF, coarsest=0.25) for far, order in FAR_FIELDS.items()]
+    sequences = [
+        Sequence(name, far, order, 1.0, ROUNDOFF, coarsest=0.25)
+        for far, order in FAR_FIELDS.items()
+    ]
     sequences.append(Sequence(name, DISCRETISATION, exact=1.0))
     return Refinement(sequences, {outer: 1 / outer for outer in radii}, discretise, by_far_field)
 
 
 def by_far_field(compliance: Compliance) -> dict[str, float]:
-    """The flat start of each far field over that with most poles, and that one over what it should be."""
+    """The flat start of each far field over that with most poles, and that one over what it should
+    be.
+    """
     rows = len(compliance.factor) - MOST_POLES + np.arange(MOST_POLES + 1)
-    *fewer, most = (flat_d0(replace(compliance, factor=compliance.factor[:count]))["d0"] for count in rows)
-    return {far: value / most for far, value in zip(FAR_FIELDS, fewer, strict=False)} | {DISCRETISATION: most / D0}
+    *fewer, most = (
+        flat_d0(replace(compliance, factor=compliance.factor[:count]))["d0"] for count in rows
+    )
+    return {far: value / most for far, value in zip(FAR_FIELDS, fewer, strict=False)} | {
+        DISCRETISATION: most / D0
+    }
 
 
 def conclude(sequences: list[Sequence]) -> list[str]:
@@ -77,7 +99,10 @@ def conclude(sequences: list[Sequence]) -> list[str]:
         orders = [one.order for one in sequences if one.quantity == far and np.isfinite(one.order)]
         if orders:
             ranges.append(f"{far} {min(orders):.2f} to {max(orders):.2f} ({theory:g})")
-    line = f"Order of the truncation error in a/R, over Poisson's ratios (theory): {', '.join(ranges)}."
+    line = (
+        "Order of the truncation error in a/R, over Poisson's ratios (theory): "
+        f"{', '.join(ranges)}."
+    )
     return [line, verdicts(sequences)]
 
 
@@ -88,7 +113,10 @@ def draw(sequences: list[Sequence], ratios: tuple[float, ...], path: Path) -> No
     for axes, ratio in zip(panels.flat, ratios, strict=True):
         own = [one for one in sequences if one.name == f"nu = {ratio:g}"]
         far = [replace(one, name=one.quantity) for one in own if one.quantity in FAR_FIELDS]
-        labels = "punch radius over the half-space's, $a/R$", r"truncation part of the relative error of $d_0$"
+        labels = (
+            "punch radius over the half-space's, $a/R$",
+            r"truncation part of the relative error of $d_0$",
+        )
         draw_orders(axes, far, *labels, rf"$\nu$ = {ratio:g}")
         axes.label_outer()
         for one in own[len(FAR_FIELDS) :]:

@@ -1,4 +1,7 @@
-"""Shared fixtures: the reference history of the five rings, and methods made ready once for many tests."""
+"""Shared fixtures.
+
+The reference history of the five rings, and methods made ready once for many tests.
+"""
 
 from __future__ import annotations
 
@@ -72,7 +75,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def _one_thread() -> Iterator[None]:
-    """The matrices are small, and pytest-xdist has a process for each core: threads would only wait on each other."""
+    """The matrices are small, and pytest-xdist has a process for each core.
+
+    Threads would only wait on each other.
+    """
     with threadpool_limits(1):
         yield
 
@@ -86,7 +92,9 @@ def prepare() -> Prepare:
         if WITHOUT_GMSH and name in NEED_GMSH:
             pytest.skip(WITHOUT_GMSH)
         method, own = METHODS.get(name, (name, {}))
-        listed = {name: list(value) if isinstance(value, tuple) else value for name, value in changes}
+        listed = {
+            name: list(value) if isinstance(value, tuple) else value for name, value in changes
+        }
         problem, one = Scene.load(scene).changed(**own, **listed).problem, named(method)
         assert isinstance(one, ComplianceMethod)
         made = one.discretised(problem, Stages(method))

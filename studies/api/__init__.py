@@ -1,10 +1,12 @@
-"""Wear of a ringed punch on an elastic half-space, by finite elements, dimensionality reduction and direct integration.
+"""Wear of a ringed punch on an elastic half-space, by finite elements, dimensionality reduction and
+direct integration.
 
 `Scene`
-    what is computed: a TOML file or a bundled name, as ``Scene.load("five_rings")``; ``scene.changed(accuracy__rtol=1e-6)``
+    what is computed: a TOML file or a bundled name, as ``Scene.load("five_rings")``;
+    ``scene.changed(accuracy__rtol=1e-6)``
 `run`
-    compute a scene by every method it names: ``result = run(scene)``, then ``result.dataset`` (xarray), ``result.answers``,
-    ``result.verdict_in_words``, ``result.summary``
+    compute a scene by every method it names: ``result = run(scene)``, then ``result.dataset``
+    (xarray), ``result.answers``, ``result.verdict_in_words``, ``result.summary``
 `plan`
     what a run will be made of and cost, without computing it: lines of text
 

@@ -1,7 +1,9 @@
-"""Measure the rates by which `ringwear plan` predicts seconds, memory and errors on this machine, and write `costs.json`.
+"""Measure the rates by which `ringwear plan` predicts seconds, memory and errors on this machine,
+and write `costs.json`.
 
-Every scene is run by the command, in a process of its own, whose processor time counts: other work on the machine disturbs
-it least. The finite elements are measured with CHOLMOD, which must be installed, and once more as if it were not.
+Every scene is run by the command, in a process of its own, whose processor time counts: other work
+on the machine disturbs it least. The finite elements are measured with CHOLMOD, which must be
+installed, and once more as if it were not.
 """
 
 import json
@@ -50,7 +52,10 @@ compare = running.compare_operators
 
 @dataclass(frozen=True)
 class Measured:
-    """Processor seconds by method, for the check of operators, figures and the rest; GiB; own errors of the indentation."""
+    """Processor seconds by method, for the check of operators, figures and the rest.
+
+    GiB; own errors of the indentation.
+    """
 
     methods: dict[str, float]
     check: float
@@ -79,10 +84,14 @@ def scenes() -> Iterator[Scene]:
     for rtol in (1e-2, 1e-4, 1e-5):
         yield five.changed(methods=ALL, accuracy__rtol=rtol, punch__rings=10, wear__times=[])
     for rtol, step in ((1e-2, 1e-3), (1e-2, 1e-4), (1e-4, 1e-2), (1e-4, 1e-3)):
-        yield five.changed(methods=["mdr"], accuracy__rtol=rtol, wear__march="implicit", wear__step=step)
+        yield five.changed(
+            methods=["mdr"], accuracy__rtol=rtol, wear__march="implicit", wear__step=step
+        )
     for sizes, step in ((1e-2, 1e-4), (1e-3, 1e-5), (3e-4, 4e-6)):
         rough = {"rim_size": sizes, "ring_size": sizes}
-        yield five.changed(methods=["mdr"], accuracy__mdr=rough, wear__march="explicit", wear__step=step)
+        yield five.changed(
+            methods=["mdr"], accuracy__mdr=rough, wear__march="explicit", wear__step=step
+        )
     for rings in (256, 1024):
         yield five.changed(methods=["direct"], punch__rings=rings, wear__times=[])
     yield from scenes_of_elements()
@@ -93,7 +102,12 @@ def scenes_of_elements() -> Iterator[Scene]:
     five = Scene.load("five_rings")
     for mesher in ("quads", "gmsh", "bisection"):
         for rings, rtol in ((1, 1e-2), (5, 1e-2), (5, 1e-3), (5, 1e-5), (32, 1e-2), (32, 1e-3)):
-            yield five.changed(methods=["fem"], punch__rings=rings, accuracy__rtol=rtol, accuracy__fem={"mesher": mesher})
+            yield five.changed(
+                methods=["fem"],
+                punch__rings=rings,
+                accuracy__rtol=rtol,
+                accuracy__fem={"mesher": mesher},
+            )
 
 
 def measured(scene: Scene, cholmod: bool = True) -> Measured:
@@ -126,7 +140,9 @@ def measured(scene: Scene, cholmod: bool = True) -> Measured:
         loaded -= started - loaded
         with (
             patch.object(running, "solved_to_accuracy", timed("", running.solved_to_accuracy)),
-            patch.object(running, "compare_operators", timed("check", lambda *of: list(compare(*of)))),
+            patch.object(
+                running, "compare_operators", timed("check", lambda *of: list(compare(*of)))
+            ),
             patch.object(running, "run", timed("run", running.run)),
             patch.object(of_run, "draw", timed("figures", of_run.draw)),
             patch.object(side_by_side, "make", timed("figures", side_by_side.make)),
@@ -139,12 +155,21 @@ def measured(scene: Scene, cholmod: bool = True) -> Measured:
     methods = {name: seconds[name] for name in scene.methods}
     numbers = whole - sum(methods.values()) - seconds["check"] - seconds["figures"]
     errors = {name: solution.error_estimate for name, solution in results[0].solutions.items()}
-    memory = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) / 2**20
+    memory = (
+        max(
+            resource.getrusage(who).ru_maxrss
+            for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+        )
+        / 2**20
+    )
     return Measured(methods, seconds["check"], seconds["figures"], numbers, memory, errors)
 
 
 def processor() -> float:
-    """Seconds of this process and of those it has waited for: figures are drawn in processes of their own."""
+    """Seconds of this process and of those it has waited for.
+
+    Figures are drawn in processes of their own.
+    """
     every = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return sum(one.ru_utime + one.ru_stime for one in every)
 
@@ -183,19 +208,29 @@ def rates_of(found: Runs, without_cholmod: Runs) -> Rates:
         # errors are those of the elements, and were measured on more scenes
         table[kind] = of | {"error": table[kind.split(",")[0]]["error"]}
     # predictions of the rest are made by the counts alone
-    costs = [{name: method(name).cost(scene.problem) for name in scene.methods} for scene, _ in found]
+    costs = [
+        {name: method(name).cost(scene.problem) for name in scene.methods} for scene, _ in found
+    ]
     pairs = [(scene, one, cost) for (scene, one), cost in zip(found, costs, strict=True)]
-    checked = [(check_terms(cost["fem"].pressures, scene.problem), one.check) for scene, one, cost in pairs if len(cost) > 2]
+    checked = [
+        (check_terms(cost["fem"].pressures, scene.problem), one.check)
+        for scene, one, cost in pairs
+        if len(cost) > 2
+    ]
     table["check"] = {"seconds": fitted(*zip(*checked, strict=True))}
     for name, rows in (("numbers", number_terms), ("figures", figure_terms)):
         output = [(rows(scene.problem, cost), getattr(one, name)) for scene, one, cost in pairs]
         table[name] = {"seconds": fitted(*zip(*output, strict=True))}
-    held = [(sum(memory_terms(scene.problem, cost).values()), one.memory) for scene, one, cost in pairs]
+    held = [
+        (sum(memory_terms(scene.problem, cost).values()), one.memory) for scene, one, cost in pairs
+    ]
     return table | {"memory": {"gib": fitted(*zip(*held, strict=True))}}
 
 
 def of_methods(found: Runs, by_modes: list[float] | None = None) -> Rates:
-    """Rates of every kind of method that the scenes name, those of the MDR among them unless they are given."""
+    """Rates of every kind of method that the scenes name, those of the MDR among them unless they
+    are given.
+    """
     rows: dict[str, list[tuple[Array, float]]] = defaultdict(list)
     errors: dict[str, list[tuple[float, float]]] = defaultdict(list)
     for scene, one in found:
@@ -203,10 +238,14 @@ def of_methods(found: Runs, by_modes: list[float] | None = None) -> Rates:
         for name, seconds in one.methods.items():
             this = method(name)
             unknowns, pressures = this.counted(problem)
-            row = direct_terms(pressures) if name == "direct" else terms(unknowns, pressures, problem)
+            row = (
+                direct_terms(pressures) if name == "direct" else terms(unknowns, pressures, problem)
+            )
             rows[this.kind(problem)].append((row, seconds))
             if len(problem.times) and one.errors[name] > 0:
-                errors[this.kind(problem)].append((np.log10(problem.rtol), np.log10(one.errors[name])))
+                errors[this.kind(problem)].append(
+                    (np.log10(problem.rtol), np.log10(one.errors[name]))
+                )
     by_modes = by_modes or fitted(*zip(*rows["mdr"], strict=True))
     table: Rates = {}
     for kind, of in rows.items():
@@ -214,8 +253,13 @@ def of_methods(found: Runs, by_modes: list[float] | None = None) -> Rates:
             table[kind] = {"seconds": fitted(*zip(*of, strict=True))}
         else:
             # measured at few times only, which take what they take by the MDR
-            few = [(np.concatenate([row[:-OF_TIMES], np.zeros(OF_TIMES)]), seconds) for row, seconds in of]
-            table[kind] = {"seconds": fitted(*zip(*few, strict=True))[:-OF_TIMES] + by_modes[-OF_TIMES:]}
+            few = [
+                (np.concatenate([row[:-OF_TIMES], np.zeros(OF_TIMES)]), seconds)
+                for row, seconds in of
+            ]
+            table[kind] = {
+                "seconds": fitted(*zip(*few, strict=True))[:-OF_TIMES] + by_modes[-OF_TIMES:]
+            }
     for kind, known in errors.items():
         asked, stated = np.transpose(known)
         table[kind]["error"] = np.polyfit(asked, stated, 1).tolist()
@@ -223,16 +267,23 @@ def of_methods(found: Runs, by_modes: list[float] | None = None) -> Rates:
 
 
 def of_marches(by_modes: list[float], found: Runs) -> Rates:
-    """Rates of marches in steps: what they take more than the modes by which their error is estimated."""
+    """Rates of marches in steps.
+
+    What they take more than the modes by which their error is estimated.
+    """
     rows: dict[str, list[tuple[Array, float]]] = defaultdict(list)
     for scene, one in found:
         problem = scene.problem
         if problem.march != "modal":
             sizes = method("mdr").counted(problem)
             more = one.methods["mdr"] - float(np.array(by_modes) @ terms(*sizes, problem))
-            rows[problem.march].append((march_terms(sizes[1], problem), max(more, 0.1 * one.methods["mdr"])))
+            rows[problem.march].append(
+                (march_terms(sizes[1], problem), max(more, 0.1 * one.methods["mdr"]))
+            )
     return {march: {"seconds": fitted(*zip(*of, strict=True))} for march, of in rows.items()}
 
 
 if __name__ == "__main__":
-    (Path(__file__).parents[1] / "costs.json").write_text(json.dumps(measure(), indent=1) + "\n", "utf-8")
+    (Path(__file__).parents[1] / "costs.json").write_text(
+        json.dumps(measure(), indent=1) + "\n", "utf-8"
+    )

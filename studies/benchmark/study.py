@@ -1,4 +1,5 @@
-"""What accuracy costs, as ratios within one run, against the paper's algorithm and a bare factorisation.
+"""What accuracy costs, as ratios within one run, against the paper's algorithm and a bare
+factorisation.
 
 Times are printed, never asserted; linear algebra runs on one thread.
 """
@@ -33,7 +34,10 @@ Rows = Iterator[Row]
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     """Measure every comparison; writes `benchmark.csv`."""
-    problem, table = replace(scene.problem, march="modal", step=None), Table(out / "benchmark.csv", FIELDS)
+    problem, table = (
+        replace(scene.problem, march="modal", step=None),
+        Table(out / "benchmark.csv", FIELDS),
+    )
     with threadpool_limits(1):
         for part in (histories, fem_stages, many_rings):
             LOG.info("   bench  %s ...", part.__name__.replace("_", " "))
@@ -52,12 +56,17 @@ def histories(problem: Problem, quick: bool) -> Rows:
     yield {"case": f"paper's algorithm, n = {count}, explicit", **paper}
     for name, rtol in (("fem", 1e-3), ("fem", 1e-4), ("mdr", 1e-4), ("mdr", 1e-6)):
         own = measured(name, replace(problem, rtol=rtol), known, quick)
-        remark = f"{paper['seconds'] / own['seconds']:.1f} x as fast, error {paper['error'] / own['error']:.0f} x smaller"
+        remark = (
+            f"{paper['seconds'] / own['seconds']:.1f} x as fast, error "
+            f"{paper['error'] / own['error']:.0f} x smaller"
+        )
         yield {"case": f"{name} history, rtol {rtol:g}", "remark": remark, **own}
 
 
 def fem_stages(problem: Problem, quick: bool) -> Rows:
-    """The finite-element history stage by stage, against one bare factorisation of the same matrix and one mesh."""
+    """The finite-element history stage by stage, against one bare factorisation of the same matrix
+    and one mesh.
+    """
     times = np.geomspace(0.01, 20, 12)
     meshers = FemAccuracy(mesher="quads"), FemAccuracy(mesher="gmsh")
     for sizes, rtol in product(meshers, (1e-4,) if quick else (1e-4, 1e-5, 1e-6)):
@@ -70,12 +79,23 @@ def fem_stages(problem: Problem, quick: bool) -> Rows:
                 RunningIn(ready.compliance, problem.merged.wear_coefficients).modal(times)
             seconds = {name: min(seconds[name], stages.seconds[name]) for name in seconds}
         assert ready.half_space is not None
-        whole, bare = sum(seconds.values()), best(partial(bare_factorisation, ready.half_space.system), quick)
-        remark = {"whole history": f"{whole / (4 * bare + seconds['meshing']):.2f} x (4 bare factorisations + 1 mesh)"}
+        whole, bare = (
+            sum(seconds.values()),
+            best(partial(bare_factorisation, ready.half_space.system), quick),
+        )
+        remark = {
+            "whole history": f"{whole / (4 * bare + seconds['meshing']):.2f} x "
+            "(4 bare factorisations + 1 mesh)"
+        }
         seconds |= {f"bare factorisation ({solver()})": bare, "whole history": whole}
         for name, value in seconds.items():
             case = f"fem {sizes.mesher} rtol {rtol:g}, {name}"
-            yield {"case": case, "unknowns": ready.unknowns, "seconds": value, "remark": remark.get(name, "")}
+            yield {
+                "case": case,
+                "unknowns": ready.unknowns,
+                "seconds": value,
+                "remark": remark.get(name, ""),
+            }
 
 
 def bare_factorisation(system: csc_matrix) -> None:
@@ -97,4 +117,9 @@ def many_rings(problem: Problem, quick: bool) -> Rows:
         unknowns = fem.METHOD.discretised(many, Stages("bench"), coarser=False).unknowns
         seconds[count] = best(partial(indentation, "fem", many), quick or count > 100)
         remark = f"{seconds[count] / seconds[5]:.0f} x the cost of 5 rings"
-        yield {"case": f"{count} rings, rtol 1e-4", "unknowns": unknowns, "seconds": seconds[count], "remark": remark}
+        yield {
+            "case": f"{count} rings, rtol 1e-4",
+            "unknowns": unknowns,
+            "seconds": seconds[count],
+            "remark": remark,
+        }

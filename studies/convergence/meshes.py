@@ -1,8 +1,8 @@
 """Triangles for the studies of orders: a mesh of given sizes, and how it is subdivided.
 
-Points are complex numbers, radius and depth. Subdivision is in log-polar coordinates, the complex logarithm, about the rim
-and ring edges, and far away: in these a graded mesh is uniform. Halved in plain coordinates, it approaches its order from
-below by a term in h; in these by h^2.
+Points are complex numbers, radius and depth. Subdivision is in log-polar coordinates, the complex
+logarithm, about the rim and ring edges, and far away: in these a graded mesh is uniform. Halved in
+plain coordinates, it approaches its order from below by a term in h; in these by h^2.
 """
 
 from functools import cache
@@ -23,7 +23,10 @@ FAR = 1.6  # radius beyond which subdivision is in log-polar coordinates about t
 
 @cache
 def triangulated(field: SizeField) -> MeshTri:
-    """The quarter disc by gmsh; by bisection where that cannot be loaded or fails at such sizes, or if sizes do not grow."""
+    """The quarter disc by gmsh.
+
+    By bisection where that cannot be loaded or fails at such sizes, or if sizes do not grow.
+    """
     try:
         return triangles.mesh(field) if field.growth else bisection.mesh(field)
     except MeshError:
@@ -31,14 +34,19 @@ def triangulated(field: SizeField) -> MeshTri:
 
 
 def subdivided(mesh: MeshTri, count: int, tips: Array) -> MeshTri:
-    """Every triangle into ``count^2``: in log-polar coordinates about `tips` (radii) and far away, else in plain ones.
+    """Every triangle into ``count^2``.
 
-    Neighbours compute the points between them from the same numbers in the same order, and so agree on every digit.
+    In log-polar coordinates about `tips` (radii) and far away, else in plain ones.
+
+    Neighbours compute the points between them from the same numbers in the same order, and so agree
+    on every digit.
     """
     square = MeshTri.init_tensor(*2 * [np.arange(count + 1.0)])
     half = square.restrict(np.subtract(*square.p[:, square.t].mean(axis=1)) > 0)
     weight = np.stack([count - half.p[0], half.p[0] - half.p[1], half.p[1]], axis=1) / count
-    points = _interpolated(mesh.p[0] + 1j * mesh.p[1], np.sort(mesh.t, axis=0).T[:, None], weight, tips)
+    points = _interpolated(
+        mesh.p[0] + 1j * mesh.p[1], np.sort(mesh.t, axis=0).T[:, None], weight, tips
+    )
     unique, number = np.unique(points, return_inverse=True)
     corners = number.reshape(points.shape)[:, half.t.T].reshape(-1, 3)
     fine = MeshTri(np.stack([unique.real, unique.imag]), np.ascontiguousarray(corners.T))
@@ -46,12 +54,22 @@ def subdivided(mesh: MeshTri, count: int, tips: Array) -> MeshTri:
 
 
 def _interpolated(vertices: Points, corners: Indices, weight: Array, tips: Array) -> Points:
-    """(m, l) points by (m, 1, 3) corners and (l, 3) weights; where a point lies depends on corners of some weight alone."""
+    """(m, l) points by (m, 1, 3) corners and (l, 3) weights.
+
+    Where a point lies depends on corners of some weight alone.
+    """
     centres = np.append(tips, 0.0)
     distance = np.abs(vertices[:, None] - centres)
-    # the centre of each vertex, or -1: well inside half the distance to the next singular point, or to the axis
-    reach = np.append(0.6 * np.minimum(np.diff(tips, prepend=0.0), np.diff(tips, append=np.inf)), 0.0)
-    chart = np.where((distance < reach).any(axis=1), np.where(distance < reach, distance, np.inf).argmin(axis=1), -1)
+    # the centre of each vertex, or -1: well inside half the distance to the next singular point, or
+    # to the axis
+    reach = np.append(
+        0.6 * np.minimum(np.diff(tips, prepend=0.0), np.diff(tips, append=np.inf)), 0.0
+    )
+    chart = np.where(
+        (distance < reach).any(axis=1),
+        np.where(distance < reach, distance, np.inf).argmin(axis=1),
+        -1,
+    )
     chart[distance[:, -1] > FAR] = len(tips)
     plain = np.sum(weight * vertices[corners], axis=-1)
     out, rest = np.zeros_like(plain), np.ones(plain.shape)

@@ -1,8 +1,8 @@
 """Orders of convergence from sequences of refined levels.
 
-A level is one computation with one size: of the elements, of the step, or of ``a/R``. The observed order is the slope
-of ``log error`` over ``log size``: between neighbouring levels, and by least squares over all that lie above the floor
-where roundoff or another error takes over.
+A level is one computation with one size: of the elements, of the step, or of ``a/R``. The observed
+order is the slope of ``log error`` over ``log size``: between neighbouring levels, and by least
+squares over all that lie above the floor where roundoff or another error takes over.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -22,13 +22,21 @@ from ..figures.style import curve, legend_below, plain_numbers
 from ..progress import LOG
 from ..tables import Table, keeping_rows
 
-WITHIN = 0.15  # how far observed orders may be from theory's, by least squares and between the last levels
+# how far observed orders may be from theory's, by least squares and between the last levels
+WITHIN = 0.15
 VERDICT = f"within {WITHIN}"  # the column that says so
 LEVEL_FIELDS = ("refined", "quantity", "level", "size", "unknowns", "value", "error", "remark")
 ORDER_FIELDS = (
-    "refined", "quantity", "levels", "expected order", "least squares", "last levels", VERDICT, "between levels",
+    "refined",
+    "quantity",
+    "levels",
+    "expected order",
+    "least squares",
+    "last levels",
+    VERDICT,
+    "between levels",
     "finest error",
-)  # fmt: skip
+)
 
 
 def least_squares(sizes: Array, errors: Array) -> float:
@@ -48,7 +56,8 @@ class Sequence:
     exact : value without the error that is studied; 0 where values are errors themselves
     floor : relative errors below it are shown but not counted
     sizes, values, unknowns : (n,) of the levels
-    coarsest : levels of a greater size are shown but not counted: what theory neglects is not small there
+    coarsest : levels of a greater size are shown but not counted: what theory neglects is not small
+        there
     """
 
     name: str
@@ -88,11 +97,15 @@ class Sequence:
     @property
     def orders(self) -> Array:
         """(n-1,) observed orders between neighbouring levels; NaN at an error of zero."""
-        return np.diff(np.log(np.where(self.errors > 0, self.errors, np.nan))) / np.diff(np.log(self.sizes))
+        return np.diff(np.log(np.where(self.errors > 0, self.errors, np.nan))) / np.diff(
+            np.log(self.sizes)
+        )
 
     @property
     def verdict(self) -> str:
-        """Whether the observed orders are those of theory, and if not, what can be seen of the reason."""
+        """Whether the observed orders are those of theory, and if not, what can be seen of the
+        reason.
+        """
         if np.isnan(self.expected):
             return ""
         if np.isnan(self.order):
@@ -102,7 +115,9 @@ class Sequence:
         if np.ptp(np.sign(self.values - self.exact)[self.counted]):
             return "no: the error changes sign"
         distance = np.abs(self.orders - self.expected)[self.counted[1:] & self.counted[:-1]]
-        return "no: still approaching" if len(distance) > 1 and (np.diff(distance) < 0).all() else "no"
+        return (
+            "no: still approaching" if len(distance) > 1 and (np.diff(distance) < 0).all() else "no"
+        )
 
     def summary(self) -> dict[str, Any]:
         """A row for a table of orders; in brackets between levels of which one does not count."""
@@ -116,16 +131,21 @@ class Sequence:
             "last levels": self.last_order,
             VERDICT: self.verdict,
             "between levels": " ".join(
-                f"{p:.2f}" if own else f"({p:.2f})" for p, own in zip(self.orders, both, strict=True)
+                f"{p:.2f}" if own else f"({p:.2f})"
+                for p, own in zip(self.orders, both, strict=True)
             ),
             "finest error": f"{self.errors[-1]:.1e}",
         }
 
 
 class Refinement(NamedTuple):
-    """What is refined: sequences of one name, size by the level (a count, a ratio, a degree), and how a level is computed.
+    """What is refined.
 
-    `discretise` a level to its compliance and number of unknowns; `quantities` of a compliance, at least the sequences'.
+    Sequences of one name, size by the level (a count, a ratio, a degree), and how a level is
+    computed.
+
+    `discretise` a level to its compliance and number of unknowns; `quantities` of a compliance, at
+    least the sequences'.
     """
 
     sequences: list[Sequence]
@@ -134,8 +154,13 @@ class Refinement(NamedTuple):
     quantities: Callable[[Compliance], Mapping[str, float]]
 
 
-def refined(refinements: Iterable[Refinement], path: Path, conclusions: list[str]) -> list[Sequence]:
-    """Compute and tabulate every level; one that fails is a row, too, and Ctrl-C keeps those before it."""
+def refined(
+    refinements: Iterable[Refinement], path: Path, conclusions: list[str]
+) -> list[Sequence]:
+    """Compute and tabulate every level.
+
+    One that fails is a row, too, and Ctrl-C keeps those before it.
+    """
     table = Table(path, LEVEL_FIELDS)
     begun: list[Sequence] = []
     with threadpool_limits(1), keeping_rows(conclusions):
@@ -153,7 +178,12 @@ def refined(refinements: Iterable[Refinement], path: Path, conclusions: list[str
                 for one in sequences:
                     value = values[one.quantity]
                     one.add(size, value, row["unknowns"])
-                    table.add(**row, quantity=one.quantity, value=value, error=(value - one.exact) / (one.exact or 1.0))
+                    table.add(
+                        **row,
+                        quantity=one.quantity,
+                        value=value,
+                        error=(value - one.exact) / (one.exact or 1.0),
+                    )
     return [one for one in begun if len(one.sizes)]
 
 
@@ -175,15 +205,21 @@ def draw_errors(axes: Any, curves: Mapping[str, tuple[Array, Array]], **labels: 
     axes.grid(True, which="major", color="0.88", linewidth=0.6)
 
 
-def draw_orders(axes: Any, sequences: Iterable[Sequence], size_label: str, error_label: str, title: str = "") -> None:
+def draw_orders(
+    axes: Any, sequences: Iterable[Sequence], size_label: str, error_label: str, title: str = ""
+) -> None:
     """Error over size, logarithmic, with the observed order of each sequence in the legend."""
-    curves = {f"{one.name}: {one.order:.2f} (theory {one.expected:g})": (one.sizes, one.errors) for one in sequences}
+    curves = {
+        f"{one.name}: {one.order:.2f} (theory {one.expected:g})": (one.sizes, one.errors)
+        for one in sequences
+    }
     draw_errors(axes, curves, xlabel=size_label, ylabel=error_label, title=title)
     axes.set_xscale("log")
     if curves:  # there are none after an early interruption
         low, high = axes.get_xlim()
         axes.xaxis.set(
-            major_locator=LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,)), minor_formatter=NullFormatter()
+            major_locator=LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,)),
+            minor_formatter=NullFormatter(),
         )
         plain_numbers(axes.xaxis)
         legend_below(axes, title="observed order")

@@ -1,8 +1,11 @@
-"""How far two methods agree, in three words: every quantity that both give, in its norm, against what each says of itself.
+"""How far two methods agree, in three words.
 
-They agree where their difference is within their combined uncertainty, or within the accuracy asked for, and that
-uncertainty within a few times this. They disagree where the difference is beyond both, and neither says of itself that it
-errs by more than was asked for. All else is undecided, and it is said what would decide it.
+Every quantity that both give, in its norm, against what each says of itself.
+
+They agree where their difference is within their combined uncertainty, or within the accuracy asked
+for, and that uncertainty within a few times this. They disagree where the difference is beyond
+both, and neither says of itself that it errs by more than was asked for. All else is undecided, and
+it is said what would decide it.
 """
 
 from collections.abc import Collection
@@ -16,14 +19,30 @@ from numpy.typing import NDArray
 from ...meshes.radial import Array
 from ..methods.base import Solution, method
 from ..methods.costs import FINEST_MEASURED
-from ..methods.quantities import A_FEW, COMPARED_MODES, ENERGIES, FINEST, QUANTITIES, common, differences
+from ..methods.quantities import (
+    A_FEW,
+    COMPARED_MODES,
+    ENERGIES,
+    FINEST,
+    QUANTITIES,
+    common,
+    differences,
+)
 from ..problem.defaults import at_smallest, field_accuracy
 from ..problem.problem import Problem
 
 # times as accurate that a method has to be to show what another's error is
 BETTER = 10.0
 # where contact ends within the face: known to a cell, whatever the accuracy asked for
-AT_EDGES = ("pressure", "profile", "displacement", "displacement_centre", "displacement_max", "rms_slope", "contact_radius")
+AT_EDGES = (
+    "pressure",
+    "profile",
+    "displacement",
+    "displacement_centre",
+    "displacement_max",
+    "rms_slope",
+    "contact_radius",
+)
 # of a flat punch: where wear has made layers thinner than coordinates can tell
 EARLY = ("rms_slope", "pressure")
 AGREE, DISAGREE, UNDECIDED = "agree", "disagree", "undecided"
@@ -39,8 +58,8 @@ class Agreement:
     difference, uncertainty : relative, in the norm of the quantity, where they decide the verdict
     verdict : `agree`, `disagree` or `undecided`
     remark : of what is undecided, when, by whose fault, and what would decide it
-    promised : whether the verdict on the run waits for it; where edges of a contact move, not for what is local to them,
-        nor for fields of a flat punch that cannot be resolved
+    promised : whether the verdict on the run waits for it; where edges of a contact move, not for
+        what is local to them, nor for fields of a flat punch that cannot be resolved
     """
 
     quantity: str
@@ -56,7 +75,9 @@ class Agreement:
         return self.verdict == AGREE
 
 
-def agreements(problem: Problem, names: tuple[str, str], solutions: tuple[Solution, Solution]) -> list[Agreement]:
+def agreements(
+    problem: Problem, names: tuple[str, str], solutions: tuple[Solution, Solution]
+) -> list[Agreement]:
     """Compare two methods in every quantity that both give, at the times that are checked."""
     found = differences(solutions[0].checked, solutions[1].checked, problem.face)
     return [
@@ -71,7 +92,8 @@ class Worst(NamedTuple):
     Parameters
     ----------
     disagreement : greatest difference over what would make them disagree: above 1 they do
-    effectivity : least stated error over the error that a method at least `BETTER` times as accurate shows
+    effectivity : least stated error over the error that a method at least `BETTER` times as
+        accurate shows
     """
 
     disagreement: float
@@ -85,12 +107,16 @@ def worst(problem: Problem, solutions: Collection[Solution], keep: Collection[st
         found = differences(both[0].checked, both[1].checked, problem.face)
         for name in found.keys() & set(keep):
             difference, first, second = _compared(problem, name, found[name], both)
-            disagreement = np.fmax(disagreement, np.max(_over_bound(problem, difference, first, second), initial=0.0))
+            disagreement = np.fmax(
+                disagreement, np.max(_over_bound(problem, difference, first, second), initial=0.0)
+            )
             # estimates of errors far below the accuracy asked for may be of chance
             counted = difference > problem.rtol / 20
             for stated, other in ((first, second), (second, first)):
                 shown = counted & (stated > BETTER * other)
-                effectivity = np.fmin(effectivity, np.min(stated[shown] / difference[shown], initial=np.inf))
+                effectivity = np.fmin(
+                    effectivity, np.min(stated[shown] / difference[shown], initial=np.inf)
+                )
     return Worst(float(disagreement), float(effectivity) if np.isfinite(effectivity) else np.nan)
 
 
@@ -103,7 +129,7 @@ def _over_bound(problem: Problem, difference: Array, first: Array, second: Array
 
 def _compared(
     problem: Problem, name: str, difference: Array, solutions: tuple[Solution, Solution]
-) -> tuple[Array, Array, Array]:  # fmt: skip
+) -> tuple[Array, Array, Array]:
     """The difference and both methods' own errors, where all are known."""
     errors = [solution.checked_error(problem, name) for solution in solutions]
     if "mode" in QUANTITIES[name].dims:
@@ -115,7 +141,7 @@ def _compared(
 
 def _agreement(
     problem: Problem, name: str, of: tuple[str, str], difference: Array, first: Array, second: Array
-) -> Agreement:  # fmt: skip
+) -> Agreement:
     over, rtol = _over_bound(problem, difference, first, second), problem.rtol
     uncertainty = first + second
     if (over > 1).any():
@@ -124,16 +150,30 @@ def _agreement(
     # where many are as uncertain, the one that differs most
     open_ = (uncertainty > A_FEW * rtol) | (difference > np.maximum(uncertainty, rtol))
     worst = int(np.lexsort((difference, uncertainty, open_))[-1])
-    row = Agreement(name, of, float(difference[worst]), float(uncertainty[worst]), AGREE, promised=_promised(problem, name))
+    row = Agreement(
+        name,
+        of,
+        float(difference[worst]),
+        float(uncertainty[worst]),
+        AGREE,
+        promised=_promised(problem, name),
+    )
     if not open_.any():
         return row
     loser = of[int(second[worst] > first[worst])]
     when = _when(problem, name, open_)
-    return replace(row, verdict=UNDECIDED, remark=f"{when}{remedy(problem, name, loser, float(uncertainty[worst]))}")
+    return replace(
+        row,
+        verdict=UNDECIDED,
+        remark=f"{when}{remedy(problem, name, loser, float(uncertainty[worst]))}",
+    )
 
 
 def _promised(problem: Problem, name: str) -> bool:
-    """Whether the accuracy asked for is promised of a quantity: fields are not where they cannot be resolved."""
+    """Whether the accuracy asked for is promised of a quantity.
+
+    Fields are not where they cannot be resolved.
+    """
     if problem.profile is not None:
         return name not in AT_EDGES
     if name in EARLY and at_smallest(problem):
@@ -148,7 +188,11 @@ def _when(problem: Problem, name: str, undecided: NDArray[np.bool_]) -> str:
     last = int(np.flatnonzero(undecided)[-1])
     if not undecided[: last + 1].all():
         return f"at {undecided.sum()} of {len(times)} times: "
-    return f"at t = {times[last] * units:.3g}: " if last == 0 else f"up to t = {times[last] * units:.3g}: "
+    return (
+        f"at t = {times[last] * units:.3g}: "
+        if last == 0
+        else f"up to t = {times[last] * units:.3g}: "
+    )
 
 
 def remedy(problem: Problem, name: str, blamed: str, error: float) -> str:
@@ -162,9 +206,15 @@ def remedy(problem: Problem, name: str, blamed: str, error: float) -> str:
             where = "pressures jump at edges of worn faces that move"
         return f"{where}, and fields are known to a cell there; ask for a smaller rtol"
     if name in EARLY and at_smallest(problem):
-        return f"the layers that wear makes by the first times are thinner than {blamed} can resolve; ask for later times"
+        return (
+            f"the layers that wear makes by the first times are thinner than {blamed} can resolve; "
+            "ask for later times"
+        )
     if (fields := field_accuracy(problem)) > problem.rtol and name not in ENERGIES:
-        return f"with so many rings fields are resolved to {fields:.0e} only; give degree and ring_size of {blamed} for more"
+        return (
+            f"with so many rings fields are resolved to {fields:.0e} only; give degree and "
+            f"ring_size of {blamed} for more"
+        )
     if one.own_march:
         return f"{blamed} is of first order; give a finer accuracy.mdr.grid"
     if one.sizes_given(problem):
@@ -193,4 +243,6 @@ def overall(rows: tuple[Agreement, ...]) -> str:
 def by_quantity(rows: list[Agreement] | tuple[Agreement, ...]) -> dict[str, str]:
     """The least verdict on each quantity over all pairs of methods."""
     names = dict.fromkeys(row.quantity for row in rows)
-    return {name: worst_verdict([row.verdict for row in rows if row.quantity == name]) for name in names}
+    return {
+        name: worst_verdict([row.verdict for row in rows if row.quantity == name]) for name in names
+    }

@@ -1,16 +1,19 @@
-"""What no method can move: closed forms and balances that its *reported* results are held to, each method by itself.
+"""What no method can move.
 
-They take the dataset that is written, made non-dimensional by the numbers of the scene itself, so that what is scaled,
-sampled or derived on the way shows, too, and what all methods share. Fields over the whole face stand beside it, of which
-the dataset has some radii.
+Closed forms and balances that its *reported* results are held to, each method by itself.
 
-A flat start is closed form (Eqs. 10, 11), and so is the steady state (Eqs. 21 to 27). In between hold, with ``F = 1``,
+They take the dataset that is written, made non-dimensional by the numbers of the scene itself, so
+that what is scaled, sampled or derived on the way shows, too, and what all methods share. Fields
+over the whole face stand beside it, of which the dataset has some radii.
 
-    F = int p dA                                     and the same on each ring
-    F v0 t = int f / k dA                            what is worn is what pressure has worn
-    d = d0 + int f p0 dA                             reciprocity with the flat punch, u0 = d0
-    d = int us p dA + int f ps dA                    reciprocity with the steady pressures ps, of closed-form us
-    d'(2 t) = int k p^2 dA                           power; by the symmetry of compliance and wear, from a flat start
+A flat start is closed form (Eqs. 10, 11), and so is the steady state (Eqs. 21 to 27). In between
+hold, with ``F = 1``,
+
+    F = int p dA                                     and the same on each ring F v0 t = int f / k dA
+    what is worn is what pressure has worn d = d0 + int f p0 dA
+    reciprocity with the flat punch, u0 = d0 d = int us p dA + int f ps dA
+    reciprocity with the steady pressures ps, of closed-form us d'(2 t) = int k p^2 dA
+    power; by the symmetry of compliance and wear, from a flat start
 """
 
 from collections.abc import Callable, Iterator
@@ -35,7 +38,8 @@ if TYPE_CHECKING:
 
 # of sums and of closed forms to roundoff, where the accuracy asked for has no say
 EXACT = 1e-9
-# times at which the balance of power is looked at, and the step that d is differentiated by, over the time
+# times at which the balance of power is looked at, and the step that d is differentiated by, over
+# the time
 POWER_TIMES, POWER_STEP = 6, 0.005
 # roundoff of d, which differences of it over short times have
 ROUNDOFF_OF_D = 1e-14
@@ -49,7 +53,10 @@ DOUBT = 10.0
 
 @dataclass(frozen=True)
 class Anchor:
-    """A closed form or a balance that a method is held to: relative difference and what is tolerated."""
+    """A closed form or a balance that a method is held to.
+
+    Relative difference and what is tolerated.
+    """
 
     name: str
     method: str
@@ -79,7 +86,10 @@ Worst = tuple[str, tuple[float, float]]
 
 
 class _Anchors:
-    """The anchors of one method: pairs of a name, and the difference and the tolerance where it is worst."""
+    """The anchors of one method.
+
+    Pairs of a name, and the difference and the tolerance where it is worst.
+    """
 
     def __init__(self, scene: Scene, dataset: xarray.Dataset, solution: Solution) -> None:
         self.solution = solution
@@ -99,13 +109,19 @@ class _Anchors:
         return all(name in self.solution.checked for name in names)
 
     def _checked(self, name: str) -> Array:
-        """Return a quantity at the times that are checked: fields over the face, numbers as they are reported."""
+        """Return a quantity at the times that are checked.
+
+        Fields over the face, numbers as they are reported.
+        """
         if name in FIELDS:
             return array(self.solution.checked, name)
         return self._reported(name)[self.problem.checked]
 
     def _tolerated(self, name: str) -> Array:
-        """Return the accuracy asked for; infinity where the method states more, and is held to nothing."""
+        """Return the accuracy asked for.
+
+        Infinity where the method states more, and is held to nothing.
+        """
         rtol = max(self.problem.rtol, EXACT)
         return np.where(self.solution.checked_error(self.problem, name) > rtol, np.inf, rtol)
 
@@ -169,8 +185,13 @@ class _Anchors:
         yield "flat start of the answer", _worst(wrong, self._tolerated("indentation").max())
         known = _flat_pressure(edges[:-1])
         wrong = np.abs(self._reported("pressure_min")[0] / known - 1).max()
-        wrong = np.maximum(wrong, np.abs(self._reported("pressure_max")[0, :-1] / known[1:] - 1).max(initial=0.0))
-        yield "flat start of the answer, pressures", _worst(wrong, self._tolerated("pressure").max())
+        wrong = np.maximum(
+            wrong, np.abs(self._reported("pressure_max")[0, :-1] / known[1:] - 1).max(initial=0.0)
+        )
+        yield (
+            "flat start of the answer, pressures",
+            _worst(wrong, self._tolerated("pressure").max()),
+        )
 
     def _of_wear(self) -> Iterator[Worst]:
         """Return what is worn, over all of the face."""
@@ -207,7 +228,10 @@ class _Anchors:
         face, depth = self.face, self._checked("indentation")
         profile, moved = self._checked("profile"), self._checked("displacement")
         wrong = np.abs(moved + profile - depth[:, None]).max(axis=1) / depth
-        yield "displacement, u = d - f", _worst(wrong, np.full(len(wrong), max(self.problem.rtol, EXACT)))
+        yield (
+            "displacement, u = d - f",
+            _worst(wrong, np.full(len(wrong), max(self.problem.rtol, EXACT))),
+        )
         centre, doubt = face.interpolate(moved, np.zeros(1))
         wrong = np.abs(self._checked("displacement_centre") - centre[:, 0]) / depth
         tolerance = self._tolerated("displacement_centre") + DOUBT * doubt[:, 0] / depth
@@ -228,7 +252,9 @@ class _Anchors:
             found, doubt = face.interpolate(values, self.radii[inside])
             reported = self._reported(name)[self.problem.checked][later][:, inside]
             # in the mean: pressures of elements have kinks of their own
-            wrong, doubt = (np.sqrt((one**2).mean(axis=1)) / size for one in (found - reported, doubt))
+            wrong, doubt = (
+                np.sqrt((one**2).mean(axis=1)) / size for one in (found - reported, doubt)
+            )
             tolerance = self._tolerated(name)[later] + DOUBT * doubt
             yield f"{name} at the radii reported", _worst(wrong, tolerance)
 
@@ -256,7 +282,10 @@ class _Anchors:
         slowest = self._reported("relaxation_time")[0]
         coarse, known = (slowest_relaxation_time(problem.rings, sizes) for sizes in (COARSE, FINE))
         tolerance = self._tolerated("relaxation_time")[0] + DOUBT * abs(coarse / known - 1)
-        yield "slowest relaxation time, by a small problem of its own", _worst(abs(slowest / known - 1), tolerance)
+        yield (
+            "slowest relaxation time, by a small problem of its own",
+            _worst(abs(slowest / known - 1), tolerance),
+        )
         yield "modes add up to the flat start", _worst(abs(wear.share_of_modes - 1), EXACT)
         if problem.march != "modal":
             return
@@ -271,15 +300,21 @@ class _Anchors:
         of_slowest = self._power(half, self._at(half), stated[-1:], True)
         yield "power of the slowest mode", of_slowest
 
-    def _power(self, times: Array, pressure: Array, stated: Array, alone: bool) -> tuple[float, float]:
-        """Return how far power is out of balance at times, over all of it or over what is not yet steady alone."""
+    def _power(
+        self, times: Array, pressure: Array, stated: Array, alone: bool
+    ) -> tuple[float, float]:
+        """Return how far power is out of balance at times, over all of it or over what is not yet
+        steady alone.
+        """
         wear, steady, face = self.solution.wear, steady_state(self.problem), self.face
         assert wear is not None
         parts = (pressure - steady.pressure) ** 2 * face.weights
         spent = parts.sum(axis=1)
         scale = spent if alone else spent + steady.wear_rate
         risen = _slopes_of(wear.modal, 2 * times) - steady.wear_rate
-        tolerance = self.problem.rtol + 2 * stated * np.sqrt((spent + steady.wear_rate) * spent) / scale
+        tolerance = (
+            self.problem.rtol + 2 * stated * np.sqrt((spent + steady.wear_rate) * spent) / scale
+        )
         tolerance += (self._doubt(parts) + ROUNDOFF_OF_D / POWER_STEP / times) / scale
         return _worst(np.abs(risen - spent) / scale, tolerance)
 
@@ -295,7 +330,9 @@ class _Anchors:
         ring = ring_of(self.problem.ring_edges, self.radii)
         wrong = np.abs(self._reported("steady_pressure") / known.ring_pressures[ring] - 1).max()
         yield "steady pressures of Eq. 24", _worst(wrong, max(rtol, EXACT))
-        by_rings = np.concatenate([self._reported(name)[1] for name in ("pressure_min", "pressure_max")])
+        by_rings = np.concatenate(
+            [self._reported(name)[1] for name in ("pressure_min", "pressure_max")]
+        )
         wrong = np.abs(by_rings / np.tile(known.ring_pressures, 2) - 1).max()
         yield "steady pressures of the answer", _worst(wrong, max(rtol, EXACT))
         for name, value in (

@@ -1,7 +1,8 @@
 """The answer of a run: what a user asked of the punch, by each method. Non-dimensional.
 
-How long running-in takes is seen from the approach of the punch, which a displacement sensor on its holder shows: once it
-has run in, it rises in a straight line. What ``d(t) - w t`` has still to rise falls as a sum of positive exponentials.
+How long running-in takes is seen from the approach of the punch, which a displacement sensor on its
+holder shows: once it has run in, it rises in a straight line. What ``d(t) - w t`` has still to rise
+falls as a sum of positive exponentials.
 """
 
 import numpy as np
@@ -16,9 +17,13 @@ ALSO = ("steady_wear_rate", "steady_rms_slope")
 
 
 def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
-    """Values of `ANSWER` by one method: NaN where it does not give them, or the scene does not ask."""
+    """Values of `ANSWER` by one method: NaN where it does not give them, or the scene does
+    not ask.
+    """
     sizes = {"state": len(STATES), "ring": len(problem.wear_coefficients)}
-    found = {name: np.full([sizes[dim] for dim in one.dims], np.nan) for name, one in ANSWER.items()}
+    found = {
+        name: np.full([sizes[dim] for dim in one.dims], np.nan) for name, one in ANSWER.items()
+    }
     if len(problem.times):
         _running_in(solution, found)
         if problem.profile is None:
@@ -66,10 +71,15 @@ def _wear(problem: Problem, solution: Solution, found: dict[str, Array]) -> None
 
 
 def _with_profile(problem: Problem, solution: Solution, found: dict[str, Array]) -> None:
-    """Where contact opens, closes and spreads: pressures at the start may be infinite, and have no closed form."""
+    """Where contact opens, closes and spreads.
+
+    Pressures at the start may be infinite, and have no closed form.
+    """
     if "ring_worn_volume" not in solution.results:
         return
     found["worn_volume"][:] = array(solution.results, "ring_worn_volume")[-1]
     if problem.times[0] == 0:
         found["indentation_start"][...] = array(solution.results, "indentation")[0]
-        found["force_share"][0] = array(solution.results, "ring_force")[0] / array(solution.results, "normal_force")[0]
+        found["force_share"][0] = (
+            array(solution.results, "ring_force")[0] / array(solution.results, "normal_force")[0]
+        )

@@ -1,4 +1,6 @@
-"""The result of a run, as an xarray Dataset (netCDF-4) and as a summary (JSON), in the scene's units."""
+"""The result of a run, as an xarray Dataset (netCDF-4) and as a summary (JSON), in the scene's
+units.
+"""
 
 import json
 from dataclasses import asdict, dataclass
@@ -34,27 +36,39 @@ from .operators import OperatorDifference
 from .scope import left_out, modelled
 
 DEFINITIONS = {
-    "verdict": "agree: every difference is within the uncertainty, or within rtol, and the uncertainty within a few rtol; "
-    "disagree: a difference is beyond both, though neither method states an error above rtol, or an anchor does not hold; "
+    "verdict": "agree: every difference is within the uncertainty, or within rtol, and the "
+    "uncertainty within a few rtol; "
+    "disagree: a difference is beyond both, though neither method states an error above rtol, or "
+    "an anchor does not hold; "
     "undecided: anything else. Where edges of a "
-    "contact move, what is local to them (`promised` false) does not make the whole undecided, but can make it disagree",
+    "contact move, what is local to them (`promised` false) does not make the whole undecided, "
+    "but can make it disagree",
     "difference": "relative, in the norm of the quantity, where it decides the verdict",
     "uncertainty": "sum of the two methods' own error estimates at that time",
     "anchors": "closed forms and balances that each method is held to by itself",
-    "operator_difference": "of the energies two methods give the same pressures, relative: greatest over all "
-    "ring-wise constant pressures (rings), along the history (history), over the first method's whole space "
-    "(space, worst at worst_radius); stability: their least ratio, the square of the inf-sup constant; residual: "
+    "operator_difference": "of the energies two methods give the same pressures, relative: "
+    "greatest over all "
+    "ring-wise constant pressures (rings), along the history (history), over the first method's "
+    "whole space "
+    "(space, worst at worst_radius); stability: their least ratio, the square of the inf-sup "
+    "constant; residual: "
     "first method's pressures put into the second, against the worn profile, in the energy norm",
     "error_estimate": "relative, of the indentation, over all times",
-    "answer": "by each method, in the scene's units; of rings a list from the centre, first at the start, then steady; "
+    "answer": "by each method, in the scene's units; of rings a list from the centre, first at "
+    "the start, then steady; "
     "null: infinite, or not given",
-    "beyond_rtol": "quantities that the method cannot bring to rtol by its own estimate, with the greatest estimate",
+    "beyond_rtol": (
+        "quantities that the method cannot bring to rtol by its own estimate, with the greatest "
+        "estimate"
+    ),
 }
 
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """Everything that a run computed; solutions are non-dimensional, `dataset` is in the scene's units.
+    """Everything that a run computed.
+
+    Solutions are non-dimensional, `dataset` is in the scene's units.
 
     Parameters
     ----------
@@ -73,7 +87,10 @@ class Result:
 
     @property
     def verdict(self) -> str:
-        """`agree`, `disagree` or `undecided`: the least of all that is promised; an anchor that does not hold disagrees."""
+        """`agree`, `disagree` or `undecided`.
+
+        The least of all that is promised; an anchor that does not hold disagrees.
+        """
         if not all(anchor.holds for anchor in self.anchors):
             return DISAGREE
         return overall(self.agreement)
@@ -92,8 +109,14 @@ class Result:
         """How many quantities agree."""
         verdicts = list(self.quantities.values())
         words = [f"{verdicts.count(AGREE)} of {len(verdicts)} quantities agree"]
-        words += [f"{count} {word}" for word in (UNDECIDED, DISAGREE) if (count := verdicts.count(word))]
-        agree = "The methods agree" if set(verdicts) == {AGREE} else "The methods agree in all that is promised"
+        words += [
+            f"{count} {word}" for word in (UNDECIDED, DISAGREE) if (count := verdicts.count(word))
+        ]
+        agree = (
+            "The methods agree"
+            if set(verdicts) == {AGREE}
+            else "The methods agree in all that is promised"
+        )
         final = {AGREE: agree, UNDECIDED: "Not all is decided", DISAGREE: "THE METHODS DISAGREE"}
         return f"{final[self.verdict]}: {', '.join(words)}."
 
@@ -105,7 +128,11 @@ class Result:
     @property
     def short_of(self) -> dict[str, float]:
         """Methods whose own estimate is above the accuracy asked for."""
-        return {name: value for name, value in self.estimates.items() if value > self.scene.accuracy.rtol}
+        return {
+            name: value
+            for name, value in self.estimates.items()
+            if value > self.scene.accuracy.rtol
+        }
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -115,13 +142,20 @@ class Result:
 
     @cached_property
     def answers(self) -> dict[str, dict[str, Array]]:
-        """What a user asked of the punch, by method: `answer.ANSWER`, and the steady wear rate and slope; scene's units."""
+        """What a user asked of the punch, by method.
+
+        `answer.ANSWER`, and the steady wear rate and slope; scene's units.
+        """
         units, found = self.scene.problem.units, {}
         for name, solution in self.solutions.items():
             own = answer(self.scene.problem, solution)
-            found[name] = {key: value * getattr(units, ANSWER[key].unit) for key, value in own.items()}
+            found[name] = {
+                key: value * getattr(units, ANSWER[key].unit) for key, value in own.items()
+            }
             for key in ALSO:
-                value = array(solution.results, key) if key in solution.results else np.array(np.nan)
+                value = (
+                    array(solution.results, key) if key in solution.results else np.array(np.nan)
+                )
                 found[name][key] = value * getattr(units, QUANTITIES[key].unit)
         return found
 
@@ -132,7 +166,10 @@ class Result:
 
     @cached_property
     def anchors(self) -> tuple[Anchor, ...]:
-        """What no method can move, for each method: closed forms and balances that the dataset is held to."""
+        """What no method can move, for each method.
+
+        Closed forms and balances that the dataset is held to.
+        """
         return tuple(
             anchor
             for name, solution in self.solutions.items()
@@ -146,16 +183,28 @@ class Result:
 
 
 def dataset(result: Result) -> xarray.Dataset:
-    """All results over dimensions solver, time, radius, ring and mode; NaN where a method does not give a quantity."""
+    """All results over dimensions solver, time, radius, ring and mode.
+
+    NaN where a method does not give a quantity.
+    """
     scene, solutions = result.scene, result.solutions
     problem, names = scene.problem, UnitNames.of(scene.units)
-    sizes = {"time": len(problem.times), "radius": len(problem.radii), "ring": len(problem.wear_coefficients), "mode": SHOWN}
+    sizes = {
+        "time": len(problem.times),
+        "radius": len(problem.radii),
+        "ring": len(problem.wear_coefficients),
+        "mode": SHOWN,
+    }
     sizes["state"] = len(STATES)
     every = [values(solution.results) for solution in solutions.values()]
     errors = [solution.errors for solution in solutions.values()]
     # a flat punch has no more to say
-    shown = [name for name in QUANTITIES if name not in OF_PROFILES or any(name in one for one in every)]
-    sizes["edge"] = max((one["contact_edge"].shape[1] for one in every if "contact_edge" in one), default=0)
+    shown = [
+        name for name in QUANTITIES if name not in OF_PROFILES or any(name in one for one in every)
+    ]
+    sizes["edge"] = max(
+        (one["contact_edge"].shape[1] for one in every if "contact_edge" in one), default=0
+    )
 
     def about(definition: str, kind: str) -> dict[str, str]:
         return {"long_name": definition, "units": names.name(kind) or scene.units or UNSTATED}
@@ -165,12 +214,20 @@ def dataset(result: Result) -> xarray.Dataset:
         shape = tuple(sizes[dim] for dim in quantity.dims)
         scaled = _gathered(every, name, shape)
         scaled *= getattr(problem.units, quantity.unit)
-        variables[name] = (("solver", *quantity.dims), scaled, about(quantity.definition, quantity.unit))
+        variables[name] = (
+            ("solver", *quantity.dims),
+            scaled,
+            about(quantity.definition, quantity.unit),
+        )
         if name in ("contact", "contact_edge"):
             continue
         shape = tuple(sizes[dim] for dim in quantity.error_dims)
         of_error = about(ERROR.format(name, NORMS[quantity.norm]), "share")
-        variables[error_name(name)] = (("solver", *quantity.error_dims), _gathered(errors, name, shape), of_error)
+        variables[error_name(name)] = (
+            ("solver", *quantity.error_dims),
+            _gathered(errors, name, shape),
+            of_error,
+        )
     answers = list(result.answers.values())
     for name, quantity in ANSWER.items():
         shape = tuple(sizes[dim] for dim in quantity.dims)
@@ -190,10 +247,18 @@ def dataset(result: Result) -> xarray.Dataset:
         "solver": list(solutions),
         "time": ("time", np.array(scene.wear.times), about("time of sliding", "time")),
         "radius": ("radius", radius, about("distance from the axis", "length")),
-        "ring": ("ring", np.arange(1, sizes["ring"] + 1), {"long_name": "ring, counted from the centre"}),
+        "ring": (
+            "ring",
+            np.arange(1, sizes["ring"] + 1),
+            {"long_name": "ring, counted from the centre"},
+        ),
         "ring_inner_radius": ("ring", edges[:-1], about("inner edge of the ring", "length")),
         "ring_outer_radius": ("ring", edges[1:], about("outer edge of the ring", "length")),
-        "wear_coefficient": ("ring", coefficients, about("k of df/dt = k p v0 on the ring", "wear_coefficient")),
+        "wear_coefficient": (
+            "ring",
+            coefficients,
+            about("k of df/dt = k p v0 on the ring", "wear_coefficient"),
+        ),
         "mode": ("mode", np.arange(1, SHOWN + 1), {"long_name": "wear mode, slowest first"}),
         "state": list(STATES),
     }
@@ -217,7 +282,10 @@ def _attributes(scene: Scene) -> dict[str, str]:
     return {
         "title": scene.title,
         "units": scene.units or UNSTATED,
-        "definitions": "positive profile: material gone; in contact u_z = d - f; means over the radius (line) or area",
+        "definitions": (
+            "positive profile: material gone; in contact u_z = d - f; means over the radius "
+            "(line) or area"
+        ),
         "gradient_average": scene.output.gradient_average,
         "versions": json.dumps(versions()),
         "scene": scene.to_toml(),
@@ -225,11 +293,16 @@ def _attributes(scene: Scene) -> dict[str, str]:
 
 
 def summary(result: Result) -> dict[str, Any]:
-    """The run in a page: verdict, cost, error estimates, agreement, what was modelled and what was left out."""
+    """The run in a page.
+
+    Verdict, cost, error estimates, agreement, what was modelled and what was left out.
+    """
     scene, rtol = result.scene, result.scene.accuracy.rtol
     methods = {
         name: {
-            "seconds": {stage: round(value, 6) for stage, value in result.stages[name].seconds.items()},
+            "seconds": {
+                stage: round(value, 6) for stage, value in result.stages[name].seconds.items()
+            },
             "unknowns": solution.unknowns,
             "settings": solution.settings,
             "rtol_asked": rtol,
@@ -246,13 +319,17 @@ def summary(result: Result) -> dict[str, Any]:
         "units": scene.units,
         "verdict": result.verdict,
         "quantities": result.quantities,
-        "answer": {name: {key: _json(value) for key, value in one.items()} for name, one in result.answers.items()},
+        "answer": {
+            name: {key: _json(value) for key, value in one.items()}
+            for name, one in result.answers.items()
+        },
         "methods": methods,
         "agreement": [asdict(row) | {"agrees": row.agrees} for row in result.agreement],
         "agrees": result.agrees,
         "anchors": [asdict(anchor) | {"holds": anchor.holds} for anchor in result.anchors],
         "operator_difference": [
-            {"methods": list(row.methods)} | {name: getattr(row, name) for name in numbers} for row in result.operators
+            {"methods": list(row.methods)} | {name: getattr(row, name) for name in numbers}
+            for row in result.operators
         ],
         "definitions": DEFINITIONS
         | {name: NORMS[quantity.norm] for name, quantity in QUANTITIES.items()}

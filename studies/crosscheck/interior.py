@@ -1,10 +1,13 @@
-"""What happens inside the half-space: displacements and stresses of the finite elements at chosen times.
+"""What happens inside the half-space.
 
-Stresses converge half as fast as the indentation, so they have a degree of their own, the first that is accurate enough by
-their own estimate. It is how far the fields are from those of one degree and one pole less, on the same mesh: both
-computed from the contact on, the pressures with them. On quadrilaterals the error falls by a factor of three or more per
-degree, which makes the difference two to six times the error (`tests/test_stresses.py`). Points within `NEAR` of the rim or
-a ring edge, where stresses are infinite or jump, are left out of the estimate.
+Displacements and stresses of the finite elements at chosen times.
+
+Stresses converge half as fast as the indentation, so they have a degree of their own, the first
+that is accurate enough by their own estimate. It is how far the fields are from those of one degree
+and one pole less, on the same mesh: both computed from the contact on, the pressures with them. On
+quadrilaterals the error falls by a factor of three or more per degree, which makes the difference
+two to six times the error (`tests/physics/test_stresses.py`). Points within `NEAR` of the rim or a
+ring edge, where stresses are infinite or jump, are left out of the estimate.
 """
 
 from collections.abc import Iterator
@@ -25,25 +28,31 @@ from ..wear.archard import RunningIn
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace
 
-# times that each element is refined to show what its polynomials say, and the highest degree worth its cost
+# times that each element is refined to show what its polynomials say, and the highest degree worth
+# its cost
 REFINEMENTS = {"MeshQuad1": 3, "MeshTri1": 2}
 HIGHEST = {"MeshQuad1": 14, "MeshTri1": 4}
-# more pressures than this are not refined further for the sake of the inside: their matrices are dense
+# more pressures than this are not refined further for the sake of the inside: their matrices are
+# dense
 MOST_PRESSURES = 2000
 # error of stresses, over the mean pressure, that goes with a relative error of the indentation
 SHARE = 10
 # distance from the rim and from ring edges, in a, from which on the estimate holds
 NEAR = 0.2
-# share of the energy that the poles may leave to the truncation, where stresses feel its root: over their accuracy squared
+# share of the energy that the poles may leave to the truncation, where stresses feel its root: over
+# their accuracy squared
 NEGLIGIBLE = 1e-3
-# stands for Poisson's ratio 1/2: inside, its error shows, but triangles lock the more the closer it is
+# stands for Poisson's ratio 1/2: inside, its error shows, but triangles lock the more the closer it
+# is
 HIGHEST_RATIO = {"MeshQuad1": 0.499999, "MeshTri1": 0.49999}
 MEAN_PRESSURE = 2 * P0
 
 
 @dataclass(frozen=True, eq=False)
 class Fields:
-    """Fields of the half-space, non-dimensional, on small triangles within each element: not averaged between elements.
+    """Fields of the half-space, non-dimensional, on small triangles within each element.
+
+    Not averaged between elements.
 
     Parameters
     ----------
@@ -68,8 +77,9 @@ class Interior(Fields):
     ----------
     labels : of the states, `t=...` and `steady`
     degree : of the displacement
-    errors : of each field, by its name, in each state (states,): estimate of its greatest error further than `NEAR` from
-        the rim and from ring edges; of displacements over a flat punch's indentation, of stresses over the mean pressure
+    errors : of each field, by its name, in each state (states,): estimate of its greatest error
+        further than `NEAR` from the rim and from ring edges; of displacements over a flat punch's
+        indentation, of stresses over the mean pressure
     """
 
     labels: tuple[str, ...]
@@ -80,7 +90,8 @@ class Interior(Fields):
 def interior(scene: Scene, fem: Solution) -> Interior:
     """The inside of the half-space at the scene's field times, and when steady.
 
-    Its degree is raised until the estimate of the stresses is `SHARE` times `rtol`, unless the user has given it, or poles.
+    Its degree is raised until the estimate of the stresses is `SHARE` times `rtol`, unless the user
+    has given it, or poles.
     """
     assert fem.half_space is not None
     problem = scene.problem
@@ -97,7 +108,9 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     highest = degree if given else max(degree, HIGHEST[kind])
     with threadpool_limits(1):
         while True:
-            fine, coarse = (fields_of(problem, one, wanted) for one in refined(problem, fem.half_space, degree))
+            fine, coarse = (
+                fields_of(problem, one, wanted) for one in refined(problem, fem.half_space, degree)
+            )
             errors = estimates(problem, fine, coarse, HIGHEST_RATIO[kind])
             result = Interior(**vars(fine), labels=labels, degree=degree, errors=errors)
             excess = errors["stress"].max() / (SHARE * problem.rtol)
@@ -110,7 +123,10 @@ def interior(scene: Scene, fem: Solution) -> Interior:
 
 
 def refined(problem: Problem, half_space: "HalfSpace", degree: int) -> Iterator["HalfSpace"]:
-    """The half-space in another degree, with enough poles; then in one degree and with one pole less."""
+    """The half-space in another degree, with enough poles.
+
+    Then in one degree and with one pole less.
+    """
     from ...fem.far_field import enough_poles
     from ...fem.half_space import pressure_space
     from ...meshes.half_space import truncation
@@ -122,27 +138,39 @@ def refined(problem: Problem, half_space: "HalfSpace", degree: int) -> Iterator[
         solid = replace(half_space.solid, degree=degree, highest_ratio=highest_ratio)
         if (degree, solid.poisson_ratio, poles) == factored:
             return half_space
-        return replace(half_space, solid=solid, space=pressure_space(solid, problem.merged.ring_edges), poles=poles)
+        return replace(
+            half_space,
+            solid=solid,
+            space=pressure_space(solid, problem.merged.ring_edges),
+            poles=poles,
+        )
 
-    tied = enough_poles(truncation(half_space.solid.mesh), NEGLIGIBLE * min(SHARE * problem.rtol, 1e-3) ** 2)
+    tied = enough_poles(
+        truncation(half_space.solid.mesh), NEGLIGIBLE * min(SHARE * problem.rtol, 1e-3) ** 2
+    )
     if half_space.poles:
         poles = half_space.poles if problem.fem.poles else tied
         fewer = poles[:-1]
     else:
-        # a clamped boundary is judged by one that is not: the difference is the error itself, far greater than any other
+        # a clamped boundary is judged by one that is not: the difference is the error itself, far
+        # greater than any other
         poles, fewer = (), tied
     yield with_degree(degree, poles)
     yield with_degree(degree - 1, fewer)
 
 
 def fields_of(problem: Problem, half_space: "HalfSpace", times: Array) -> Fields:
-    """The fields of a half-space at non-dimensional times, and when steady, all from its own pressures."""
+    """The fields of a half-space at non-dimensional times, and when steady, all from its own
+    pressures.
+    """
     from ...fem.stresses import sampled, von_mises
 
     earliest = float(min(times[times > 0], default=0.0))
     wear = RunningIn(half_space.compliance(), problem.merged.wear_coefficients, earliest)
     # no modes are needed for the start
-    pressures = list(wear.modal(times).pressure) if times.any() else [wear.flat.pressure] * len(times)
+    pressures = (
+        list(wear.modal(times).pressure) if times.any() else [wear.flat.pressure] * len(times)
+    )
     if problem.steady:
         pressures.append(wear.steady.pressure)
     refinements = REFINEMENTS[type(half_space.solid.mesh).__name__]
@@ -150,8 +178,13 @@ def fields_of(problem: Problem, half_space: "HalfSpace", times: Array) -> Fields
     return Fields(points, triangles, moved, stress, von_mises(stress))
 
 
-def estimates(problem: Problem, fine: Fields, coarse: Fields, highest_ratio: float) -> dict[str, Array]:
-    """Of each field, by its name, in each state: the greatest difference, and what Poisson's ratio 1/2 adds to it."""
+def estimates(
+    problem: Problem, fine: Fields, coarse: Fields, highest_ratio: float
+) -> dict[str, Array]:
+    """Of each field, by its name, in each state.
+
+    The greatest difference, and what Poisson's ratio 1/2 adds to it.
+    """
     from ...fem.stresses import von_mises
 
     r, z = fine.points
@@ -165,17 +198,25 @@ def estimates(problem: Problem, fine: Fields, coarse: Fields, highest_ratio: flo
         # a norm: that of the difference is at least the difference of two
         "von_mises": von_mises(stress),
     }
-    return {name: value.reshape(len(value), -1).max(axis=1) + modelled for name, value in differences.items()}
+    return {
+        name: value.reshape(len(value), -1).max(axis=1) + modelled
+        for name, value in differences.items()
+    }
 
 
 def write_half_space(fields: Interior, units: Units, path: Path) -> None:
-    """Write the fields as VTU, in the scene's units and upright: x is the radius, y the height (depth is negative)."""
+    """Write the fields as VTU, in the scene's units and upright.
+
+    X is the radius, y the height (depth is negative).
+    """
     import meshio
 
     data: dict[str, Array] = {}
     for state, label in enumerate(fields.labels):
         radial, down = fields.displacement[state].T
-        data[f"displacement {label}"] = np.stack([radial, -down, np.zeros_like(radial)], axis=1) * units.displacement
+        data[f"displacement {label}"] = (
+            np.stack([radial, -down, np.zeros_like(radial)], axis=1) * units.displacement
+        )
         for column, (name, sign) in enumerate((("rr", 1), ("zz", 1), ("rz", -1), ("hoop", 1))):
             data[f"stress_{name} {label}"] = sign * fields.stress[state, :, column] * units.pressure
         data[f"von_mises {label}"] = fields.von_mises[state] * units.pressure

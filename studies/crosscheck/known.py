@@ -1,4 +1,7 @@
-"""What is known of a scene without any method: its natural units, its steady state, energies. In closed form."""
+"""What is known of a scene without any method.
+
+Its natural units, its steady state, energies. In closed form.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -58,7 +61,9 @@ class KnownSteadyState:
     def slope(self) -> float:
         """Root mean square slope."""
         rings = self.problem.merged
-        return direct.rms_slope(rings.ring_edges, self.merged_pressures, self.problem.gradient_average)
+        return direct.rms_slope(
+            rings.ring_edges, self.merged_pressures, self.problem.gradient_average
+        )
 
     @cached_property
     def pressure(self) -> Array:

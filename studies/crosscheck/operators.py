@@ -1,9 +1,12 @@
-"""Compare two methods as operators: on one pressure space, for every pressure at once instead of for one scene.
+"""Compare two methods as operators.
 
-The generalised eigenvalues of two compliances are the ratios of the energies that they give to the same pressures.
-Three numbers certify a pair: over ring-wise constant pressures (every steady state, whatever the wear coefficients),
-over the pressures that the scene's history passes through, and over the whole space, where the shortest pressures are
-never resolved. Beside them stands a residual: the pressures of one method, put into the other.
+On one pressure space, for every pressure at once instead of for one scene.
+
+The generalised eigenvalues of two compliances are the ratios of the energies that they give to the
+same pressures. Three numbers certify a pair: over ring-wise constant pressures (every steady state,
+whatever the wear coefficients), over the pressures that the scene's history passes through, and
+over the whole space, where the shortest pressures are never resolved. Beside them stands a
+residual: the pressures of one method, put into the other.
 """
 
 from dataclasses import dataclass
@@ -17,7 +20,8 @@ from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..wear.archard import RunningIn
 
-# below this share of the energy of a pressure, the multipliers no longer see the displacement: a checkerboard
+# below this share of the energy of a pressure, the multipliers no longer see the displacement: a
+# checkerboard
 LEAST_STABLE = 0.01
 
 
@@ -29,12 +33,13 @@ class OperatorDifference:
     ----------
     methods : the two
     rings : over all ring-wise constant pressures
-    history : over the pressures of this scene's history: of the two methods' at each time, and of the steady state, the
-        sum of both, which bounds the relative difference of their indentations
+    history : over the pressures of this scene's history: of the two methods' at each time, and of
+        the steady state, the sum of both, which bounds the relative difference of their
+        indentations
     space : over all pressures of the space; `worst_radius` is where the worst of them is greatest
     stability : least ratio of the energies: the square of the inf-sup constant of the multipliers
-    residual : displacements that the second method gives to the pressures of the first, against the worn profile, in
-        the energy norm: the greatest over the history
+    residual : displacements that the second method gives to the pressures of the first, against the
+        worn profile, in the energy norm: the greatest over the history
     wavelengths, differences : by pressure mode, the slowest first
     """
 
@@ -58,12 +63,15 @@ class OperatorDifference:
         """
         if self.stability < LEAST_STABLE:
             raise SolverError(
-                f"the multipliers of {self.methods[0]} are unstable on this mesh: some pressures have {self.stability:.1e} "
+                f"the multipliers of {self.methods[0]} are unstable on this mesh: some pressures "
+                f"have {self.stability:.1e} "
                 "of their energy; choose another degree"
             )
 
 
-def difference(problem: Problem, methods: tuple[str, str], first: RunningIn, second: RunningIn) -> OperatorDifference:
+def difference(
+    problem: Problem, methods: tuple[str, str], first: RunningIn, second: RunningIn
+) -> OperatorDifference:
     """Compare two compliances, each with the running-in on it, on the same pressure space."""
     one, other = first.compliance, second.compliance
     ratios, shapes = _pencil(one.matrix, other.matrix)
@@ -88,21 +96,27 @@ def _pencil(first: Array, second: Array) -> tuple[Array, Array]:
     try:
         return eigh(first, second)
     except np.linalg.LinAlgError as error:
-        raise SolverError(f"two compliances cannot be compared: one is not positive definite ({error})") from error
+        raise SolverError(
+            f"two compliances cannot be compared: one is not positive definite ({error})"
+        ) from error
 
 
 def _greatest(first: Compliance, second: Compliance, pressures: Array) -> float:
     """max |ratio - 1| over the span of some pressures (size, m)."""
-    # an orthonormal basis in the second energy: ratios of nearly dependent pressures would be lost to roundoff
+    # an orthonormal basis in the second energy: ratios of nearly dependent pressures would be lost
+    # to roundoff
     basis, triangle = np.linalg.qr(second.factor @ pressures)
     image = solve_triangular(triangle, (first.factor @ pressures).T, trans="T").T
-    return float(np.abs(np.linalg.svd(image, compute_uv=False) ** 2 - 1).max()) if basis.size else 0.0
+    return (
+        float(np.abs(np.linalg.svd(image, compute_uv=False) ** 2 - 1).max()) if basis.size else 0.0
+    )
 
 
 def _along_history(times: Array, first: RunningIn, second: RunningIn) -> float:
     """Energies of the same pressures by both methods, along the histories of both.
 
-    The span of the modes would not do: it holds short waves that the history hardly touches, and no method resolves.
+    The span of the modes would not do: it holds short waves that the history hardly touches, and no
+    method resolves.
     """
     total = np.zeros(len(times) + 1)
     for wear in (first, second):
@@ -113,9 +127,11 @@ def _along_history(times: Array, first: RunningIn, second: RunningIn) -> float:
 
 
 def _spectrum(first: Compliance, second: Compliance) -> tuple[Array, Array]:
-    """Wavelengths of the modes of the second compliance, and relative differences of their energies.
+    """Wavelengths of the modes of the second compliance, and relative differences of their
+    energies.
 
-    On a long wave of length L a half-space gives ``u = p L / pi``, which defines the length of any mode.
+    On a long wave of length L a half-space gives ``u = p L / pi``, which defines the length of any
+    mode.
     """
     values, shapes = eigh(second.matrix, second.space.mass().toarray())
     own = np.sum((first.factor @ shapes) ** 2, axis=0)
@@ -124,7 +140,10 @@ def _spectrum(first: Compliance, second: Compliance) -> tuple[Array, Array]:
 
 
 def _residual(times: Array, first: RunningIn, second: Compliance) -> float:
-    """Energy norm of ``u_second[p_first] + f - d`` over that of the pressure: the greatest over the times."""
+    """Energy norm of ``u_second[p_first] + f - d`` over that of the pressure.
+
+    The greatest over the times.
+    """
     later = times[times > 0]
     if not len(later):
         return 0.0

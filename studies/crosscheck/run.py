@@ -29,38 +29,53 @@ def run(scene: Scene) -> Result:
     Returns
     -------
     Result
-        `dataset` (xarray, in the scene's units), `answers` by method, `verdict`, `agreement`, `anchors`, `summary`
+        `dataset` (xarray, in the scene's units), `answers` by method, `verdict`, `agreement`,
+        `anchors`, `summary`
 
     Progress goes to the logger `ringwear`.
 
     Raises
     ------
     RingwearError
-        if a method cannot solve the scene, or a mesh or a system fails; the message names the remedy
+        if a method cannot solve the scene, or a mesh or a system fails; the message names the
+        remedy
     """
     problem, methods = scene.problem, {name: method(name) for name in scene.methods}
     if refused := refusals(scene):
         raise SceneError(refused[0])
     stages = {name: Stages(name) for name in methods}
-    # the dense matrices are small: threads of two linear algebra libraries would spend their time waiting on each other
+    # the dense matrices are small: threads of two linear algebra libraries would spend their time
+    # waiting on each other
     with threadpool_limits(1):
-        solutions = {name: solved_to_accuracy(one, [problem], stages[name])[0] for name, one in methods.items()}
+        solutions = {
+            name: solved_to_accuracy(one, [problem], stages[name])[0]
+            for name, one in methods.items()
+        }
         operators = tuple(compare_operators(problem, solutions))
     agreement = tuple(
-        row for a, b in combinations(solutions, 2) for row in agreements(problem, (a, b), (solutions[a], solutions[b]))
+        row
+        for a, b in combinations(solutions, 2)
+        for row in agreements(problem, (a, b), (solutions[a], solutions[b]))
     )
     return Result(scene, solutions, stages, agreement, operators)
 
 
-def compare_operators(problem: Problem, solutions: dict[str, Solution]) -> Iterator[OperatorDifference]:
+def compare_operators(
+    problem: Problem, solutions: dict[str, Solution]
+) -> Iterator[OperatorDifference]:
     """Compare methods as operators: each on the space of another, where it can be had there.
 
-    A method with a space of its own (the finite elements, on their contact facets) gives the space; the others follow.
+    A method with a space of its own (the finite elements, on their contact facets) gives the space;
+    the others follow.
     """
     if problem.profile is not None:
         return
-    wears = {name: solution.wear for name, solution in solutions.items() if solution.wear is not None}
-    for a, b in combinations(sorted(wears, key=lambda name: isinstance(method(name), AnySpaceMethod)), 2):
+    wears = {
+        name: solution.wear for name, solution in solutions.items() if solution.wear is not None
+    }
+    for a, b in combinations(
+        sorted(wears, key=lambda name: isinstance(method(name), AnySpaceMethod)), 2
+    ):
         other = method(b)
         if isinstance(other, AnySpaceMethod):
             with Stages("check")(f"{a} against {b}"):

@@ -1,1 +1,3 @@
-"""Are stated errors honest? Scenes drawn at random, an independent reference, and the study that compares."""
+"""Are stated errors honest? Scenes drawn at random, an independent reference, and the study that
+compares.
+"""

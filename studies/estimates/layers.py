@@ -1,4 +1,7 @@
-"""Elements graded to every ring edge, in ``s = 1 - r^2``: in distances from an edge, a thin one keeps all its digits."""
+"""Elements graded to every ring edge, in ``s = 1 - r^2``.
+
+In distances from an edge, a thin one keeps all its digits.
+"""
 
 from itertools import pairwise
 from typing import NamedTuple, Self
@@ -27,7 +30,10 @@ class Layers(NamedTuple):
 
     @classmethod
     def graded(cls, edges: Array, smallest: Array, factor: float) -> Self:
-        """Elements that shrink by a factor towards every ring edge, down to a size at each; the axis is no edge."""
+        """Elements that shrink by a factor towards every ring edge, down to a size at each.
+
+        The axis is no edge.
+        """
         pieces: list[Layers] = []
         for ring, (left, right) in enumerate(pairwise(edges)):
             half = (right - left) / 2
@@ -35,7 +41,13 @@ class Layers(NamedTuple):
                 at_axis = beside == len(smallest)
                 ends = np.append(0.0, _graded(half, half if at_axis else smallest[beside], factor))
                 between = np.arange(len(ends) - 1) + (len(pieces[-1].low) if at_axis else 0)
-                piece = cls(np.full(len(between), edge), ends[:-1], ends[1:], np.full(len(between), ring), between)
+                piece = cls(
+                    np.full(len(between), edge),
+                    ends[:-1],
+                    ends[1:],
+                    np.full(len(between), ring),
+                    between,
+                )
                 pieces.append(piece if edge == left else piece.mirrored())
         return cls(*(np.concatenate(parts) for parts in zip(*pieces, strict=True)))
 

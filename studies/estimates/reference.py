@@ -1,10 +1,13 @@
-"""An independent reference: Archard's wear by broken Legendre polynomials in ``1 - r^2``, and nothing of what it judges.
+"""An independent reference.
 
-With ``s = 1 - r^2`` the line density of the MDR is Abel's integral ``q(x) = int_0^x p(s) / sqrt(x - s) ds``, the energy
-is ``int u p dA = int_0^1 q^2 / sqrt(1 - x) dx``, and an area ``pi ds``. On a mesh graded to every ring edge Legendre
-polynomials, orthonormal with the wear coefficient as weight, turn the law of wear into one singular value problem: no
-continuity is asked of pressure or wear rate, and no half-space, mesh, basis or quadrature is shared with any method.
-Coordinates are distances from the nearest ring edge, so that layers may be far thinner than `s` itself could tell.
+Archard's wear by broken Legendre polynomials in ``1 - r^2``, and nothing of what it judges.
+
+With ``s = 1 - r^2`` the line density of the MDR is Abel's integral ``q(x) = int_0^x p(s) / sqrt(x -
+s) ds``, the energy is ``int u p dA = int_0^1 q^2 / sqrt(1 - x) dx``, and an area ``pi ds``. On a
+mesh graded to every ring edge Legendre polynomials, orthonormal with the wear coefficient as
+weight, turn the law of wear into one singular value problem: no continuity is asked of pressure or
+wear rate, and no half-space, mesh, basis or quadrature is shared with any method. Coordinates are
+distances from the nearest ring edge, so that layers may be far thinner than `s` itself could tell.
 """
 
 from dataclasses import dataclass
@@ -68,7 +71,9 @@ class Reference:
         return self.wear_coefficients[::-1][self._layers.ring]
 
     def _scale(self, element: int) -> Array:
-        """Factors that make the Legendre polynomials of an element orthonormal in the mass of weight `k`."""
+        """Factors that make the Legendre polynomials of an element orthonormal in the mass of
+        weight `k`.
+        """
         per_area = np.pi * self._layers.widths[element] * self._wear[element]
         return np.sqrt((2 * np.arange(self.degrees[element] + 1.0) + 1) / per_area)
 
@@ -81,7 +86,9 @@ class Reference:
         count = 2 * self.degree + 12
         node, weight = leggauss(count)
         y, w = (1 + node) / 2, weight / 2
-        base, low, width = (part[:, None] for part in (self._layers.edge, self._layers.low, self._layers.widths))
+        base, low, width = (
+            part[:, None] for part in (self._layers.edge, self._layers.low, self._layers.widths)
+        )
         distance = low + width * y**2
         weights = width * 2 * y * w / np.sqrt(1 - base - distance)
         # the last panel ends at the axis: 1 - x = width (1 - y) (1 + y)
@@ -89,7 +96,11 @@ class Reference:
         y, w = (1 + node) / 2, weight / np.sqrt(2)
         edge = np.append(np.repeat(base[:-1], count), np.repeat(base[-1], count + 12))
         distance = np.append(distance[:-1].ravel(), low[-1] + width[-1] * y**2)
-        return edge, distance, np.append(weights[:-1].ravel(), np.sqrt(width[-1]) * 2 * y * w / np.sqrt(1 + y))
+        return (
+            edge,
+            distance,
+            np.append(weights[:-1].ravel(), np.sqrt(width[-1]) * 2 * y * w / np.sqrt(1 + y)),
+        )
 
     def _factor(self) -> Array:
         """(positions, size) factor H of the energy."""
@@ -97,7 +108,9 @@ class Reference:
         out = np.zeros((len(weights), self._starts[-1]))
         far_node, far_weight = leggauss(self.degree + 24)
         near_node, near_weight = leggauss(self.degree + 2)
-        for element, (base, low, width) in enumerate(zip(layers.edge, layers.low, layers.widths, strict=True)):
+        for element, (base, low, width) in enumerate(
+            zip(layers.edge, layers.low, layers.widths, strict=True)
+        ):
             half, degree, scale = width / 2, self.degrees[element], self._scale(element)
             columns = slice(self._starts[element], self._starts[element + 1])
             # from the left end of the element to each position
@@ -125,7 +138,9 @@ class Reference:
     @cached_property
     def _triangle(self) -> Array:
         """(size, size) factor of the energy as small as can be."""
-        return qr(self._factor(), mode="r", check_finite=False, overwrite_a=True)[0][: self._starts[-1]]
+        return qr(self._factor(), mode="r", check_finite=False, overwrite_a=True)[0][
+            : self._starts[-1]
+        ]
 
     @cached_property
     def _modes(self) -> tuple[Array, Array, Array, Array]:
@@ -137,7 +152,9 @@ class Reference:
         axis[0] += np.copysign(1.0, axis[0])
         axis /= np.linalg.norm(axis)
         reflected = triangle - 2 * np.outer(triangle @ axis, axis)
-        _, singular, right = svd(reflected[:, 1:], full_matrices=False, check_finite=False, lapack_driver="gesdd")
+        _, singular, right = svd(
+            reflected[:, 1:], full_matrices=False, check_finite=False, lapack_driver="gesdd"
+        )
         shapes = np.concatenate([np.zeros((1, len(singular))), right.T])
         shapes -= 2 * np.outer(axis, axis @ shapes)
         return singular**2, shapes, steady, moments
@@ -164,8 +181,12 @@ class Reference:
     def _element_of(self, radii: Array) -> tuple[Indices, Array]:
         s = (1 - radii) * (1 + radii)
         # a radius on a ring edge belongs to the ring outside it, which is the lesser s
-        element = np.clip(np.searchsorted(self._layers.breakpoints, s, side="left") - 1, 0, len(self.degrees) - 1)
-        base, low, widths = (part[element] for part in (self._layers.edge, self._layers.low, self._layers.widths))
+        element = np.clip(
+            np.searchsorted(self._layers.breakpoints, s, side="left") - 1, 0, len(self.degrees) - 1
+        )
+        base, low, widths = (
+            part[element] for part in (self._layers.edge, self._layers.low, self._layers.widths)
+        )
         return element, np.clip(2 * ((s - base) - low) / widths - 1, -1, 1)
 
     def values(self, coefficients: Array, radii: Array) -> Array:
@@ -175,7 +196,9 @@ class Reference:
         for e in np.unique(element):
             here = element == e
             columns = slice(self._starts[e], self._starts[e + 1])
-            out[:, here] = (coefficients[:, columns] * self._scale(e)) @ legvander(local[here], self.degrees[e]).T
+            out[:, here] = (coefficients[:, columns] * self._scale(e)) @ legvander(
+                local[here], self.degrees[e]
+            ).T
         return out
 
     def worn(self, coefficients: Array, radii: Array) -> Array:
@@ -193,7 +216,9 @@ class Reference:
         """(T,) root mean square of the slope of worn heights."""
         node, weight = leggauss(2 * self.degree + 4)
         total = np.zeros(len(worn))
-        for e, (left, half) in enumerate(zip(self._layers.breakpoints[:-1], self._layers.widths / 2, strict=True)):
+        for e, (left, half) in enumerate(
+            zip(self._layers.breakpoints[:-1], self._layers.widths / 2, strict=True)
+        ):
             columns = slice(self._starts[e], self._starts[e + 1])
             series = (worn[:, columns] * self._scale(e) * self._wear[e]).T
             y, w = node, weight
@@ -208,7 +233,10 @@ class Reference:
         return np.sqrt(total)
 
     def greatest(self, coefficients: Array, shift: Array) -> Array:
-        """(T,) greatest value of ``shift - f`` over the punch: samples, and the top of a parabola through the best three."""
+        """(T,) greatest value of ``shift - f`` over the punch.
+
+        Samples, and the top of a parabola through the best three.
+        """
         within = (1 - np.cos(np.pi * np.arange(1, 400) / 400)) / 2
         left, width = self._layers.breakpoints[:-1, None], self._layers.widths[:, None]
         s = np.unique(np.append([0.0, 1.0], (left + width * within).ravel()))
@@ -221,12 +249,15 @@ class Reference:
         slope = first + curve * a
         top = y1 - np.where(curve < 0, slope**2 / (4 * np.minimum(curve, -1e-300)), 0.0)
         return np.where(
-            (curve < 0) & (np.abs(slope) <= -2 * curve * np.maximum(a, b)), np.maximum(top, y1), values.max(axis=1)
+            (curve < 0) & (np.abs(slope) <= -2 * curve * np.maximum(a, b)),
+            np.maximum(top, y1),
+            values.max(axis=1),
         )
 
 
 def known(problem: Problem, finer: float = 0.01) -> xarray.Dataset:
-    """What a problem asks for at the times that are checked, on the face of the punch, to `finer` times its accuracy.
+    """What a problem asks for at the times that are checked, on the face of the punch, to `finer`
+    times its accuracy.
 
     The start and the steady state are closed forms.
     """

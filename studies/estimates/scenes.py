@@ -1,4 +1,7 @@
-"""Scenes drawn at random, far wider than what is usual: for studies of errors and for tests. Any seed will do."""
+"""Scenes drawn at random, far wider than what is usual.
+
+For studies of errors and for tests. Any seed will do.
+"""
 
 from collections.abc import Iterator
 from typing import Any
@@ -15,9 +18,11 @@ SPECIAL = (0.5, 0.49, 0.3)
 
 
 def random_scenes(seed: int, count: int, most_rings: int = 24, **changes: Any) -> Iterator[Scene]:
-    """Rings 1 to `most_rings`, widths to 1e-4, wear ratios 1e-6 to 1e6, nu -0.5 to 0.5, rtol 1e-2 to 1e-8.
+    """Rings 1 to `most_rings`, widths to 1e-4, wear ratios 1e-6 to 1e6, nu -0.5 to 0.5, rtol 1e-2
+    to 1e-8.
 
-    Times are from 1e-8 to 1e3 natural ones, about half with the start. `changes` are made to every scene.
+    Times are from 1e-8 to 1e3 natural ones, about half with the start. `changes` are made to every
+    scene.
     """
     generator = np.random.default_rng(seed)
     for number in range(count):
@@ -26,7 +31,9 @@ def random_scenes(seed: int, count: int, most_rings: int = 24, **changes: Any) -
         edges = np.cumsum(np.maximum(widths / widths.sum(), NARROWEST))
         coefficients = _wear_coefficients(generator, rings)
         first = 10 ** generator.uniform(np.log10(SHORTEST), 1)
-        times = np.geomspace(first, first * 10 ** generator.uniform(0.3, np.log10(LONGEST / first)), COUNT)
+        times = np.geomspace(
+            first, first * 10 ** generator.uniform(0.3, np.log10(LONGEST / first)), COUNT
+        )
         if generator.random() < 0.5:
             times = np.append(0.0, times)
         usual = generator.random() < 0.7
@@ -42,7 +49,9 @@ def random_scenes(seed: int, count: int, most_rings: int = 24, **changes: Any) -
             "wear": {"times": (times / coefficients.max()).tolist()},
             "accuracy__rtol": float(10 ** generator.uniform(-8, -2)),
         }
-        yield Scene.load("five_rings").changed(title=f"random scene {number} of seed {seed}", **drawn | changes)
+        yield Scene.load("five_rings").changed(
+            title=f"random scene {number} of seed {seed}", **drawn | changes
+        )
 
 
 def _wear_coefficients(generator: np.random.Generator, rings: int) -> Array:

@@ -1,4 +1,7 @@
-"""A convergence study: what the dial `rtol` buys, against the closed form of the steady state and a much finer run."""
+"""A convergence study.
+
+What the dial `rtol` buys, against the closed form of the steady state and a much finer run.
+"""
 
 from pathlib import Path
 

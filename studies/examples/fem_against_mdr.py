@@ -1,4 +1,7 @@
-"""Finite elements against dimensionality reduction: pressures over the radius, and how far they differ."""
+"""Finite elements against dimensionality reduction.
+
+Pressures over the radius, and how far they differ.
+"""
 
 import matplotlib
 
@@ -14,7 +17,14 @@ figure, (above, below) = plt.subplots(2, 1, sharex=True, figsize=(7, 6))
 for time in data.time:
     mdr, fem = (data.pressure.sel(solver=name, time=time) for name in ("mdr", "fem"))
     (line,) = above.plot(data.radius, mdr, label=f"MDR, t = {float(time):g}")
-    above.plot(data.radius[::8], fem[::8], "o", markersize=3, color=line.get_color(), markerfacecolor="none")
+    above.plot(
+        data.radius[::8],
+        fem[::8],
+        "o",
+        markersize=3,
+        color=line.get_color(),
+        markerfacecolor="none",
+    )
     below.semilogy(data.radius, np.abs(fem / mdr - 1), color=line.get_color())
 above.set(ylabel="pressure (marks: FEM)", ylim=(0, 3))
 above.legend()
@@ -23,4 +33,7 @@ figure.savefig("fem_against_mdr.png", dpi=150)
 
 print(result.verdict_in_words)
 for row in result.agreement:
-    print(f"{row.quantity:<24} differs by {row.difference:.1e}, uncertainty {row.uncertainty:.1e}: {row.verdict}")
+    print(
+        f"{row.quantity:<24} differs by {row.difference:.1e}, uncertainty {row.uncertainty:.1e}: "
+        f"{row.verdict}"
+    )

@@ -1,4 +1,7 @@
-"""A mesh-refinement test with a mesh of one's own: scikit-fem's, made in a box, refined towards the rim, bent to a disc."""
+"""A mesh-refinement test with a mesh of one's own.
+
+Scikit-fem's, made in a box, refined towards the rim, bent to a disc.
+"""
 
 import numpy as np
 from skfem import MeshTri
@@ -8,15 +11,17 @@ from ringwear.fem.far_field import enough_poles
 from ringwear.fem.half_space import HalfSpace, pressure_space
 from ringwear.meshes.half_space import half_space
 
-ring_edges, outer = np.array([0.0, 0.5, 1.0]), 4.0  # in punch radii; each ring edge must be a vertex of the surface
+# lengths in punch radii; each ring edge must be a vertex of the surface
+ring_edges, outer = np.array([0.0, 0.5, 1.0]), 4.0
 box = MeshTri.init_tensor(np.linspace(0, outer, 9), np.linspace(0, outer, 9))
 for refined in range(8):
     length = np.maximum(np.hypot(*box.p), 1e-300)
-    disc = half_space(MeshTri(box.p * box.p.max(axis=0) / length, box.t), ring_edges)  # with named boundaries
+    disc = half_space(MeshTri(box.p * box.p.max(axis=0) / length, box.t), ring_edges)
     solid = AxisymmetricElasticity(disc, degree=3, given_ratio=0.3)
     half = HalfSpace(solid, pressure_space(solid, ring_edges), enough_poles(outer, 1e-6))
     _, indentation = half.saddle_point(force=1.0)
-    print(f"{refined} times: {box.nelements:5d} triangles, relative error of F/(2 a E*) {indentation / 0.5 - 1:+.1e}")
+    triangles, error = box.nelements, indentation / 0.5 - 1
+    print(f"{refined} times: {triangles:5d} triangles, relative error of F/(2 a E*) {error:+.1e}")
     # halve what is near the rim, where the pressure is infinite
     to_rim = np.hypot(box.p[0, box.t].mean(axis=0) - 1, box.p[1, box.t].mean(axis=0))
     box = box.refined(np.flatnonzero(to_rim < 1.2 * 0.6**refined))

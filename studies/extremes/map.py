@@ -1,4 +1,7 @@
-"""The map of limits: a panel for each family and method with a symbol for each cell, and a table of how many are within."""
+"""The map of limits.
+
+A panel for each family and method with a symbol for each cell, and a table of how many are within.
+"""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -10,14 +13,21 @@ from ..figures.style import GREYS, RED, legend_of, new_figure
 from ..tables import Row, Table
 
 # marker, shade and size of each verdict, from the best to the worst; only defects are red
-LOOKS = {"within": ("s", "0.8", 20), "degraded": ("^", GREYS[4], 24), "refused": ("_", GREYS[0], 28),
-         "wrong": ("X", RED, 40), "crashed": ("*", RED, 60)}  # fmt: skip
+LOOKS = {
+    "within": ("s", "0.8", 20),
+    "degraded": ("^", GREYS[4], 24),
+    "refused": ("_", GREYS[0], 28),
+    "wrong": ("X", RED, 40),
+    "crashed": ("*", RED, 60),
+}
 # what each verdict means, for the legend
 MEANINGS = {
     "within": "within: its error is within its own estimate",
     "degraded": "degraded: less accurate than asked for, and says so",
-    "refused": "refused: says why it cannot", "wrong": "wrong: less accurate than it says", "crashed": "crashed",
-}  # fmt: skip
+    "refused": "refused: says why it cannot",
+    "wrong": "wrong: less accurate than it says",
+    "crashed": "crashed",
+}
 COLUMNS = 5
 
 
@@ -45,17 +55,24 @@ def draw(rows: Sequence[Row], path: Path) -> None:
         for axis, values, most in ((axes.xaxis, xs, 3), (axes.yaxis, ys, 9)):
             places = np.linspace(0, len(values) - 1, min(len(values), most)).round().astype(int)
             shown = (values[place] for place in places)
-            axis.set_ticks(places, [f"{value:.3g}" if isinstance(value, float) else value for value in shown])
+            axis.set_ticks(
+                places, [f"{value:.3g}" if isinstance(value, float) else value for value in shown]
+            )
         axes.margins(0.1)
     legend_of(figure, figure.axes[:1])
     figure.savefig(path)
 
 
 def limits(rows: Sequence[Row], path: Path) -> Table:
-    """For each family and method: how many of each verdict, and the greatest error; at which values is for the map."""
+    """For each family and method.
+
+    How many of each verdict, and the greatest error; at which values is for the map.
+    """
     table = Table(path, ("family", "method", *LOOKS, "greatest error"))
     for place, own in panels(rows).items():
         counts = Counter(row["verdict"] for row in own)
-        greatest = max((row["error"] for row in own if np.isfinite(row.get("error", np.nan))), default=np.nan)
+        greatest = max(
+            (row["error"] for row in own if np.isfinite(row.get("error", np.nan))), default=np.nan
+        )
         table.add(*place, *(counts[verdict] for verdict in LOOKS), f"{greatest:.1e}")
     return table

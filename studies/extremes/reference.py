@@ -1,7 +1,10 @@
-"""The reference solution: the steady state at any parameters, by means that no method uses. Non-dimensional.
+"""The reference solution.
 
-Displacements and slopes of discs are taken in Carlson's symmetric integrals, where direct integration uses Legendre's, and
-integrated on geometric meshes, where direct integration substitutes powers.
+The steady state at any parameters, by means that no method uses. Non-dimensional.
+
+Displacements and slopes of discs are taken in Carlson's symmetric integrals, where direct
+integration uses Legendre's, and integrated on geometric meshes, where direct integration
+substitutes powers.
 """
 
 from dataclasses import dataclass
@@ -17,7 +20,9 @@ from ...meshes.radial import Array
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """Rings that alternate, so that two patterns make every steady state: unit pressure on the odd ones, or the even ones.
+    """Rings that alternate, so that two patterns make every steady state.
+
+    Unit pressure on the odd ones, or the even ones.
 
     Parameters
     ----------
@@ -39,7 +44,10 @@ class Reference:
         return np.asarray(1 / both / np.sum(areas / both))
 
     def fields(self, radii: Array, distances: Array | None = None) -> tuple[Array, Array]:
-        """(n, 2) displacements and slopes; `distances` (n, N) to the ring edges, if differences of radii lose digits."""
+        """(n, 2) displacements and slopes.
+
+        `distances` (n, N) to the ring edges, if differences of radii lose digits.
+        """
         r, c = radii[:, None], self.ring_edges[1:]
         larger, inside = np.maximum(r, c), r <= c
         ratio = np.minimum(r, c) / larger
@@ -47,7 +55,9 @@ class Reference:
         complement, square = np.maximum(distances / larger * (1 + ratio), 1e-300), ratio**2
         first, second = elliprf(0.0, complement, 1.0), elliprd(0.0, complement, 1.0) / 3
         # inside c E(m); outside r (E - (1 - m) K) = r m (K - RD / 3)
-        displacements = larger * np.where(inside, first - square * second, square * (first - second))
+        displacements = larger * np.where(
+            inside, first - square * second, square * (first - second)
+        )
         slopes = -np.where(inside, ratio, square) * second
         # a disc ends at each ring edge, under the step of pressure there
         discs = -4 / np.pi * np.diff(self._patterns, axis=0, append=0.0)
@@ -55,7 +65,10 @@ class Reference:
 
     @cached_property
     def grams(self) -> tuple[Array, Array]:
-        """(2, 2) mean products of slopes over the radius, and energies ``int u_i p_j dA``; layers towards every edge."""
+        """(2, 2) mean products of slopes over the radius, and energies ``int u_i p_j dA``.
+
+        Layers towards every edge.
+        """
         node, weight = leggauss(14)  # with these layers 1e-10 in the RMS slope
         ends = np.append(0.15 ** np.arange(16.0), 0.0)[:, None]
         middle, half = (ends[:-1] + ends[1:]) / 2, (ends[:-1] - ends[1:]) / 2
@@ -73,7 +86,10 @@ class Reference:
         return slope_gram, energy
 
     def greatest_displacement(self, pressures: Array) -> float:
-        """Greatest steady displacement: sampled at four places in every ring, then polished at the best places."""
+        """Greatest steady displacement.
+
+        Sampled at four places in every ring, then polished at the best places.
+        """
 
         def negative(radius: float) -> float:
             return -float(self.fields(np.array([radius]))[0][0] @ pressures)
@@ -81,6 +97,12 @@ class Reference:
         inner, widths = self.ring_edges[:-1, None], np.diff(self.ring_edges)[:, None]
         radii = np.append(inner + widths * np.arange(4) / 4, 1.0)
         values = self.fields(radii)[0] @ pressures
-        around = (radii[[max(best - 1, 0), min(best + 1, len(radii) - 1)]] for best in np.argsort(values)[-3:])
-        polished = (minimize_scalar(negative, bounds=ends, method="bounded", options={"xatol": 1e-12}) for ends in around)
+        around = (
+            radii[[max(best - 1, 0), min(best + 1, len(radii) - 1)]]
+            for best in np.argsort(values)[-3:]
+        )
+        polished = (
+            minimize_scalar(negative, bounds=ends, method="bounded", options={"xatol": 1e-12})
+            for ends in around
+        )
         return max(float(values.max()), *(-float(one.fun) for one in polished))

@@ -1,9 +1,11 @@
-"""A map of the limits: every method at parameters far from the usual ones, each result against a reference solution.
+"""A map of the limits.
+
+Every method at parameters far from the usual ones, each result against a reference solution.
 
 A cell is one scene by one method. Its verdict is the worst of its quantities:
 
-    within      the error is within the method's own estimate
-    degraded    the estimate states an error above ten times the accuracy asked for, or falls short of the error by less
+    within      the error is within the method's own estimate degraded    the estimate states an
+    error above ten times the accuracy asked for, or falls short of the error by less
                 than `FACTOR`, or the error is at least within the accuracy asked for
     refused     a RingwearError says why not
     wrong       the error is beyond both, and nothing says so: a defect
@@ -44,13 +46,30 @@ from .reference import Reference
 
 FACTOR = 3.0
 REFERENCE = 2e-10  # relative accuracy of the quadratures of the reference solution
-RINGS_OF_SLOPES = 64  # with more of them the quadrature of the reference would take longer than the study
-FIELDS = ("family", "method", "x", "y", "verdict", "quantity", "error", "estimate", "rtol", "seconds", "message",
-          "parameters")  # fmt: skip
+RINGS_OF_SLOPES = (
+    64  # with more of them the quadrature of the reference would take longer than the study
+)
+FIELDS = (
+    "family",
+    "method",
+    "x",
+    "y",
+    "verdict",
+    "quantity",
+    "error",
+    "estimate",
+    "rtol",
+    "seconds",
+    "message",
+    "parameters",
+)
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Judge every cell; writes `extremes.csv`, `extremes.md` and `extremes.png`. Of the scene, Poisson's ratio is taken."""
+    """Judge every cell.
+
+    Writes `extremes.csv`, `extremes.md` and `extremes.png`. Of the scene, Poisson's ratio is taken.
+    """
     table, conclusions = Table(out / "extremes.csv", FIELDS), list[str]()
     with threadpool_limits(1), keeping_rows(conclusions):
         cells = list(all_cells(scene.half_space.poisson_ratio, options.quick))
@@ -59,7 +78,10 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     if table.rows:
         draw(table.rows, out / "extremes.png")
     counts = Counter(row["verdict"] for row in table.rows)
-    conclusions.append(f"{len(table.rows)} cells: " + ", ".join(f"{counts[verdict]} {verdict}" for verdict in LOOKS))
+    conclusions.append(
+        f"{len(table.rows)} cells: "
+        + ", ".join(f"{counts[verdict]} {verdict}" for verdict in LOOKS)
+    )
     page = {"Limits": limits(table.rows, out / "extremes_limits.csv")}
     write_page(out / "extremes.md", "Limits of the methods", conclusions, page)
     return conclusions
@@ -72,7 +94,10 @@ def row(cell: Cell) -> dict[str, Any]:
         with warnings.catch_warnings():
             warnings.simplefilter("error", RuntimeWarning)
             verdicts = list(LOOKS)
-            worst = max(judgements(cell), key=lambda one: (verdicts.index(one["verdict"]), one["error"] / one["estimate"]))
+            worst = max(
+                judgements(cell),
+                key=lambda one: (verdicts.index(one["verdict"]), one["error"] / one["estimate"]),
+            )
     except RingwearError as error:
         worst = {"verdict": "refused", "message": str(error)}
     except Exception as error:  # whatever else comes out is what the study looks for
@@ -85,13 +110,17 @@ def judgements(cell: Cell) -> Iterator[dict[str, Any]]:
     """Every number that the reference solution has, and the balance of forces."""
     problem = cell.scene.problem
     expected = known(problem, cell.method)
-    results, errors = in_units(cell.scene, expected) if cell.scaled else solved(problem, cell.method)
+    results, errors = (
+        in_units(cell.scene, expected) if cell.scaled else solved(problem, cell.method)
+    )
     for name, (exact, accuracy) in expected.items():
         wrong = np.abs(results[name].values / exact - 1)
         for error, estimate in np.nditer([wrong, errors[name] + accuracy]):
             yield judged(name, float(error), float(estimate), problem.rtol)
     for forces in array(results, "ring_force"):
-        yield judged("force balance", abs(float(forces.sum()) - 1), 1e-9, 1e-9)  # whatever the discretisation
+        yield judged(
+            "force balance", abs(float(forces.sum()) - 1), 1e-9, 1e-9
+        )  # whatever the discretisation
 
 
 def judged(quantity: str, error: float, estimate: float, rtol: float) -> dict[str, Any]:
@@ -115,11 +144,15 @@ def solved(problem: Problem, name: str) -> tuple[xarray.Dataset, dict[str, Array
 
 
 def in_units(scene: Scene, names: Iterable[str]) -> tuple[xarray.Dataset, dict[str, Array]]:
-    """The results of a whole run, some of them from its dataset in the scene's own units, and their errors."""
+    """The results of a whole run, some of them from its dataset in the scene's own units, and their
+    errors.
+    """
     result, units = run(scene), scene.problem.units
     (solution,) = result.solutions.values()
     sizes = {name: getattr(units, QUANTITIES[name].unit) for name in names}
-    scaled = solution.results.assign({name: result.dataset[name].variable[0] / size for name, size in sizes.items()})
+    scaled = solution.results.assign(
+        {name: result.dataset[name].variable[0] / size for name, size in sizes.items()}
+    )
     return scaled, solution.errors
 
 
@@ -128,8 +161,12 @@ def known(problem: Problem, name: str) -> dict[str, tuple[Array | float, Array |
     exact = reference(tuple(problem.ring_edges))
     wear_coefficients, times = problem.wear_coefficients, problem.times
     pressures = exact.pressures(wear_coefficients)
-    rate, greatest = float(wear_coefficients[0] * pressures[0]), exact.greatest_displacement(pressures)
-    # at every ring edge but the last a disc of one pressure less the other ends, at the rim one of its own pressure
+    rate, greatest = (
+        float(wear_coefficients[0] * pressures[0]),
+        exact.greatest_displacement(pressures),
+    )
+    # at every ring edge but the last a disc of one pressure less the other ends, at the rim one of
+    # its own pressure
     cancelled = (np.ptp(pressures) * problem.ring_edges[:-1].sum() + pressures.max()) / greatest
     values: dict[str, tuple[Array | float, Array | float]] = {
         "steady_wear_rate": (rate, REFERENCE),
@@ -147,7 +184,11 @@ def known(problem: Problem, name: str) -> dict[str, tuple[Array | float, Array |
         if between.any():
             other = replace(problem, rtol=1e-6, fem=FemAccuracy(), mdr=MdrAccuracy())
             compliance = discretised(other, FEM if name == MDR else MDR, coarser=False).compliance
-            indentation[between] = RunningIn(compliance, problem.merged.wear_coefficients).modal(times[between]).indentation
+            indentation[between] = (
+                RunningIn(compliance, problem.merged.wear_coefficients)
+                .modal(times[between])
+                .indentation
+            )
         values["indentation"] = indentation, np.where(between, 5e-7, REFERENCE)
     return values
 
@@ -158,14 +199,23 @@ reference = lru_cache(maxsize=16)(lambda ring_edges: Reference(np.array(ring_edg
 
 def discretised(problem: Problem, name: str, coarser: bool = True) -> Discretised:
     """A method prepared, which does not depend on later times."""
-    settings = {setting: getattr(problem, setting) for setting in ("poisson_ratio", "rtol", "fem", "mdr")}
+    settings = {
+        setting: getattr(problem, setting) for setting in ("poisson_ratio", "rtol", "fem", "mdr")
+    }
     ring_edges, wear_coefficients = (tuple(part) for part in problem.merged)
     return _discretised(name, coarser, ring_edges, wear_coefficients, problem.earliest, **settings)
 
 
 @lru_cache(maxsize=16)
 def _discretised(
-    name: str, coarser: bool, ring_edges: tuple[float, ...], wear: tuple[float, ...], earliest: float, **settings: Any
+    name: str,
+    coarser: bool,
+    ring_edges: tuple[float, ...],
+    wear: tuple[float, ...],
+    earliest: float,
+    **settings: Any,
 ) -> Discretised:
     rings = Rings(np.array(ring_edges), np.array(wear))
-    return compliance_method(name).discretised(Problem(rings, np.array([earliest]), **settings), Stages(name), coarser)
+    return compliance_method(name).discretised(
+        Problem(rings, np.array([earliest]), **settings), Stages(name), coarser
+    )

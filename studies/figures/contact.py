@@ -1,4 +1,7 @@
-"""Figures of contact that opens, closes and spreads: where it is, and what it does to each ring, over time."""
+"""Figures of contact that opens, closes and spreads.
+
+Where it is, and what it does to each ring, over time.
+"""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -27,7 +30,10 @@ MOST_RINGS = 5
 
 @styled
 def draw_contact(scene: Scene, solutions: Mapping[str, Solution], path: Path) -> None:
-    """Edges of the contact by every method, its inside shaded; and forces and worn volumes of rings by the first."""
+    """Edges of the contact by every method, its inside shaded.
+
+    And forces and worn volumes of rings by the first.
+    """
     every = {name: one.results for name, one in solutions.items() if "contact_edge" in one.results}
     if not every:
         return
@@ -36,16 +42,40 @@ def draw_contact(scene: Scene, solutions: Mapping[str, Solution], path: Path) ->
     figure, ((where, force, volume),) = page(1, 3, 1.9, Margins(across=0.55, top=0.3, bottom=0.68))
     first = next(iter(every.values()))
     for number, edge in enumerate(problem.ring_edges[1:-1]):
-        where.axhline(edge * radius, color="0.75", linewidth=0.6, zorder=0, label="ring edge" if number == 0 else None)
+        where.axhline(
+            edge * radius,
+            color="0.75",
+            linewidth=0.6,
+            zorder=0,
+            label="ring edge" if number == 0 else None,
+        )
     carries = array(first, "contact") > 0
-    where.pcolormesh(times, problem.radii * radius, carries.T, cmap="Greys", vmin=0, vmax=5, shading="nearest", zorder=-1)
+    where.pcolormesh(
+        times,
+        problem.radii * radius,
+        carries.T,
+        cmap="Greys",
+        vmin=0,
+        vmax=5,
+        shading="nearest",
+        zorder=-1,
+    )
     for number, (name, results) in enumerate(every.items()):
         label, *others = [name.upper()] + [None] * (array(results, "contact_edge").shape[1] - 1)
-        look = {"linestyle": "none", "marker": "ox+^"[number % 4], "markersize": 4, "color": method_curve(name)["color"]}
+        look = {
+            "linestyle": "none",
+            "marker": "ox+^"[number % 4],
+            "markersize": 4,
+            "color": method_curve(name)["color"],
+        }
         for edge, named in zip(array(results, "contact_edge").T, (label, *others), strict=True):
             where.plot(times, edge * radius, markerfacecolor="none", label=named, **look)
-    where.set(ylim=(0, 1.04 * radius), ylabel=scale.radius.label("contact (shaded), its edges", "r"))
-    rings = np.unique(np.linspace(0, len(problem.wear_coefficients) - 1, MOST_RINGS).round().astype(int))
+    where.set(
+        ylim=(0, 1.04 * radius), ylabel=scale.radius.label("contact (shaded), its edges", "r")
+    )
+    rings = np.unique(
+        np.linspace(0, len(problem.wear_coefficients) - 1, MOST_RINGS).round().astype(int)
+    )
     forces, volumes = array(first, "ring_force"), array(first, "ring_worn_volume")
     unit, factor = _volume(scene, scale, float(volumes.max()))
     for number, ring in enumerate(rings):
@@ -66,7 +96,9 @@ def draw_contact(scene: Scene, solutions: Mapping[str, Solution], path: Path) ->
 
 
 def _volume(scene: Scene, scale: Scale, greatest: float) -> tuple[str, float]:
-    """The unit of worn volumes up to so much, and by what non-dimensional ones are to be multiplied."""
+    """The unit of worn volumes up to so much, and by what non-dimensional ones are to be
+    multiplied.
+    """
     if not scale.names.si:
         return "$V E^* / (F a)$" if scene.problem.indentation is None else "over $2 a^2 d$", 1.0
     unit, name = scale.names.readable(greatest * scale.units.volume, "volume")

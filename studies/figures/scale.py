@@ -1,7 +1,9 @@
-"""What the axes of a scene's figures are in: SI units with their prefixes, or over a, d0 and p0 as in the paper.
+"""What the axes of a scene's figures are in.
 
-``d0 = F/(2 a E*)`` is the indentation of the unworn punch and ``p0 = F/(2 pi a^2)`` its least pressure; a figure that uses
-them says so.
+SI units with their prefixes, or over a, d0 and p0 as in the paper.
+
+``d0 = F/(2 a E*)`` is the indentation of the unworn punch and ``p0 = F/(2 pi a^2)`` its least
+pressure; a figure that uses them says so.
 """
 
 from dataclasses import dataclass
@@ -15,7 +17,9 @@ from ..problem.unit_names import UnitNames
 
 @dataclass(frozen=True)
 class Axis:
-    """Non-dimensional values times `factor` are shown; `unit` is their unit, or what they are over."""
+    """Non-dimensional values times `factor` are shown; `unit` is their unit, or what they
+    are over.
+    """
 
     factor: float
     unit: str
@@ -34,9 +38,13 @@ class Scale:
     def __init__(self, scene: Scene) -> None:
         self.names, self.units = UnitNames.of(scene.units), scene.problem.units
         self._worn = self.names.readable(D0 * self.units.displacement, "displacement")
-        self.radius = self._axis("length", 1.0, "a", self.names.readable(self.units.length, "length"))
+        self.radius = self._axis(
+            "length", 1.0, "a", self.names.readable(self.units.length, "length")
+        )
         self.height = self._axis("displacement", D0, "d_0", self._worn)
-        self.pressure = self._axis("pressure", P0, "p_0", self.names.readable(2 * P0 * self.units.pressure, "pressure"))
+        self.pressure = self._axis(
+            "pressure", P0, "p_0", self.names.readable(2 * P0 * self.units.pressure, "pressure")
+        )
         self.slope = Axis(self.units.slope, "", False) if self.names.si else Axis(1 / D0, "", False)
         later = [time for time in scene.wear.times if time] or [0.0]
         unit, name = self.names.readable(float(np.sqrt(later[0] * later[-1])), "time")

@@ -1,6 +1,9 @@
-"""Profiles and pressures over the radius: at several times (the paper's Fig. 4), and in the steady state.
+"""Profiles and pressures over the radius.
 
-Profiles are shown less their least wear, which the figure names: most of what has worn is the same everywhere.
+At several times (the paper's Fig. 4), and in the steady state.
+
+Profiles are shown less their least wear, which the figure names: most of what has worn is the same
+everywhere.
 """
 
 from collections.abc import Mapping
@@ -53,7 +56,9 @@ def shown_times(problem: Problem, most: int) -> Indices:
     every = np.arange(len(problem.times))
     if problem.earliest and most < 4:
         every = np.flatnonzero(problem.times > 0)
-    return every[np.unique(np.linspace(0, len(every) - 1, min(len(every), most)).round().astype(np.int64))]
+    return every[
+        np.unique(np.linspace(0, len(every) - 1, min(len(every), most)).round().astype(np.int64))
+    ]
 
 
 class Panels:
@@ -67,7 +72,11 @@ class Panels:
         """Worn heights by method, less the least; returns that, non-dimensional."""
         least = min(float(values.min()) for values in every.values())
         for name, values in every.items():
-            axes.plot(self.radii, (values - least) * self.scale.height.factor, **curve_of(name, self.problem))
+            axes.plot(
+                self.radii,
+                (values - least) * self.scale.height.factor,
+                **curve_of(name, self.problem),
+            )
         shade_rings(axes, *self.problem.rings, self.scale.radius.factor)
         return least
 
@@ -79,10 +88,18 @@ class Panels:
         shade_rings(axes, *self.problem.rings, self.scale.radius.factor)
 
     def unworn(self, upper: Any, lower: Any) -> None:
-        """The face before wear, less its least height; of a flat punch, which has none, the pressure."""
+        """The face before wear, less its least height.
+
+        Of a flat punch, which has none, the pressure.
+        """
         if self.problem.profile is not None:
             heights = self.problem.profile(self.problem.radii) + self.problem.profile.standoff
-            upper.plot(self.radii, (heights - heights.min()) * self.scale.height.factor, **FAINT, label="unworn punch")
+            upper.plot(
+                self.radii,
+                (heights - heights.min()) * self.scale.height.factor,
+                **FAINT,
+                label="unworn punch",
+            )
             return
         radii = np.linspace(0, 1, 400)[:-1]
         pressure = P0 * self.scale.pressure.factor / np.sqrt(1 - radii**2)
@@ -98,7 +115,11 @@ class Panels:
     def labels(self) -> tuple[str, str, str]:
         """Of heights, pressures and radii."""
         height = self.scale.height.label("worn height", "f").replace("$f", "$\\Delta f")
-        return height, self.scale.pressure.label("pressure", "p"), self.scale.radius.label("radius", "r")
+        return (
+            height,
+            self.scale.pressure.label("pressure", "p"),
+            self.scale.radius.label("radius", "r"),
+        )
 
 
 @styled
@@ -108,11 +129,15 @@ def draw_states(scene: Scene, solutions: Mapping[str, Solution], path: Path) -> 
     many = len(problem.wear_coefficients) > MANY
     states = shown_times(problem, 3 if many else 6)
     if many:
-        figure, panels = page(2 * len(states), 1, 0.95, Margins(top=0.45, down=0.3, bottom=0.68), sharex=True)
+        figure, panels = page(
+            2 * len(states), 1, 0.95, Margins(top=0.45, down=0.3, bottom=0.68), sharex=True
+        )
         pairs = panels.reshape(len(states), 2)
     else:
         width = 0.6 + 1.1 * max(len(states), 3)
-        figure, panels = page(2, len(states), 1.3, Margins(top=0.62, bottom=0.68), width, sharex=True, sharey="row")
+        figure, panels = page(
+            2, len(states), 1.3, Margins(top=0.62, bottom=0.68), width, sharex=True, sharey="row"
+        )
         pairs = panels.T
     tallest, tops = 0.0, []
     for number, (state, (upper, lower)) in enumerate(zip(states, pairs, strict=True)):
@@ -134,7 +159,8 @@ def draw_states(scene: Scene, solutions: Mapping[str, Solution], path: Path) -> 
     for upper, lower in pairs:
         # worn down: what is missing below; a scale also where nothing has worn
         upper.set_ylim(
-            1.08 * (tallest or 1.0) * draw.scale.height.factor, -0.05 * (tallest or 1.0) * draw.scale.height.factor
+            1.08 * (tallest or 1.0) * draw.scale.height.factor,
+            -0.05 * (tallest or 1.0) * draw.scale.height.factor,
         )
         lower.set_ylim(0, 1.25 * max(tops) * draw.scale.pressure.factor)
     footing(figure, pairs[0, ::-1], draw.note)
@@ -153,8 +179,12 @@ def draw_steady(scene: Scene, solutions: Mapping[str, Solution], path: Path) -> 
         else page(1, 2, 1.9, Margins(across=0.6, top=0.3, bottom=0.68))
     )
     profile, pressure = panels.ravel()
-    draw.profile(profile, {name: array(results, "steady_profile") for name, results in every.items()})
-    draw.pressure(pressure, {name: array(results, "steady_pressure") for name, results in every.items()})
+    draw.profile(
+        profile, {name: array(results, "steady_profile") for name, results in every.items()}
+    )
+    draw.pressure(
+        pressure, {name: array(results, "steady_pressure") for name, results in every.items()}
+    )
     profile.invert_yaxis()
     pressure.set_ylim(0, 1.05 * pressure.dataLim.ymax)
     profile.set_ylabel(draw.scale.height.label("limiting profile", "f_{stat}"))

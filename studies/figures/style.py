@@ -1,4 +1,7 @@
-"""One style for every figure: drawn without a display, readable in grey and in print, 89 mm or 183 mm wide."""
+"""One style for every figure.
+
+Drawn without a display, readable in grey and in print, 89 mm or 183 mm wide.
+"""
 
 import textwrap
 from collections.abc import Callable, Iterable
@@ -27,12 +30,29 @@ SMALL = 6.5
 # beyond this ratio of the last time to the first, time is logarithmic
 DECADES = 30.0
 STYLE: dict[str, Any] = {
-    "font.size": 7.5, "axes.titlesize": 7.5, "axes.labelsize": 7.5, "xtick.labelsize": 7, "ytick.labelsize": 7,
-    "legend.fontsize": 7, "axes.linewidth": 0.6, "lines.linewidth": 1.1, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
-    "xtick.major.size": 2.5, "ytick.major.size": 2.5, "xtick.minor.size": 1.5, "ytick.minor.size": 1.5,
-    "xtick.minor.width": 0.4, "ytick.minor.width": 0.4, "xtick.major.pad": 2, "ytick.major.pad": 2, "axes.labelpad": 2,
-    "axes.titlepad": 3, "axes.titley": 1.0, "mathtext.default": "it",
-}  # fmt: skip
+    "font.size": 7.5,
+    "axes.titlesize": 7.5,
+    "axes.labelsize": 7.5,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "legend.fontsize": 7,
+    "axes.linewidth": 0.6,
+    "lines.linewidth": 1.1,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "xtick.minor.size": 1.5,
+    "ytick.minor.size": 1.5,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "xtick.major.pad": 2,
+    "ytick.major.pad": 2,
+    "axes.labelpad": 2,
+    "axes.titlepad": 3,
+    "axes.titley": 1.0,
+    "mathtext.default": "it",
+}
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -59,21 +79,32 @@ class Margins(NamedTuple):
     down: float = 0.12
 
 
-def page(rows: int, columns: int, height: float, margins: Margins, width: float = PAGE, **grid: Any) -> tuple[Figure, Any]:
-    """A figure with panels (rows, columns) of which each row is `height` high on average: sizes in inches.
+def page(
+    rows: int, columns: int, height: float, margins: Margins, width: float = PAGE, **grid: Any
+) -> tuple[Figure, Any]:
+    """A figure with panels (rows, columns) of which each row is `height` high on average.
 
-    Places are fixed, so that nothing has to be measured before it is drawn: that halves the time that a figure takes.
+    Sizes in inches.
+
+    Places are fixed, so that nothing has to be measured before it is drawn: that halves the time
+    that a figure takes.
     """
     high = margins.top + margins.bottom + rows * height + (rows - 1) * margins.down
     figure = Figure(figsize=(width, high), dpi=200)
     FigureCanvasAgg(figure)
     wide = (width - margins.left - margins.right - (columns - 1) * margins.across) / columns
     places = {
-        "left": margins.left / width, "right": 1 - margins.right / width, "top": 1 - margins.top / high,
-        "bottom": margins.bottom / high, "wspace": margins.across / wide, "hspace": margins.down / height,
-    }  # fmt: skip
+        "left": margins.left / width,
+        "right": 1 - margins.right / width,
+        "top": 1 - margins.top / high,
+        "bottom": margins.bottom / high,
+        "wspace": margins.across / wide,
+        "hspace": margins.down / height,
+    }
     ratios = {name: grid.pop(name) for name in ("height_ratios", "width_ratios") if name in grid}
-    return figure, figure.subplots(rows, columns, squeeze=False, gridspec_kw=places | ratios, **grid)
+    return figure, figure.subplots(
+        rows, columns, squeeze=False, gridspec_kw=places | ratios, **grid
+    )
 
 
 def heading(figure: Figure, text: str) -> None:
@@ -82,7 +113,15 @@ def heading(figure: Figure, text: str) -> None:
     lines = textwrap.wrap(text, int(width * 16)) or [""]
     if len(lines) > 2:
         lines = [lines[0], f"{lines[1][: int(width * 16) - 4]} ..."]
-    figure.text(0.5, 1 - 0.05 / height, "\n".join(lines), ha="center", va="top", parse_math=False, fontsize=8)
+    figure.text(
+        0.5,
+        1 - 0.05 / height,
+        "\n".join(lines),
+        ha="center",
+        va="top",
+        parse_math=False,
+        fontsize=8,
+    )
 
 
 def footing(figure: Figure, axes: Iterable[Any], note: str = "") -> None:
@@ -90,10 +129,24 @@ def footing(figure: Figure, axes: Iterable[Any], note: str = "") -> None:
     _, height = figure.get_size_inches()
     if note:
         figure.text(0.5, 0.05 / height, note, ha="center", va="bottom", fontsize=SMALL)
-    handles = {label: handle for one in axes for handle, label in zip(*one.get_legend_handles_labels(), strict=True)}
+    handles = {
+        label: handle
+        for one in axes
+        for handle, label in zip(*one.get_legend_handles_labels(), strict=True)
+    }
     if handles:
-        place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, (0.13 if note else 0.0) / height)}
-        figure.legend(handles.values(), handles.keys(), **place, ncols=len(handles), frameon=False, borderaxespad=0.2)
+        place: dict[str, Any] = {
+            "loc": "lower center",
+            "bbox_to_anchor": (0.5, (0.13 if note else 0.0) / height),
+        }
+        figure.legend(
+            handles.values(),
+            handles.keys(),
+            **place,
+            ncols=len(handles),
+            frameon=False,
+            borderaxespad=0.2,
+        )
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -131,11 +184,15 @@ def titled(scene: str, what: str) -> str:
     return f"{scene}: {what}" if scene else what
 
 
-def shade_rings(axes: Any, ring_edges: Array, wear_coefficients: Array, radius: float = 1.0) -> None:
+def shade_rings(
+    axes: Any, ring_edges: Array, wear_coefficients: Array, radius: float = 1.0
+) -> None:
     """Grey bands over the rings that wear fastest, and the radius from 0 to that of the punch."""
     fast = wear_coefficients > np.sqrt(wear_coefficients.min() * wear_coefficients.max())
     spans = np.column_stack([ring_edges[:-1], np.diff(ring_edges)])[fast] * radius
-    axes.broken_barh(spans, (0, 1), transform=axes.get_xaxis_transform(), color="0.9", linewidth=0, zorder=0)
+    axes.broken_barh(
+        spans, (0, 1), transform=axes.get_xaxis_transform(), color="0.9", linewidth=0, zorder=0
+    )
     axes.set_xlim(0, radius)
     if radius == 1:
         axes.set_xticks([0, 0.5, 1], ["0", "0.5", "1"])
@@ -150,7 +207,10 @@ def broken_at(ring_edges: Array, radii: Array, values: Array) -> tuple[Array, Ar
 
 
 def powers(*axes: Any) -> None:
-    """Ticks of logarithmic axes at powers of ten only, and in plain text: it takes a fifth of the time of mathtext."""
+    """Ticks of logarithmic axes at powers of ten only, and in plain text.
+
+    It takes a fifth of the time of mathtext.
+    """
     for axis in axes:
         axis.set_major_formatter(_power)
         axis.set_minor_locator(NullLocator())
@@ -178,7 +238,10 @@ def plain_numbers(axis: Any) -> None:
 
 
 def legend_below(axes: Any, **settings: Any) -> None:
-    """A legend under the axes, where it covers nothing; none without curves, as after an early interruption."""
+    """A legend under the axes, where it covers nothing.
+
+    None without curves, as after an early interruption.
+    """
     if axes.get_legend_handles_labels()[0]:
         place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.14)}
         axes.legend(**place, frameon=False, fontsize=8, title_fontsize=8, **settings)
@@ -186,6 +249,13 @@ def legend_below(axes: Any, **settings: Any) -> None:
 
 def legend_of(figure: Figure, axes: Iterable[Any]) -> None:
     """One legend for the whole figure: every label of some axes, once."""
-    handles = {label: handle for one in axes for handle, label in zip(*one.get_legend_handles_labels(), strict=True)}
-    place = {"loc": "outside lower center", "ncols": min(len(handles), round(figure.get_figwidth() / 1.4))}
+    handles = {
+        label: handle
+        for one in axes
+        for handle, label in zip(*one.get_legend_handles_labels(), strict=True)
+    }
+    place = {
+        "loc": "outside lower center",
+        "ncols": min(len(handles), round(figure.get_figwidth() / 1.4)),
+    }
     figure.legend(handles.values(), handles.keys(), **place, frameon=False, fontsize=9)

@@ -1,4 +1,6 @@
-"""What every method is: an object that knows its sizes at an accuracy, solves a problem, and says how good the result is.
+"""What every method is.
+
+An object that knows its sizes at an accuracy, solves a problem, and says how good the result is.
 
 Before it solves, it says what it will cost (`costs.py`).
 """
@@ -33,7 +35,8 @@ class Solution:
     Parameters
     ----------
     results : its quantities at the times and radii asked for; non-dimensional
-    checked : the same at some of the times, on the face of the punch: what is compared with other methods
+    checked : the same at some of the times, on the face of the punch: what is compared with other
+        methods
     errors : relative, of each quantity in its norm, by the method's own estimate
     parts : of the indentation, by what causes it
     unknowns, settings, notes : of what was solved
@@ -57,7 +60,9 @@ class Solution:
         return float(sum(self.parts.values()))
 
     def beyond(self, rtol: float) -> dict[str, float]:
-        """Quantities whose error is above an accuracy by the method's own estimate, with the greatest estimate."""
+        """Quantities whose error is above an accuracy by the method's own estimate, with the
+        greatest estimate.
+        """
         return {name: error for name in self.errors if (error := self.greatest_error(name)) > rtol}
 
     def checked_error(self, problem: Problem, name: str) -> Array:
@@ -66,13 +71,18 @@ class Solution:
         return error[problem.checked] if QUANTITIES[name].dims[:1] == ("time",) else error
 
     def greatest_error(self, name: str) -> float:
-        """The greatest error of a quantity, over all times; of relaxation times, those of the slowest."""
+        """The greatest error of a quantity, over all times.
+
+        Of relaxation times, those of the slowest.
+        """
         shown = slice(COMPARED_MODES) if "mode" in QUANTITIES[name].dims else ...
         return float(np.max(self.errors[name][shown], initial=0.0))
 
     @property
     def error_of_sizes(self) -> float:
-        """The part of it that finer sizes would mend: not the time step, the far field or roundoff."""
+        """The part of it that finer sizes would mend: not the time step, the far field or
+        roundoff.
+        """
         return float(sum(self.parts.get(part, 0.0) for part in OF_SIZES))
 
     @property
@@ -96,7 +106,8 @@ class Method(ABC):
     look : its curve in figures, as matplotlib takes it
     lacks : `history` or `steady state`, if it does not give that, and why
     own_march : whether it has its own way through time, whatever the march of the scene
-    operator : whether it yields a compliance, which can be compared with that of another as an operator
+    operator : whether it yields a compliance, which can be compared with that of another as an
+        operator
     """
 
     name: ClassVar[str]
@@ -120,7 +131,10 @@ class Method(ABC):
 
     @abstractmethod
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
-        """Everything that problems on the same ring edges and half-space ask for; what they share is made once."""
+        """Everything that problems on the same ring edges and half-space ask for.
+
+        What they share is made once.
+        """
 
     def refusal(self, problem: Problem) -> str:
         """Why it cannot solve the problem at all, with the remedy; empty if it can."""

@@ -1,4 +1,7 @@
-"""Methods that yield a compliance: contact, wear, steady states and estimates are written once, over that."""
+"""Methods that yield a compliance.
+
+Contact, wear, steady states and estimates are written once, over that.
+"""
 
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -63,31 +66,45 @@ class ComplianceMethod(Method):
 
     @abstractmethod
     def discretised(self, problem: Problem, stages: Stages, coarser: bool = True) -> Discretised:
-        """The method made ready for a problem; without a `coarser` one its error cannot be estimated."""
+        """The method made ready for a problem.
+
+        Without a `coarser` one its error cannot be estimated.
+        """
 
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
-        """Discretise once, for the sharpest of the problems; then wear, sample and estimate each."""
+        """Discretise once, for the sharpest of the problems; then wear, sample and estimate
+        each.
+        """
         if problems[0].profile is not None:
             return [self._with_profile(problem, stages) for problem in problems]
         one = self.discretised(Shared.of(problems) if len(problems) > 1 else problems[0], stages)
         assert one.coarser is not None
         with stages("marching" if len(problems[0].times) else "steady state"):
-            together = worn_together(problems, one.compliance, one.coarser) if len(problems) > 1 else None
+            together = (
+                worn_together(problems, one.compliance, one.coarser) if len(problems) > 1 else None
+            )
             return [_solved(problem, one, together) for problem in problems]
 
     def refusal(self, problem: Problem) -> str:
-        """Contact that opens, closes and spreads is marched in implicit steps, from where the punch touches."""
+        """Contact that opens, closes and spreads is marched in implicit steps, from where the punch
+        touches.
+        """
         if refused := refused_steps(steps(problem), "give a larger wear.step, or march = 'modal'"):
             return refused
         if problem.profile is None:
             return ""
         if problem.march == "explicit":
             return (
-                f"wear.march = 'explicit' does not go with {self.name} on an initial profile or a fixed indentation, where "
-                "contact is an inequality: give 'implicit', or 'modal' for steps that suit the accuracy"
+                f"wear.march = 'explicit' does not go with {self.name} on an initial profile or a "
+                "fixed indentation, where "
+                "contact is an inequality: give 'implicit', or 'modal' for steps that suit the "
+                "accuracy"
             )
         if problem.indentation is not None and not len(problem.times):
-            return "load.indentation has no steady state but that nothing presses any more: give wear.times"
+            return (
+                "load.indentation has no steady state but that nothing presses any more: give "
+                "wear.times"
+            )
         return ""
 
     @abstractmethod
@@ -105,7 +122,9 @@ class ComplianceMethod(Method):
         if not len(problem.times):
             assert steady is not None
             return steady
-        return solution.with_steady(solution.history(self.unilateral(problem), problem, stages), steady)
+        return solution.with_steady(
+            solution.history(self.unilateral(problem), problem, stages), steady
+        )
 
 
 def _solved(problem: Problem, one: Discretised, together: Together | None) -> Solution:
@@ -113,7 +132,9 @@ def _solved(problem: Problem, one: Discretised, together: Together | None) -> So
     known = estimated(problem, one.compliance, one.coarser, together, one.safety)
     results, checked = known.result.results, known.result.checked
     found = results, checked, known.errors, known.parts
-    return Solution(*found, one.unknowns, one.settings, one.notes, known.result.wear, one.half_space)
+    return Solution(
+        *found, one.unknowns, one.settings, one.notes, known.result.wear, one.half_space
+    )
 
 
 class AnySpaceMethod(ComplianceMethod):

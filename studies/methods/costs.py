@@ -1,7 +1,10 @@
-"""What computing will cost, before it is done: seconds on one thread and GiB, by counts and by measured rates.
+"""What computing will cost, before it is done.
 
-The counts are of unknowns, pressures, times, steps and rings; the rates are a small table in the package, `costs.json`,
-which `python -m ringwear.studies.benchmark.rates` measures again. What memory is needed for has the name of its scene key.
+Seconds on one thread and GiB, by counts and by measured rates.
+
+The counts are of unknowns, pressures, times, steps and rings; the rates are a small table in the
+package, `costs.json`, which `python -m ringwear.studies.benchmark.rates` measures again. What
+memory is needed for has the name of its scene key.
 """
 
 import json
@@ -17,7 +20,8 @@ from ..problem.marching import steps_between
 from ..problem.problem import Problem
 from ..wear.modes import LARGE
 
-# the first of the terms are of the discretisation, whatever is then asked of it; the last of times, on any compliance alike
+# the first of the terms are of the discretisation, whatever is then asked of it; the last of times,
+# on any compliance alike
 DISCRETISING, OF_TIMES = 5, 2
 # finest accuracy of the scenes that the rates were measured on (`studies/benchmark/rates.py`)
 FINEST_MEASURED = 1e-7
@@ -45,7 +49,8 @@ class Expected:
     Parameters
     ----------
     by_method : cost of each method
-    check, numbers, figures : seconds for comparing methods as operators; for loading, answer and files; for figures and page
+    check, numbers, figures : seconds for comparing methods as operators; for loading, answer and
+        files; for figures and page
     memory : GiB by what needs them
     """
 
@@ -74,22 +79,33 @@ def rates() -> dict[str, Any]:
 def terms(unknowns: int, pressures: int, problem: Problem) -> Array:
     """What the seconds of a method that yields a compliance are made of.
 
-    A start; the mesh and its matrix, its factor; dense algebra; modes, all of them or those of a Krylov space; the history
-    at the times of the estimate and at those asked for.
+    A start; the mesh and its matrix, its factor; dense algebra; modes, all of them or those of a
+    Krylov space; the history at the times of the estimate and at those asked for.
     """
     square, cube = float(pressures) ** 2, float(pressures) ** 3
     count = len(problem.times)
     history = float(count > 0)
     small = history * float(pressures <= LARGE)
-    return np.array([
-        1.0, unknowns, unknowns**1.5, square, cube,
-        history * square, small * cube, (history - small) * LARGE * square,
-        count * square, float(count) * len(problem.radii),
-    ])  # fmt: skip
+    return np.array(
+        [
+            1.0,
+            unknowns,
+            unknowns**1.5,
+            square,
+            cube,
+            history * square,
+            small * cube,
+            (history - small) * LARGE * square,
+            count * square,
+            float(count) * len(problem.radii),
+        ]
+    )
 
 
 def march_terms(pressures: int, problem: Problem) -> Array:
-    """Of steps in time on any compliance: what is factorised at each time, or once, and the steps."""
+    """Of steps in time on any compliance: what is factorised at each time, or once, and the
+    steps.
+    """
     square, cube = float(pressures) ** 2, float(pressures) ** 3
     factors = len(problem.times) if problem.march == "implicit" else 1
     return np.array([factors * cube, steps(problem) * square, steps(problem)])
@@ -97,7 +113,11 @@ def march_terms(pressures: int, problem: Problem) -> Array:
 
 def steps(problem: Problem) -> float:
     """Of a march in time; none by modes."""
-    return float(steps_between(problem.times, problem.step).sum()) if problem.march != "modal" and problem.step else 0.0
+    return (
+        float(steps_between(problem.times, problem.step).sum())
+        if problem.march != "modal" and problem.step
+        else 0.0
+    )
 
 
 def by_terms(kind: str, unknowns: int, pressures: int, problem: Problem) -> Array:
@@ -105,17 +125,24 @@ def by_terms(kind: str, unknowns: int, pressures: int, problem: Problem) -> Arra
     known = rates().get(kind)
     parts = np.array(known["seconds"] if known else np.nan) * terms(unknowns, pressures, problem)
     if steps(problem):
-        parts = np.append(parts, rates()[problem.march]["seconds"] @ march_terms(pressures, problem))
+        parts = np.append(
+            parts, rates()[problem.march]["seconds"] @ march_terms(pressures, problem)
+        )
     return parts
 
 
 def by_rates(kind: str, unknowns: int, pressures: int, problem: Problem) -> Cost:
-    """Cost by the rates measured for a kind of method; seconds and error are nan where there are none."""
+    """Cost by the rates measured for a kind of method.
+
+    Seconds and error are nan where there are none.
+    """
     known = rates().get(kind)
     if known is None:
         return Cost(unknowns, pressures, np.nan, np.nan)
     error = float(10 ** np.polyval(known["error"], np.log10(problem.rtol)))
-    return Cost(unknowns, pressures, float(by_terms(kind, unknowns, pressures, problem).sum()), error)
+    return Cost(
+        unknowns, pressures, float(by_terms(kind, unknowns, pressures, problem).sum()), error
+    )
 
 
 def direct_terms(rings: int) -> Array:
@@ -126,7 +153,9 @@ def direct_terms(rings: int) -> Array:
 def check_terms(pressures: int, problem: Problem) -> Array:
     """Of the comparison of two compliances on so many pressures."""
     history = float(len(problem.times) > 0)
-    return np.array([1.0, float(pressures) ** 2, float(pressures) ** 3, history * float(pressures) ** 3])
+    return np.array(
+        [1.0, float(pressures) ** 2, float(pressures) ** 3, history * float(pressures) ** 3]
+    )
 
 
 def number_terms(problem: Problem, costs: dict[str, Cost]) -> Array:
@@ -136,13 +165,19 @@ def number_terms(problem: Problem, costs: dict[str, Cost]) -> Array:
 
 
 def figure_terms(problem: Problem, costs: dict[str, Cost]) -> Array:
-    """Of figures and page: a start, fields, rings that are shaded, and what is inside the half-space."""
+    """Of figures and page.
+
+    A start, fields, rings that are shaded, and what is inside the half-space.
+    """
     inside = costs["fem"].unknowns if "fem" in costs and problem.profile is None else 0
     return np.array([*number_terms(problem, costs), float(inside > 0), inside, inside**1.5])
 
 
 def memory_terms(problem: Problem, costs: dict[str, Cost]) -> dict[str, Array]:
-    """What memory is made of, by the scene key behind it: dense matrices, the factor, fields over time, closed forms."""
+    """What memory is made of, by the scene key behind it.
+
+    Dense matrices, the factor, fields over time, closed forms.
+    """
     compliances = [cost for cost in costs.values() if cost.unknowns]
     dense = sum(float(cost.pressures) ** 2 for cost in compliances)
     factor = sum(cost.unknowns * np.log2(max(cost.unknowns, 2)) for cost in compliances)

@@ -23,7 +23,13 @@ class Direct(Method):
 
     name = "direct"
     what = "the steady state by direct integration, in closed form"
-    look: ClassVar[dict[str, Any]] = {"color": "black", "linestyle": ":", "linewidth": 1.4, "marker": "x", "markersize": 3.5}
+    look: ClassVar[dict[str, Any]] = {
+        "color": "black",
+        "linestyle": ":",
+        "linewidth": 1.4,
+        "marker": "x",
+        "markersize": 3.5,
+    }
     lacks: ClassVar[dict[str, str]] = {"history": "direct integration knows the steady state only"}
 
     def described(self, problem: Problem) -> str:
@@ -32,7 +38,8 @@ class Direct(Method):
     def refusal(self, problem: Problem) -> str:
         if problem.indentation is not None:
             return (
-                "direct knows steady states, and with load.indentation nothing presses in the end: leave it out of methods"
+                "direct knows steady states, and with load.indentation nothing presses in the "
+                "end: leave it out of methods"
             )
         return ""
 
@@ -46,11 +53,16 @@ class Direct(Method):
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         with stages("integrating"):
             states = _states(problems)
-            return [_solution(problem, state) for problem, state in zip(problems, states, strict=True)]
+            return [
+                _solution(problem, state) for problem, state in zip(problems, states, strict=True)
+            ]
 
 
 class State(NamedTuple):
-    """A steady state: (N,) pressures, greatest displacement and RMS slope; nan where these are not wanted."""
+    """A steady state.
+
+    (N,) pressures, greatest displacement and RMS slope; nan where these are not wanted.
+    """
 
     pressures: Array
     greatest: float
@@ -64,10 +76,18 @@ def _states(problems: Sequence[Problem]) -> list[State]:
     slopes = greatest = np.full(len(problems), np.nan)
     if any(problem.wants("steady_rms_slope") for problem in problems):
         slopes = direct.rms_slopes(ring_edges, pressures, problems[0].gradient_average)
-    if any(problem.wants("steady_displacement_max") or problem.wants("steady_profile") for problem in problems):
+    if any(
+        problem.wants("steady_displacement_max") or problem.wants("steady_profile")
+        for problem in problems
+    ):
         parts = np.array_split(pressures, 1 + pressures.size // AT_ONCE, axis=1)
-        greatest = np.concatenate([direct.greatest_displacements(ring_edges, part) for part in parts])
-    return [State(pressures[:, at], float(greatest[at]), float(slopes[at])) for at in range(len(problems))]
+        greatest = np.concatenate(
+            [direct.greatest_displacements(ring_edges, part) for part in parts]
+        )
+    return [
+        State(pressures[:, at], float(greatest[at]), float(slopes[at]))
+        for at in range(len(problems))
+    ]
 
 
 def steady(problem: Problem, radii: Array) -> xarray.Dataset:
@@ -79,7 +99,9 @@ def _sampled(problem: Problem, radii: Array, state: State) -> xarray.Dataset:
     (ring_edges, wear_coefficients), pressures = problem.merged, state.pressures
     values: dict[str, Callable[[], Array]] = {
         "steady_pressure": lambda: pressures[ring_of(ring_edges, radii)],
-        "steady_profile": lambda: np.maximum(state.greatest - direct.displacement(ring_edges, pressures, radii), 0.0),
+        "steady_profile": lambda: np.maximum(
+            state.greatest - direct.displacement(ring_edges, pressures, radii), 0.0
+        ),
         "steady_displacement_max": lambda: np.asarray(state.greatest),
         "steady_rms_slope": lambda: np.asarray(state.slope),
         "steady_wear_rate": lambda: np.asarray(wear_coefficients[0] * pressures[0]),

@@ -1,4 +1,6 @@
-"""The finite-element half-space at a wanted accuracy, on the mesh that is asked for or that suits it best."""
+"""The finite-element half-space at a wanted accuracy, on the mesh that is asked for or that suits
+it best.
+"""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -47,13 +49,15 @@ MESHERS = ("quads", "gmsh", "bisection")
 def usable_here(problem: Problem) -> tuple[Problem, tuple[str, ...]]:
     """The problem with the mesher that a run will use, and a note if that is not the one asked for.
 
-    Whether gmsh loads is known only by loading it, which takes little of a plan's time. It may still fail on a mesh: that
-    is known only when it meshes.
+    Whether gmsh loads is known only by loading it, which takes little of a plan's time. It may
+    still fail on a mesh: that is known only when it meshes.
     """
     asked, last = problem.fem.meshed_by, MESHERS[-1]
     if asked == last or not (reason := unavailable()):
         return problem, ()
-    return replace(problem, fem=problem.fem.model_copy(update={"mesher": last})), (_replaced(asked, last, reason),)
+    return replace(problem, fem=problem.fem.model_copy(update={"mesher": last})), (
+        _replaced(asked, last, reason),
+    )
 
 
 def _replaced(asked: str, mesher: str, reason: str) -> str:
@@ -62,7 +66,10 @@ def _replaced(asked: str, mesher: str, reason: str) -> str:
 
 
 def half_space_mesh(problem: Problem) -> Meshed:
-    """The mesh of a problem: by the mesher asked for, or by the next that can, with a note that says why."""
+    """The mesh of a problem.
+
+    By the mesher asked for, or by the next that can, with a note that says why.
+    """
     asked, reason = problem.fem.meshed_by, ""
     for mesher in MESHERS[MESHERS.index(asked) :]:
         try:
@@ -95,20 +102,34 @@ def half_space_on(problem: Problem, meshed: Meshed) -> "HalfSpace":
     from ...fem.half_space import HalfSpace, pressure_space
     from ...meshes.half_space import truncation
 
-    degree = defaults.triangle_degree(problem) if meshed.graded is None else defaults.quad_sizes(problem).degree
+    degree = (
+        defaults.triangle_degree(problem)
+        if meshed.graded is None
+        else defaults.quad_sizes(problem).degree
+    )
     solid = AxisymmetricElasticity(meshed.mesh, degree, problem.poisson_ratio)
     poles = defaults.pole_orders(problem, truncation(meshed.mesh))
     return HalfSpace(solid, pressure_space(solid, problem.merged.ring_edges), poles)
 
 
 class Fem(ComplianceMethod):
-    """scikit-fem's elements, Lagrange multipliers, Boussinesq's far field, condensed to the contact."""
+    """scikit-fem's elements, Lagrange multipliers, Boussinesq's far field, condensed to the
+    contact.
+    """
 
     name = "fem"
-    what = "the half-space by finite elements: a graded quarter disc with Boussinesq's far field, condensed to the contact"
+    what = (
+        "the half-space by finite elements: a graded quarter disc with Boussinesq's far field, "
+        "condensed to the contact"
+    )
     look: ClassVar[dict[str, Any]] = {
-        "color": "#c0392b", "linestyle": "--", "linewidth": 1.0, "marker": "o", "markersize": 3, "markerfacecolor": "none",
-    }  # fmt: skip
+        "color": "#c0392b",
+        "linestyle": "--",
+        "linewidth": 1.0,
+        "marker": "o",
+        "markersize": 3,
+        "markerfacecolor": "none",
+    }
 
     def described(self, problem: Problem) -> str:
         if marches_contact(problem):
@@ -124,8 +145,10 @@ class Fem(ComplianceMethod):
             degree, what = defaults.triangle_degree(problem), f"triangles by {chosen.meshed_by}"
         ring_size = min(sizes.ring_sizes, default=sizes.rim_size)
         return (
-            f"{what}, degree {degree}, {chosen.far_field} far field at R = {sizes.truncation:g} a, rim_size "
-            f"{sizes.rim_size:.3g}, ring_size {ring_size:.3g}, growth {sizes.growth:.3g}, factorised by {solver()}"
+            f"{what}, degree {degree}, {chosen.far_field} far field at R = {sizes.truncation:g} a, "
+            "rim_size "
+            f"{sizes.rim_size:.3g}, ring_size {ring_size:.3g}, growth {sizes.growth:.3g}, "
+            f"factorised by {solver()}"
         )
 
     def counted(self, problem: Problem) -> tuple[int, int]:
@@ -134,17 +157,25 @@ class Fem(ComplianceMethod):
         return fem_counts.counted(usable_here(problem)[0])
 
     def cost(self, problem: Problem) -> Cost:
-        return costs.cost(problem, elements=True) if marches_contact(problem) else super().cost(problem)
+        return (
+            costs.cost(problem, elements=True)
+            if marches_contact(problem)
+            else super().cost(problem)
+        )
 
     def refusal(self, problem: Problem) -> str:
         if problem.profile is not None and problem.fem.model_fields_set - {"mesher"}:
             return (
-                "accuracy.fem sizes the mesh of a flat punch: with an initial profile or a fixed indentation leave out all "
+                "accuracy.fem sizes the mesh of a flat punch: with an initial profile or a fixed "
+                "indentation leave out all "
                 "but the mesher, which is that of the steady state"
             )
         narrowest = float(problem.merged.widths.min())
         if narrowest < NARROWEST:
-            less = f"rings narrower than {NARROWEST:g} a cannot be meshed: the narrowest is {narrowest:.2g} a"
+            less = (
+                f"rings narrower than {NARROWEST:g} a cannot be meshed: the narrowest is "
+                f"{narrowest:.2g} a"
+            )
             return f"{less}; merge it with a neighbour, or leave fem out of methods"
         return super().refusal(problem)
 
@@ -170,25 +201,38 @@ class Fem(ComplianceMethod):
         with stages("condensing"):
             fine = half_space.compliance()
             if fixed:
-                # the last rows of the factor belong to the poles: without them the outer boundary is clamped
+                # the last rows of the factor belong to the poles: without them the outer boundary
+                # is clamped
                 fine = replace(fine, factor=fine.factor[: -len(half_space.poles)])
         other = None
         if coarser:
             with stages("estimating"):
                 other = _coarser_half_space(problem, meshed, half_space).compliance()
         settings = {
-            "mesher": meshed.mesher, "elements": meshed.mesh.nelements, "degree": half_space.solid.degree,
-            "multipliers": fine.space.size, "far_field": problem.fem.far_field,
-            "poles": 0 if fixed else len(half_space.poles), "truncation": truncation(meshed.mesh), "solver": solver(),
-        }  # fmt: skip
+            "mesher": meshed.mesher,
+            "elements": meshed.mesh.nelements,
+            "degree": half_space.solid.degree,
+            "multipliers": fine.space.size,
+            "far_field": problem.fem.far_field,
+            "poles": 0 if fixed else len(half_space.poles),
+            "truncation": truncation(meshed.mesh),
+            "solver": solver(),
+        }
         if fixed:
             # displacements and stresses inside are those of the clamped half-space, too
             half_space = replace(half_space, poles=())
         safety = SAFETY_OF_TRIANGLES if meshed.graded is None else SAFETY
-        return Discretised(fine, other, half_space.unknowns, settings, half_space, meshed.notes, safety)
+        return Discretised(
+            fine, other, half_space.unknowns, settings, half_space, meshed.notes, safety
+        )
 
     def unilateral(self, problem: Problem) -> "UnilateralMethod":
-        from ...fem.contact_meshes import COARSER_GROWTH, TRIANGLE_GROWTH, even_half_space, fitted_half_space
+        from ...fem.contact_meshes import (
+            COARSER_GROWTH,
+            TRIANGLE_GROWTH,
+            even_half_space,
+            fitted_half_space,
+        )
         from ...meshes.contact_cells import ContactCells
         from .unilateral.solution import UnilateralMethod
 
@@ -197,7 +241,9 @@ class Fem(ComplianceMethod):
             half_space = even_half_space(cells, problem.poisson_ratio, growth)
             return half_space.compliance(), half_space.unknowns
 
-        def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> "Compliance":
+        def fitted(
+            edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int
+        ) -> "Compliance":
             return fitted_half_space(edges, infinite, degree, problem.poisson_ratio).compliance()
 
         return UnilateralMethod(even, fitted, (8, 7))

@@ -1,7 +1,9 @@
-"""Unknowns of the finite elements by counting, before any mesh is made: within 50 % on random scenes of 1 to 64 rings.
+"""Unknowns of the finite elements by counting, before any mesh is made.
 
-Where neighbouring fields meet, and elements come whole, the factors below were fitted to the meshes of forty of the scenes
-that `ringwear study estimates` draws.
+Within 50 % on random scenes of 1 to 64 rings.
+
+Where neighbouring fields meet, and elements come whole, the factors below were fitted to the meshes
+of forty of the scenes that `ringwear study estimates` draws.
 """
 
 import numpy as np
@@ -27,14 +29,23 @@ def _on_triangles(problem: Problem) -> tuple[int, int]:
     gaps = np.diff(field.ring_edges)
     reach = np.minimum(np.append(gaps[0], gaps), np.append(gaps, np.inf)) / 2
     # in half a disc round each edge; in the column below it, where the size grows with the depth
-    cells = 92 + 1.09 * _in_half_discs(sizes, field.growth, reach).sum() + 3.85 * 2 * len(reach) / field.growth**2 / SIDE
+    cells = (
+        92
+        + 1.09 * _in_half_discs(sizes, field.growth, reach).sum()
+        + 3.85 * 2 * len(reach) / field.growth**2 / SIDE
+    )
     cells *= BISECTION if problem.fem.mesher == "bisection" else 1
-    facets = np.sum(np.log1p(field.growth * gaps / 2 / np.stack([sizes[:-1], sizes[1:]]))) / field.growth
+    facets = (
+        np.sum(np.log1p(field.growth * gaps / 2 / np.stack([sizes[:-1], sizes[1:]]))) / field.growth
+    )
     return round(degree**2 * cells), round(40 + 3.4 * facets)
 
 
 def _in_half_discs(size: Array, growth: float, reach: Array) -> Array:
-    """Triangles in half a disc whose size grows from its centre: its area over that of the local triangle, integrated."""
+    """Triangles in half a disc whose size grows from its centre.
+
+    Its area over that of the local triangle, integrated.
+    """
     grown = growth * reach / size
     return np.asarray(np.pi / growth**2 * (np.log1p(grown) - grown / (1 + grown)) / SIDE)
 
@@ -51,6 +62,9 @@ def _on_quads(problem: Problem) -> tuple[int, int]:
     between = 7.7 + 10 * len(rings.widths) + 2.6 * unlike
     # of every patch both sides are on the contact, of that at the rim one
     sides = [2.0] * (len(patches) - 1) + [1.0]
-    pressures = sum(side * np.sum(np.maximum(degrees - 2, 1)) for side, degrees in zip(sides, patches, strict=True))
+    pressures = sum(
+        side * np.sum(np.maximum(degrees - 2, 1))
+        for side, degrees in zip(sides, patches, strict=True)
+    )
     pressures += (2 + 0.5 * unlike) * (chosen.degree - 2) + len(layers)
     return round(PER_QUAD * (in_patches + between * chosen.degree**2)), round(pressures)

@@ -1,4 +1,7 @@
-"""The method of dimensionality reduction: its energy on a graded radial mesh. Its sizes serve boundary elements, too."""
+"""The method of dimensionality reduction.
+
+Its energy on a graded radial mesh. Its sizes serve boundary elements, too.
+"""
 
 from dataclasses import replace
 from typing import Any, ClassVar
@@ -19,33 +22,52 @@ from .unilateral import costs
 
 
 def radial_space(
-    problem: Problem, degree: int, rim_size: float, ring_size: float | Array, grading: float, widest: float = 0.1
+    problem: Problem,
+    degree: int,
+    rim_size: float,
+    ring_size: float | Array,
+    grading: float,
+    widest: float = 0.1,
 ) -> PressureSpace:
     """A graded space whose degrees rise away from the singular points.
 
-    A ring narrower than the sizes still gets a layer at each of its edges: none is wider than `widest` of the ring.
+    A ring narrower than the sizes still gets a layer at each of its edges: none is wider than
+    `widest` of the ring.
     """
     rings = problem.merged
     at_edges = np.minimum(ring_size, widest * rings.narrower)
     at_rim = min(rim_size, widest * float(rings.widths[-1]))
     breakpoints = graded_breakpoints(rings.ring_edges, at_edges, at_rim, grading)
-    return PressureSpace(breakpoints, degrees(problem, breakpoints, degree, grading), rings.ring_edges)
+    return PressureSpace(
+        breakpoints, degrees(problem, breakpoints, degree, grading), rings.ring_edges
+    )
 
 
 def degrees(problem: Problem, breakpoints: Array, highest: int, grading: float) -> Indices:
-    """Degree of each element: `highest` where most is needed, and as much lower elsewhere as less stands behind it."""
+    """Degree of each element.
+
+    `highest` where most is needed, and as much lower elsewhere as less stands behind it.
+    """
     edges = problem.merged.ring_edges
     ring = ring_of(edges, (breakpoints[1:] + breakpoints[:-1]) / 2)
     from_inner = np.where(ring > 0, breakpoints[1:] - edges[ring], np.inf)
     from_outer = edges[ring + 1] - breakpoints[:-1]
     nearest = np.where(from_outer <= from_inner, ring, ring - 1)
-    behind = sharpness(affordable(problem, grading))(np.minimum(from_inner, from_outer), np.diff(edges)[ring] / 2, nearest)
-    return np.maximum(highest - spared_degrees(behind.max() / behind, grading), min(highest, LOWEST))
+    behind = sharpness(affordable(problem, grading))(
+        np.minimum(from_inner, from_outer), np.diff(edges)[ring] / 2, nearest
+    )
+    return np.maximum(
+        highest - spared_degrees(behind.max() / behind, grading), min(highest, LOWEST)
+    )
 
 
 def smallest(sizes: dict[str, Any]) -> dict[str, float]:
     """Sizes of which each ring edge may have its own, by the smallest."""
-    return {name: value if np.ndim(value) == 0 else float(np.min(value)) for name, value in sizes.items() if np.size(value)}
+    return {
+        name: value if np.ndim(value) == 0 else float(np.min(value))
+        for name, value in sizes.items()
+        if np.size(value)
+    }
 
 
 LOWEST = 2  # degree of the pressure at a ring edge or the rim
@@ -55,8 +77,16 @@ class Mdr(AnySpaceMethod):
     """Exact for full contact, but for the pressure space."""
 
     name = "mdr"
-    what = "the half-space by dimensionality reduction, exact for full contact but for the pressure space"
-    look: ClassVar[dict[str, Any]] = {"color": "#1f4e79", "linestyle": "-", "linewidth": 2.2, "alpha": 0.55}
+    what = (
+        "the half-space by dimensionality reduction, exact for full contact but for the pressure "
+        "space"
+    )
+    look: ClassVar[dict[str, Any]] = {
+        "color": "#1f4e79",
+        "linestyle": "-",
+        "linewidth": 2.2,
+        "alpha": 0.55,
+    }
 
     def compliance(self, space: PressureSpace) -> Compliance:
         return energy.compliance(space)
@@ -64,7 +94,9 @@ class Mdr(AnySpaceMethod):
     def described(self, problem: Problem) -> str:
         if marches_contact(problem):
             return costs.described(problem)
-        return ", ".join(f"{name} {value:.3g}" for name, value in smallest(mdr_sizes(problem)).items())
+        return ", ".join(
+            f"{name} {value:.3g}" for name, value in smallest(mdr_sizes(problem)).items()
+        )
 
     def counted(self, problem: Problem) -> tuple[int, int]:
         if marches_contact(problem):
@@ -73,11 +105,18 @@ class Mdr(AnySpaceMethod):
         return size, size
 
     def cost(self, problem: Problem) -> Cost:
-        return costs.cost(problem, elements=False) if marches_contact(problem) else super().cost(problem)
+        return (
+            costs.cost(problem, elements=False)
+            if marches_contact(problem)
+            else super().cost(problem)
+        )
 
     def refusal(self, problem: Problem) -> str:
         if problem.profile is not None and problem.mdr.given:
-            return "accuracy.mdr sizes the mesh of a flat punch: with an initial profile or a fixed indentation leave it out"
+            return (
+                "accuracy.mdr sizes the mesh of a flat punch: with an initial profile or a fixed "
+                "indentation leave it out"
+            )
         return super().refusal(problem)
 
     def sizes_given(self, problem: Problem) -> bool:
@@ -95,7 +134,8 @@ class Mdr(AnySpaceMethod):
 
 
 def _coarser_space(problem: Problem, sizes: dict[str, Any]) -> PressureSpace:
-    """A degree less in every element, and a layer less at every singular point, also where the ring's width set the layer.
+    """A degree less in every element, and a layer less at every singular point, also where the
+    ring's width set the layer.
 
     Of degree 1, with every second breakpoint.
     """

@@ -1,4 +1,7 @@
-"""The paper's own algorithm beside the others: springs on a uniform grid, explicit steps in time, no steady state."""
+"""The paper's own algorithm beside the others.
+
+Springs on a uniform grid, explicit steps in time, no steady state.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,7 +22,8 @@ from .costs import Cost
 from .quantities import differences, labelled
 from .sampler import radial_weight
 
-# with half the springs and twice the step, what is of first order doubles; slopes and jumps at ring edges are of half that
+# with half the springs and twice the step, what is of first order doubles; slopes and jumps at ring
+# edges are of half that
 OF_FIRST_ORDER = 2.5
 
 
@@ -28,12 +32,22 @@ class MdrGrid(Method):
 
     name = "mdr-grid"
     what = "the paper's own algorithm: MDR on a uniform grid, in explicit steps"
-    look: ClassVar[dict[str, Any]] = {"color": "#8e6c00", "linestyle": (0, (5, 1, 1, 1)), "marker": "v", "markersize": 3}
+    look: ClassVar[dict[str, Any]] = {
+        "color": "#8e6c00",
+        "linestyle": (0, (5, 1, 1, 1)),
+        "marker": "v",
+        "markersize": 3,
+    }
     own_march = True
-    lacks: ClassVar[dict[str, str]] = {"steady state": "the paper's algorithm marches towards it, and never arrives"}
+    lacks: ClassVar[dict[str, str]] = {
+        "steady state": "the paper's algorithm marches towards it, and never arrives"
+    }
 
     def described(self, problem: Problem) -> str:
-        return f"grid of {problem.mdr.grid} springs, steps of {self._step(problem) * problem.units.time:.3g}"
+        return (
+            f"grid of {problem.mdr.grid} springs, steps of "
+            f"{self._step(problem) * problem.units.time:.3g}"
+        )
 
     def counted(self, problem: Problem) -> tuple[int, int]:
         return problem.mdr.grid + 1, problem.mdr.grid + 1
@@ -46,12 +60,18 @@ class MdrGrid(Method):
     def refusal(self, problem: Problem) -> str:
         if problem.profile is not None:
             return (
-                "mdr-grid uses the rule of springs, q = d - g, which holds only while contact is one disc, and an initial "
+                "mdr-grid uses the rule of springs, q = d - g, which holds only while contact is "
+                "one disc, and an initial "
                 "profile or a fixed indentation may break that: leave it out of methods"
             )
         if not len(problem.times):
-            return "mdr-grid marches in time and knows no steady state: give wear.times, or leave it out of methods"
-        return refused_steps(self._steps(problem), "give a larger accuracy.mdr.step, or a coarser accuracy.mdr.grid")
+            return (
+                "mdr-grid marches in time and knows no steady state: give wear.times, or leave it "
+                "out of methods"
+            )
+        return refused_steps(
+            self._steps(problem), "give a larger accuracy.mdr.step, or a coarser accuracy.mdr.grid"
+        )
 
     def _steps(self, problem: Problem) -> float:
         return float(steps_between(problem.times, self._step(problem)).sum())
@@ -71,7 +91,9 @@ class MdrGrid(Method):
             errors = {name: OF_FIRST_ORDER * _near(one) for name, one in found.items()}
         parts = {"grid and step": float(errors["indentation"].max())}
         settings = {"grid": count, "step": step}
-        return Solution(results, fine.isel(time=problem.checked), errors, parts, count + 1, settings)
+        return Solution(
+            results, fine.isel(time=problem.checked), errors, parts, count + 1, settings
+        )
 
     def _step(self, problem: Problem) -> float:
         return grid_step(problem, UniformGrid(*problem.merged, problem.mdr.grid).stability_limit())
@@ -79,7 +101,9 @@ class MdrGrid(Method):
 
 @dataclass(frozen=True, eq=False)
 class Marched:
-    """The grid, and pressures and profiles (T, n+1) and indentations (T,) at the times asked for."""
+    """The grid, and pressures and profiles (T, n+1) and indentations (T,) at the times
+    asked for.
+    """
 
     grid: UniformGrid
     pressure: Array

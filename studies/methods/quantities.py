@@ -1,4 +1,7 @@
-"""What is computed: each quantity with its dimensions, unit, definition, and the norm in which two values are compared."""
+"""What is computed.
+
+Each quantity with its dimensions, unit, definition, and the norm in which two values are compared.
+"""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -9,10 +12,11 @@ import xarray
 from ...meshes.radial import Array
 from ..problem.face import Face
 
-# times the accuracy asked for that the uncertainty of two methods may be, each of which is to be that accurate
+# times the accuracy asked for that the uncertainty of two methods may be, each of which is to be
+# that accurate
 A_FEW = 4.0
-# part of the accuracy asked for that energies, and everything else, are not known better than: where two computations differ
-# by less, it may be by chance
+# part of the accuracy asked for that energies, and everything else, are not known better than:
+# where two computations differ by less, it may be by chance
 CHANCE_OF_ENERGIES, CHANCE = 1e-5, 0.01
 # the finest accuracy that can be asked for
 FINEST = 1e-9
@@ -39,39 +43,72 @@ class Quantity(NamedTuple):
 
 NORMS = {
     "value": "difference over the value",
-    "indentation": "greatest difference over the punch, over the indentation d(t) beyond the first touch",
+    "indentation": (
+        "greatest difference over the punch, over the indentation d(t) beyond the first touch"
+    ),
     "steady": "greatest difference over the punch, over the greatest steady displacement",
     "force": "greatest difference of all rings, over the normal force",
     "volume": "greatest difference of all rings, over that of all rings together",
     "radius": "difference over the radius of the punch",
-    "pressure": "root of int k dp^2 dA over the root of int k p^2 dA; at t = 0, where p is not square integrable, of weight "
+    "pressure": "root of int k dp^2 dA over the root of int k p^2 dA; at t = 0, where p is not "
+    "square integrable, of weight "
     "k (1 - r^2/a^2)",
 }
 # given where contact opens, closes or spreads only
 OF_PROFILES = ("normal_force", "ring_worn_volume", "contact_radius", "contact", "contact_edge")
 QUANTITIES = {
-    "pressure": Quantity(("time", "radius"), "pressure", "contact pressure p(r, t), never below zero", "pressure"),
+    "pressure": Quantity(
+        ("time", "radius"), "pressure", "contact pressure p(r, t), never below zero", "pressure"
+    ),
     "profile": Quantity(
-        ("time", "radius"), "displacement", "worn height f(r, t) of the punch, material gone", "indentation"
+        ("time", "radius"),
+        "displacement",
+        "worn height f(r, t) of the punch, material gone",
+        "indentation",
     ),
     "displacement": Quantity(
-        ("time", "radius"), "displacement", "displacement u_z = d - f of the half-space under the punch", "indentation"
+        ("time", "radius"),
+        "displacement",
+        "displacement u_z = d - f of the half-space under the punch",
+        "indentation",
     ),
-    "indentation": Quantity(("time",), "displacement", "indentation d(t) of the unworn face plane of the punch"),
+    "indentation": Quantity(
+        ("time",), "displacement", "indentation d(t) of the unworn face plane of the punch"
+    ),
     "displacement_centre": Quantity(("time",), "displacement", "u_z at the centre", "indentation"),
-    "displacement_max": Quantity(("time",), "displacement", "greatest u_z under the punch", "indentation"),
-    "rms_slope": Quantity(("time",), "slope", "root mean square of df/dr (Eq. 18), average: see gradient_average"),
-    "ring_force": Quantity(("time", "ring"), "force", "normal force on each ring, from the centre", "force"),
-    "relaxation_time": Quantity(("mode",), "time", "relaxation times of the wear modes, slowest first"),
+    "displacement_max": Quantity(
+        ("time",), "displacement", "greatest u_z under the punch", "indentation"
+    ),
+    "rms_slope": Quantity(
+        ("time",), "slope", "root mean square of df/dr (Eq. 18), average: see gradient_average"
+    ),
+    "ring_force": Quantity(
+        ("time", "ring"), "force", "normal force on each ring, from the centre", "force"
+    ),
+    "relaxation_time": Quantity(
+        ("mode",), "time", "relaxation times of the wear modes, slowest first"
+    ),
     "normal_force": Quantity(("time",), "force", "normal force on the punch"),
-    "ring_worn_volume": Quantity(("time", "ring"), "volume", "volume worn off each ring, from the centre", "volume"),
+    "ring_worn_volume": Quantity(
+        ("time", "ring"), "volume", "volume worn off each ring, from the centre", "volume"
+    ),
     "contact_radius": Quantity(("time",), "length", "outermost radius of contact", "radius"),
     "contact": Quantity(("time", "radius"), "number", "1 in contact, 0 outside"),
-    "contact_edge": Quantity(("time", "edge"), "length", "inner and outer radius of each part of the contact in turn"),
-    "steady_pressure": Quantity(("radius",), "pressure", "contact pressure in the steady state (Eq. 24)", "pressure"),
-    "steady_profile": Quantity(("radius",), "displacement", "limiting profile, its minimum at zero (Eq. 27)", "steady"),
-    "steady_displacement_max": Quantity((), "displacement", "greatest u_z in the steady state, u_max of Eq. 27"),
-    "steady_rms_slope": Quantity((), "slope", "root mean square slope of the limiting profile (Eq. 18)"),
+    "contact_edge": Quantity(
+        ("time", "edge"), "length", "inner and outer radius of each part of the contact in turn"
+    ),
+    "steady_pressure": Quantity(
+        ("radius",), "pressure", "contact pressure in the steady state (Eq. 24)", "pressure"
+    ),
+    "steady_profile": Quantity(
+        ("radius",), "displacement", "limiting profile, its minimum at zero (Eq. 27)", "steady"
+    ),
+    "steady_displacement_max": Quantity(
+        (), "displacement", "greatest u_z in the steady state, u_max of Eq. 27"
+    ),
+    "steady_rms_slope": Quantity(
+        (), "slope", "root mean square slope of the limiting profile (Eq. 18)"
+    ),
     "steady_wear_rate": Quantity((), "wear_rate", "df/dt in the steady state (Eq. 23)"),
 }
 
@@ -79,21 +116,36 @@ QUANTITIES = {
 STATES = ("start", "steady")
 OF_PUNCH, OF_RINGS = (), ("state", "ring")
 ANSWER = {
-    "indentation_start": Quantity(OF_PUNCH, "displacement", "indentation by the unworn punch; of a flat one F / (2 a E*)"),
+    "indentation_start": Quantity(
+        OF_PUNCH, "displacement", "indentation by the unworn punch; of a flat one F / (2 a E*)"
+    ),
     "indentation_steady": Quantity(
-        OF_PUNCH, "displacement", "depth of the foremost point of the worn punch in the half-space, u_max of Eq. 27; at the "
+        OF_PUNCH,
+        "displacement",
+        "depth of the foremost point of the worn punch in the half-space, u_max of Eq. 27; at the "
         "start it is the indentation",
     ),
-    "running_in_time": Quantity(OF_PUNCH, "time", "slowest relaxation time: what is left of running-in falls to 1/e in it"),
+    "running_in_time": Quantity(
+        OF_PUNCH, "time", "slowest relaxation time: what is left of running-in falls to 1/e in it"
+    ),
     "time_to_90": Quantity(
-        OF_PUNCH, "time", "time by which the approach d(t), less steady wear, has made 90 % of its way from start to steady"
+        OF_PUNCH,
+        "time",
+        "time by which the approach d(t), less steady wear, has made 90 % of its way from start "
+        "to steady",
     ),
     "time_to_99": Quantity(OF_PUNCH, "time", "as time_to_90, for 99 %"),
     "pressure_min": Quantity(OF_RINGS, "pressure", "least contact pressure on each ring"),
-    "pressure_max": Quantity(OF_RINGS, "pressure", "greatest contact pressure on each ring; infinite at a flat punch's rim"),
+    "pressure_max": Quantity(
+        OF_RINGS,
+        "pressure",
+        "greatest contact pressure on each ring; infinite at a flat punch's rim",
+    ),
     "force_share": Quantity(OF_RINGS, "share", "part of the normal force that each ring carries"),
-    "worn_volume": Quantity(("ring",), "volume", "volume worn off each ring by the last of the times"),
-}  # fmt: skip
+    "worn_volume": Quantity(
+        ("ring",), "volume", "volume worn off each ring by the last of the times"
+    ),
+}
 
 
 def radial_weight(radii: Array, average: str) -> Array:
@@ -106,12 +158,19 @@ FIELDS = frozenset(name for name, quantity in QUANTITIES.items() if "radius" in 
 STEADY = frozenset(name for name in QUANTITIES if name.startswith("steady_"))
 
 
-def labelled(values: Mapping[str, Array | float], radii: Array, times: Array | None = None) -> xarray.Dataset:
-    """Values of quantities as an xarray Dataset, non-dimensional; without times those of the steady state."""
+def labelled(
+    values: Mapping[str, Array | float], radii: Array, times: Array | None = None
+) -> xarray.Dataset:
+    """Values of quantities as an xarray Dataset, non-dimensional.
+
+    Without times those of the steady state.
+    """
     variables = {name: (QUANTITIES[name].dims, value) for name, value in values.items()}
     used = {dim for name in values for dim in QUANTITIES[name].dims}
     # labels take longer to make than most values do
-    return xarray.Dataset(variables, {dim: of for dim, of in (("time", times), ("radius", radii)) if dim in used})
+    return xarray.Dataset(
+        variables, {dim: of for dim, of in (("time", times), ("radius", radii)) if dim in used}
+    )
 
 
 def error_name(name: str) -> str:
@@ -130,13 +189,23 @@ def values(results: xarray.Dataset) -> dict[str, Array]:
 
 
 def common(*shapes: tuple[int, ...]) -> tuple[slice, ...]:
-    """The part that arrays of these shapes have in common: of relaxation times each method may know another number."""
+    """The part that arrays of these shapes have in common.
+
+    Of relaxation times each method may know another number.
+    """
     return tuple(slice(0, min(sizes)) for sizes in zip(*shapes, strict=True))
 
 
 def differences(results: xarray.Dataset, against: xarray.Dataset, face: Face) -> dict[str, Array]:
-    """Relative difference of every quantity that both have, in its norm; fields are those on the face of the punch."""
-    return {name: _difference(name, results, against, face) for name in QUANTITIES if name in results and name in against}
+    """Relative difference of every quantity that both have, in its norm.
+
+    Fields are those on the face of the punch.
+    """
+    return {
+        name: _difference(name, results, against, face)
+        for name in QUANTITIES
+        if name in results and name in against
+    }
 
 
 def _difference(name: str, results: xarray.Dataset, against: xarray.Dataset, face: Face) -> Array:
@@ -149,10 +218,16 @@ def _difference(name: str, results: xarray.Dataset, against: xarray.Dataset, fac
         if "time" in QUANTITIES[name].dims:
             start = array(against, "time")[:, None] == 0
             weights = weights * np.where(start, (1 - face.radii) * (1 + face.radii), 1.0)
-        difference, scale = (np.sqrt(np.sum(weights * one**2, axis=-1)) for one in (value - reference, reference))
+        difference, scale = (
+            np.sqrt(np.sum(weights * one**2, axis=-1)) for one in (value - reference, reference)
+        )
     else:
         difference = np.abs(value - reference)
-        over = tuple(QUANTITIES[name].dims.index(dim) for dim in QUANTITIES[name].dims if dim in ("radius", "ring"))
+        over = tuple(
+            QUANTITIES[name].dims.index(dim)
+            for dim in QUANTITIES[name].dims
+            if dim in ("radius", "ring")
+        )
         difference = difference.max(axis=over, initial=0.0)
         beyond_touch = array(against, "indentation") - face.standoff
         scale = {

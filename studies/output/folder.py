@@ -1,4 +1,6 @@
-"""An output folder: held by one run at a time, its set of files replaced whole, files of others left alone.
+"""An output folder.
+
+Held by one run at a time, its set of files replaced whole, files of others left alone.
 
 Files are written into a hidden directory and put in place when all of them are complete. A small
 file beside them, `.ringwear.json`, lists what each command has put there; nothing else is ever
@@ -81,7 +83,9 @@ class Folder:
             if name in foreign:
                 aside = _free(place.with_name(f"{name}.kept"))
                 os.rename(place, aside)
-                self.notes.append(f"{place} was there before and not ringwear's: kept as {aside.name}")
+                self.notes.append(
+                    f"{place} was there before and not ringwear's: kept as {aside.name}"
+                )
         # whenever the process is killed, what is there is known to be ringwear's
         self._write_manifest({*before, *self.published})
         os.replace(self.hidden / MANIFEST, self.out / MANIFEST)
@@ -99,13 +103,23 @@ class Folder:
 
     def foreign(self) -> list[str]:
         """Files in the folder that ringwear has not put there."""
-        own = {MANIFEST, *self.published, *(name for names in self._sets.values() for name in names)}
-        return sorted(entry.name for entry in self.out.iterdir() if entry.name not in own and entry != self.hidden)
+        own = {
+            MANIFEST,
+            *self.published,
+            *(name for names in self._sets.values() for name in names),
+        }
+        return sorted(
+            entry.name
+            for entry in self.out.iterdir()
+            if entry.name not in own and entry != self.hidden
+        )
 
 
 @contextmanager
 def held(out: Path, owner: str) -> Iterator[Folder]:
-    """The folder, writable and nobody else's until the end; what is in its hidden directory then moves into place.
+    """The folder, writable and nobody else's until the end.
+
+    What is in its hidden directory then moves into place.
 
     Raises
     ------
@@ -124,7 +138,9 @@ def held(out: Path, owner: str) -> Iterator[Folder]:
             shutil.rmtree(left, ignore_errors=True)
         hidden = Path(tempfile.mkdtemp(prefix=HIDDEN, dir=out))
     except OSError as error:
-        raise SceneError(f"--out {out} cannot be written to: {error.strerror}; give another directory") from error
+        raise SceneError(
+            f"--out {out} cannot be written to: {error.strerror}; give another directory"
+        ) from error
     folder = Folder(out, owner, hidden)
     try:
         yield folder
@@ -148,7 +164,9 @@ def signals_wait() -> Iterator[None]:
         return
     waiting: list[int] = []
     numbers = signal.SIGINT, signal.SIGTERM
-    handlers = [signal.signal(number, lambda number, _: waiting.append(number)) for number in numbers]
+    handlers = [
+        signal.signal(number, lambda number, _: waiting.append(number)) for number in numbers
+    ]
     try:
         yield
     finally:
@@ -182,7 +200,10 @@ def _exchange_directories(one: Path, other: Path) -> None:
 
 
 def _locked(out: Path) -> int | None:
-    """A lock on the folder that ends with the process, however it ends; None where there is no such thing."""
+    """A lock on the folder that ends with the process, however it ends.
+
+    None where there is no such thing.
+    """
     try:
         from fcntl import LOCK_EX, LOCK_NB, flock
     except ImportError:
@@ -194,7 +215,10 @@ def _locked(out: Path) -> int | None:
             raise BlockingIOError("another run has exchanged the folder in the meantime")
     except BlockingIOError:
         os.close(handle)
-        raise SceneError(f"--out {out} is being written to by another run: wait for it, or give another directory") from None
+        raise SceneError(
+            f"--out {out} is being written to by another run: wait for it, or give another "
+            "directory"
+        ) from None
     except OSError:
         # a file system without locks
         os.close(handle)
@@ -214,4 +238,8 @@ def _manifest(out: Path) -> dict[str, list[str]]:
 def _free(path: Path) -> Path:
     """The path, or with a number after it if it is taken."""
     numbers = (path.with_name(f"{path.name}.{number}") for number in range(1, 10_000))
-    return path if not os.path.lexists(path) else next(one for one in numbers if not os.path.lexists(one))
+    return (
+        path
+        if not os.path.lexists(path)
+        else next(one for one in numbers if not os.path.lexists(one))
+    )

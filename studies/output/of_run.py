@@ -26,8 +26,12 @@ def write_numbers(result: "Result", folder: Folder, tables: bool = False) -> Non
             dataset.to_netcdf(folder.hidden / "results.nc", engine="netcdf4")
     except RuntimeError as error:
         # what netCDF makes of a full disk
-        raise RingwearError(f"results.nc could not be written to {folder.out} ({error}): is the disk full?") from error
-    (folder.hidden / "summary.json").write_text(json.dumps(result.summary, indent=1, allow_nan=False) + "\n", "utf-8")
+        raise RingwearError(
+            f"results.nc could not be written to {folder.out} ({error}): is the disk full?"
+        ) from error
+    (folder.hidden / "summary.json").write_text(
+        json.dumps(result.summary, indent=1, allow_nan=False) + "\n", "utf-8"
+    )
     if tables:
         write_csv(dataset, folder.hidden)
 
@@ -35,14 +39,19 @@ def write_numbers(result: "Result", folder: Folder, tables: bool = False) -> Non
 def draw(result: "Result", folder: Folder, figures: bool = True) -> list[str]:
     """Draw a run; returns what could not be made, with the reason.
 
-    The inside of the half-space takes as long as the contact: without figures it is left out unless the scene asks for it.
+    The inside of the half-space takes as long as the contact: without figures it is left out unless
+    the scene asks for it.
     """
     if not figures:
-        return make([], of_inside(result)[:1] if result.scene.output.field_times else [], folder.hidden)
+        return make(
+            [], of_inside(result)[:1] if result.scene.output.field_times else [], folder.hidden
+        )
     LOG.info("  output  drawing ...")
     inside = of_inside(result)
     # the inside and its stresses take as long as all the others
-    return make([*of_contact(result), *of_operators(result), *inside[2:]], inside[:2], folder.hidden)
+    return make(
+        [*of_contact(result), *of_operators(result), *inside[2:]], inside[:2], folder.hidden
+    )
 
 
 def of_contact(result: "Result") -> list[Job]:
@@ -52,7 +61,9 @@ def of_contact(result: "Result") -> list[Job]:
 
     scene, solutions, jobs = result.scene, result.solutions, []
     if given("profile", solutions):
-        jobs.append(Job("profiles_and_pressures.png", lambda path: draw_states(scene, solutions, path)))
+        jobs.append(
+            Job("profiles_and_pressures.png", lambda path: draw_states(scene, solutions, path))
+        )
         if scene.problem.earliest:
             jobs.append(Job("history.png", lambda path: draw_history(scene, solutions, path)))
             if scene.problem.profile is not None:
@@ -68,12 +79,17 @@ def of_operators(result: "Result") -> list[Job]:
     """The figure that compares methods for every pressure."""
     from ..figures.operators import draw_operators
 
-    draw = Job("operator_difference.png", lambda path: draw_operators(result.scene, result.operators, path))
+    draw = Job(
+        "operator_difference.png", lambda path: draw_operators(result.scene, result.operators, path)
+    )
     return [draw] if result.operators else []
 
 
 def of_inside(result: "Result") -> list[Job]:
-    """The inside of the half-space as a file, then its figures; for flat punches by finite elements only."""
+    """The inside of the half-space as a file, then its figures.
+
+    For flat punches by finite elements only.
+    """
     fem = result.solutions.get("fem")
     if fem is None or fem.half_space is None or result.scene.problem.profile is not None:
         return []
@@ -83,16 +99,21 @@ def of_inside(result: "Result") -> list[Job]:
     scene, solid, mesher = result.scene, fem.half_space.solid.mesh, fem.settings["mesher"]
     fields = cache(lambda: interior.interior(scene, fem))
     return [
-        Job("half_space.vtu", lambda path: interior.write_half_space(fields(), scene.problem.units, path)),
+        Job(
+            "half_space.vtu",
+            lambda path: interior.write_half_space(fields(), scene.problem.units, path),
+        ),
         Job("stress.png", lambda path: draw_stress(scene, fields(), path)),
         Job("mesh.png", lambda path: draw_mesh(solid, mesher, scene.problem.ring_edges, path)),
     ]
 
 
 def write_mesh(scene: Scene, meshed: "Meshed", folder: Folder) -> None:
-    """Write the mesh as scikit-fem does, in the scene's units and with its boundaries, and its figure.
+    """Write the mesh as scikit-fem does, in the scene's units and with its boundaries, and its
+    figure.
 
-    The file can be read back: by `skfem.Mesh.load`, and as a mesh of one's own by `ringwear study refinement --mesh`.
+    The file can be read back: by `skfem.Mesh.load`, and as a mesh of one's own by `ringwear study
+    refinement --mesh`.
     """
     import numpy as np
     from skfem.io.meshio import to_meshio
@@ -100,7 +121,9 @@ def write_mesh(scene: Scene, meshed: "Meshed", folder: Folder) -> None:
     from ...meshes.half_space import quality
     from ..figures.mesh import draw_mesh
 
-    content = to_meshio(meshed.mesh.scaled(scene.punch.radius), cell_data={"quality": [quality(meshed.mesh)]})
+    content = to_meshio(
+        meshed.mesh.scaled(scene.punch.radius), cell_data={"quality": [quality(meshed.mesh)]}
+    )
     content.points = np.column_stack([content.points, np.zeros(len(content.points))])
     content.write(folder.hidden / "mesh.vtu", file_format="vtu")
     draw_mesh(meshed.mesh, meshed.mesher, scene.problem.ring_edges, folder.hidden / "mesh.png")

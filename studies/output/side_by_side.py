@@ -1,4 +1,6 @@
-"""Files made one by one, in two processes where the system can fork, so that no failure of one loses another."""
+"""Files made one by one, in two processes where the system can fork, so that no failure of one
+loses another.
+"""
 
 import multiprocessing
 import os
@@ -18,7 +20,10 @@ class Job(NamedTuple):
 
 
 def make(jobs: Sequence[Job], others: Sequence[Job], directory: Path) -> list[str]:
-    """Write both lists of files, at the same time where there is a second core; returns what failed, with the reason."""
+    """Write both lists of files, at the same time where there is a second core.
+
+    Returns what failed, with the reason.
+    """
     if not (jobs and others) or not _can_fork():
         return _make([*jobs, *others], directory)
     context = multiprocessing.get_context("fork")
@@ -31,7 +36,9 @@ def make(jobs: Sequence[Job], others: Sequence[Job], directory: Path) -> list[st
         try:
             reported = receiver.recv()
         except EOFError:
-            reported = [f"{', '.join(job.name for job in others)}: the process that made them was killed"]
+            reported = [
+                f"{', '.join(job.name for job in others)}: the process that made them was killed"
+            ]
     finally:
         child.terminate()
         child.join()

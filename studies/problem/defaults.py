@@ -1,8 +1,10 @@
-"""Default sizes: every rule from the wanted accuracy to a size or a degree, with the study that shows it.
+"""Default sizes.
 
-`ringwear study tradeoff` shows that no other sizes reach an accuracy much faster, `ringwear study estimates` that each
-accuracy is reached on scenes drawn at random, `ringwear study convergence` the orders behind the powers.
-Lengths in punch radii.
+Every rule from the wanted accuracy to a size or a degree, with the study that shows it.
+
+`ringwear study tradeoff` shows that no other sizes reach an accuracy much faster, `ringwear study
+estimates` that each accuracy is reached on scenes drawn at random, `ringwear study convergence` the
+orders behind the powers. Lengths in punch radii.
 """
 
 from dataclasses import dataclass, replace
@@ -16,11 +18,14 @@ from ...meshes.sizes import Sharpness, SizeField, convergence
 from .problem import Problem
 from .sections import DEGREES
 
-# of the half-space: quadrilaterals with Boussinesq's far field, and anything else (`ringwear study truncation`)
+# of the half-space: quadrilaterals with Boussinesq's far field, and anything else (`ringwear study
+# truncation`)
 TRUNCATION, WIDER_TRUNCATION = 2.5, 5.0
-# of quadrilaterals: a layer is smaller by this than the one outside it; elements between the patches grow by that
+# of quadrilaterals: a layer is smaller by this than the one outside it; elements between the
+# patches grow by that
 FACTOR, GROWTH = 0.25, 0.5
-# smaller elements have too few digits left in their coordinates, which at the rim are distances from 1
+# smaller elements have too few digits left in their coordinates, which at the rim are distances
+# from 1
 SMALLEST, SMALLEST_RIM = 1e-12, 1e-14
 # of the radial mesh: an element is smaller by this than the one outside it
 GRADING = 0.2
@@ -29,12 +34,12 @@ SPARED = 0.7
 # pressures that are worth a field to the accuracy asked for: dense matrices cost their third power
 MOST_PRESSURES = 1000
 
-# size at the rim over the accuracy asked for: pressures of the flat start err by up to three times that
-# size, its energy by a twentieth
+# size at the rim over the accuracy asked for: pressures of the flat start err by up to three times
+# that size, its energy by a twentieth
 START = 0.03
 
-# cells over the punch, or over the first contact, for an accuracy of 1e-4. Where edges move d errs by about their inverse;
-# as many as for a tenth of that accuracy take minutes
+# cells over the punch, or over the first contact, for an accuracy of 1e-4. Where edges move d errs
+# by about their inverse; as many as for a tenth of that accuracy take minutes
 CELLS, FEWEST, MOST = 150, 80, 300
 
 
@@ -47,7 +52,10 @@ def pressure_degree(problem: Problem, ratio: float) -> float:
     """Highest degree of the pressure that an accuracy asks for."""
     half, behind = problem.merged.widths / 2, sharpness(problem)
     edges = np.arange(len(half))
-    greatest = max(float(behind(half, half, edges).max()), float(behind(half[1:], half[1:], edges[:-1]).max(initial=0.0)))
+    greatest = max(
+        float(behind(half, half, edges).max()),
+        float(behind(half[1:], half[1:], edges[:-1]).max(initial=0.0)),
+    )
     # the slowest relaxation modes want so many over wide rings
     least = 6 + 2 * np.log10(problem.merged.widths.max())
     return float(max(_enough(np.log(greatest / problem.rtol) / convergence(ratio)), least, 2))
@@ -59,13 +67,21 @@ def _enough(degree: Array | float) -> Array | float:
 
 
 def pressures(problem: Problem, ratio: float) -> float:
-    """About how many pressures a mesh takes whose elements shrink by a ratio towards every ring edge and the rim."""
+    """About how many pressures a mesh takes whose elements shrink by a ratio towards every ring
+    edge and the rim.
+    """
     half, sizes, behind = problem.merged.widths / 2, edge_sizes(problem), sharpness(problem)
     total, most = 0.0, pressure_degree(problem, ratio)
     # on the inner side of each edge, and on the outer side of all but the rim
-    for reach, size, edges in ((half, sizes, np.arange(len(half))), (half[1:], sizes[:-1], np.arange(len(half) - 1))):
+    for reach, size, edges in (
+        (half, sizes, np.arange(len(half))),
+        (half[1:], sizes[:-1], np.arange(len(half) - 1)),
+    ):
         distance = reach[:, None] * ratio ** np.arange(np.ceil(np.log(sizes.min()) / np.log(ratio)))
-        less = behind(distance, reach[:, None], np.broadcast_to(edges[:, None], distance.shape)) / problem.rtol
+        less = (
+            behind(distance, reach[:, None], np.broadcast_to(edges[:, None], distance.shape))
+            / problem.rtol
+        )
         degrees = np.clip(_enough(np.log(less) / convergence(ratio)), 2, most)
         total += float(np.sum(degrees, where=distance > size[:, None]))
     return total
@@ -74,8 +90,8 @@ def pressures(problem: Problem, ratio: float) -> float:
 def affordable(problem: Problem, ratio: float) -> Problem:
     """The problem with the accuracy that its fields can have.
 
-    With so many rings that it would take too many pressures, fields are as accurate as the root of what is asked for at
-    the least: energies, which converge twice as fast, still reach it.
+    With so many rings that it would take too many pressures, fields are as accurate as the root of
+    what is asked for at the least: energies, which converge twice as fast, still reach it.
     """
     fewer = problem
     while fewer.rtol < problem.rtol**0.5 and pressures(fewer, ratio) > MOST_PRESSURES:
@@ -84,7 +100,9 @@ def affordable(problem: Problem, ratio: float) -> Problem:
 
 
 def field_accuracy(problem: Problem) -> float:
-    """The accuracy that fields are resolved to: the one asked for, unless there are too many rings."""
+    """The accuracy that fields are resolved to: the one asked for, unless there are too
+    many rings.
+    """
     return affordable(problem, FACTOR).rtol
 
 
@@ -106,9 +124,11 @@ def edge_sizes(problem: Problem) -> Array:
     narrower = np.append(narrower, problem.merged.widths[-1])
     at_rim = np.arange(len(narrower)) == len(narrower) - 1
     sharp = np.where(at_rim, 1.0, np.minimum(1.0, blunted.fast / narrower))
-    # of the square of the slope, as much is missed as the size is of the ring, or of what wear has blunted
+    # of the square of the slope, as much is missed as the size is of the ring, or of what wear has
+    # blunted
     sizes = np.minimum(
-        0.1 * rtol * narrower, np.where(at_rim, 0.03, 0.1) * rtol * np.minimum(blunted.slow, narrower) / sharp
+        0.1 * rtol * narrower,
+        np.where(at_rim, 0.03, 0.1) * rtol * np.minimum(blunted.slow, narrower) / sharp,
     )
     # of the pressure, the power 3/2 of that
     sizes = np.minimum(sizes, 0.3 * blunted.slow * (rtol / np.sqrt(sharp)) ** (2 / 3))
@@ -154,7 +174,8 @@ def quad_sizes(problem: Problem) -> QuadSizes:
         ring_sizes=tuple(float(size) for size in sizes),
         rim_size=chosen.rim_size or max(min(rim_size(problem), at_start), SMALLEST),
         growth=chosen.growth or GROWTH,
-        truncation=chosen.truncation or (TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION),
+        truncation=chosen.truncation
+        or (TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION),
         sharpness=sharpness(problem),
     )
 
@@ -165,15 +186,20 @@ def quad_degree(problem: Problem) -> int:
     More towards incompressibility, which costs two digits in the end.
     """
     compressibility = 1 - 2 * min(problem.poisson_ratio, 0.4999)
-    wanted = pressure_degree(problem, FACTOR) + 1.45 + max(0.0, -0.2 - 0.4 * np.log10(compressibility))
+    wanted = (
+        pressure_degree(problem, FACTOR) + 1.45 + max(0.0, -0.2 - 0.4 * np.log10(compressibility))
+    )
     return int(np.clip(np.ceil(wanted), DEGREES["quads"][0], DEGREES["quads"][-1]))
 
 
 def triangle_ring_sizes(problem: Problem) -> Array:
-    """(N-1,) wanted sizes of triangles at the ring edges: their degree is low, and smaller ones would not help fields."""
+    """(N-1,) wanted sizes of triangles at the ring edges.
+
+    Their degree is low, and smaller ones would not help fields.
+    """
     rtol, narrower = problem.rtol, problem.merged.narrower
-    # in proportion to the narrower ring beside each edge, and less so where rings are so narrow that their pattern has
-    # little of the energy
+    # in proportion to the narrower ring beside each edge, and less so where rings are so narrow
+    # that their pattern has little of the energy
     share = np.minimum(10 * rtol**0.6 * np.maximum(1, 1 / (32 * narrower)), 0.25)
     blunted = max(0.5 * problem.earliest, rtol**0.75) if problem.earliest else 1.0
     return np.asarray(2.0 ** np.floor(np.log2(np.minimum(share, blunted / narrower) * narrower)))
@@ -195,7 +221,8 @@ def triangle_sizes(problem: Problem) -> SizeField:
         growth=chosen.growth or min(0.7 * (rtol / 1e-4) ** 0.115, 0.9),
         truncation=chosen.truncation or WIDER_TRUNCATION,
         centre_size=min(0.2 * (rtol / 1e-4) ** 0.115, 0.5),
-        # in d0, sides of a quarter of the truncation cost 2e-6 in degree 3 and 1e-8 in degree 4, of an eighth nothing
+        # in d0, sides of a quarter of the truncation cost 2e-6 in degree 3 and 1e-8 in degree 4, of
+        # an eighth nothing
         far_size=0.25 if triangle_degree(problem) == DEGREES["gmsh"][-1] and rtol > 1e-6 else 0.125,
     )
 
@@ -215,7 +242,9 @@ def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:
 
 
 def grid_step(problem: Problem, stability_limit: float) -> float:
-    """Of the march on the uniform grid: half of the greatest stable one (`ringwear study march`)."""
+    """Of the march on the uniform grid: half of the greatest stable one (`ringwear study
+    march`).
+    """
     if problem.mdr.step:
         return problem.mdr.step / problem.units.time
     return problem.step if problem.step and problem.march == "explicit" else 0.5 * stability_limit
@@ -225,4 +254,10 @@ def cells_of(problem: Problem, finer: float = 1.0) -> ContactCells:
     """Cells that an accuracy asks for, before it is known where contact begins."""
     count = finer * float(np.clip(CELLS * (1e-4 / problem.rtol) ** 0.5, FEWEST, MOST))
     edge = min(problem.rtol, 1e-3) / finer**2
-    return ContactCells(tuple(problem.ring_edges.tolist()), 1 / count, edge, growth=0.4 / finer**0.5, spread=1 / count)
+    return ContactCells(
+        tuple(problem.ring_edges.tolist()),
+        1 / count,
+        edge,
+        growth=0.4 / finer**0.5,
+        spread=1 / count,
+    )

@@ -1,8 +1,11 @@
-"""The face of the punch at many radii: norms of fields, and what follows from fields there. Non-dimensional.
+"""The face of the punch at many radii.
 
-Between its breakpoints the face has as many Gauss points as a polynomial of degree seven. Values at them can so be
-interpolated and differentiated; the last coefficients of the polynomial say how far that is to be trusted. At the rim
-the points follow the root of the distance, in which pressures of a flat punch are smooth.
+Norms of fields, and what follows from fields there. Non-dimensional.
+
+Between its breakpoints the face has as many Gauss points as a polynomial of degree seven. Values at
+them can so be interpolated and differentiated; the last coefficients of the polynomial say how far
+that is to be trusted. At the rim the points follow the root of the distance, in which pressures of
+a flat punch are smooth.
 """
 
 from dataclasses import dataclass
@@ -24,7 +27,8 @@ class Face:
     ----------
     breakpoints : (n+1,) from 0 to 1, ring edges among them
     ring_edges, wear_coefficients : (N+1,), (N,) of the rings
-    standoff : what displacements and heights are measured beyond: the indentation at the first touch
+    standoff : what displacements and heights are measured beyond: the indentation at the first
+        touch
     """
 
     breakpoints: Array
@@ -84,8 +88,12 @@ class Face:
         return np.moveaxis(by_element @ inverse.T, -1, 0)
 
     def interpolate(self, values: Array, radii: Array) -> tuple[Array, Array]:
-        """Return (T, M) values at radii (M,) off the rim by (T, R) ones, and how much they may be off."""
-        element = np.clip(np.searchsorted(self.breakpoints, radii, side="right") - 1, 0, len(self.breakpoints) - 2)
+        """Return (T, M) values at radii (M,) off the rim by (T, R) ones, and how much they may be
+        off.
+        """
+        element = np.clip(
+            np.searchsorted(self.breakpoints, radii, side="right") - 1, 0, len(self.breakpoints) - 2
+        )
         size = np.diff(self.breakpoints)[element]
         local = 2 * (radii - self.breakpoints[element]) / size - 1
         at_rim = element == len(self.breakpoints) - 2
@@ -95,7 +103,9 @@ class Face:
         return found, np.abs(coefficients[-2:]).sum(axis=0)
 
     def slopes(self, values: Array) -> tuple[Array, Array]:
-        """Return (T, R) derivatives along the radius of (T, R) values, and those without the last two coefficients."""
+        """Return (T, R) derivatives along the radius of (T, R) values, and those without the last
+        two coefficients.
+        """
         coefficients = self._coefficients(values)
         rates = 2 / np.repeat(np.diff(self.breakpoints), POINTS)
         # r = 1 - size (1 - s)^2 / 4 in the element at the rim
@@ -107,10 +117,11 @@ class Face:
         return found[0], found[1]
 
     def integral_doubt(self, parts: Array) -> Array:
-        """Return how much the sum of (T, R) parts, one of each radius, may differ from the integral it stands for, (T,).
+        """Return how much the sum of (T, R) parts, one of each radius, may differ from the integral
+        it stands for, (T,).
 
-        Gauss's rule is exact up to twice the degree, where coefficients that fall at one rate have the square of the last
-        over the first.
+        Gauss's rule is exact up to twice the degree, where coefficients that fall at one rate have
+        the square of the last over the first.
         """
         weights = np.tile(gauss(POINTS)[1], len(self.breakpoints) - 1)
         coefficients = np.abs(self._coefficients(parts / weights))

@@ -14,4 +14,8 @@ def steps_between(times: Array, step: float) -> Array:
 
 def refused_steps(count: float, remedy: str) -> str:
     """Why so many steps will not be made, with the remedy; empty if they will."""
-    return f"{count:.3g} steps are needed to the last time, more than {MOST_STEPS}: {remedy}" if count > MOST_STEPS else ""
+    return (
+        f"{count:.3g} steps are needed to the last time, more than {MOST_STEPS}: {remedy}"
+        if count > MOST_STEPS
+        else ""
+    )

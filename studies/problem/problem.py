@@ -1,6 +1,9 @@
-"""The non-dimensional problem: punch radius, plane strain modulus, force and ``a / (E* k_max v0)`` are 1.
+"""The non-dimensional problem.
 
-Everything is computed in these units and scaled at the door only; their sizes in the scene's own units are kept here.
+Punch radius, plane strain modulus, force and ``a / (E* k_max v0)`` are 1.
+
+Everything is computed in these units and scaled at the door only; their sizes in the scene's own
+units are kept here.
 """
 
 from dataclasses import dataclass, field
@@ -35,7 +38,11 @@ CELLS_OF_FACE = 250
 
 def unilateral(punch: PunchSection, load: LoadSection) -> bool:
     """Whether contact can be lost or gained: a flat punch under a force keeps all of it."""
-    return any(punch.recess or ()) or bool(punch.profile or punch.heights) or load.indentation is not None
+    return (
+        any(punch.recess or ())
+        or bool(punch.profile or punch.heights)
+        or load.indentation is not None
+    )
 
 
 class Blunted(NamedTuple):
@@ -43,8 +50,8 @@ class Blunted(NamedTuple):
 
     Parameters
     ----------
-    slow : (N,) length at the first time after the start, beside each edge but the centre, on the side that wears slower;
-        infinite if no history is wanted
+    slow : (N,) length at the first time after the start, beside each edge but the centre, on the
+        side that wears slower; infinite if no history is wanted
     ratio : (N,) of the length on the other side to it, at least 1
     span : last time over the first
     """
@@ -143,9 +150,10 @@ class Problem:
     fem, mdr : sizes that the user has given
     units : sizes of the units
     profile : of the unworn face; None for a flat punch under a force, which never loses contact
-    compared_on : radii over the punch that fields are compared at; None for those that suit the problem
-    indentation : beyond the first touch, held fixed in place of the force, which then is what a flat punch would take; None
-        under a force
+    compared_on : radii over the punch that fields are compared at; None for those that suit the
+        problem
+    indentation : beyond the first touch, held fixed in place of the force, which then is what a
+        flat punch would take; None under a force
     quantities : names of those wanted; None for all that go with times and steady state
     """
 
@@ -168,9 +176,14 @@ class Problem:
 
     @classmethod
     def posed(
-        cls, punch: PunchSection, half_space: HalfSpaceSection, load: LoadSection, wear: WearSection,
-        accuracy: AccuracySection, output: OutputSection,
-    ) -> Self:  # fmt: skip
+        cls,
+        punch: PunchSection,
+        half_space: HalfSpaceSection,
+        load: LoadSection,
+        wear: WearSection,
+        accuracy: AccuracySection,
+        output: OutputSection,
+    ) -> Self:
         """The problem that the tables of a scene pose."""
         length = punch.radius
         if punch.ring_edges is None:
@@ -180,7 +193,9 @@ class Problem:
             ring_edges[-1] = 1.0
         count, given = len(ring_edges) - 1, np.array(punch.coefficients)
         coefficients = given if len(given) == count else given[np.arange(count) % 2]
-        modulus = half_space.plane_strain_modulus or (half_space.youngs_modulus or 0.0) / (1 - half_space.poisson_ratio**2)
+        modulus = half_space.plane_strain_modulus or (half_space.youngs_modulus or 0.0) / (
+            1 - half_space.poisson_ratio**2
+        )
         force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * length**2
         force = force or 2 * length * modulus * _approach(punch, load, ring_edges)
         fastest = float(coefficients.max())
@@ -199,13 +214,18 @@ class Problem:
             fem=accuracy.fem,
             mdr=accuracy.mdr,
             units=units,
-            profile=unworn(punch, ring_edges, length, units.displacement) if unilateral(punch, load) else None,
+            profile=unworn(punch, ring_edges, length, units.displacement)
+            if unilateral(punch, load)
+            else None,
             indentation=None if load.indentation is None else D0,
         )
 
     @cached_property
     def merged(self) -> Rings:
-        """Rings that have to be modelled: a recess ends at its ring's edge even if the next wears as fast."""
+        """Rings that have to be modelled.
+
+        A recess ends at its ring's edge even if the next wears as fast.
+        """
         return self.rings.merged() if self.profile is None else self.rings
 
     @property
@@ -236,7 +256,10 @@ class Problem:
 
     @cached_property
     def radii(self) -> Array:
-        """Radii of the output: the user's, or a grid that crowds at every ring edge without touching it."""
+        """Radii of the output.
+
+        The user's, or a grid that crowds at every ring edge without touching it.
+        """
         if self.output_radii is not None:
             return self.output_radii
         count = max(8, 320 // len(self.wear_coefficients))
@@ -266,18 +289,27 @@ class Problem:
 
     @cached_property
     def checked(self) -> Indices:
-        """Which of the times whole fields are compared at: all of them, or some spread over them."""
+        """Which of the times whole fields are compared at: all of them, or some spread over
+        them.
+        """
         count = len(self.times)
-        return np.unique(np.linspace(0, count - 1, min(count, MOST_CHECKED)).round().astype(np.int64))
+        return np.unique(
+            np.linspace(0, count - 1, min(count, MOST_CHECKED)).round().astype(np.int64)
+        )
 
     @cached_property
     def estimate_times(self) -> Array:
-        """Times that errors are estimated at: from the earliest in steps of about two to beyond the last, and the start."""
+        """Times that errors are estimated at.
+
+        From the earliest in steps of about two to beyond the last, and the start.
+        """
         later = self.times[self.times > 0]
         if not len(later):
             return self.times
         count = min(int(np.log2(later[-1] / later[0])) + 3, MOST_ESTIMATED)
-        return np.concatenate([self.times[:1][self.times[:1] == 0], np.geomspace(later[0], 2 * later[-1], count)])
+        return np.concatenate(
+            [self.times[:1][self.times[:1] == 0], np.geomspace(later[0], 2 * later[-1], count)]
+        )
 
 
 def _approach(punch: PunchSection, load: LoadSection, ring_edges: Array) -> float:
@@ -291,7 +323,8 @@ def _approach(punch: PunchSection, load: LoadSection, ring_edges: Array) -> floa
     given, least = load.indentation or 0.0, unworn(punch, ring_edges, punch.radius, 1.0).standoff
     if given <= least:
         raise SceneError(
-            f"load.indentation = {given:.6g} is too small to touch: the punch stands {least:.6g} from "
+            f"load.indentation = {given:.6g} is too small to touch: the punch stands {least:.6g} "
+            "from "
             "the half-space where it is nearest; give more"
         )
     return given - least

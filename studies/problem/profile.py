@@ -1,10 +1,13 @@
-"""What the punch looks like before it wears: heights over the radius, recesses by ring, or sums of them. Non-dimensional.
+"""What the punch looks like before it wears.
 
-A height is material that is missing: where it is zero the face plane is, whose indentation is d. Heights may be any
-function of the radius; steps at ring edges are the recesses. Lengths are in punch radii, heights in ``F / (a E*)``.
+Heights over the radius, recesses by ring, or sums of them. Non-dimensional.
 
-A face may stand off its plane everywhere. That distance is taken off before anything is computed, and added to what is
-reported, so that no step, tolerance or norm depends on it.
+A height is material that is missing: where it is zero the face plane is, whose indentation is d.
+Heights may be any function of the radius; steps at ring edges are the recesses. Lengths are in
+punch radii, heights in ``F / (a E*)``.
+
+A face may stand off its plane everywhere. That distance is taken off before anything is computed,
+and added to what is reported, so that no step, tolerance or norm depends on it.
 """
 
 from collections.abc import Callable
@@ -66,7 +69,10 @@ class InitialProfile:
     def sampled(self) -> tuple[Array, Array]:
         """Radii, many in every ring, its edges and kinks, and heights there."""
         within, kinks = np.linspace(0.0, 1.0, 501), np.array(self.kinks)
-        parts = [np.union1d(a + (b - a) * within, kinks[(kinks > a) & (kinks < b)]) for a, b in pairwise(self.ring_edges)]
+        parts = [
+            np.union1d(a + (b - a) * within, kinks[(kinks > a) & (kinks < b)])
+            for a, b in pairwise(self.ring_edges)
+        ]
         heights = [self.in_ring(part, np.full(len(part), ring)) for ring, part in enumerate(parts)]
         return np.concatenate(parts), np.concatenate(heights)
 
@@ -89,7 +95,9 @@ def unworn(punch: PunchSection, ring_edges: Array, length: float, unit: float) -
     SceneError
         if a function of the user's gives heights that are negative or not finite
     """
-    recess = np.zeros(len(ring_edges) - 1) if punch.recess is None else np.array(punch.recess) / unit
+    recess = (
+        np.zeros(len(ring_edges) - 1) if punch.recess is None else np.array(punch.recess) / unit
+    )
     heights = [_in_units(height, length, unit) for height in punch.heights]
     kinks: tuple[float, ...] = ()
     if punch.profile is not None:
@@ -98,8 +106,11 @@ def unworn(punch: PunchSection, ring_edges: Array, length: float, unit: float) -
     profile = InitialProfile(ring_edges, recess, tuple(heights), kinks)
     least = profile.nearest()
     if punch.heights and not least >= 0:
-        raise SceneError(f"the height of the punch is {least * unit:.3g} somewhere: heights are material that is "
-                         "missing, 0 or more and finite; add a constant to them")  # fmt: skip
+        raise SceneError(
+            f"the height of the punch is {least * unit:.3g} somewhere: heights are material that "
+            "is "
+            "missing, 0 or more and finite; add a constant to them"
+        )
     return replace(profile, recess=recess - least, standoff=least)
 
 

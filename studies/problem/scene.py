@@ -1,4 +1,7 @@
-"""The scene: a TOML file in, a frozen and validated value out, and the non-dimensional problem that it poses."""
+"""The scene.
+
+A TOML file in, a frozen and validated value out, and the non-dimensional problem that it poses.
+"""
 
 import difflib
 import tomllib
@@ -29,10 +32,13 @@ from .sections import (
 # counts of the slowest relaxation time that ``times = "running-in"`` stands for
 RUNNING_IN = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0]
 
-ONLY_FLAT = "wear.times by running-in is known for flat punches under a force: give times as numbers"
+ONLY_FLAT = (
+    "wear.times by running-in is known for flat punches under a force: give times as numbers"
+)
 # the keys that no scene can be without
 EXAMPLE = (
-    "punch = { radius = 1.0, rings = 5, wear_coefficients = [1.0, 10.0] }, half_space = { plane_strain_modulus = 1.0 }, "
+    "punch = { radius = 1.0, rings = 5, wear_coefficients = [1.0, 10.0] }, half_space = { "
+    "plane_strain_modulus = 1.0 }, "
     "load = { normal_force = 2.0 }, and wear = { times = [0.0, 0.1, 1.0] } for a history"
 )
 
@@ -44,9 +50,12 @@ def _known(method: str) -> str:
 
 
 class Scene(Section):
-    """A complete, validated scene: a frozen value, made by `load`, `from_toml` or `from_table`, varied by `changed`.
+    """A complete, validated scene.
 
-    The tables `punch`, `half_space` and `load` are needed; the README has all keys. Numbers are in any consistent units.
+    A frozen value, made by `load`, `from_toml` or `from_table`, varied by `changed`.
+
+    The tables `punch`, `half_space` and `load` are needed; the README has all keys. Numbers are in
+    any consistent units.
 
     Raises
     ------
@@ -55,9 +64,14 @@ class Scene(Section):
     """
 
     title: str = Field(default="", description="a line of text")
-    units: str = Field(default="", description="a line of text: the consistent units of the numbers, for labels only")
+    units: str = Field(
+        default="",
+        description="a line of text: the consistent units of the numbers, for labels only",
+    )
     methods: list[Annotated[str, AfterValidator(_known)]] = Field(
-        default=["mdr", "direct", "fem"], min_length=1, description=f"a list of {', '.join(METHODS)}"
+        default=["mdr", "direct", "fem"],
+        min_length=1,
+        description=f"a list of {', '.join(METHODS)}",
     )
     punch: PunchSection
     half_space: HalfSpaceSection
@@ -78,7 +92,10 @@ class Scene(Section):
                 raise ValueError("output.radii is empty: leave it out, or give radii")
             increasing("output.radii", radii)
             if radii[-1] > self.punch.radius:
-                raise ValueError(f"output.radii ends at {radii[-1]}, outside the punch of radius {self.punch.radius}")
+                raise ValueError(
+                    f"output.radii ends at {radii[-1]}, outside the punch of radius "
+                    f"{self.punch.radius}"
+                )
         return self
 
     @classmethod
@@ -86,13 +103,20 @@ class Scene(Section):
         """Read a scene from a file, or a bundled one by its name."""
         path = Path(source)
         if not path.exists() and str(source) in bundled():
-            return cls.from_toml((files("ringwear.studies") / "scenes" / f"{source}.toml").read_text("utf-8"), str(source))
+            return cls.from_toml(
+                (files("ringwear.studies") / "scenes" / f"{source}.toml").read_text("utf-8"),
+                str(source),
+            )
         if path.is_dir():
-            raise SceneError(f"{source} is a directory: give a scene file, or one of {', '.join(bundled())}")
+            raise SceneError(
+                f"{source} is a directory: give a scene file, or one of {', '.join(bundled())}"
+            )
         try:
             text = path.read_text("utf-8")
         except FileNotFoundError:
-            raise SceneError(f"{source}: no such file, and no bundled scene ({', '.join(bundled())})") from None
+            raise SceneError(
+                f"{source}: no such file, and no bundled scene ({', '.join(bundled())})"
+            ) from None
         except UnicodeDecodeError:
             raise SceneError(f"{source} is not a text file: a scene is TOML in UTF-8") from None
         except OSError as error:
@@ -101,14 +125,21 @@ class Scene(Section):
 
     @classmethod
     def from_toml(cls, text: str, name: str = "scene", folder: Path | None = None) -> "Scene":
-        """Read a scene from TOML text; `name` is for messages, files that it names are sought in `folder`."""
+        """Read a scene from TOML text.
+
+        `name` is for messages, files that it names are sought in `folder`.
+        """
         try:
             table = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
             raise SceneError(f"{name} is not TOML: {error}") from error
         punch = table.get("punch")
         profile = punch.get("profile") if isinstance(punch, dict) else None
-        if folder is not None and isinstance(profile, dict) and isinstance(profile.get("file"), str):
+        if (
+            folder is not None
+            and isinstance(profile, dict)
+            and isinstance(profile.get("file"), str)
+        ):
             profile["file"] = str(folder / profile["file"])
         return cls.from_table(table, name)
 
@@ -132,7 +163,8 @@ class Scene(Section):
         scale = slowest_relaxation_time(problem.rings) * problem.units.time
         if scale != scale:
             raise SceneError(
-                f"{name}: wear.times by running-in is known for up to {MOST_RINGS} rings: give times as numbers"
+                f"{name}: wear.times by running-in is known for up to {MOST_RINGS} rings: give "
+                "times as numbers"
             )
         times = [float(f"{count * scale:.3g}") for count in counts]
         if any(b <= a for a, b in pairwise(times)):
@@ -144,14 +176,21 @@ class Scene(Section):
     def table(self) -> dict[str, Any]:
         """The scene as nested dictionaries, as `from_table` takes them."""
         table = self.model_dump(by_alias=True, exclude_none=True, exclude_unset=True)
-        return table if self._counts is None else table | {"wear": table["wear"] | {"times": {"tau": self._counts}}}
+        return (
+            table
+            if self._counts is None
+            else table | {"wear": table["wear"] | {"times": {"tau": self._counts}}}
+        )
 
     def to_toml(self) -> str:
         """The scene as TOML."""
         return tomli_w.dumps(self.table())
 
     def changed(self, **changes: Any) -> "Scene":
-        """The same scene with some keys changed, named with double underscores: ``accuracy__rtol=1e-6``."""
+        """The same scene with some keys changed, named with double underscores.
+
+        ``accuracy__rtol=1e-6``.
+        """
         table = self.table()
         for name, value in changes.items():
             *path, key = name.split("__")
@@ -162,7 +201,9 @@ class Scene(Section):
         return Scene.from_table(table).with_heights(*self.punch.heights)
 
     def with_heights(self, *heights: Callable[[Any], Any]) -> "Scene":
-        """The same scene with functions added to the unworn face: heights by arrays of radii, in the scene's units.
+        """The same scene with functions added to the unworn face.
+
+        Heights by arrays of radii, in the scene's units.
 
         A file cannot hold them: `to_toml` leaves them out.
 
@@ -175,7 +216,9 @@ class Scene(Section):
             return self
         if self._counts is not None:
             raise SceneError(ONLY_FLAT)
-        changed = self.model_copy(update={"punch": self.punch.model_copy(update={"heights": heights})})
+        changed = self.model_copy(
+            update={"punch": self.punch.model_copy(update={"heights": heights})}
+        )
         # a copy keeps what was cached
         changed.__dict__.pop("problem", None)
         return changed
@@ -186,11 +229,15 @@ class Scene(Section):
         return self._posed()
 
     def _posed(self) -> Problem:
-        return Problem.posed(self.punch, self.half_space, self.load_, self.wear, self.accuracy, self.output)
+        return Problem.posed(
+            self.punch, self.half_space, self.load_, self.wear, self.accuracy, self.output
+        )
 
 
 def _without_counts(table: dict[str, Any]) -> tuple[dict[str, Any], list[float] | None]:
-    """A table whose times are numbers, and the counts of relaxation times that they were asked for as."""
+    """A table whose times are numbers, and the counts of relaxation times that they were asked for
+    as.
+    """
     wear = table.get("wear")
     times = wear.get("times") if isinstance(wear, dict) else None
     if not isinstance(wear, dict) or not isinstance(times, str | dict):
@@ -225,8 +272,16 @@ def _explain(error: ValidationError) -> str:
         return f"unknown key {key}: did you mean {close[0]}? known here are {', '.join(known)}"
     remedy = f"; give {field.description}" if field is not None and field.description else ""
     if first["type"] == "missing":
-        missing = [".".join(map(str, one["loc"])) for one in error.errors(include_url=False) if one["type"] == "missing"]
-        keys = f"missing key {key}{remedy}" if len(missing) == 1 else f"missing keys {', '.join(missing)}"
+        missing = [
+            ".".join(map(str, one["loc"]))
+            for one in error.errors(include_url=False)
+            if one["type"] == "missing"
+        ]
+        keys = (
+            f"missing key {key}{remedy}"
+            if len(missing) == 1
+            else f"missing keys {', '.join(missing)}"
+        )
         return f"{keys}; needed are, for example, {EXAMPLE}"
     message = first["msg"].removeprefix("Value error, ")
     if first["type"] == "value_error":

@@ -1,7 +1,10 @@
-"""Problems on the same ring edges and half-space: one discretisation serves every wear, load and time.
+"""Problems on the same ring edges and half-space.
 
-A compliance knows nothing of wear, only its sizes do: those beside each edge follow the length that wear has blunted there
-by the earliest time. What all of several problems need is the least of them on the slower side, the greatest on the faster.
+One discretisation serves every wear, load and time.
+
+A compliance knows nothing of wear, only its sizes do: those beside each edge follow the length that
+wear has blunted there by the earliest time. What all of several problems need is the least of them
+on the slower side, the greatest on the faster.
 """
 
 from collections.abc import Hashable, Sequence
@@ -12,8 +15,8 @@ import numpy as np
 
 from .problem import Blunted, Problem
 
-# greatest ratio of the lengths that wear has blunted in problems that share a discretisation: pressures that the sharper
-# needs cost the others their third power
+# greatest ratio of the lengths that wear has blunted in problems that share a discretisation:
+# pressures that the sharper needs cost the others their third power
 WIDEST = 100.0
 
 

@@ -1,10 +1,13 @@
-"""Refining the mesh, each way against what is known: uniformly, graded by default sizes, in the degree, and by an indicator.
+"""Refining the mesh, each way against what is known.
 
-Errors are those of the flat punch's indentation (Eq. 10), of the indentation over the whole history against a far finer
-MDR, and of the steady displacement in closed form. A mesh file of the user's is one more row, tested the same way.
+Uniformly, graded by default sizes, in the degree, and by an indicator.
 
-On uniformly refined meshes d0 is of order 1 whatever the degree, set by the singular rim; `ringwear study convergence` has
-the orders of graded meshes and degrees beside theory.
+Errors are those of the flat punch's indentation (Eq. 10), of the indentation over the whole history
+against a far finer MDR, and of the steady displacement in closed form. A mesh file of the user's is
+one more row, tested the same way.
+
+On uniformly refined meshes d0 is of order 1 whatever the degree, set by the singular rim; `ringwear
+study convergence` has the orders of graded meshes and degrees beside theory.
 """
 
 import argparse
@@ -41,12 +44,24 @@ GOAL = 1e-5
 TIMES = np.geomspace(1e-3, 20, 12)
 ERRORS = {"d0": "of $d_0$", "history": "of $d(t)$, greatest", "steady": "of steady $u_{z,max}$"}
 FIELDS = (
-    "case", "mesh", "refined", "degree", "unknowns", "elements", "multipliers", *ERRORS, "greatest", "estimate",
-    "least quality", "median quality",
-)  # fmt: skip
+    "case",
+    "mesh",
+    "refined",
+    "degree",
+    "unknowns",
+    "elements",
+    "multipliers",
+    *ERRORS,
+    "greatest",
+    "estimate",
+    "least quality",
+    "median quality",
+)
 
 Family = Iterable[tuple[str, Solved]]  # how far each mesh is refined, and what it gives
-Results = dict[str, list[Row]]  # of a case: rows by the kind of mesh, each also with the mesh itself as `geometry`
+Results = dict[
+    str, list[Row]
+]  # of a case: rows by the kind of mesh, each also with the mesh itself as `geometry`
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
@@ -93,20 +108,31 @@ class Case:
         return array(exact(replace(self.problem, times=TIMES)), "indentation")
 
     def row(self, one: Solved) -> Row:
-        """What a mesh costs and gives: relative errors by the name of the quantity, and their estimate."""
+        """What a mesh costs and gives.
+
+        Relative errors by the name of the quantity, and their estimate.
+        """
         rings, wear, solid = self.problem.merged, one.wear, one.half_space.solid
         space, shape = wear.compliance.space, quality(solid.mesh)
         steady = float(Sampler(self.problem, space).steady(wear.steady)["steady_displacement_max"])
         errors = {
             "d0": abs(press_flat(wear.compliance).indentation / D0 - 1),
             "history": float(np.abs(wear.modal(TIMES).indentation / self.history - 1).max()),
-            "steady": abs(steady / greatest_displacement(rings.ring_edges, steady_pressures(*rings)) - 1),
+            "steady": abs(
+                steady / greatest_displacement(rings.ring_edges, steady_pressures(*rings)) - 1
+            ),
         }
         return errors | {
-            "degree": solid.degree, "unknowns": one.half_space.unknowns, "elements": solid.mesh.nelements,
-            "multipliers": space.size, "greatest": max(errors.values()), "estimate": one.estimate,
-            "least quality": float(shape.min()), "median quality": float(np.median(shape)), "geometry": solid.mesh,
-        }  # fmt: skip
+            "degree": solid.degree,
+            "unknowns": one.half_space.unknowns,
+            "elements": solid.mesh.nelements,
+            "multipliers": space.size,
+            "greatest": max(errors.values()),
+            "estimate": one.estimate,
+            "least quality": float(shape.min()),
+            "median quality": float(np.median(shape)),
+            "geometry": solid.mesh,
+        }
 
 
 def cases(problem: Problem) -> list[Case]:
@@ -117,7 +143,11 @@ def cases(problem: Problem) -> list[Case]:
         return [flat]
     narrow, middle = ring_edges.copy(), (len(wear_coefficients) - 1) // 2
     narrow[middle + 1] = min(narrow[middle + 1], narrow[middle] + 1e-3)
-    return [flat, Case("scene", problem), Case("narrow ring", replace(problem, rings=Rings(narrow, wear_coefficients)))]
+    return [
+        flat,
+        Case("scene", problem),
+        Case("narrow ring", replace(problem, rings=Rings(narrow, wear_coefficients))),
+    ]
 
 
 def families(problem: Problem, quick: bool) -> dict[str, Family]:
@@ -127,7 +157,10 @@ def families(problem: Problem, quick: bool) -> dict[str, Family]:
         return half_space_mesh(replace(problem, rtol=rtol, fem=fem)).mesh
 
     def in_size(mesh: Mesh) -> Family:
-        return ((f"{times} times", solved(problem, mesh.refined(times), DEGREE)) for times in range(3 if quick else 4))
+        return (
+            (f"{times} times", solved(problem, mesh.refined(times), DEGREE))
+            for times in range(3 if quick else 4)
+        )
 
     def in_degree(mesh: Mesh, degrees: range) -> Family:
         return ((f"degree {degree}", solved(problem, mesh, degree)) for degree in degrees)
@@ -140,7 +173,10 @@ def families(problem: Problem, quick: bool) -> dict[str, Family]:
     out: dict[str, Family] = {
         "h, triangles": in_size(coarse),
         "p, triangles": in_degree(meshed(GOAL, triangles), range(2, 5)),
-        "graded triangles": ((f"rtol {rtol:g}", solved(problem, meshed(rtol, triangles), DEGREE)) for rtol in tolerances),
+        "graded triangles": (
+            (f"rtol {rtol:g}", solved(problem, meshed(rtol, triangles), DEGREE))
+            for rtol in tolerances
+        ),
         "adaptive triangles": ((f"round {number}", one) for number, one in rounds),
     }
     layered = meshed(1e-7, quads)
@@ -152,20 +188,30 @@ def families(problem: Problem, quick: bool) -> dict[str, Family]:
 
 
 def own_mesh(problem: Problem, path: str) -> tuple[str, Solved]:
-    """The user's mesh; refused if a ring edge is not a vertex of it, or if it is no mesh of a half-space."""
+    """The user's mesh.
+
+    Refused if a ring edge is not a vertex of it, or if it is no mesh of a half-space.
+    """
     mesh, remark = files.read(path, problem.merged.ring_edges, problem.units.length)
     degree = (problem.fem.degree or 6) if isinstance(mesh, MeshQuad) else triangle_degree(problem)
     return Path(path).name + (f" ({remark})" if remark else ""), solved(problem, mesh, degree)
 
 
 def concluded(rows: Results) -> list[str]:
-    """The errors on the user's mesh, if there is one, orders, and the unknowns with which each way reaches the goal."""
+    """The errors on the user's mesh, if there is one, orders, and the unknowns with which each way
+    reaches the goal.
+    """
     lines, unknowns = list[str](), list[str]()
     for row in rows.get("file", ()):
         errors = ", ".join(f"{quantity} {row[quantity]:.1e}" for quantity in (*ERRORS, "estimate"))
-        lines.append(f"{row['refined']}, {row['elements']} elements of degree {row['degree']}, errors: {errors}")
+        lines.append(
+            f"{row['refined']}, {row['elements']} elements of degree {row['degree']}, errors: "
+            f"{errors}"
+        )
     for name, own in rows.items():
-        reaching = [f"{row['unknowns']} ({row['refined']})" for row in own if row["greatest"] <= GOAL]
+        reaching = [
+            f"{row['unknowns']} ({row['refined']})" for row in own if row["greatest"] <= GOAL
+        ]
         unknowns.append(f"{name} {reaching[0] if reaching else 'do not reach it'}")
         if name.startswith("h, ") and len(own) > 1:  # sizes are halved
             order = np.log2(own[-2]["d0"] / own[-1]["d0"])
@@ -181,24 +227,40 @@ def draw(results: dict[Case, Results], path: Path) -> None:
         for axes, (case, rows) in zip(line, results.items(), strict=True):
             for number, (kind, own) in enumerate(rows.items()):
                 unknowns, errors = ([row[name] for row in own] for name in ("unknowns", quantity))
-                axes.loglog(unknowns, errors, label=kind, **curve(number) | ({"color": RED} if kind == "file" else {}))
+                axes.loglog(
+                    unknowns,
+                    errors,
+                    label=kind,
+                    **curve(number) | ({"color": RED} if kind == "file" else {}),
+                )
             axes.set(title=case.name, xlabel="unknowns", ylabel=f"relative error\n{label}")
             axes.grid(True, color="0.9", linewidth=0.6)
             axes.axhline(GOAL, **FAINT)
             axes.label_outer()
     known = panels[0, 0].get_legend_handles_labels()
-    figure.legend(*known, loc="outside lower center", ncols=1 + len(results), frameon=False, fontsize=9)
-    figure.suptitle(f"refinement in size (h), in degree (p),\ngraded and adaptive (goal {GOAL:g}: dotted)", fontsize=10)
+    figure.legend(
+        *known, loc="outside lower center", ncols=1 + len(results), frameon=False, fontsize=9
+    )
+    figure.suptitle(
+        f"refinement in size (h), in degree (p),\ngraded and adaptive (goal {GOAL:g}: dotted)",
+        fontsize=10,
+    )
     figure.savefig(path)
 
 
 def draw_meshes(case: Case, rows: Results, path: Path) -> None:
     """The finest mesh of each kind: whole, under the punch, at the narrowest ring, at the rim."""
     rings = case.problem.merged
-    views = [("under the punch", (0.0, 1.15), 0.0, "$r/a$"), ("at the rim", (-2e-2, 2e-2), 1.0, "$(r-a)/a$")]
+    views = [
+        ("under the punch", (0.0, 1.15), 0.0, "$r/a$"),
+        ("at the rim", (-2e-2, 2e-2), 1.0, "$(r-a)/a$"),
+    ]
     if len(rings.widths) > 1:
         narrowest = int(rings.widths.argmin())
-        reach, middle = min(2 * rings.widths.min(), 0.4), float(rings.ring_edges[narrowest : narrowest + 2].mean())
+        reach, middle = (
+            min(2 * rings.widths.min(), 0.4),
+            float(rings.ring_edges[narrowest : narrowest + 2].mean()),
+        )
         views.insert(1, ("narrowest ring", (-reach, reach), middle, rf"$r/a - {middle:.4g}$"))
     figure = new_figure(3.2 * (1 + len(views)), 3.5 * len(rows))
     panels = figure.subplots(len(rows), 1 + len(views), squeeze=False)
@@ -208,5 +270,7 @@ def draw_meshes(case: Case, rows: Results, path: Path) -> None:
         for axes, (name, view, centre, label) in zip(line[1:], views, strict=True):
             mesh_panel(axes, mesh, view, name, label, centre)
         line[0].set_ylabel(f"{kind}: depth $z/a$")
-    figure.suptitle(f"{case.name}: the finest mesh of each kind; the bar above is the punch", fontsize=10)
+    figure.suptitle(
+        f"{case.name}: the finest mesh of each kind; the bar above is the punch", fontsize=10
+    )
     figure.savefig(path)

@@ -39,13 +39,18 @@ class Side:
             return cls(scene.title or source, scene, run(scene).dataset)
         path = folder / "results.nc"
         if not path.exists():
-            raise SceneError(f"{source} holds no results.nc: give a folder that `ringwear run` has written, or a scene")
+            raise SceneError(
+                f"{source} holds no results.nc: give a folder that `ringwear run` has written, or "
+                "a scene"
+            )
         try:
             with xarray.open_dataset(path, engine="netcdf4") as found:
                 dataset = found.load()
             scene = Scene.from_toml(dataset.attrs["scene"], str(path))
         except (OSError, KeyError, ValueError) as error:
-            raise SceneError(f"{path} cannot be read as results of ringwear: {error}; run the scene again") from None
+            raise SceneError(
+                f"{path} cannot be read as results of ringwear: {error}; run the scene again"
+            ) from None
         return cls(scene.title or source, scene, dataset)
 
     def value(self, name: str) -> float:
@@ -74,7 +79,10 @@ def both(first: str, second: str) -> tuple[Side, Side]:
     if UnitNames.of(one.scene.units).base != UnitNames.of(other.scene.units).base or (
         one.scene.units != other.scene.units and UnitNames.of(one.scene.units).base is None
     ):
-        raise SceneError(f"units = {one.scene.units!r} and {other.scene.units!r} differ: compare scenes in the same units")
+        raise SceneError(
+            f"units = {one.scene.units!r} and {other.scene.units!r} differ: compare scenes in the "
+            "same units"
+        )
     return one, other
 
 
@@ -89,11 +97,15 @@ def scene_rows(one: Side, other: Side) -> Rows:
 def answer_rows(one: Side, other: Side) -> Rows:
     """Each number of the punch on both sides, and the relative difference."""
     names, rows = UnitNames.of(one.scene.units), []
-    units = {name: quantity.unit for name, quantity in (ANSWER | QUANTITIES).items() if not quantity.dims}
+    units = {
+        name: quantity.unit for name, quantity in (ANSWER | QUANTITIES).items() if not quantity.dims
+    }
     for name in dict.fromkeys((*units, *ALSO)):
         a, b = one.value(name), other.value(name)
         if np.isfinite(a) or np.isfinite(b):
-            change = f"{100 * (b / a - 1):+.3g} %" if np.isfinite(a) and np.isfinite(b) and a else ""
+            change = (
+                f"{100 * (b / a - 1):+.3g} %" if np.isfinite(a) and np.isfinite(b) and a else ""
+            )
             rows.append((name, names.write(a, units[name]), names.write(b, units[name]), change))
     return Rows(("quantity", "A", "B", "B against A"), rows)
 
@@ -101,7 +113,11 @@ def answer_rows(one: Side, other: Side) -> Rows:
 def _flat(table: dict[str, Any], before: str = "") -> dict[str, Any]:
     found: dict[str, Any] = {}
     for key, value in table.items():
-        found |= _flat(value, f"{before}{key}.") if isinstance(value, dict) else {f"{before}{key}": value}
+        found |= (
+            _flat(value, f"{before}{key}.")
+            if isinstance(value, dict)
+            else {f"{before}{key}": value}
+        )
     return found
 
 

@@ -1,4 +1,7 @@
-"""The page of a run or of a study: one file that opens from disk, without a network, and prints on A4."""
+"""The page of a run or of a study.
+
+One file that opens from disk, without a network, and prints on A4.
+"""
 
 import base64
 import csv
@@ -18,12 +21,22 @@ from .slides import slides
 
 # what each figure shows, in the order of the page
 CAPTIONS = {
-    "profiles_and_pressures.png": "Worn profiles less their least wear, and contact pressures, at some of the times.",
-    "history.png": "Running-in: greatest displacement and RMS slope over time, and by how much the methods differ.",
-    "contact.png": "Edges of the contact over time, its inside shaded, and what each ring carries and has worn off.",
+    "profiles_and_pressures.png": (
+        "Worn profiles less their least wear, and contact pressures, at some of the times."
+    ),
+    "history.png": (
+        "Running-in: greatest displacement and RMS slope over time, and by how much the methods "
+        "differ."
+    ),
+    "contact.png": (
+        "Edges of the contact over time, its inside shaded, and what each ring carries and has "
+        "worn off."
+    ),
     "steady_state.png": "The steady state: limiting profile and pressure.",
-    "operator_difference.png": "The methods compared for every pressure at once: long waves, of which the answer is "
-    "made, are at the right; waves shorter than the elements, at the left, are beyond either method.",
+    "operator_difference.png": "The methods compared for every pressure at once: long waves, of "
+    "which the answer is "
+    "made, are at the right; waves shorter than the elements, at the left, are beyond either "
+    "method.",
     "stress.png": "Von Mises stress in the half-space.",
     "mesh.png": "The mesh of the half-space.",
 }
@@ -39,7 +52,11 @@ class Picture(NamedTuple):
 
 def write_report(result: Result, directory: Path, path: Path) -> None:
     """Write the page of a run; its figures are those in the directory."""
-    pictures = [_picture(directory / name, caption) for name, caption in CAPTIONS.items() if (directory / name).exists()]
+    pictures = [
+        _picture(directory / name, caption)
+        for name, caption in CAPTIONS.items()
+        if (directory / name).exists()
+    ]
     _write(
         path,
         "run.html.j2",
@@ -64,15 +81,29 @@ def write_report(result: Result, directory: Path, path: Path) -> None:
     )
 
 
-def write_study(study: tuple[str, str], scene: Scene, conclusions: Iterable[str], directory: Path, path: Path) -> None:
-    """Write the page of a study, by its name and purpose; its figures and tables are those in the directory."""
+def write_study(
+    study: tuple[str, str], scene: Scene, conclusions: Iterable[str], directory: Path, path: Path
+) -> None:
+    """Write the page of a study, by its name and purpose.
+
+    Its figures and tables are those in the directory.
+    """
     name, purpose = study
-    pictures = [_picture(file, file.stem.replace("_", " ")) for file in sorted(directory.glob("*.png"))]
+    pictures = [
+        _picture(file, file.stem.replace("_", " ")) for file in sorted(directory.glob("*.png"))
+    ]
     tables = {file.stem.replace("_", " "): _table(file) for file in sorted(directory.glob("*.csv"))}
     # tables stand below
     kept = [line for line in conclusions if not line.startswith("|")]
-    known: dict[str, Any] = {"pictures": pictures, "tables": tables, "scene": scene.to_toml(), "versions": versions()}
-    _write(path, "study.html.j2", title=f"Study: {name}", purpose=purpose, conclusions=kept, **known)
+    known: dict[str, Any] = {
+        "pictures": pictures,
+        "tables": tables,
+        "scene": scene.to_toml(),
+        "versions": versions(),
+    }
+    _write(
+        path, "study.html.j2", title=f"Study: {name}", purpose=purpose, conclusions=kept, **known
+    )
 
 
 def _write(path: Path, template: str, **known: Any) -> None:
@@ -82,7 +113,10 @@ def _write(path: Path, template: str, **known: Any) -> None:
         return (folder / name).read_text("utf-8")
 
     environment = Environment(
-        autoescape=select_autoescape(default=True), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        autoescape=select_autoescape(default=True),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
     # the script and the style are ours, and are not to be escaped
     page = environment.from_string(load("page.html.j2"))

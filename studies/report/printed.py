@@ -33,10 +33,15 @@ def print_rows(table: words.Rows) -> None:
     """A table in columns."""
     every = [table.headers, *table.rows]
     widths = [max(len(row[column]) for row in every) for column in range(len(table.headers))]
-    numeric = [all(row[column][:1] in "0123456789.-" for row in table.rows) for column in range(len(widths))]
+    numeric = [
+        all(row[column][:1] in "0123456789.-" for row in table.rows)
+        for column in range(len(widths))
+    ]
     for row in every:
-        cells = (f"{cell:>{width}}" if right else f"{cell:<{width}}"
-                 for cell, width, right in zip(row, widths, numeric, strict=True))  # fmt: skip
+        cells = (
+            f"{cell:>{width}}" if right else f"{cell:<{width}}"
+            for cell, width, right in zip(row, widths, numeric, strict=True)
+        )
         print("  " + "   ".join(cells).rstrip())
 
 

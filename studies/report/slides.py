@@ -1,4 +1,7 @@
-"""The states that the slider of the page goes through: profiles and pressures from the start to the steady state."""
+"""The states that the slider of the page goes through.
+
+Profiles and pressures from the start to the steady state.
+"""
 
 from dataclasses import replace
 from typing import Any
@@ -21,7 +24,10 @@ DRAWN_HEIGHT = 0.3
 
 
 def slides(result: Result) -> dict[str, Any] | None:
-    """What the script of the page draws, in the units of its axes; nothing where no state is known over the radius."""
+    """What the script of the page draws, in the units of its axes.
+
+    Nothing where no state is known over the radius.
+    """
     problem = replace(result.scene.problem, output_radii=None)
     problem = replace(problem, output_radii=problem.radii[:: _every(problem)])
     found = _running_in(result, problem) or _as_given(result)
@@ -82,17 +88,27 @@ def _running_in(result: Result, problem: Problem) -> tuple[Array, list[str], Arr
 
 
 def slide_times(problem: Problem, solution: Solution) -> Array:
-    """The start, then times in equal ratios until the last one asked for, or until the punch has run in."""
+    """The start, then times in equal ratios until the last one asked for, or until the punch has
+    run in.
+    """
     assert solution.wear is not None
     done = solution.wear.time_to(0.995)
     first = problem.earliest or 1e-3 * done
-    return np.concatenate([[0.0], np.geomspace(first, max(float(problem.times[-1]), done, 2 * first), COUNT)])
+    return np.concatenate(
+        [[0.0], np.geomspace(first, max(float(problem.times[-1]), done, 2 * first), COUNT)]
+    )
 
 
 def _as_given(result: Result) -> tuple[Array, list[str], Array, Array] | None:
-    """The times asked for, and the steady state, by the first method that gives most of it over more than a few radii."""
+    """The times asked for, and the steady state, by the first method that gives most of it over
+    more than a few radii.
+    """
     scale, problem = Scale(result.scene), result.scene.problem
-    known = [one.results for one in result.solutions.values() if {"profile", "steady_profile"} & set(one.results)]
+    known = [
+        one.results
+        for one in result.solutions.values()
+        if {"profile", "steady_profile"} & set(one.results)
+    ]
     if not known or len(problem.radii) <= 10:
         return None
     best = max(known, key=lambda one: ("profile" in one, "steady_profile" in one))
@@ -101,7 +117,10 @@ def _as_given(result: Result) -> tuple[Array, list[str], Array, Array] | None:
     if "profile" in best:
         times = array(best, "time")
         some = np.unique(np.linspace(0, len(times) - 1, min(len(times), COUNT)).round().astype(int))
-        labels += [f"{scale.when(time * problem.units.time)}{'' if time else ', unworn'}" for time in times[some]]
+        labels += [
+            f"{scale.when(time * problem.units.time)}{'' if time else ', unworn'}"
+            for time in times[some]
+        ]
         profiles += list(array(best, "profile")[some][:, shown])
         pressures += list(array(best, "pressure")[some][:, shown])
     if "steady_profile" in best:

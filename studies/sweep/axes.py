@@ -1,15 +1,16 @@
-"""A sweep file: a base scene, the quantities to keep, and axes of scene keys. Each scene is one point of a labelled grid.
+"""A sweep file.
 
-    base = "five_rings"                                     # a bundled scene, a file, or a table [base]
-    keep = ["steady_rms_slope", "relaxation_time"]          # default: every quantity without radius and ring
-    [axes]                                                  # crossed, each with every other
-    "punch.rings" = [2, 4, 8]
-    "punch.wear_ratio" = { geomspace = [1e-4, 1e4, 81] }    # or linspace
-    [zip]                                                   # columns that go together: one dimension
-    [random]                                                # draws: one dimension `draw`
-    count = 1000
-    seed = 1
-    "punch.width_ratio" = { geomspace = [0.1, 10.0] }       # log-uniform; linspace uniform; a list is drawn from
+A base scene, the quantities to keep, and axes of scene keys. Each scene is one point of a labelled
+grid.
+
+    base = "five_rings"                                     # a bundled scene, a file, or a table
+    [base] keep = ["steady_rms_slope", "relaxation_time"]          # default: every quantity without
+    radius and ring [axes]                                                  # crossed, each with
+    every other "punch.rings" = [2, 4, 8] "punch.wear_ratio" = { geomspace = [1e-4, 1e4, 81] }    #
+    or linspace [zip]                                                   # columns that go together:
+    one dimension [random]                                                # draws: one dimension
+    `draw` count = 1000 seed = 1 "punch.width_ratio" = { geomspace = [0.1, 10.0] }       #
+    log-uniform; linspace uniform; a list is drawn from
 
 A dimension is named as the last part of its key, or by its last two where that name is taken.
 """
@@ -32,18 +33,31 @@ from ..problem.scene import Scene, bundled, declaration
 from .kept import JUDGED, checked_keep
 
 DRAW = "draw"
-RESERVED = {"solver", "time", "radius", "ring", "mode", "state", "status", "reason", "checksum", *JUDGED}
+RESERVED = {
+    "solver",
+    "time",
+    "radius",
+    "ring",
+    "mode",
+    "state",
+    "status",
+    "reason",
+    "checksum",
+    *JUDGED,
+}
 SPACINGS: dict[str, Any] = {"linspace": np.linspace, "geomspace": np.geomspace}
 # a scale to draw uniformly on, and the way back
 DRAWN: dict[str, Any] = {"linspace": (float, float), "geomspace": (np.log, np.exp)}
-# keys that say the same thing in other ways: what an axis gives takes the place of what the base gives
+# keys that say the same thing in other ways: what an axis gives takes the place of what the base
+# gives
 INSTEAD = (
     ({"punch.wear_coefficients"}, {"punch.wear_coefficient", "punch.wear_ratio"}),
     ({"punch.rings", "punch.width_ratio"}, {"punch.ring_edges"}),
     ({"half_space.plane_strain_modulus"}, {"half_space.youngs_modulus"}),
     ({"load.normal_force"}, {"load.mean_pressure"}),
 )
-# values of each axis that are tried before a sweep begins; others that are bad fail as scenes, with the reason
+# values of each axis that are tried before a sweep begins; others that are bad fail as scenes, with
+# the reason
 TRIED = 200
 
 Table = dict[str, Any]
@@ -96,14 +110,23 @@ class Sweep:
 
     @classmethod
     def of(cls, table: Table, name: str = "sweep", beside: Path | None = None) -> Self:
-        """A sweep from nested dictionaries; a base that is a file is sought `beside` another, and where one stands."""
+        """A sweep from nested dictionaries.
+
+        A base that is a file is sought `beside` another, and where one stands.
+        """
         if unknown := sorted(set(table) - {"base", "keep", "axes", "zip", "random"}):
-            raise SceneError(f"{name}: unknown key {unknown[0]}: known here are base, keep, axes, zip and random")
-        table = {"base": _base(table.get("base"), name, beside)} | {key: table[key] for key in table if key != "base"}
+            raise SceneError(
+                f"{name}: unknown key {unknown[0]}: known here are base, keep, axes, zip and random"
+            )
+        table = {"base": _base(table.get("base"), name, beside)} | {
+            key: table[key] for key in table if key != "base"
+        }
         axes = tuple(_axes(table, name))
         if not axes:
             raise SceneError(f"{name}: nothing varies: give [axes], [zip] or [random]")
-        table["base"] = _without_alternatives(table["base"], {key for axis in axes for key in axis.columns}, name)
+        table["base"] = _without_alternatives(
+            table["base"], {key for axis in axes for key in axis.columns}, name
+        )
         sweep = cls(table, axes, (), name)
         sweep._try_out()
         keep = checked_keep(table.get("keep"), sweep.scene((0,) * len(axes)).wear, name)
@@ -147,12 +170,16 @@ class Sweep:
         name = f"{self.name}, {described(changes)}"
         scene = Scene.from_table(table, name)
         if unilateral(scene.punch, scene.load_):
-            raise SceneError(f"{name}: sweeps are over flat punches under a force: leave out punch.recess and "
-                             "punch.profile, and give load.normal_force; or run such scenes one by one")  # fmt: skip
+            raise SceneError(
+                f"{name}: sweeps are over flat punches under a force: leave out punch.recess and "
+                "punch.profile, and give load.normal_force; or run such scenes one by one"
+            )
         return scene
 
     def part(self, bounds: tuple[tuple[int, int], ...]) -> "Sweep":
-        """A box of the grid, by first and last (beyond) place on each axis, as a sweep of its own."""
+        """A box of the grid, by first and last (beyond) place on each axis, as a sweep of
+        its own.
+        """
         axes = (
             Axis(axis.dim, {key: values[first:last] for key, values in axis.columns.items()})
             for axis, (first, last) in zip(self.axes, bounds, strict=True)
@@ -160,7 +187,9 @@ class Sweep:
         return Sweep({"base": self.table["base"]}, tuple(axes), self.keep, self.name)
 
     def coordinates(self) -> Iterator[tuple[str, str, list[Any], str]]:
-        """Name, dimension, values and key of each coordinate; lists and tables are written as text."""
+        """Name, dimension, values and key of each coordinate; lists and tables are written
+        as text.
+        """
         taken = {*RESERVED, *self.dims}
         for axis in self.axes:
             for number, (key, values) in enumerate(axis.columns.items()):
@@ -170,15 +199,22 @@ class Sweep:
                 yield name, axis.dim, values if plain else [str(value) for value in values], key
 
     def _try_out(self) -> None:
-        """Read the first scene, and every other value of each axis beside the first of the others."""
+        """Read the first scene, and every other value of each axis beside the first of the
+        others.
+        """
         for number, axis in enumerate(self.axes):
             for at in range(min(len(axis), TRIED)):
-                _ = self.scene(tuple(at if other == number else 0 for other in range(len(self.axes))))
+                _ = self.scene(
+                    tuple(at if other == number else 0 for other in range(len(self.axes)))
+                )
 
 
 def described(changes: Mapping[str, Any]) -> str:
     """Keys and values in a line."""
-    short = {key: f"{value:.6g}" if isinstance(value, float) else str(value) for key, value in changes.items()}
+    short = {
+        key: f"{value:.6g}" if isinstance(value, float) else str(value)
+        for key, value in changes.items()
+    }
     return ", ".join(f"{key} = {value}" for key, value in short.items())
 
 
@@ -186,7 +222,10 @@ def _base(base: Any, name: str, beside: Path | None) -> Table:
     if isinstance(base, dict):
         return base
     if not isinstance(base, str):
-        raise SceneError(f"{name}: missing key base; give a file, a table [base] or one of {', '.join(bundled())}")
+        raise SceneError(
+            f"{name}: missing key base; give a file, a table [base] or one of "
+            f"{', '.join(bundled())}"
+        )
     near = None if beside is None else beside / base
     return Scene.load(near if near is not None and near.is_file() else base).table()
 
@@ -195,13 +234,18 @@ def _axes(table: Table, name: str) -> Iterator[Axis]:
     taken = set(RESERVED)
     for section in ("axes", "zip", "random"):
         if not isinstance(table.get(section, {}), dict):
-            raise SceneError(f"{name}: {section} = {table[section]!r} is no table of scene keys: give [{section}]")
+            raise SceneError(
+                f"{name}: {section} = {table[section]!r} is no table of scene keys: give "
+                f"[{section}]"
+            )
     for key, values in table.get("axes", {}).items():
         yield _without_twins(Axis(_named(key, taken), {key: _spaced(key, values, name)}), name)
     if columns := {key: _spaced(key, values, name) for key, values in table.get("zip", {}).items()}:
         if len({len(values) for values in columns.values()}) > 1:
             lengths = ", ".join(f"{key} {len(values)}" for key, values in columns.items())
-            raise SceneError(f"{name}: columns of [zip] go together, and must be of one length: {lengths}")
+            raise SceneError(
+                f"{name}: columns of [zip] go together, and must be of one length: {lengths}"
+            )
         yield _without_twins(Axis(_named(next(iter(columns)), taken), columns), name)
     if "random" in table:
         yield _drawn(dict(table["random"]), name)
@@ -210,8 +254,10 @@ def _axes(table: Table, name: str) -> Iterator[Axis]:
 def _without_twins(axis: Axis, name: str) -> Axis:
     """The axis, if no scene on it is there twice."""
     # numbers that are equal, such as 1 and 1.0, give one scene; lists cannot be compared in a set
-    rows = [tuple(str(value) if isinstance(value, list | dict) else value for value in row)
-            for row in zip(*axis.columns.values(), strict=True)]  # fmt: skip
+    rows = [
+        tuple(str(value) if isinstance(value, list | dict) else value for value in row)
+        for row in zip(*axis.columns.values(), strict=True)
+    ]
     if len(set(rows)) < len(rows):
         twin = next(row for number, row in enumerate(rows) if row in rows[:number])
         columns, values = ", ".join(axis.columns), ", ".join(map(str, twin))
@@ -222,7 +268,11 @@ def _without_twins(axis: Axis, name: str) -> Axis:
 def _named(key: str, taken: set[str]) -> str:
     """The last part of a key, or its last two; remembered as taken."""
     parts = key.split(".")
-    found = next(one for one in (parts[-1], "_".join(parts[-2:]), "_".join(parts), f"{key}_") if one not in taken)
+    found = next(
+        one
+        for one in (parts[-1], "_".join(parts[-2:]), "_".join(parts), f"{key}_")
+        if one not in taken
+    )
     taken.add(found)
     return found
 
@@ -237,11 +287,14 @@ def _spaced(key: str, values: Any, name: str) -> list[Any]:
             with np.errstate(all="raise"):
                 spaced = SPACINGS[kind](float(first), float(last), int(count)).tolist()
         except (TypeError, ValueError, FloatingPointError) as error:
-            raise SceneError(f"{name}: {key} = {values}: {error}; give {kind} = [first, last, count]") from None
+            raise SceneError(
+                f"{name}: {key} = {values}: {error}; give {kind} = [first, last, count]"
+            ) from None
         if spaced:
             return _whole(key, spaced)
     raise SceneError(
-        f"{name}: {key} = {values!r}: give a list of values, {{ linspace = [first, last, count] }} or {{ geomspace = ... }}"
+        f"{name}: {key} = {values!r}: give a list of values, {{ linspace = [first, last, count] }} "
+        f"or {{ geomspace = ... }}"
     )
 
 
@@ -249,15 +302,22 @@ def _whole(key: str, values: list[float]) -> list[Any]:
     """Whole numbers where the key wants them and the values are."""
     _, field = declaration(key.split("."))
     wants_whole = field is not None and field.annotation in (int, int | None)
-    return [round(value) for value in values] if wants_whole and all(value == round(value) for value in values) else values
+    return (
+        [round(value) for value in values]
+        if wants_whole and all(value == round(value) for value in values)
+        else values
+    )
 
 
 def _drawn(table: Table, name: str) -> Axis:
     """Values drawn at random, those of each key by a generator of its own."""
     count, seed = table.pop("count", None), table.pop("seed", None)
     if not (isinstance(count, int) and count > 0 and isinstance(seed, int) and seed >= 0):
-        raise SceneError(f"{name}: random.count = {count} and random.seed = {seed}: give how many, and a whole number, 0 or "
-                         "more, that the draws begin from")  # fmt: skip
+        raise SceneError(
+            f"{name}: random.count = {count} and random.seed = {seed}: give how many, and a whole "
+            "number, 0 or "
+            "more, that the draws begin from"
+        )
     columns = {}
     for key, values in table.items():
         generator = np.random.default_rng([seed, *key.encode()])
@@ -267,24 +327,35 @@ def _drawn(table: Table, name: str) -> Axis:
         try:
             ((kind, (first, last)),) = values.items()
             scale, back = DRAWN[kind]
-            columns[key] = [float(back(value)) for value in generator.uniform(scale(first), scale(last), count)]
+            columns[key] = [
+                float(back(value)) for value in generator.uniform(scale(first), scale(last), count)
+            ]
         except (AttributeError, KeyError, TypeError, ValueError):
-            raise SceneError(f"{name}: {key} = {values!r}: to draw from, give a list, {{ linspace = [least, greatest] }} "
-                             "(uniform) or { geomspace = [least, greatest] } (log-uniform)") from None  # fmt: skip
+            raise SceneError(
+                f"{name}: {key} = {values!r}: to draw from, give a list, "
+                f"{{ linspace = [least, greatest] }} "
+                "(uniform) or { geomspace = [least, greatest] } (log-uniform)"
+            ) from None
     if not columns:
         raise SceneError(f"{name}: [random] draws nothing: give scene keys beside count and seed")
     return Axis(DRAW, columns)
 
 
 def _without_alternatives(base: Table, keys: set[str], name: str) -> Table:
-    """The base without what the axes give in another way; two materials stay two, whichever way they are given."""
+    """The base without what the axes give in another way.
+
+    Two materials stay two, whichever way they are given.
+    """
     table = copy.deepcopy(base)
     punch = table.get("punch", {})
     pair = punch.get("wear_coefficients", [])
     if keys & {"punch.wear_ratio", "punch.wear_coefficient"} and pair:
         if len(pair) != 2:
-            raise SceneError(f"{name}: punch.wear_ratio and punch.wear_coefficient vary two materials, and the base gives "
-                             f"{len(pair)} wear_coefficients: give it two")  # fmt: skip
+            raise SceneError(
+                f"{name}: punch.wear_ratio and punch.wear_coefficient vary two materials, and the "
+                "base gives "
+                f"{len(pair)} wear_coefficients: give it two"
+            )
         punch["wear_coefficient"], punch["wear_ratio"] = pair[0], pair[1] / pair[0]
     for these, those in INSTEAD:
         for given, dropped in ((these, those), (those, these)):

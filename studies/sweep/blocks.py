@@ -1,7 +1,9 @@
-"""Blocks of scenes: what is computed at once, written at once and, after an interruption, computed again.
+"""Blocks of scenes.
 
-A block holds all scenes of one geometry, material and accuracy, as far as that is not too many: they share a
-discretisation. So every axis is cut whole or into single values, by what its keys are.
+What is computed at once, written at once and, after an interruption, computed again.
+
+A block holds all scenes of one geometry, material and accuracy, as far as that is not too many:
+they share a discretisation. So every axis is cut whole or into single values, by what its keys are.
 """
 
 from collections.abc import Iterator
@@ -13,8 +15,18 @@ from .axes import Axis, Sweep
 from .layout import Layout
 
 # keys that scenes may differ in and yet share a discretisation: wear, load, time and units
-SHARING = ("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs", "load.", "wear.", "output.", "title")
-# least and most scenes of a block: of closed forms, which take a fraction of a millisecond each; and of any others
+SHARING = (
+    "punch.wear",
+    "punch.radius",
+    "half_space.plane",
+    "half_space.youngs",
+    "load.",
+    "wear.",
+    "output.",
+    "title",
+)
+# least and most scenes of a block: of closed forms, which take a fraction of a millisecond each;
+# and of any others
 OF_CLOSED_FORMS, OF_OTHERS = (256, 1024), (8, 64)
 # most numbers of a block
 NUMBERS = 2**23

@@ -23,4 +23,6 @@ def sweep_text(source: str | Path) -> str:
         known = ", ".join(bundled_sweeps())
         raise SceneError(f"{source}: no such file, and no bundled sweep ({known})") from None
     except (OSError, UnicodeDecodeError) as error:
-        raise SceneError(f"{source} cannot be read: {error}; give a sweep file, TOML in UTF-8") from error
+        raise SceneError(
+            f"{source} cannot be read: {error}; give a sweep file, TOML in UTF-8"
+        ) from error

@@ -88,7 +88,9 @@ def _check_workers(client: Any) -> None:
 
 
 def check_fingerprint(other: str, worker: str) -> None:
-    """Raise SolverError unless a worker computes with the ringwear and the libraries that are here."""
+    """Raise SolverError unless a worker computes with the ringwear and the libraries that
+    are here.
+    """
     if other != fingerprint():
         remedy = f"install the same on it; {KEPT}"
         raise SolverError(f"{worker} has another {differing(other)} than this process: {remedy}")
@@ -104,8 +106,11 @@ def _connected(scheduler: str) -> Iterator[Any]:
     try:
         client = Client(scheduler, timeout=ANSWER, set_as_default=False)
     except (OSError, ValueError) as error:
-        raise SolverError(f"the scheduler {scheduler} does not answer ({error}): start it by `dask scheduler`, or leave "
-                          "out --scheduler to compute here") from error  # fmt: skip
+        raise SolverError(
+            f"the scheduler {scheduler} does not answer ({error}): start it by `dask scheduler`, "
+            "or leave "
+            "out --scheduler to compute here"
+        ) from error
     with client:
         try:
             client.wait_for_workers(1, timeout=ANSWER)

@@ -1,4 +1,7 @@
-"""Compute one block of scenes: those that can share a discretisation share it, and one that fails fails alone."""
+"""Compute one block of scenes.
+
+Those that can share a discretisation share it, and one that fails fails alone.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -59,7 +62,9 @@ def _computed(sweep: Sweep, layout: Layout) -> Outcome:
             reason[number], status[number] = str(error), FAILED
     solutions: dict[int, dict[str, Solution]] = {number: {} for number in scenes}
     for name in layout.solvers:
-        numbers = [number for number in scenes if name in scenes[number][0].methods and not reason[number]]
+        numbers = [
+            number for number in scenes if name in scenes[number][0].methods and not reason[number]
+        ]
         for group in groups([scenes[number][1] for number in numbers]):
             together = [numbers[at] for at in group]
             found = solved(method(name), [scenes[number][1] for number in together])
@@ -75,7 +80,9 @@ def _computed(sweep: Sweep, layout: Layout) -> Outcome:
         for name, solution in solutions[number].items():
             put(values, (number, layout.solvers.index(name)), problem, solution, sweep.keep)
         if len(layout.solvers) > 1:
-            for name, value in worst(problem, list(solutions[number].values()), sweep.keep)._asdict().items():
+            for name, value in (
+                worst(problem, list(solutions[number].values()), sweep.keep)._asdict().items()
+            ):
                 values[name][number] = value
     return Outcome(values, status, reason, FINGERPRINT)
 
@@ -84,13 +91,20 @@ def posed(scene: Scene, keep: tuple[str, ...]) -> Problem:
     """The problem of a scene, asking for what is kept and nothing else."""
     problem = scene.problem
     needed = {quantity for name in keep for quantity in ANSWERS.get(name, (name,))}
-    kept = frozenset(name for name in needed if name == "relaxation_time" or asked_for(scene.wear, name))
+    kept = frozenset(
+        name for name in needed if name == "relaxation_time" or asked_for(scene.wear, name)
+    )
     times = problem.times if kept & HISTORIES else np.empty(0)
-    return replace(problem, quantities=kept, times=times, march=problem.march if len(times) else "modal")
+    return replace(
+        problem, quantities=kept, times=times, march=problem.march if len(times) else "modal"
+    )
 
 
 def solved(one: Method, problems: Sequence[Problem]) -> list[Solution | Failure]:
-    """Each problem's solution, or the reason why it has none: what fails together is tried again by halves."""
+    """Each problem's solution, or the reason why it has none.
+
+    What fails together is tried again by halves.
+    """
     try:
         for problem in problems:
             if refusal := one.refusal(problem):
@@ -100,7 +114,13 @@ def solved(one: Method, problems: Sequence[Problem]) -> list[Solution | Failure]
         if len(problems) > 1:
             if not isinstance(error, RingwearError):
                 kind = type(error).__name__
-                LOG.warning("%8s  %d scenes together: %s: %s; again by halves", one.name, len(problems), kind, error)
+                LOG.warning(
+                    "%8s  %d scenes together: %s: %s; again by halves",
+                    one.name,
+                    len(problems),
+                    kind,
+                    error,
+                )
             half = len(problems) // 2
             return [*solved(one, problems[:half]), *solved(one, problems[half:])]
         if isinstance(error, RingwearError):
@@ -110,8 +130,12 @@ def solved(one: Method, problems: Sequence[Problem]) -> list[Solution | Failure]
 
 
 def put(
-    values: dict[str, Array], place: tuple[int, int], problem: Problem, solution: Solution, keep: tuple[str, ...]
-) -> None:  # fmt: skip
+    values: dict[str, Array],
+    place: tuple[int, int],
+    problem: Problem,
+    solution: Solution,
+    keep: tuple[str, ...],
+) -> None:
     """Put what is kept of one scene by one method in its place, in the scene's units."""
     answers = answer(problem, solution) if ANSWERS.keys() & set(keep) else {}
     found: dict[str, Array] = {}

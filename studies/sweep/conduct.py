@@ -1,4 +1,7 @@
-"""Conduct a sweep, as a command or in Python: blocks that are not finished yet, by processes here or by a Dask cluster."""
+"""Conduct a sweep, as a command or in Python.
+
+Blocks that are not finished yet, by processes here or by a Dask cluster.
+"""
 
 import argparse
 import json
@@ -57,13 +60,17 @@ class Tally:
         seconds, new = time.perf_counter() - self.began, self.finished + self.failed - self.found
         rate = new / seconds if seconds else 0.0
         ahead = f", about {self.left / rate:.0f} s left" if rate and self.left else ""
-        return f"   sweep  {self.finished} finished, {self.failed} failed, {self.left} left; {rate:.3g} scenes/s{ahead}"
+        return (
+            f"   sweep  {self.finished} finished, {self.failed} failed, {self.left} left; "
+            f"{rate:.3g} scenes/s{ahead}"
+        )
 
 
 def conduct(
     store: Store, workers: int = 1, scheduler: str | None = None, retry_failed: bool = False
-) -> Tally:  # fmt: skip
-    """Compute what is not finished in a store, by so many processes or by the Dask cluster of a scheduler.
+) -> Tally:
+    """Compute what is not finished in a store, by so many processes or by the Dask cluster of a
+    scheduler.
 
     Blocks whose worker dies again and again are left, and counted as such.
     """
@@ -96,7 +103,7 @@ def _count(tally: Tally, statuses: Any) -> None:
 
 def _outcomes(
     whole: Sweep, laid_out: Layout, todo: list[Block], workers: int, scheduler: str | None
-) -> Iterator[tuple[Block, Outcome]]:  # fmt: skip
+) -> Iterator[tuple[Block, Outcome]]:
     """Blocks as they are finished."""
     if scheduler is not None:
         yield from compute_on_cluster(scheduler, whole, laid_out, todo)
@@ -111,8 +118,13 @@ Running = dict[Future[Outcome], Block]
 
 
 def _from(
-    executor: Executor, whole: Sweep, laid_out: Layout, todo: list[Block], running: Running, window: int
-) -> Iterator[tuple[Block, Outcome]]:  # fmt: skip
+    executor: Executor,
+    whole: Sweep,
+    laid_out: Layout,
+    todo: list[Block],
+    running: Running,
+    window: int,
+) -> Iterator[tuple[Block, Outcome]]:
     """Blocks from an executor, a few at a time, so that neither work nor results pile up."""
     rest = iter(todo)
     while True:
@@ -120,13 +132,20 @@ def _from(
             running[executor.submit(computed, whole.part(block.bounds), laid_out)] = block
         if not running:
             return
-        for future in sorted(wait(running, return_when=FIRST_COMPLETED).done, key=lambda one: running[one].number):
+        for future in sorted(
+            wait(running, return_when=FIRST_COMPLETED).done, key=lambda one: running[one].number
+        ):
             outcome = future.result()
             yield running.pop(future), outcome
 
 
-def _from_processes(whole: Sweep, laid_out: Layout, todo: list[Block], workers: int) -> Iterator[tuple[Block, Outcome]]:
-    """Blocks from processes on this machine. When one dies they begin anew, and what was running comes last, one by one."""
+def _from_processes(
+    whole: Sweep, laid_out: Layout, todo: list[Block], workers: int
+) -> Iterator[tuple[Block, Outcome]]:
+    """Blocks from processes on this machine.
+
+    When one dies they begin anew, and what was running comes last, one by one.
+    """
     deaths = {block.number: 0 for block in todo}
     while deaths:
         left = [block for block in todo if block.number in deaths]
@@ -135,7 +154,9 @@ def _from_processes(whole: Sweep, laid_out: Layout, todo: list[Block], workers: 
         running: Running = {}
         try:
             with _processes(count) as executor:
-                for block, outcome in _from(executor, whole, laid_out, batch, running, AHEAD * count):
+                for block, outcome in _from(
+                    executor, whole, laid_out, batch, running, AHEAD * count
+                ):
                     del deaths[block.number]
                     yield block, outcome
         except BrokenProcessPool:
@@ -143,7 +164,11 @@ def _from_processes(whole: Sweep, laid_out: Layout, todo: list[Block], workers: 
                 deaths[block.number] += 1
                 if deaths[block.number] == MOST_DEATHS:
                     del deaths[block.number]
-                    LOG.warning("   sweep  %d scenes killed their process %d times: left out", block.count, MOST_DEATHS)
+                    LOG.warning(
+                        "   sweep  %d scenes killed their process %d times: left out",
+                        block.count,
+                        MOST_DEATHS,
+                    )
 
 
 @contextmanager
@@ -164,7 +189,10 @@ def _processes(count: int) -> Iterator[Executor]:
 
 
 def _end_with_the_parent() -> None:
-    """In a process of the pool: Ctrl-C is the parent's affair, and without the parent there is nothing to do."""
+    """In a process of the pool.
+
+    Ctrl-C is the parent's affair, and without the parent there is nothing to do.
+    """
 
     def watch() -> None:
         parent = multiprocessing.parent_process()
@@ -193,23 +221,24 @@ def sweep(
 
     Parameters
     ----------
-    base : the scene that all others are changed from: a Scene, a bundled name, a file or nested dictionaries
-    axes : values of scene keys such as ``"punch.rings"``, each crossed with every other: a list, ``{"linspace": [...]}`` or
-        ``{"geomspace": [first, last, count]}``
+    base : the scene that all others are changed from: a Scene, a bundled name, a file or nested
+        dictionaries
+    axes : values of scene keys such as ``"punch.rings"``, each crossed with every other: a list,
+        ``{"linspace": [...]}`` or ``{"geomspace": [first, last, count]}``
     keep : names of quantities; by default all that need neither radius nor ring
     zip : keys whose values go together
     random : ``count``, ``seed``, and what to draw each key from
     out : directory to keep the store in, readable while it grows; by default results stay in memory
-    workers, scheduler : processes on this machine (in a script, call from under ``if __name__ == "__main__"`` if more than
-        one), or the address of a Dask scheduler
+    workers, scheduler : processes on this machine (in a script, call from under ``if __name__ ==
+        "__main__"`` if more than one), or the address of a Dask scheduler
     resume : go on with what is in `out`
     retry_failed : then try again the scenes that have failed
 
     Returns
     -------
-    Dataset whose dimensions are the axes, then solver, time and so on, in the scenes' own units: the quantities kept, the
-    relative error that each method states of them (``<quantity>_error``), and `status` (1 done, 2 failed) and `reason` of
-    each scene.
+    Dataset whose dimensions are the axes, then solver, time and so on, in the scenes' own units:
+    the quantities kept, the relative error that each method states of them (``<quantity>_error``),
+    and `status` (1 done, 2 failed) and `reason` of each scene.
 
     Raises
     ------
@@ -217,7 +246,12 @@ def sweep(
         if the axes or the base are not understood; single scenes that fail raise nothing
     """
     table: dict[str, Any] = {"base": base.table() if isinstance(base, Scene) else base}
-    given = {"axes": axes, "zip": zip, "random": random, "keep": None if keep is None else list(keep)}
+    given = {
+        "axes": axes,
+        "zip": zip,
+        "random": random,
+        "keep": None if keep is None else list(keep),
+    }
     made = Sweep.of(table | {name: value for name, value in given.items() if value is not None})
     if out is None:
         store = _store(made, None, resume)
@@ -235,7 +269,9 @@ def _store(made: Sweep, directory: Path | None, resume: bool) -> Store:
 
 
 def swept(source: str, out: Path, options: argparse.Namespace) -> tuple[list[str], bool, bool]:
-    """The command: what it found, a line each; whether all scenes are done; whether methods agree."""
+    """The command: what it found, a line each; whether all scenes are done; whether methods
+    agree.
+    """
     from .figure import drawn
 
     made = Sweep.load(source)

@@ -1,4 +1,7 @@
-"""The figure of a map: a heat map of two axes, a family of curves of one and a few, points of random draws."""
+"""The figure of a map.
+
+A heat map of two axes, a family of curves of one and a few, points of random draws.
+"""
 
 from io import BytesIO
 from itertools import islice, product
@@ -11,14 +14,18 @@ from ...meshes.radial import Array
 from ..figures.style import curve, new_figure
 from .axes import DRAW, Sweep
 
-# quantities (rows), further values (columns), and curves that a page holds; an axis of more values wants a map
+# quantities (rows), further values (columns), and curves that a page holds; an axis of more values
+# wants a map
 ROWS, COLUMNS, CURVES = 4, 6, 8
 # greatest over least of values that are drawn on a logarithmic axis
 DECADES = 20.0
 
 
 def drawn(dataset: xarray.Dataset, sweep: Sweep) -> bytes:
-    """The first quantities kept: of histories the end, of relaxation times the slowest, by the first method that has it."""
+    """The first quantities kept.
+
+    Of histories the end, of relaxation times the slowest, by the first method that has it.
+    """
     shown = [part for name in sweep.keep if (part := _of_scenes(dataset, name)) is not None][:ROWS]
     dims: list[Any] = [dim for dim in sweep.dims if dataset.sizes[dim] > 1]
     dims.sort(key=lambda dim: (not _numeric(dataset, dim), -dataset.sizes[dim]))
@@ -40,7 +47,9 @@ def drawn(dataset: xarray.Dataset, sweep: Sweep) -> bytes:
                 _map(axes, dataset, here.transpose(along, across), figure)
             else:
                 _curves(axes, dataset, here, across, along)
-            labels = (f"{dim} = {_short(dataset[dim].values[at])}" for dim, at in chosen.items() if dim)
+            labels = (
+                f"{dim} = {_short(dataset[dim].values[at])}" for dim, at in chosen.items() if dim
+            )
             axes.set_title(", ".join(labels), fontsize=9)
     left = int(np.prod([dataset.sizes[dim] for dim in others if dim])) - len(panels)
     title = dataset.attrs["title"] + (f" ({left} further panels are in the store)" if left else "")
@@ -51,7 +60,10 @@ def drawn(dataset: xarray.Dataset, sweep: Sweep) -> bytes:
 
 
 def _of_scenes(dataset: xarray.Dataset, name: str) -> Any:
-    """One number of each scene, labelled with what it is; None of fields, and where no method gives it."""
+    """One number of each scene, labelled with what it is.
+
+    None of fields, and where no method gives it.
+    """
     part, label = dataset[name], name
     if {"radius", "ring"} & set(part.dims):
         return None
@@ -95,14 +107,18 @@ def _map(axes: Any, dataset: xarray.Dataset, part: xarray.DataArray, figure: Any
     along, across = part.dims
     x, y, values = dataset[across].values, dataset[along].values, part.values
     norm = LogNorm() if _logarithmic(values) else None
-    shades = axes.pcolormesh(x, y, np.ma.masked_invalid(values), shading="nearest", cmap="viridis", norm=norm)
+    shades = axes.pcolormesh(
+        x, y, np.ma.masked_invalid(values), shading="nearest", cmap="viridis", norm=norm
+    )
     _scaled(axes, "x", x)
     _scaled(axes, "y", y)
     axes.set(xlabel=across, ylabel=along)
     figure.colorbar(shades, ax=axes, label=part.name)
 
 
-def _curves(axes: Any, dataset: xarray.Dataset, part: xarray.DataArray, across: Any, along: Any) -> None:
+def _curves(
+    axes: Any, dataset: xarray.Dataset, part: xarray.DataArray, across: Any, along: Any
+) -> None:
     x = dataset[across].values if across else np.zeros(1)
     numeric = bool(np.issubdtype(x.dtype, np.number))
     count = dataset.sizes[along] if along else 1
@@ -122,8 +138,14 @@ def _curves(axes: Any, dataset: xarray.Dataset, part: xarray.DataArray, across: 
         axes.legend(title=along, fontsize=8, title_fontsize=8, frameon=False)
 
 
-def _points(axes: Any, dataset: xarray.Dataset, part: xarray.DataArray, sweep: Sweep, figure: Any) -> None:
-    names = [name for name, dim, *_ in sweep.coordinates() if dim == DRAW and np.issubdtype(dataset[name].dtype, np.number)]
+def _points(
+    axes: Any, dataset: xarray.Dataset, part: xarray.DataArray, sweep: Sweep, figure: Any
+) -> None:
+    names = [
+        name
+        for name, dim, *_ in sweep.coordinates()
+        if dim == DRAW and np.issubdtype(dataset[name].dtype, np.number)
+    ]
     x = dataset[names[0]].values if names else np.arange(dataset.sizes[DRAW])
     if len(names) > 1:
         shades = axes.scatter(x, part.values, s=6, c=dataset[names[1]].values, cmap="viridis")

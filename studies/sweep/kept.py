@@ -8,8 +8,8 @@ from ..problem.sections import WearSection
 if TYPE_CHECKING:
     from ..methods.quantities import Quantity
 
-# answers (`studies/crosscheck/answer.py`) that can be kept, and the quantities that they are found from;
-# methods state no errors of them
+# answers (`studies/crosscheck/answer.py`) that can be kept, and the quantities that they are found
+# from; methods state no errors of them
 ANSWERS = {
     "worn_volume": ("profile",),
     "force_share": ("indentation", "steady_pressure", "steady_displacement_max"),
@@ -19,7 +19,9 @@ ANSWERS = {
 }
 # of scenes that several methods compute, by the quantities kept
 JUDGED = {
-    "disagreement": "greatest difference of two methods over its uncertainty: above 1 they disagree",
+    "disagreement": (
+        "greatest difference of two methods over its uncertainty: above 1 they disagree"
+    ),
     "effectivity": "least error stated, over the error that a far more accurate method shows",
 }
 
@@ -33,7 +35,10 @@ def keepable() -> dict[str, "Quantity"]:
 
 
 def checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
-    """The quantities to keep: those named, or all that need no radius and no ring and that the scene asks for."""
+    """The quantities to keep.
+
+    Those named, or all that need no radius and no ring and that the scene asks for.
+    """
     from ..methods.quantities import HISTORIES
 
     known = keepable()
@@ -41,15 +46,20 @@ def checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
         plain = [name for name in known if not {"radius", "ring"} & set(known[name].dims)]
         return tuple(name for name in plain if name not in ANSWERS and asked_for(wear, name))
     if not (isinstance(keep, list) and keep and all(isinstance(one, str) for one in keep)):
-        raise SceneError(f"{name}: keep = {keep!r}: give a list of quantities, some of {', '.join(known)}")
+        raise SceneError(
+            f"{name}: keep = {keep!r}: give a list of quantities, some of {', '.join(known)}"
+        )
     for one in keep:
         if one not in known:
             raise SceneError(
-                f"{name}: keep names '{one}', which is no quantity of a flat punch: give some of {', '.join(known)}"
+                f"{name}: keep names '{one}', which is no quantity of a flat punch: give some of "
+                f"{', '.join(known)}"
             )
         if not asked_for(wear, one) and one != "relaxation_time":
             missing = "wear.times" if one in HISTORIES or one in ANSWERS else "wear.steady = true"
-            raise SceneError(f"{name}: keep names '{one}', which the base does not ask for: give it {missing}")
+            raise SceneError(
+                f"{name}: keep names '{one}', which the base does not ask for: give it {missing}"
+            )
     return tuple(dict.fromkeys(keep))
 
 

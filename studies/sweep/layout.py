@@ -1,4 +1,7 @@
-"""What the results of all scenes have in common: variables, their shapes, and the axes beyond those of the sweep."""
+"""What the results of all scenes have in common.
+
+Variables, their shapes, and the axes beyond those of the sweep.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,15 +17,25 @@ from .axes import Sweep
 from .kept import ANSWERS, JUDGED, keepable
 
 # keys that leave relaxation times as they are
-OF_ONE_TIME_SCALE = ("load.normal_force", "load.mean_pressure", "accuracy.", "output.", "wear.", "methods",
-                     "title", "units")  # fmt: skip
+OF_ONE_TIME_SCALE = (
+    "load.normal_force",
+    "load.mean_pressure",
+    "accuracy.",
+    "output.",
+    "wear.",
+    "methods",
+    "title",
+    "units",
+)
 # what may become of a scene
 PENDING, DONE, FAILED = 0, 1, 2
 
 
 @dataclass(frozen=True, eq=False)
 class Variable:
-    """A variable of the store: dimensions and shape beyond those of the sweep, and its attributes."""
+    """A variable of the store: dimensions and shape beyond those of the sweep, and its
+    attributes.
+    """
 
     dims: tuple[str, ...]
     shape: tuple[int, ...]
@@ -77,9 +90,14 @@ def layout(sweep: Sweep) -> Layout:
     dims = {dim for name in sweep.keep for dim in known[name].dims}
     keys = {key: values for axis in sweep.axes for key, values in axis.columns.items()}
     _check_times(sweep, dims, keys)
-    if "radius" in dims and (first.output.radii is None or {"output.radii", "punch.radius"} & set(keys)):
-        raise SceneError(f"{sweep.name}: {_needing('radius', sweep)} is kept at radii that all scenes share: give the base "
-                         "output.radii, and vary neither them nor punch.radius")  # fmt: skip
+    if "radius" in dims and (
+        first.output.radii is None or {"output.radii", "punch.radius"} & set(keys)
+    ):
+        raise SceneError(
+            f"{sweep.name}: {_needing('radius', sweep)} is kept at radii that all scenes share: "
+            "give the base "
+            "output.radii, and vary neither them nor punch.radius"
+        )
     rings = [first.punch.rings or len(first.punch.ring_edges or []), *keys.get("punch.rings", [])]
     rings += [len(edges) for edges in keys.get("punch.ring_edges", [])]
     methods = keys.get("methods", [first.methods])
@@ -112,7 +130,10 @@ def layout(sweep: Sweep) -> Layout:
             long_name = ERROR.format(name, NORMS[quantity.norm])
             add(error_name(name), quantity.error_dims, long_name, "number")
     if len(solvers) > 1:
-        variables |= {name: Variable((), (), {"long_name": text, "units": "1"}) for name, text in JUDGED.items()}
+        variables |= {
+            name: Variable((), (), {"long_name": text, "units": "1"})
+            for name, text in JUDGED.items()
+        }
     about = {
         "time": {"long_name": "time of sliding", "units": unit("time")},
         "radius": {"long_name": "distance from the axis", "units": unit("length")},
@@ -123,21 +144,30 @@ def layout(sweep: Sweep) -> Layout:
         about[name] = {"long_name": key}
         if key in KINDS or not any(isinstance(value, str) for value in values):
             about[name]["units"] = unit(KINDS.get(key, "number"))
-    return Layout(solvers, {dim: values for dim, values in coordinates.items() if dim in dims}, about, variables)
+    return Layout(
+        solvers,
+        {dim: values for dim, values in coordinates.items() if dim in dims},
+        about,
+        variables,
+    )
 
 
 def _check_times(sweep: Sweep, dims: set[str], keys: dict[str, list[Any]]) -> None:
     """Refuse what is kept over times that scenes do not share."""
     if "time" in dims and "wear.times" in keys:
-        raise SceneError(f"{sweep.name}: wear.times varies, and {_needing('time', sweep)} is kept: give one list")
+        raise SceneError(
+            f"{sweep.name}: wear.times varies, and {_needing('time', sweep)} is kept: give one list"
+        )
     times = [sweep.table["base"].get("wear", {}).get("times"), *keys.get("wear.times", [])]
     counted = any(isinstance(value, str | dict) for value in times)
     kept = [name for name in sweep.keep if "time" in keepable()[name].dims or name == "worn_volume"]
     varied = [key for key in keys if not key.startswith(OF_ONE_TIME_SCALE)]
     if counted and kept and varied:
         remedy = "give wear.times as numbers, or keep only what is not over time"
-        raise SceneError(f"{sweep.name}: wear.times counts relaxation times, which {varied[0]} may change, "
-                         f"and {kept[0]} is kept at times that all scenes share: {remedy}")  # fmt: skip
+        raise SceneError(
+            f"{sweep.name}: wear.times counts relaxation times, which {varied[0]} may change, "
+            f"and {kept[0]} is kept at times that all scenes share: {remedy}"
+        )
 
 
 def _needing(dim: str, sweep: Sweep) -> str:

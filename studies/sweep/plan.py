@@ -1,4 +1,7 @@
-"""What a sweep will take, before it does: seconds, memory of a worker, bytes of the store; from a sample of its blocks."""
+"""What a sweep will take, before it does.
+
+Seconds, memory of a worker, bytes of the store; from a sample of its blocks.
+"""
 
 from dataclasses import dataclass
 from math import ceil, prod
@@ -20,10 +23,11 @@ from .layout import layout
 
 # blocks that a plan looks into
 SAMPLED = 40
-# seconds that a scene takes itself where it has no history: closed forms; else a start, and by the square of its pressures
-# (measured; `README.md`)
+# seconds that a scene takes itself where it has no history: closed forms; else a start, and by the
+# square of its pressures (measured; `README.md`)
 CLOSED, SCENE, SQUARE = 7e-4, 3e-3, 3e-7
-# of the modes of a history, what those of one compliance are; seconds of a scene that shares them: a start, by its pressures
+# of the modes of a history, what those of one compliance are; seconds of a scene that shares them:
+# a start, by its pressures
 ONE, TOGETHER, PRESSURE = 0.4, 1.2e-2, 7e-5
 # seconds and bytes to write a block, per variable, and to label a scene
 WRITTEN, CHUNK = 1.5e-3, 200
@@ -62,7 +66,8 @@ class Plan:
         return [
             f"{self.scenes} scenes in {self.blocks} blocks: about {time} by {workers} processes, "
             f"{100 * self.shared / self.seconds:.0f} % of it for discretisations that scenes share",
-            f"{self.memory:.2g} GiB for each process; a store of at most {self.size / 2**20:.3g} MiB",
+            f"{self.memory:.2g} GiB for each process; a store of at most {self.size / 2**20:.3g} "
+            "MiB",
         ]
 
 

@@ -1,4 +1,7 @@
-"""A finished map in a page: how many scenes failed and why, where methods disagree most, and how honest their errors are."""
+"""A finished map in a page.
+
+How many scenes failed and why, where methods disagree most, and how honest their errors are.
+"""
 
 from collections import Counter
 from typing import Any
@@ -15,7 +18,9 @@ REASONS = 10
 
 
 def summary(dataset: xarray.Dataset, sweep: Sweep) -> dict[str, Any]:
-    """Numbers of scenes, the commonest reasons of failures, greatest disagreement and least effectivity, each with where."""
+    """Numbers of scenes, the commonest reasons of failures, greatest disagreement and least
+    effectivity, each with where.
+    """
     status = dataset["status"].values
     found: dict[str, Any] = {
         "scenes": sweep.count,
@@ -30,13 +35,17 @@ def summary(dataset: xarray.Dataset, sweep: Sweep) -> dict[str, Any]:
         greatest, where = _greatest(values, sweep)
         found["greatest_disagreement"] = {"over_uncertainty": greatest, "scene": where}
         found["disagreeing"] = int(np.sum(values > 1))
-        conclusions.append(f"methods disagree in {found['disagreeing']} scenes; greatest difference over its uncertainty: "
-                           f"{greatest:.2g}, at {where}")  # fmt: skip
+        conclusions.append(
+            f"methods disagree in {found['disagreeing']} scenes; greatest difference over its "
+            "uncertainty: "
+            f"{greatest:.2g}, at {where}"
+        )
     if "effectivity" in dataset and np.isfinite(values := dataset["effectivity"].values).any():
         least, where = _greatest(-values, sweep)
         found["least_effectivity"] = {"stated_over_error": -least, "scene": where}
         conclusions.append(
-            f"least error stated, over the one that a far more accurate method shows: {-least:.2g}, at {where}"
+            "least error stated, over the one that a far more accurate method shows: "
+            f"{-least:.2g}, at {where}"
         )
     return found | {"conclusions": conclusions}
 

@@ -1,9 +1,12 @@
-"""Archard's wear on any compliance: exact in time by modes, or marched in steps (Eqs. 12 to 17). Non-dimensional.
+"""Archard's wear on any compliance.
 
-In full contact the pressure is affine in the profile, and with the wear rate ``k p`` continuous (which it is for
-every t > 0) the history obeys ``A p' = d' b - K p``, ``b . p = F``, with the mass matrix `K` of weight `k`. Its
-deviation from the steady state decays in modes of the pencil (A, K) on the pressures that carry no force, whose
-eigenvalues are the relaxation times. A flat start never loses contact, so no inequality is enforced.
+Exact in time by modes, or marched in steps (Eqs. 12 to 17). Non-dimensional.
+
+In full contact the pressure is affine in the profile, and with the wear rate ``k p`` continuous
+(which it is for every t > 0) the history obeys ``A p' = d' b - K p``, ``b . p = F``, with the mass
+matrix `K` of weight `k`. Its deviation from the steady state decays in modes of the pencil (A, K)
+on the pressures that carry no force, whose eigenvalues are the relaxation times. A flat start never
+loses contact, so no inequality is enforced.
 """
 
 from collections.abc import Callable
@@ -32,9 +35,9 @@ from .modes import (
 )
 from .shared_modes import SharedModes, steady_rate
 
-# smallest element, or first time, above which eigenvalues are as good as singular values, at a quarter of the time
-# (measured: no digit of indentation, relaxation time or slope differs from rtol 1e-3 to 1e-9). Below it the stiff modes
-# would be lost to roundoff of the slowest
+# smallest element, or first time, above which eigenvalues are as good as singular values, at a
+# quarter of the time (measured: no digit of indentation, relaxation time or slope differs from rtol
+# 1e-3 to 1e-9). Below it the stiff modes would be lost to roundoff of the slowest
 GENTLEST = 1e-10
 
 # (state, step, how many) -> (state, wear of each unknown in between)
@@ -43,9 +46,11 @@ Advance = Callable[[Array, float, int], tuple[Array, Array]]
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """Pressures and profiles (T, size) as coefficients on the pressure space, and indentations (T,).
+    """Pressures and profiles (T, size) as coefficients on the pressure space, and indentations
+    (T,).
 
-    The flat start, if it is among the times, has a pressure of its own, whose coefficients are its projection.
+    The flat start, if it is among the times, has a pressure of its own, whose coefficients are its
+    projection.
     """
 
     times: Array
@@ -55,7 +60,13 @@ class History:
     flat: FlatStart | None = None
 
     def __getitem__(self, which: Indices) -> "History":
-        return History(self.times[which], self.pressure[which], self.profile[which], self.indentation[which], self.flat)
+        return History(
+            self.times[which],
+            self.pressure[which],
+            self.profile[which],
+            self.indentation[which],
+            self.flat,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +77,10 @@ class RunningIn:
     ----------
     compliance : of the half-space
     wear_coefficients : (N,) of the rings of its pressure space
-    earliest : time > 0 before which no history is wanted, so that a large punch needs few of its modes; 0: all of them
-    shared : the span of the histories of punches that differ in wear alone; its modes stand for those of this one
+    earliest : time > 0 before which no history is wanted, so that a large punch needs few of its
+        modes; 0: all of them
+    shared : the span of the histories of punches that differ in wear alone; its modes stand for
+        those of this one
     """
 
     compliance: Compliance
@@ -105,7 +118,11 @@ class RunningIn:
     def _mass(self) -> csr_matrix:
         if self.shared is not None:
             return self.shared.mass(self.wear_coefficients)
-        return self._to_pressure.T @ self.compliance.space.mass(self.wear_coefficients) @ self._to_pressure
+        return (
+            self._to_pressure.T
+            @ self.compliance.space.mass(self.wear_coefficients)
+            @ self._to_pressure
+        )
 
     @cached_property
     def _mass_factor(self) -> BandedCholesky:
@@ -117,8 +134,13 @@ class RunningIn:
 
     @property
     def gentle(self) -> bool:
-        """Whether eigenvalues will do: what relaxes before the first time is not felt, and need not be known."""
-        return max(float(np.diff(self.compliance.space.breakpoints).min()), self.earliest) > GENTLEST
+        """Whether eigenvalues will do.
+
+        What relaxes before the first time is not felt, and need not be known.
+        """
+        return (
+            max(float(np.diff(self.compliance.space.breakpoints).min()), self.earliest) > GENTLEST
+        )
 
     @cached_property
     def _modes(self) -> Modes:
@@ -129,18 +151,26 @@ class RunningIn:
         gentle = large or self.gentle
         if self.earliest and large:
             try:
-                return excited_modes(self._energy, self._mass_factor, self._weights, moments, self.earliest)
+                return excited_modes(
+                    self._energy, self._mass_factor, self._weights, moments, self.earliest
+                )
             except TooEarlyError:
                 if len(moments) > LARGEST:
                     raise
                 gentle = False
-        return every_mode(self._energy, self._factor, self._mass_factor, self._weights, moments, gentle)
+        return every_mode(
+            self._energy, self._factor, self._mass_factor, self._weights, moments, gentle
+        )
 
     @property
     def share_of_modes(self) -> float:
-        """The share of the flat start that the modes have, by the squares of what they displace: 1 if none is lost."""
+        """The share of the flat start that the modes have, by the squares of what they displace.
+
+        1 if none is lost.
+        """
         moments, steady = (
-            self._mass_factor.forward(right) for right in (self._to_pressure.T @ self.steady.moments, self._weights)
+            self._mass_factor.forward(right)
+            for right in (self._to_pressure.T @ self.steady.moments, self._weights)
         )
         whole = moments @ moments - (moments @ steady) ** 2 / (steady @ steady)
         return float(np.sum((self._modes.amplitudes * self._modes.relaxation) ** 2) / whole)
@@ -151,7 +181,8 @@ class RunningIn:
         return self._modes.relaxation[: self._modes.exact]
 
     def left(self, times: Array) -> Array:
-        """(T,) share of its way from the flat start to the steady state that the approach ``d(t) - w t`` has yet to make.
+        """(T,) share of its way from the flat start to the steady state that the approach ``d(t) -
+        w t`` has yet to make.
 
         It is a sum of decaying exponentials, all positive.
         """
@@ -159,7 +190,10 @@ class RunningIn:
         return np.asarray(np.exp(-times[:, None] / self._modes.relaxation) @ ways / ways.sum())
 
     def time_to(self, share: float) -> float:
-        """Time after which the approach, less steady wear, has made a share of its way; there is one such time."""
+        """Time after which the approach, less steady wear, has made a share of its way.
+
+        There is one such time.
+        """
         # the slowest mode alone would take longest
         earlier, later = 0.0, float(self._modes.relaxation[0]) * np.log(1 / (1 - share))
         for _ in range(60):
@@ -178,19 +212,26 @@ class RunningIn:
     def modal(self, times: Array) -> History:
         """The exact history at any times from `earliest` on, none of which depends on another."""
         if (times[times > 0] < self.earliest * (1 - 1e-12)).any():
-            raise SceneError(f"this history was prepared for times from {self.earliest:.3g} on; prepare it for all of them")
+            raise SceneError(
+                f"this history was prepared for times from {self.earliest:.3g} on; prepare it for "
+                "all of them"
+            )
         modes = self._modes
         rates, displaced = self._sums(np.exp(-times[:, None] / modes.relaxation) * modes.amplitudes)
         pressure = self.steady.pressure + rates @ self._to_pressure.T
         indentation = self.steady.wear_rate * times + pressure @ self.steady.moments
         # f = d - u: slopes of small elements would show the roundoff of a sum of what wore
-        gap = np.outer(indentation, self._weights) - (self.steady.moments @ self._to_pressure + displaced)
+        gap = np.outer(indentation, self._weights) - (
+            self.steady.moments @ self._to_pressure + displaced
+        )
         profile = self._mass_factor.solve(gap.T).T @ self._to_profile.T
         profile[times == 0] = 0.0
         return self._from_flat(History(times, pressure, profile, indentation))
 
     def _sums(self, shares: Array) -> tuple[Array, Array]:
-        """(T, n) wear rates that are sums of modes by (T, m) shares, and what they displace, against each."""
+        """(T, n) wear rates that are sums of modes by (T, m) shares, and what they displace,
+        against each.
+        """
         within = shares @ self._modes.shapes.T
         if self.shared is not None:
             moments = within @ self.shared.moments(self.wear_coefficients).T @ self._to_pressure
@@ -198,23 +239,32 @@ class RunningIn:
         return within, within @ self._energy
 
     def rates(self, times: Array) -> Array:
-        """(n, T + SHOWN) wear rates, less the steady one, at times, and those of the slowest modes."""
+        """(n, T + SHOWN) wear rates, less the steady one, at times, and those of the
+        slowest modes.
+        """
         modes = self._modes
         left = np.exp(-times[:, None] / modes.relaxation) * modes.amplitudes
         return np.column_stack([self._sums(left)[0].T, modes.shapes[:, :SHOWN]])
 
     def left_out(self, times: Array) -> float:
-        """The greatest share of the wear rate at times > 0 that shared modes leave out, in the root of the mean square.
+        """The greatest share of the wear rate at times > 0 that shared modes leave out, in the root
+        of the mean square.
 
-        It shows in two ways to the profile: what the half-space leaves of the indentation, and the sum of what wore.
+        It shows in two ways to the profile: what the half-space leaves of the indentation, and the
+        sum of what wore.
         """
         modes, steady = self._modes, self.steady.wear_rate * steady_rate(self.compliance)
         decay = np.exp(-times[:, None] / modes.relaxation)
         rate = steady + self._sums(decay * modes.amplitudes)[0]
-        worn = steady * times[:, None] + self._sums((1 - decay) * modes.amplitudes * modes.relaxation)[0]
+        worn = (
+            steady * times[:, None]
+            + self._sums((1 - decay) * modes.amplitudes * modes.relaxation)[0]
+        )
         lost = (self.modal(times).profile - worn @ self._to_profile.T) / times[:, None]
         mass = self.compliance.space.mass(1 / self.wear_coefficients)
-        lost, rate = (np.sum(one * (mass @ one.T).T, axis=1) for one in (lost, rate @ self._to_profile.T))
+        lost, rate = (
+            np.sum(one * (mass @ one.T).T, axis=1) for one in (lost, rate @ self._to_profile.T)
+        )
         return float(np.sqrt((lost / rate).max()))
 
     def _from_flat(self, history: History) -> History:
@@ -238,7 +288,9 @@ class RunningIn:
         return float(2 * whole.relaxation_times[-1])
 
     def implicit(self, times: Array, step: float) -> History:
-        """Implicit Euler, equal steps of at most `step` between output times: stable, first order."""
+        """Implicit Euler, equal steps of at most `step` between output times: stable, first
+        order.
+        """
 
         def advance(state: Array, dt: float, count: int) -> tuple[Array, Array]:
             factor = cho_factor(energy + dt * mass)
@@ -246,7 +298,9 @@ class RunningIn:
             worn = np.zeros_like(state)
             for _ in range(count):
                 trial = cho_solve(factor, energy @ state)
-                state = trial + by_weights * (1 - self._weights @ trial) / (self._weights @ by_weights)
+                state = trial + by_weights * (1 - self._weights @ trial) / (
+                    self._weights @ by_weights
+                )
                 worn += dt * state
             return state, worn
 
@@ -254,7 +308,9 @@ class RunningIn:
         return self._marched(times, step, advance)
 
     def explicit(self, times: Array, step: float) -> History:
-        """Explicit Euler (Eqs. 14 to 17 on this compliance): first order, stable up to `stability_limit`.
+        """Explicit Euler (Eqs.
+
+        14 to 17 on this compliance): first order, stable up to `stability_limit`.
 
         Raises
         ------
@@ -264,8 +320,10 @@ class RunningIn:
         limit = self.stability_limit()
         if step > limit:
             raise SceneError(
-                f"the explicit march is unstable: its step is {step / limit:.3g} times the stability limit; give a smaller "
-                "wear.step, march = 'modal' (exact in time, no step), or the method mdr-grid, whose grid is coarse"
+                f"the explicit march is unstable: its step is {step / limit:.3g} times the "
+                "stability limit; give a smaller "
+                "wear.step, march = 'modal' (exact in time, no step), or the method mdr-grid, "
+                "whose grid is coarse"
             )
         energy = cho_factor(self._energy)
         by_weights = cho_solve(energy, self._weights)
@@ -283,7 +341,9 @@ class RunningIn:
 
     def _marched(self, times: Array, step: float, advance: Advance) -> History:
         steps = steps_between(times, step)
-        if refusal := refused_steps(float(steps.sum()), "give a larger wear.step, or march = 'modal'"):
+        if refusal := refused_steps(
+            float(steps.sum()), "give a larger wear.step, or march = 'modal'"
+        ):
             raise SceneError(refusal)
         state, worn, now = self._start, np.zeros_like(self._start), 0.0
         states, profiles = [], []
@@ -293,9 +353,14 @@ class RunningIn:
                 worn, now = worn + more, time
             states.append(state)
             profiles.append(worn)
-        pressure, profile = np.array(states) @ self._to_pressure.T, np.array(profiles) @ self._to_profile.T
+        pressure, profile = (
+            np.array(states) @ self._to_pressure.T,
+            np.array(profiles) @ self._to_profile.T,
+        )
         # force balance against the steady pressures: d F = p_s . A p + int f p_s dA
-        indentation = pressure @ self.steady.moments + np.array(profiles) @ (self._weights * self.steady.wear_rate)
+        indentation = pressure @ self.steady.moments + np.array(profiles) @ (
+            self._weights * self.steady.wear_rate
+        )
         return self._from_flat(History(times, pressure, profile, indentation))
 
     def history(self, times: Array, march: str = "modal", step: float | None = None) -> History:

@@ -1,10 +1,11 @@
 """Press a punch on any compliance: the flat start and the steady state. Non-dimensional, force 1.
 
-The flat start is sought among pressures that suit it, ``p = sum_j c_j P_2j(t) / t`` with
-``t = sqrt(1 - r^2)`` and Legendre polynomials `P_2j`: infinite at the rim as a root, and smooth
+The flat start is sought among pressures that suit it, ``p = sum_j c_j P_2j(t) / t`` with ``t =
+sqrt(1 - r^2)`` and Legendre polynomials `P_2j`: infinite at the rim as a root, and smooth
 elsewhere. Ring edges are not felt before anything has worn, and the small elements beside them,
 which later times need, would lose the start to roundoff. The exact compliance of the half-space is
-diagonal on these functions, and only the first of them carries force (tests/test_flat_punch.py).
+diagonal on these functions, and only the first of them carries force
+(tests/physics/test_flat_punch.py).
 """
 
 from dataclasses import dataclass
@@ -21,10 +22,11 @@ from ...meshes.pressure_space import PressureSpace, shapes
 from ...meshes.radial import Array, unit_gauss
 from .modes import BandedCholesky
 
-# functions that the start is sought among, where the space is not too small for them: what a compliance adds to the first is
-# an error of its own
+# functions that the start is sought among, where the space is not too small for them: what a
+# compliance adds to the first is an error of its own
 FUNCTIONS = 3
-# Gauss points of an element beyond its degree: the root is one element away, where each point gains a factor of seven
+# Gauss points of an element beyond its degree: the root is one element away, where each point gains
+# a factor of seven
 MORE_POINTS = 24
 
 
@@ -47,7 +49,9 @@ class FlatStart:
         """Return the pressures at radii (R,); infinite at the rim."""
         root = np.sqrt((1 - radii) * (1 + radii))
         with np.errstate(divide="ignore"):
-            return np.asarray(_even_legendre(root, len(self.coefficients)) @ self.coefficients / root)
+            return np.asarray(
+                _even_legendre(root, len(self.coefficients)) @ self.coefficients / root
+            )
 
     def ring_forces(self, ring_edges: Array) -> Array:
         """Return the force on each of the N rings between edges (N+1,)."""
@@ -75,14 +79,18 @@ def flat_start(compliance: Compliance) -> FlatStart:
     try:
         solution = cho_solve(cho_factor(displaced.T @ displaced), forces)
     except np.linalg.LinAlgError as error:
-        raise SolverError(f"the compliance is not positive definite: {error}; ask for less extreme sizes") from error
+        raise SolverError(
+            f"the compliance is not positive definite: {error}; ask for less extreme sizes"
+        ) from error
     softness = forces @ solution
     coefficients = solution / softness
     return FlatStart(coefficients, projected @ coefficients, float(1 / softness))
 
 
 class FlatPress(NamedTuple):
-    """A flat punch on a pressure space: coefficients (size,) of the pressure, and the indentation."""
+    """A flat punch on a pressure space: coefficients (size,) of the pressure, and the
+    indentation.
+    """
 
     pressure: Array
     indentation: float
@@ -92,8 +100,8 @@ class FlatPress(NamedTuple):
 def press_flat(compliance: Compliance) -> FlatPress:
     """Press a flat punch by the pressures of the space itself, continuous across ring edges.
 
-    Studies of spaces and meshes look at it: it shows what elements at the rim can hold. Smaller elements elsewhere make it
-    worse by roundoff; the start of a history is `flat_start`.
+    Studies of spaces and meshes look at it: it shows what elements at the rim can hold. Smaller
+    elements elsewhere make it worse by roundoff; the start of a history is `flat_start`.
 
     Raises
     ------
@@ -105,7 +113,9 @@ def press_flat(compliance: Compliance) -> FlatPress:
     try:
         solution = cho_solve(cho_factor(continuous.T @ compliance.matrix @ continuous), weights)
     except np.linalg.LinAlgError as error:
-        raise SolverError(f"the compliance is not positive definite: {error}; ask for less extreme sizes") from error
+        raise SolverError(
+            f"the compliance is not positive definite: {error}; ask for less extreme sizes"
+        ) from error
     softness = weights @ solution
     return FlatPress(continuous @ solution / softness, float(1 / softness))
 
@@ -118,7 +128,8 @@ def _even_legendre(root: Array, count: int) -> Array:
 def _moments(space: PressureSpace, count: int) -> Array:
     """Return ``int phi_i P_2j(t) / t dA``, (size, count).
 
-    At the rim `t` itself is the variable of integration, ``r dr = -t dt``, in which nothing is singular.
+    At the rim `t` itself is the variable of integration, ``r dr = -t dt``, in which nothing is
+    singular.
     """
     node, weight = unit_gauss(space.top + MORE_POINTS)
     inner, size = space.breakpoints[:-1, None], np.diff(space.breakpoints)[:, None]
@@ -131,7 +142,13 @@ def _moments(space: PressureSpace, count: int) -> Array:
     weights[-1] = 2 * np.pi * weight * greatest
     distance = root[-1] ** 2 / (1 + np.sqrt((1 - root[-1]) * (1 + root[-1])))
     local[-1] = 1 - 2 * distance / size[-1]
-    values = np.einsum("eq,eqj,eqi->eij", weights, _even_legendre(root, count), shapes(local, space.top), optimize=True)
+    values = np.einsum(
+        "eq,eqj,eqi->eij",
+        weights,
+        _even_legendre(root, count),
+        shapes(local, space.top),
+        optimize=True,
+    )
     moments = np.zeros((space.size + 1, count))
     np.add.at(moments, space.dofs, values)
     return moments[:-1]
@@ -139,7 +156,9 @@ def _moments(space: PressureSpace, count: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class SteadyState:
-    """The state that wear tends to (Eqs. 23 to 27): one wear rate everywhere, and the displacement that it makes.
+    """The state that wear tends to (Eqs.
+
+    23 to 27): one wear rate everywhere, and the displacement that it makes.
 
     Parameters
     ----------
@@ -155,9 +174,15 @@ class SteadyState:
 
 
 def steady_state(
-    compliance: Compliance, wear_coefficients: Array, mass: BandedCholesky, softness: Array | None = None
-) -> SteadyState:  # fmt: skip
-    """No march: the forces of the rings add up to one; the displacement is projected by the `mass`, of weight `k`.
+    compliance: Compliance,
+    wear_coefficients: Array,
+    mass: BandedCholesky,
+    softness: Array | None = None,
+) -> SteadyState:
+    """No march.
+
+    The forces of the rings add up to one; the displacement is projected by the `mass`, of weight
+    `k`.
 
     `softness` is the compliance times the pressures of the wear rate 1, where it is known.
     """
@@ -165,6 +190,10 @@ def steady_state(
     pressure = space.ring_indicator() @ (1 / wear_coefficients)
     wear_rate = 1 / (space.weights @ pressure)
     pressure *= wear_rate
-    moments = compliance.factor.T @ (compliance.factor @ pressure) if softness is None else wear_rate * softness
+    moments = (
+        compliance.factor.T @ (compliance.factor @ pressure)
+        if softness is None
+        else wear_rate * softness
+    )
     displacement = space.joined() @ mass.solve(space.joined(wear_coefficients).T @ moments)
     return SteadyState(pressure, displacement, moments, float(wear_rate))

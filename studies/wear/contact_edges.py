@@ -1,4 +1,7 @@
-"""Where contact is: intervals of the radius by the nodes that carry, and cells fine enough for where it begins."""
+"""Where contact is.
+
+Intervals of the radius by the nodes that carry, and cells fine enough for where it begins.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,11 +19,14 @@ from .unilateral import Contact, Interval, Load, Mask, Press
 
 # cells that the narrowest first contact should have, and looks at finer and finer cells for that
 ENOUGH, LOOKS = 12, 24
-# times the cells of the face that narrow first contacts may take, and the fastest they may grow beside them
+# times the cells of the face that narrow first contacts may take, and the fastest they may grow
+# beside them
 MOST, WIDEST = 5, 0.3
-# of the indentation, by which a part of the face may be in the half-space that cells are too wide to feel
+# of the indentation, by which a part of the face may be in the half-space that cells are too wide
+# to feel
 UNFELT = 1e-3
-# nodes from the edge of a worn face from which its worn depth is extrapolated: nearer, the cells are felt
+# nodes from the edge of a worn face from which its worn depth is extrapolated: nearer, the cells
+# are felt
 NEAR, FAR = 2, 4
 
 
@@ -34,7 +40,10 @@ def nodes(space: PressureSpace) -> tuple[Array, Indices]:
 
 
 def contact_runs(contact: Mask, broken: Mask) -> list[tuple[int, int]]:
-    """First and last node of every run of nodes in contact; `broken` (size - 1,) parts a node from the next."""
+    """First and last node of every run of nodes in contact.
+
+    `broken` (size - 1,) parts a node from the next.
+    """
     inside = np.flatnonzero(contact)
     if not len(inside):
         return []
@@ -43,8 +52,13 @@ def contact_runs(contact: Mask, broken: Mask) -> list[tuple[int, int]]:
     return list(zip(starts.tolist(), inside[np.append(ends, True)].tolist(), strict=True))
 
 
-def first_intervals(space: PressureSpace, contact: Mask, profile: InitialProfile) -> tuple[Interval, ...]:
-    """Intervals of an unworn face, cut where it has a step: beside one that falls away, pressures are infinite."""
+def first_intervals(
+    space: PressureSpace, contact: Mask, profile: InitialProfile
+) -> tuple[Interval, ...]:
+    """Intervals of an unworn face, cut where it has a step.
+
+    Beside one that falls away, pressures are infinite.
+    """
     radius, ring = nodes(space)
     at_edge = np.diff(ring) > 0
     step = np.zeros(space.size - 1)
@@ -69,7 +83,10 @@ def _end(radius: Array, step: Array, node: int, way: int) -> tuple[float, bool]:
 
 
 def located(
-    compliance: Callable[[PressureSpace], Compliance], profile: InitialProfile, load: Load, cells: ContactCells
+    compliance: Callable[[PressureSpace], Compliance],
+    profile: InitialProfile,
+    load: Load,
+    cells: ContactCells,
 ) -> tuple[tuple[Interval, ...], ContactCells]:
     """Where contact begins, and cells with a spot wherever it begins on a narrow part of the face.
 
@@ -85,14 +102,22 @@ def located(
         intervals = first_intervals(space, press.contact, profile)
         # between corners of the face, at ring edges, cells are small enough
         spreading = [one for one in intervals if one.inner_free or one.outer_free]
-        unfelt = _unfelt(space, splu(space.mass().tocsc()).solve(matrix @ press.pressure), press, profile)
+        unfelt = _unfelt(
+            space, splu(space.mass().tocsc()).solve(matrix @ press.pressure), press, profile
+        )
         found = _with_spots(cells, [(one.inner, one.outer) for one in spreading] + unfelt, most)
         if found is None:
             # rough: more parts, or narrower ones, than cells can be made for
             return intervals, cells
         # nodes that carry, of each part of the contact: as many as say how wide it is
-        narrowest = min((int((press.contact & (radius >= one.inner) & (radius <= one.outer)).sum())
-                         for radius in [nodes(space)[0]] for one in spreading), default=ENOUGH)  # fmt: skip
+        narrowest = min(
+            (
+                int((press.contact & (radius >= one.inner) & (radius <= one.outer)).sum())
+                for radius in [nodes(space)[0]]
+                for one in spreading
+            ),
+            default=ENOUGH,
+        )
         if narrowest >= min(ENOUGH, 0.5 / found.spread) and not unfelt:
             return intervals, found
         if any(_same_spots(found, earlier) for earlier in seen):
@@ -102,10 +127,16 @@ def located(
     return intervals, cells
 
 
-def _with_spots(cells: ContactCells, narrow: list[tuple[float, float]], most: int) -> ContactCells | None:
-    """Cells with a spot at each of some narrow parts, which spread as slowly as so many cells allow; None if they do not."""
+def _with_spots(
+    cells: ContactCells, narrow: list[tuple[float, float]], most: int
+) -> ContactCells | None:
+    """Cells with a spot at each of some narrow parts, which spread as slowly as so many cells
+    allow; None if they do not.
+    """
     while cells.spread < WIDEST:
-        spots = tuple((inner, outer, max(cells.spread * (outer - inner), 1e-9)) for inner, outer in narrow)
+        spots = tuple(
+            (inner, outer, max(cells.spread * (outer - inner), 1e-9)) for inner, outer in narrow
+        )
         found = replace(cells, spots=spots)
         if len(found.breakpoints()) <= most:
             return found
@@ -122,11 +153,16 @@ def _same_spots(one: ContactCells, other: ContactCells) -> bool:
     return all(move[:2].max() < size for move, size in zip(moved, sizes, strict=True))
 
 
-def _unfelt(space: PressureSpace, displacement: Array, press: Press, profile: InitialProfile) -> list[tuple[float, float]]:
+def _unfelt(
+    space: PressureSpace, displacement: Array, press: Press, profile: InitialProfile
+) -> list[tuple[float, float]]:
     """Where the face is in the half-space between nodes that do not carry: on less than a cell."""
     radii, heights = profile.sampled()
     carries = space.matrix(radii) @ press.contact > 0
-    inside = (space.matrix(radii) @ displacement + heights - press.indentation < -UNFELT * press.indentation) & ~carries
+    inside = (
+        space.matrix(radii) @ displacement + heights - press.indentation
+        < -UNFELT * press.indentation
+    ) & ~carries
     last = len(radii) - 1
     runs = contact_runs(inside, np.zeros(last, dtype=bool))
     return [(float(radii[max(a - 1, 0)]), float(radii[min(b + 1, last)])) for a, b in runs]
@@ -135,14 +171,16 @@ def _unfelt(space: PressureSpace, displacement: Array, press: Press, profile: In
 def worn_edges(space: PressureSpace, contact: Mask, integral: Array) -> list[tuple[float, float]]:
     """Inner and outer radius of every part of the contact of a worn face.
 
-    An edge lies between two nodes. Where contact spreads, the face beyond is unworn, and the worn depth of the nodes before
-    says where it begins.
+    An edge lies between two nodes. Where contact spreads, the face beyond is unworn, and the worn
+    depth of the nodes before says where it begins.
     """
     radius, _ = nodes(space)
     out = []
     for first, last in contact_runs(contact, np.zeros(space.size - 1, dtype=bool)):
         few = last - first < 2 * FAR
-        ends = [_worn_end(radius, integral, node, way, few) for node, way in ((first, -1), (last, 1))]
+        ends = [
+            _worn_end(radius, integral, node, way, few) for node, way in ((first, -1), (last, 1))
+        ]
         out.append((ends[0], ends[1]))
     return _apart(out)
 
@@ -164,6 +202,12 @@ def _worn_end(radius: Array, integral: Array, node: int, way: int, few: bool) ->
     near, far = node - NEAR * way, node - FAR * way
     if few or integral[other] > 0 or not integral[far] > integral[near] > 0:
         return middle
-    found = radius[near] - integral[near] * (radius[near] - radius[far]) / (integral[near] - integral[far])
+    found = radius[near] - integral[near] * (radius[near] - radius[far]) / (
+        integral[near] - integral[far]
+    )
     cell = abs(float(radius[node] - radius[node - way]))
-    return float(np.clip(found, min(radius[node], radius[other]) - cell, max(radius[node], radius[other]) + cell))
+    return float(
+        np.clip(
+            found, min(radius[node], radius[other]) - cell, max(radius[node], radius[other]) + cell
+        )
+    )

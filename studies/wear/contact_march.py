@@ -1,18 +1,24 @@
-"""Wear of a punch whose contact opens, closes and spreads: implicit steps with the inequality in each. Non-dimensional.
+"""Wear of a punch whose contact opens, closes and spreads.
 
-With H the time integral of the pressure, what has worn is ``k H``, and its moments are ``K H`` with the mass matrix K of
-weight k. At every time
+Implicit steps with the inequality in each. Non-dimensional.
 
-    g = A p + K H + m - d b >= 0,      p >= 0,      p . g = 0,      H' = p,      b . p = F, or d as given.
+With H the time integral of the pressure, what has worn is ``k H``, and its moments are ``K H`` with
+the mass matrix K of weight k. At every time
 
-Two stages of a stiffly accurate diagonally implicit Runge-Kutta method of second order (Alexander, SIAM J. Numer. Anal. 14
-(1977) 1006), ``gamma = 1 - 1/sqrt(2)``: each is a contact problem with the matrix ``A + gamma h K``. Weights add up, so that
-the worn volume is the force times time to roundoff, whatever the steps. The error of a step is that of its quadrature of
-the wear against the parabola through the pressures at its start and its stages. Implicit Euler is the method of one stage.
-Steps go by powers of the root of two, so that neighbouring ones share a matrix and its factor.
+    g = A p + K H + m - d b >= 0,      p >= 0,      p . g = 0,      H' = p,      b . p = F, or d as
+    given.
 
-Once all of the face carries, under a force, the rest is linear: ``A p' = d' b - K p``, and modes of the pencil (A, K) on the
-pressures that carry no force give it exactly at any time, as those of a flat punch do (`archard.py`).
+Two stages of a stiffly accurate diagonally implicit Runge-Kutta method of second order (Alexander,
+SIAM J. Numer. Anal. 14 (1977) 1006), ``gamma = 1 - 1/sqrt(2)``: each is a contact problem with the
+matrix ``A + gamma h K``. Weights add up, so that the worn volume is the force times time to
+roundoff, whatever the steps. The error of a step is that of its quadrature of the wear against the
+parabola through the pressures at its start and its stages. Implicit Euler is the method of one
+stage. Steps go by powers of the root of two, so that neighbouring ones share a matrix and its
+factor.
+
+Once all of the face carries, under a force, the rest is linear: ``A p' = d' b - K p``, and modes of
+the pencil (A, K) on the pressures that carry no force give it exactly at any time, as those of a
+flat punch do (`archard.py`).
 """
 
 from dataclasses import dataclass
@@ -40,7 +46,8 @@ MOST_STEPS = 200_000
 SPENT = 1e-12
 # matrices kept with their factors
 KEPT = 6
-# times the last step for which signs are extrapolated: edges of the contact slow down, even in the logarithm of time
+# times the last step for which signs are extrapolated: edges of the contact slow down, even in the
+# logarithm of time
 AHEAD = 1.5
 # at the pressures of a contact that stays, beside the times asked for
 LOOKS = 64
@@ -54,7 +61,9 @@ class _Moment(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ContactHistory:
-    """A march of T times: pressures, time integrals of the pressure and gaps (T, size), and what goes with them.
+    """A march of T times.
+
+    Pressures, time integrals of the pressure and gaps (T, size), and what goes with them.
 
     Parameters
     ----------
@@ -91,7 +100,9 @@ class ContactMarch:
     load : force or indentation
     """
 
-    def __init__(self, compliance: Compliance, wear_coefficients: Array, moments: Array, load: Load) -> None:
+    def __init__(
+        self, compliance: Compliance, wear_coefficients: Array, moments: Array, load: Load
+    ) -> None:
         self.compliance, self.moments, self.load = compliance, moments, load
         space = compliance.space
         self.weights = space.weights
@@ -107,12 +118,14 @@ class ContactMarch:
         return Contact(self.compliance.matrix, self.weights).press(self.moments, self.load)
 
     def adaptive(self, times: Array, tolerance: float) -> ContactHistory:
-        """Steps of second order whose error in the worn depth is a part of the indentation, until contact is full.
+        """Steps of second order whose error in the worn depth is a part of the indentation, until
+        contact is full.
 
         Parameters
         ----------
         times : (T,) increasing, each of which a step ends on
-        tolerance : root mean square error of the worn depth that a step may add, over the indentation
+        tolerance : root mean square error of the worn depth that a step may add, over the
+            indentation
         """
         before = now = self._begin()
         least = SPENT * now.press.force if self.load.force is None else 0.0
@@ -123,7 +136,13 @@ class ContactMarch:
             while (left := time - now.time) > 1e-14 * time and now.press.force > least:
                 if rest := self._relaxing(now, times[number:]):
                     break
-                dt = left if wanted >= left * (1 - 1e-9) else left / 2 if wanted > left / 2 else wanted
+                dt = (
+                    left
+                    if wanted >= left * (1 - 1e-9)
+                    else left / 2
+                    if wanted > left / 2
+                    else wanted
+                )
                 middle, after, error = self._two_stages(dt, before, now)
                 relative = error / (tolerance * max(abs(after.press.indentation), 1e-300))
                 growth = min(MOST_GROWTH, SAFETY * max(relative, 1e-12) ** (-1 / 3))
@@ -133,10 +152,15 @@ class ContactMarch:
                     before, now = middle, after
                     errors.append(error)
                     # a step cut short by an output time says nothing against the longer ones
-                    wanted = max(wanted, _quantised(dt * growth)) if dt < wanted else _quantised(dt * growth)
+                    wanted = (
+                        max(wanted, _quantised(dt * growth))
+                        if dt < wanted
+                        else _quantised(dt * growth)
+                    )
                 if len(errors) + rejected > MOST_STEPS:
                     raise SceneError(
-                        f"the march took more than {MOST_STEPS} steps to t = {now.time:.3g}: give a larger rtol"
+                        f"the march took more than {MOST_STEPS} steps to t = {now.time:.3g}: give "
+                        "a larger rtol"
                     )
             if rest:
                 break
@@ -148,12 +172,20 @@ class ContactMarch:
         """Implicit Euler in equal steps of at most `step` between output times."""
         steps = steps_between(times, step)
         if steps.sum() > MOST_STEPS:
-            raise SceneError(f"{steps.sum():.0f} steps are needed, more than {MOST_STEPS}: give a larger wear.step")
+            raise SceneError(
+                f"{steps.sum():.0f} steps are needed, more than {MOST_STEPS}: give a larger "
+                "wear.step"
+            )
         before = now = self._begin()
         kept = []
-        for time, count, left in zip(times, steps.astype(int), np.diff(times, prepend=0.0), strict=True):
+        for time, count, left in zip(
+            times, steps.astype(int), np.diff(times, prepend=0.0), strict=True
+        ):
             for _ in range(count):
-                before, now = now, self._stage(left / count, now.time + left / count, now.integral, before, now)
+                before, now = (
+                    now,
+                    self._stage(left / count, now.time + left / count, now.integral, before, now),
+                )
             now = now._replace(time=float(time))
             kept.append(now)
         return self._history(times, kept, int(steps.sum()), 0, 0.0)
@@ -162,7 +194,9 @@ class ContactMarch:
         self.iterations.clear()
         return _Moment(0.0, self.start(), np.zeros(len(self.weights)))
 
-    def _history(self, times: Array, kept: list[_Moment], steps: int, rejected: int, error: float) -> ContactHistory:
+    def _history(
+        self, times: Array, kept: list[_Moment], steps: int, rejected: int, error: float
+    ) -> ContactHistory:
         presses = [one.press for one in kept]
         return ContactHistory(
             times,
@@ -182,16 +216,24 @@ class ContactMarch:
         if dt not in self._contacts:
             if len(self._contacts) >= KEPT:
                 del self._contacts[next(iter(self._contacts))]
-            self._contacts[dt] = Contact(self.compliance.matrix + dt * self._dense_wear, self.weights)
+            self._contacts[dt] = Contact(
+                self.compliance.matrix + dt * self._dense_wear, self.weights
+            )
         return self._contacts[dt]
 
-    def _stage(self, dt: float, time: float, integral: Array, before: _Moment, now: _Moment) -> _Moment:
+    def _stage(
+        self, dt: float, time: float, integral: Array, before: _Moment, now: _Moment
+    ) -> _Moment:
         """The state at a time, from the integral without its own part of length `dt`."""
-        press = self._contact(dt).press(self.moments + self.wear @ integral, self.load, _predicted(before, now, time))
+        press = self._contact(dt).press(
+            self.moments + self.wear @ integral, self.load, _predicted(before, now, time)
+        )
         self.iterations.append(press.iterations)
         return _Moment(time, press, integral + dt * press.pressure)
 
-    def _two_stages(self, dt: float, before: _Moment, now: _Moment) -> tuple[_Moment, _Moment, float]:
+    def _two_stages(
+        self, dt: float, before: _Moment, now: _Moment
+    ) -> tuple[_Moment, _Moment, float]:
         """The stage within a step, the state after it, and the error of the worn depth."""
         middle = self._stage(GAMMA * dt, now.time + GAMMA * dt, now.integral, before, now)
         part = now.integral + (1 - GAMMA) * dt * middle.press.pressure
@@ -213,7 +255,9 @@ class ContactMarch:
     @cached_property
     def _modes(self) -> Modes:
         matrix, factor = self.compliance.matrix, self.compliance.factor
-        return every_mode(matrix, lambda: factor, self._mass, self.weights, matrix @ self._steady, gentle=True)
+        return every_mode(
+            matrix, lambda: factor, self._mass, self.weights, matrix @ self._steady, gentle=True
+        )
 
     def _relaxing(self, now: _Moment, times: Array) -> list[_Moment]:
         """The states to come if contact stays full from now on, exact in time; else none."""
@@ -243,7 +287,9 @@ class ContactMarch:
 
 
 def _predicted(before: _Moment, now: _Moment, time: float) -> Mask:
-    """Which nodes will carry if pressures and gaps go on as they went, in the logarithm of time, no further than `AHEAD`."""
+    """Which nodes will carry if pressures and gaps go on as they went, in the logarithm of time, no
+    further than `AHEAD`.
+    """
     ahead = 0.0
     if now.time > before.time > 0:
         ahead = min(np.log(time / now.time) / np.log(now.time / before.time), AHEAD)

@@ -1,12 +1,16 @@
-"""Static contact on a mesh fitted to its edges: high degrees, graded to where the pressure is singular.
+"""Static contact on a mesh fitted to its edges.
 
-The contact is one or more intervals of the radius. Each of their edges is either fixed, a corner of the punch face at which
-the pressure is infinite, or free: there the pressure falls to zero as a root, and the stress intensity vanishes, which the
-coefficient of the pressure at the edge measures. With the edges given, all is linear: ``A p = d b - m``. The coefficient
-at the outermost free edge gives d; those at the others and the load are as many equations as there are free edges.
+High degrees, graded to where the pressure is singular.
 
-The half-space has no length of its own: the compliance on a disc of radius c is ``c^3`` times that of the unit disc under
-the same intervals, scaled. Where the one free edge is the outermost, one compliance serves every radius. Non-dimensional.
+The contact is one or more intervals of the radius. Each of their edges is either fixed, a corner of
+the punch face at which the pressure is infinite, or free: there the pressure falls to zero as a
+root, and the stress intensity vanishes, which the coefficient of the pressure at the edge measures.
+With the edges given, all is linear: ``A p = d b - m``. The coefficient at the outermost free edge
+gives d; those at the others and the load are as many equations as there are free edges.
+
+The half-space has no length of its own: the compliance on a disc of radius c is ``c^3`` times that
+of the unit disc under the same intervals, scaled. Where the one free edge is the outermost, one
+compliance serves every radius. Non-dimensional.
 """
 
 from collections.abc import Callable
@@ -24,12 +28,13 @@ from ..problem.profile import InitialProfile
 from .moments import moments
 from .unilateral import Interval, Load
 
-# (edges from 0 to 1 that every pressure space must be broken at, which of them the pressure is infinite at) -> compliance
+# (edges from 0 to 1 that every pressure space must be broken at, which of them the pressure is
+# infinite at) -> compliance
 CompliancesOn = Callable[[tuple[float, ...], tuple[bool, ...]], Compliance]
 
 MOST_STEPS, MOST_PARTS, MOST_EVALUATIONS = 40, 6, 60
-# kinks of the face that a part of the contact gets elements for, and their distance from its edges, over its width: the
-# pressure goes as x log x there, which ring forces would feel by 2e-4
+# kinks of the face that a part of the contact gets elements for, and their distance from its edges,
+# over its width: the pressure goes as x log x there, which ring forces would feel by 2e-4
 MOST_KINKS, CLEAR = 4, 1e-2
 # last step of a search that converges faster than linearly: the error is far below
 CLOSE = 1e-8
@@ -81,7 +86,9 @@ class FittedPress:
         """Pressures at radii of the punch; zero outside the contact."""
         inside = radii <= self.radius
         scaled = np.where(inside, radii, 0.0) / self.radius
-        return np.asarray(np.where(inside, self.compliance.space.matrix(scaled) @ self.pressure, 0.0))
+        return np.asarray(
+            np.where(inside, self.compliance.space.matrix(scaled) @ self.pressure, 0.0)
+        )
 
     def ring_forces(self, ring_edges: Array) -> Array:
         """(N,) force on each ring."""
@@ -125,7 +132,9 @@ class FittedContact:
             flat = [edge for pair in every for edge in pair]
             if min(np.diff(flat)) <= 0 or flat[-1] > 1 + 1e-12:
                 raise SolverError("the edges of the contact cross each other or leave the punch")
-            return tuple(replace(one, inner=a, outer=b) for (a, b), one in zip(every, start, strict=True))
+            return tuple(
+                replace(one, inner=a, outer=b) for (a, b), one in zip(every, start, strict=True)
+            )
 
         def residual(edges: Array) -> Array:
             return self._solved(moved(edges), free[-1])[1]
@@ -134,8 +143,13 @@ class FittedContact:
         # d by the load, of which an edge a little off takes nothing in the first order
         return self._solved(moved(edges), None)[0]
 
-    def _solved(self, intervals: tuple[Interval, ...], sets: tuple[int, str] | None) -> tuple[FittedPress, Array]:
-        """The press with these edges, and the residuals: of the load, then of each free edge but the one that sets d."""
+    def _solved(
+        self, intervals: tuple[Interval, ...], sets: tuple[int, str] | None
+    ) -> tuple[FittedPress, Array]:
+        """The press with these edges, and the residuals.
+
+        Of the load, then of each free edge but the one that sets d.
+        """
         self.evaluations += 1
         radius = intervals[-1].outer
         edges, infinite = _scaled(intervals, self.profile.kinks)
@@ -148,7 +162,9 @@ class FittedContact:
         try:
             factor = cho_factor(matrix)
         except np.linalg.LinAlgError as error:
-            raise SolverError(f"the compliance of the contact is not positive definite: {error}") from error
+            raise SolverError(
+                f"the compliance of the contact is not positive definite: {error}"
+            ) from error
         by_weights, by_moments = cho_solve(factor, weights), cho_solve(factor, of_profile)
         position = np.full(space.size, -1)
         position[carries] = np.arange(len(carries))
@@ -171,29 +187,50 @@ class FittedContact:
             of_load = indentation / float(self.load.indentation or 1.0) - 1
         # a root of slope one, however deep the mesh resolves it
         others = [
-            inside[place] / mean * np.sqrt(_size_at(space, intervals, key)) for key, place in at_edges.items() if key != sets
+            inside[place] / mean * np.sqrt(_size_at(space, intervals, key))
+            for key, place in at_edges.items()
+            if key != sets
         ]
         gap = self._least_gap(compliance, pressure, radius, float(indentation), carries)
-        press = FittedPress(intervals, compliance, pressure, float(indentation), force, gap, self.evaluations)
+        press = FittedPress(
+            intervals, compliance, pressure, float(indentation), force, gap, self.evaluations
+        )
         return press, np.array([of_load, *others])
 
     def _least_gap(
-        self, compliance: Compliance, pressure: Array, radius: float, indentation: float, carries: Indices
+        self,
+        compliance: Compliance,
+        pressure: Array,
+        radius: float,
+        indentation: float,
+        carries: Indices,
     ) -> float:
         """The least mean gap under the hats that do not carry."""
         space = compliance.space
         apart = np.setdiff1d(np.flatnonzero(space.order == 1), carries)
         displaced = radius * compliance.factor[:, apart].T @ (compliance.factor @ pressure)
-        gap = (displaced + moments(self.profile, space, radius)[apart]) / space.weights[apart] - indentation
+        gap = (displaced + moments(self.profile, space, radius)[apart]) / space.weights[
+            apart
+        ] - indentation
         return float(gap.min(initial=np.inf))
 
 
 def _free(intervals: tuple[Interval, ...]) -> list[tuple[int, str]]:
-    return [(n, side) for n, one in enumerate(intervals) for side in ("inner", "outer") if getattr(one, f"{side}_free")]
+    return [
+        (n, side)
+        for n, one in enumerate(intervals)
+        for side in ("inner", "outer")
+        if getattr(one, f"{side}_free")
+    ]
 
 
-def _scaled(intervals: tuple[Interval, ...], kinks: tuple[float, ...]) -> tuple[tuple[float, ...], tuple[bool, ...]]:
-    """Edges over the outermost, the axis first, kinks of the face between them; and where pressures are infinite."""
+def _scaled(
+    intervals: tuple[Interval, ...], kinks: tuple[float, ...]
+) -> tuple[tuple[float, ...], tuple[bool, ...]]:
+    """Edges over the outermost, the axis first, kinks of the face between them.
+
+    And where pressures are infinite.
+    """
     radius = intervals[-1].outer
     infinite = {0.0: False}
     for one in intervals:
@@ -253,7 +290,12 @@ def _secant(residual: Callable[[Array], Array], guess: Array) -> Array:
 
 def _broyden(residual: Callable[[Array], Array], guess: Array) -> Array:
     """Several edges: Powell's hybrid method, whose Jacobian is updated by Broyden's formula."""
-    found = root(residual, guess, method="hybr", options={"xtol": 1e-10, "eps": 1e-6, "maxfev": MOST_EVALUATIONS})
+    found = root(
+        residual,
+        guess,
+        method="hybr",
+        options={"xtol": 1e-10, "eps": 1e-6, "maxfev": MOST_EVALUATIONS},
+    )
     if not found.success and np.abs(found.fun).max() > 1e-7:
         raise SolverError("the edges of the contact were not found")
     return np.asarray(found.x)

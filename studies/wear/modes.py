@@ -1,9 +1,11 @@
-"""Relaxation modes of a wearing punch: all of them, or those that its flat start excites. Non-dimensional.
+"""Relaxation modes of a wearing punch.
 
-The pencil is ``A x = tau K x`` on the wear rates that carry no force, with the compliance `A` and the mass matrix `K`
-of weight `k`. Small problems are diagonalised whole. Large ones are projected on the Krylov space of the flat start
-(Lanczos), which holds every mode that carries the history and hardly any other: with hundreds of rings it is many
-times smaller than the pressure space.
+All of them, or those that its flat start excites. Non-dimensional.
+
+The pencil is ``A x = tau K x`` on the wear rates that carry no force, with the compliance `A` and
+the mass matrix `K` of weight `k`. Small problems are diagonalised whole. Large ones are projected
+on the Krylov space of the flat start (Lanczos), which holds every mode that carries the history and
+hardly any other: with hundreds of rings it is many times smaller than the pressure space.
 """
 
 from collections.abc import Callable
@@ -23,7 +25,8 @@ from ...meshes.radial import Array
 LARGE = 700
 # and beyond this hours; up to it they are taken where a history begins too early for anything else
 LARGEST = 2500
-# Krylov vectors at the first look at how far they carry, and how many times more at each further look
+# Krylov vectors at the first look at how far they carry, and how many times more at each further
+# look
 FIRST, MORE = 40, 1.2
 # share of the history, and of the slowest relaxation times, that the Krylov space may leave out
 NEGLIGIBLE = 1e-13
@@ -49,7 +52,9 @@ class BandedCholesky:
         try:
             self._band = cholesky_banded(band, lower=True)
         except LinAlgError as error:
-            raise SolverError(f"the radial mesh is too extreme for double precision: {error}") from error
+            raise SolverError(
+                f"the radial mesh is too extreme for double precision: {error}"
+            ) from error
 
     def forward(self, right: Array) -> Array:
         """``L^-1`` times a vector or the columns of a matrix."""
@@ -85,7 +90,8 @@ class Modes:
     relaxation : (m,) times
     shapes : (n, m) wear rates, orthonormal in `K`
     amplitudes : (m,) share of each in the flat start
-    exact : how many, from the slowest on, are modes of the punch; the others stand for all that relax as fast
+    exact : how many, from the slowest on, are modes of the punch; the others stand for all that
+        relax as fast
     """
 
     relaxation: Array
@@ -95,7 +101,12 @@ class Modes:
 
 
 def every_mode(
-    energy: Array, factor: Callable[[], Array], mass: BandedCholesky, weights: Array, moments: Array, gentle: bool
+    energy: Array,
+    factor: Callable[[], Array],
+    mass: BandedCholesky,
+    weights: Array,
+    moments: Array,
+    gentle: bool,
 ) -> Modes:
     """All modes.
 
@@ -106,11 +117,14 @@ def every_mode(
     mass : (n, n) of weight `k`
     weights : (n,) force that each wear rate carries
     moments : (n,) ``A`` times the steady state
-    gentle : whether eigenvalues of `A` will do; else singular values of `H`, which keep the fastest modes
+    gentle : whether eigenvalues of `A` will do; else singular values of `H`, which keep the fastest
+        modes
     """
     axis = _axis(mass, weights)
     if gentle:
-        relaxation, within = eigh(_forceless(energy, mass, axis), driver="evd", overwrite_a=True, check_finite=False)
+        relaxation, within = eigh(
+            _forceless(energy, mass, axis), driver="evd", overwrite_a=True, check_finite=False
+        )
     # or roundoff of the slowest has taken the fastest
     if not gentle or relaxation[0] <= 0:
         scaled = mass.forward(factor().T).T
@@ -124,17 +138,26 @@ def every_mode(
 
 
 def slowest_times(energy: Array, mass: BandedCholesky, weights: Array) -> Array:
-    """(m,) the `SHOWN` slowest relaxation times, all of them if there are fewer; parameters as for `every_mode`."""
+    """(m,) the `SHOWN` slowest relaxation times, all of them if there are fewer.
+
+    Parameters as for `every_mode`.
+    """
     forceless = _forceless(energy, mass, _axis(mass, weights))
     size = len(forceless)
     if size <= 4 * SHOWN:
         return np.asarray(eigh(forceless, eigvals_only=True)[::-1][:SHOWN])
     # a start of its own would be drawn at random
-    return np.asarray(np.sort(eigsh(forceless, SHOWN, which="LA", v0=np.ones(size), return_eigenvectors=False))[::-1])
+    return np.asarray(
+        np.sort(eigsh(forceless, SHOWN, which="LA", v0=np.ones(size), return_eigenvectors=False))[
+            ::-1
+        ]
+    )
 
 
 def _axis(mass: BandedCholesky, weights: Array) -> Array:
-    """Of the reflection that maps the steady state to the first axis, so that the other axes carry no force."""
+    """Of the reflection that maps the steady state to the first axis, so that the other axes carry
+    no force.
+    """
     axis = mass.forward(weights)
     axis /= np.linalg.norm(axis)
     axis[0] += np.copysign(1.0, axis[0])
@@ -142,7 +165,9 @@ def _axis(mass: BandedCholesky, weights: Array) -> Array:
 
 
 def _forceless(energy: Array, mass: BandedCholesky, axis: Array) -> Array:
-    """(n-1, n-1) the compliance in coordinates orthonormal in `K`, reflected, on those that carry no force."""
+    """(n-1, n-1) the compliance in coordinates orthonormal in `K`, reflected, on those that carry
+    no force.
+    """
     scaled = mass.forward(mass.forward(energy).T)
     image = scaled @ axis
     image -= (axis @ image) * axis
@@ -150,7 +175,9 @@ def _forceless(energy: Array, mass: BandedCholesky, axis: Array) -> Array:
     return np.asarray(scaled[1:, 1:])
 
 
-def excited_modes(energy: Array, mass: BandedCholesky, weights: Array, moments: Array, earliest: float) -> Modes:
+def excited_modes(
+    energy: Array, mass: BandedCholesky, weights: Array, moments: Array, earliest: float
+) -> Modes:
     """The modes that the flat start excites, as far as they are felt at `earliest` or later.
 
     Parameters
@@ -192,13 +219,19 @@ def excited_modes(energy: Array, mass: BandedCholesky, weights: Array, moments: 
     kept = _felt(relaxation, earliest)
     relaxation, within, lost = relaxation[kept][::-1], within[:, kept][:, ::-1], lost[kept][::-1]
     exact = int(np.argmin(np.append(lost <= np.sqrt(NEGLIGIBLE) * relaxation, False)))
-    return modes_of(relaxation, mass.backward(basis[: len(within)].T @ within), moments, max(exact, 1))
+    return modes_of(
+        relaxation, mass.backward(basis[: len(within)].T @ within), moments, max(exact, 1)
+    )
 
 
 def _carried(relaxation: Array, within: Array, lost: Array, earliest: float) -> bool:
-    """Whether a Krylov space carries the history from `earliest` on, and the slowest relaxation times."""
+    """Whether a Krylov space carries the history from `earliest` on, and the slowest relaxation
+    times.
+    """
     felt = _felt(relaxation, earliest)
-    left = within[:, felt] @ (within[0, felt] * np.exp(-earliest / relaxation[felt]) / relaxation[felt])
+    left = within[:, felt] @ (
+        within[0, felt] * np.exp(-earliest / relaxation[felt]) / relaxation[felt]
+    )
     history = np.abs(left[-SLOWEST:]).max() <= NEGLIGIBLE * np.linalg.norm(left)
     return bool(history and (lost[-SLOWEST:] <= NEGLIGIBLE * relaxation[-1]).all())
 
@@ -215,14 +248,18 @@ def _felt(relaxation: Array, earliest: float) -> slice:
     below = int(np.searchsorted(relaxation, roundoff))
     if below and earliest < 40 * roundoff:
         raise TooEarlyError(
-            f"the first of wear.times after the start is {earliest / relaxation[-1]:.1e} of the slowest relaxation time, "
+            f"the first of wear.times after the start is {earliest / relaxation[-1]:.1e} of the "
+            "slowest relaxation time, "
             "too early for double precision with so many rings; leave the earliest out"
         )
     return slice(below, None)
 
 
 def modes_of(relaxation: Array, shapes: Array, moments: Array, exact: int) -> Modes:
-    """Modes, slowest first, with what the flat start has of each; (n,) `moments` as for `every_mode`."""
+    """Modes, slowest first, with what the flat start has of each.
+
+    (n,) `moments` as for `every_mode`.
+    """
     if not relaxation[-1] > 0:
         raise SolverError("the compliance is singular: the multipliers are unstable on this mesh")
     return Modes(relaxation, shapes, -(shapes.T @ moments) / relaxation, exact)

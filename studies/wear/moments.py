@@ -1,4 +1,7 @@
-"""Moments of a profile against the pressures of a space: all that contact knows of the punch face, and what they miss."""
+"""Moments of a profile against the pressures of a space.
+
+All that contact knows of the punch face, and what they miss.
+"""
 
 from typing import NamedTuple
 
@@ -9,7 +12,8 @@ from ...meshes.pressure_space import PressureSpace, shapes
 from ...meshes.radial import Array, Indices, ring_of, unit_gauss
 from ..problem.profile import InitialProfile
 
-# Gauss points between two kinks of an element, more than a polynomial of its degree needs: heights may be anything
+# Gauss points between two kinks of an element, more than a polynomial of its degree needs: heights
+# may be anything
 MORE_POINTS = 8
 
 
@@ -33,7 +37,8 @@ def moments(profile: InitialProfile, space: PressureSpace, radius: float = 1.0) 
 def unresolved_height(profile: InitialProfile, space: PressureSpace, depth: float) -> float:
     """Return by how much the face differs from a parabola on any element that can touch.
 
-    Indentations under one force differ by no more than the two faces do: the elements see a face that is smooth in each.
+    Indentations under one force differ by no more than the two faces do: the elements see a face
+    that is smooth in each.
 
     Parameters
     ----------
@@ -45,7 +50,9 @@ def unresolved_height(profile: InitialProfile, space: PressureSpace, depth: floa
     legendre = legvander(at.local, 2)
     # lengths of elements are two in the local coordinate
     lengths = np.diff(space.breakpoints)[at.element, None]
-    parts = np.einsum("eq,eqj->ej", at.weights / lengths * at.heights, legendre * (2 * np.arange(3) + 1))
+    parts = np.einsum(
+        "eq,eqj->ej", at.weights / lengths * at.heights, legendre * (2 * np.arange(3) + 1)
+    )
     parabolas = np.zeros((count, 3))
     np.add.at(parabolas, at.element, parts)
     missed = np.abs(at.heights - np.einsum("eqj,ej->eq", legendre, parabolas[at.element]))
@@ -55,7 +62,10 @@ def unresolved_height(profile: InitialProfile, space: PressureSpace, depth: floa
 
 
 class _Points(NamedTuple):
-    """Gauss points of pieces of elements: element (P,), and (P, Q) radii, coordinates within it, weights of dr, heights."""
+    """Gauss points of pieces of elements.
+
+    Element (P,), and (P, Q) radii, coordinates within it, weights of dr, heights.
+    """
 
     element: Indices
     radii: Array
@@ -70,11 +80,15 @@ def _points(profile: InitialProfile, space: PressureSpace, radius: float) -> _Po
     cuts = np.union1d(space.breakpoints, edges[(edges > 0) & (edges < 1)])
     node, weight = unit_gauss(space.top + MORE_POINTS)
     width = np.diff(cuts)[:, None]
-    element = np.clip(np.searchsorted(space.breakpoints, cuts[:-1], side="right") - 1, 0, len(space.degrees) - 1)
+    element = np.clip(
+        np.searchsorted(space.breakpoints, cuts[:-1], side="right") - 1, 0, len(space.degrees) - 1
+    )
     radii = cuts[:-1, None] + width * node
     left, whole = space.breakpoints[element, None], np.diff(space.breakpoints)[element, None]
     # by coordinates within the elements: by radii, those of small ones would lose digits
     local = 2 * (cuts[:-1, None] - left + width * node) / whole - 1
-    ring = np.broadcast_to(ring_of(profile.ring_edges, radius * (cuts[:-1] + cuts[1:]) / 2)[:, None], radii.shape)
+    ring = np.broadcast_to(
+        ring_of(profile.ring_edges, radius * (cuts[:-1] + cuts[1:]) / 2)[:, None], radii.shape
+    )
     heights = profile.in_ring(np.minimum(radius * radii, 1.0), ring)
     return _Points(element, radii, local, width * weight, heights)

@@ -1,10 +1,12 @@
-"""Relaxation modes of many punches that differ in wear alone, on the span of a few of their histories. Non-dimensional.
+"""Relaxation modes of many punches that differ in wear alone, on the span of a few of their
+histories. Non-dimensional.
 
-Histories on one set of ring edges resemble each other, whatever the wear coefficients: those of a few punches span those
-of all between (proper orthogonal decomposition), and on that span the pencil of `modes.py` is several times smaller
-(Galerkin). Compliance and mass are sums over the rings that wear alike, so that a punch costs no product of large
-matrices. What the span leaves out shows: the worn profile is where the half-space is not, and the sum of what wore; on the
-whole space both are the same.
+Histories on one set of ring edges resemble each other, whatever the wear coefficients: those of a
+few punches span those of all between (proper orthogonal decomposition), and on that span the pencil
+of `modes.py` is several times smaller (Galerkin). Compliance and mass are sums over the rings that
+wear alike, so that a punch costs no product of large matrices. What the span leaves out shows: the
+worn profile is where the half-space is not, and the sum of what wore; on the whole space both are
+the same.
 """
 
 from dataclasses import dataclass
@@ -36,7 +38,9 @@ class SharedModes:
     basis: Array
 
     @classmethod
-    def spanned(cls, compliance: Compliance, materials: Indices, rates: Array, least: float) -> Self:
+    def spanned(
+        cls, compliance: Compliance, materials: Indices, rates: Array, least: float
+    ) -> Self:
         """The span of (n, m) wear rates, without directions that have less than a share of them."""
         space = compliance.space
         continuous = space.joined()
@@ -61,9 +65,13 @@ class SharedModes:
         radii, weights, local = space.quadrature
         continuous = space.joined()
         values = mine.matrix(radii.ravel()) @ (mine.joined() @ self.basis)
-        moments = (space.on_elements(local) @ continuous).T @ ((2 * np.pi * radii * weights).reshape(-1, 1) * values)
+        moments = (space.on_elements(local) @ continuous).T @ (
+            (2 * np.pi * radii * weights).reshape(-1, 1) * values
+        )
         basis = BandedCholesky(continuous.T @ space.mass() @ continuous).solve(np.asarray(moments))
-        return SharedModes(other, self.materials, np.column_stack([steady_rate(other), basis[:, 1:]]))
+        return SharedModes(
+            other, self.materials, np.column_stack([steady_rate(other), basis[:, 1:]])
+        )
 
     @cached_property
     def _first(self) -> Indices:
@@ -80,7 +88,10 @@ class SharedModes:
 
     def mass(self, wear_coefficients: Array) -> csr_matrix:
         """(n, n) mass of weight `k` of the pressures of wear rates."""
-        parts = [mass / coefficient for mass, coefficient in zip(self._masses, wear_coefficients[self._first], strict=True)]
+        parts = [
+            mass / coefficient
+            for mass, coefficient in zip(self._masses, wear_coefficients[self._first], strict=True)
+        ]
         return sum(parts[1:], parts[0])
 
     @cached_property
@@ -91,7 +102,9 @@ class SharedModes:
     @cached_property
     def _rates(self) -> Array:
         """(C, size, r) basis on the rings of each material."""
-        wear = (np.where(self.materials == number, 1.0, np.inf) for number in range(len(self._first)))
+        wear = (
+            np.where(self.materials == number, 1.0, np.inf) for number in range(len(self._first))
+        )
         return np.array([self.compliance.space.joined(of) @ self.basis for of in wear])
 
     @cached_property
@@ -109,11 +122,15 @@ class SharedModes:
         return np.array([[one.T @ other for other in self._moments] for one in self._rates])
 
     def modes(self, wear_coefficients: Array, moments: Array) -> Modes:
-        """The modes of a punch on the span, shapes as coefficients on the basis; (n,) `moments` as for `every_mode`."""
+        """The modes of a punch on the span, shapes as coefficients on the basis.
+
+        (n,) `moments` as for `every_mode`.
+        """
         softness = 1 / wear_coefficients[self._first]
         energy = np.tensordot(softness, np.tensordot(softness, self._projected_energies, 1), 1)
         mass = np.tensordot(softness, self._projected_masses, 1)
-        # on wear rates that carry no force: each less as much of the steady state as carries its own
+        # on wear rates that carry no force: each less as much of the steady state as carries its
+        # own
         force = mass[0, 1:] / mass[0, 0]
         crossed = np.outer(force, energy[0, 1:])
         forceless = energy[1:, 1:] - crossed - crossed.T + energy[0, 0] * np.outer(force, force)

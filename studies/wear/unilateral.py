@@ -1,9 +1,12 @@
-"""Unilateral contact on any compliance: ``p >= 0``, ``gap >= 0``, and their product zero. Non-dimensional.
+"""Unilateral contact on any compliance.
 
-On a space of continuous piecewise linear pressures the unknowns are their values at nodes, and the gap is known by its
-moments, ``g_i = int (u + f - d) phi_i dA = (A p + m)_i - d b_i`` with the moments m of the profile. The contact is found by
-an active set: nodes of negative pressure leave it, nodes of negative gap enter, until none does. Signs alone decide, so
-nothing has to be scaled. Should that ever cycle, one node at a time (the one of least number, Murty's rule) cannot: every
+``p >= 0``, ``gap >= 0``, and their product zero. Non-dimensional.
+
+On a space of continuous piecewise linear pressures the unknowns are their values at nodes, and the
+gap is known by its moments, ``g_i = int (u + f - d) phi_i dA = (A p + m)_i - d b_i`` with the
+moments m of the profile. The contact is found by an active set: nodes of negative pressure leave
+it, nodes of negative gap enter, until none does. Signs alone decide, so nothing has to be scaled.
+Should that ever cycle, one node at a time (the one of least number, Murty's rule) cannot: every
 principal minor of the system is positive.
 """
 
@@ -21,7 +24,8 @@ Mask = NDArray[np.bool_]
 
 # rounds of many nodes at a time before one at a time; and nodes at a time in all
 ROUNDS, PIVOTS = 40, 4000
-# neighbours made one node in a coarser problem, which finds the start of the finer one; and the coarsest worth the while
+# neighbours made one node in a coarser problem, which finds the start of the finer one; and the
+# coarsest worth the while
 MERGED, COARSEST = 8, 4
 
 
@@ -64,7 +68,10 @@ class Press:
 
 
 class Contact:
-    """The matrix of a contact problem, with the factor of its last active set kept: steps of a march share it."""
+    """The matrix of a contact problem, with the factor of its last active set kept.
+
+    Steps of a march share it.
+    """
 
     def __init__(self, matrix: Array, weights: Array) -> None:
         self.matrix, self.weights = matrix, weights
@@ -78,12 +85,16 @@ class Contact:
         try:
             self._factor = cho_factor(block, check_finite=False)
         except np.linalg.LinAlgError as error:
-            raise SolverError(f"the contact system is not positive definite: {error}; ask for fewer cells") from error
+            raise SolverError(
+                f"the contact system is not positive definite: {error}; ask for fewer cells"
+            ) from error
         self._by_weights = cho_solve(self._factor, self.weights[self._inside], check_finite=False)
         self._contact = contact.copy()
 
     def _solved(self, moments: Array, load: Load, contact: Mask) -> tuple[Array, Array, float]:
-        """Pressure, gap and indentation if exactly these nodes were in contact, whatever the signs."""
+        """Pressure, gap and indentation if exactly these nodes were in contact, whatever
+        the signs.
+        """
         self._factored(contact)
         inside = self._inside
         by_moments = cho_solve(self._factor, moments[inside], check_finite=False)
@@ -117,7 +128,10 @@ class Contact:
         for count in range(1, PIVOTS):
             if load.force is None and not contact.any():
                 pressure = np.zeros(len(moments))
-                gap, indentation = moments - (load.indentation or 0.0) * self.weights, load.indentation or 0.0
+                gap, indentation = (
+                    moments - (load.indentation or 0.0) * self.weights,
+                    load.indentation or 0.0,
+                )
             else:
                 pressure, gap, indentation = self._solved(moments, load, contact)
             # what roundoff makes of a gap that is zero

@@ -16,7 +16,10 @@ UNKNOWNS, MORE_UNKNOWNS = 80, 8000
 def described(problem: Problem) -> str:
     """The space of the march."""
     space = _space(problem)
-    return f"linear pressures on {len(space.degrees)} cells and more where contact begins, and a press fitted to its edges"
+    return (
+        f"linear pressures on {len(space.degrees)} cells and more where contact begins, and a "
+        "press fitted to its edges"
+    )
 
 
 def counted(problem: Problem, elements: bool) -> tuple[int, int]:

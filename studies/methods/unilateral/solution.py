@@ -1,8 +1,9 @@
 """Any method that yields a compliance, on a punch whose contact opens, closes and spreads.
 
-Presses of the unworn face are fitted to the edges of the contact, histories are marched on linear pressures over cells
-all over the face, and the steady state, in which all of the face carries, is that of the flat punch. What results are
-worth is seen from half as many cells and four times the error of a step, and at the start by a lower degree.
+Presses of the unworn face are fitted to the edges of the contact, histories are marched on linear
+pressures over cells all over the face, and the steady state, in which all of the face carries, is
+that of the flat punch. What results are worth is seen from half as many cells and four times the
+error of a step, and at the start by a lower degree.
 """
 
 from collections.abc import Callable
@@ -33,17 +34,20 @@ from .sampler import ContactSampler
 
 # of the accuracy asked for that each step in time may add to the worn depth
 PER_STEP = 0.05
-# times the difference to half as many cells that errors are stated as: edges move, and seldom to the same place in a cell
+# times the difference to half as many cells that errors are stated as: edges move, and seldom to
+# the same place in a cell
 SAFETY = 2.5
-# of the bend of fields from cell to cell, which cells lose: where an edge stays in a cell of both meshes, their difference
-# says nothing of it. Of punches drawn at random none penetrates by more than 0.23 of it where cells hold the face
+# of the bend of fields from cell to cell, which cells lose: where an edge stays in a cell of both
+# meshes, their difference says nothing of it. Of punches drawn at random none penetrates by more
+# than 0.23 of it where cells hold the face
 OF_BENDS = 0.25
 # times before and after one that say as much of its error
 AROUND = 2
 ROUNDOFF = 1e-12
 # quantities that err as heights of the face do
 OF_HEIGHTS = ("profile", "displacement", "indentation", "displacement_centre", "displacement_max")
-# of slopes of the unworn face, which are differences of heights, and of edges, which are sought to a few times `CLOSE`
+# of slopes of the unworn face, which are differences of heights, and of edges, which are sought to
+# a few times `CLOSE`
 LEAST = {"rms_slope": 1e-8, "contact_radius": 5 * CLOSE}
 
 
@@ -53,7 +57,8 @@ class UnilateralMethod:
 
     Parameters
     ----------
-    even : compliance on linear pressures over cells, and the unknowns behind it; a coarser one shows what it errs by
+    even : compliance on linear pressures over cells, and the unknowns behind it; a coarser one
+        shows what it errs by
     fitted : compliance on pressures of high degree between given edges
     degrees : highest of those pressures, and a lower one to judge it by
     """
@@ -111,12 +116,14 @@ def history(one: UnilateralMethod, problem: Problem, stages: Stages) -> Solution
         missed = height / fine.history.indentation
         errors |= {name: np.maximum(errors[name], missed) for name in OF_HEIGHTS}
         if problem.indentation is not None:
-            # forces go as no more than the square of the depth, and their errors stay while they decay
+            # forces go as no more than the square of the depth, and their errors stay while they
+            # decay
             forces = ("normal_force", "ring_force")
             errors |= {name: 2 * np.maximum(errors[name], missed) for name in forces}
         if missed.max() > problem.rtol:
             notes.append(
-                f"the face is finer than the {len(compliance.space.degrees)} cells resolve: heights "
+                f"the face is finer than the {len(compliance.space.degrees)} cells resolve: "
+                "heights "
                 f"differ from what they hold by up to {missed.max():.1e} of the indentation"
             )
     parts = {"pressure space": float(errors["indentation"].max())}
@@ -152,7 +159,12 @@ def _located(problem: Problem, finer: float = 1.0) -> tuple[tuple[Interval, ...]
 
 
 def _fitted(
-    one: UnilateralMethod, degree: int, profile: InitialProfile, load: Load, start: tuple[Interval, ...], notes: list[str]
+    one: UnilateralMethod,
+    degree: int,
+    profile: InitialProfile,
+    load: Load,
+    start: tuple[Interval, ...],
+    notes: list[str],
 ) -> FittedPress | None:
     @cache
     def on(edges: tuple[float, ...], infinite: tuple[bool, ...]) -> Compliance:
@@ -164,31 +176,49 @@ def _fitted(
         press.check()
     except RingwearError as error:
         if not notes:
-            notes.append(f"the start is as accurate as the march, not fitted to the edges of the contact: {error}")
+            notes.append(
+                "the start is as accurate as the march, not fitted to the edges of the contact: "
+                f"{error}"
+            )
         return None
     return press
 
 
-def _march(problem: Problem, compliance: Compliance, first: FittedPress | None, tolerance: float) -> _Marched:
+def _march(
+    problem: Problem, compliance: Compliance, first: FittedPress | None, tolerance: float
+) -> _Marched:
     assert problem.profile is not None
     sampler = ContactSampler(problem, problem.profile, compliance)
     return _Marched(sampler, _steps(sampler, problem, tolerance, problem.step), first)
 
 
-def _steps(sampler: ContactSampler, problem: Problem, tolerance: float, step: float | None) -> ContactHistory:
+def _steps(
+    sampler: ContactSampler, problem: Problem, tolerance: float, step: float | None
+) -> ContactHistory:
     of_profile = moments(sampler.profile, sampler.space)
-    march = ContactMarch(sampler.compliance, problem.wear_coefficients, of_profile, load_of(problem))
-    return march.adaptive(problem.times, tolerance) if step is None else march.implicit(problem.times, step)
+    march = ContactMarch(
+        sampler.compliance, problem.wear_coefficients, of_profile, load_of(problem)
+    )
+    return (
+        march.adaptive(problem.times, tolerance)
+        if step is None
+        else march.implicit(problem.times, step)
+    )
 
 
 def _errors(problem: Problem, coarse: xarray.Dataset, fine: xarray.Dataset) -> dict[str, Array]:
-    """Of each quantity over time: the greatest difference of times around, for it changes with where edges are in cells."""
+    """Of each quantity over time.
+
+    The greatest difference of times around, for it changes with where edges are in cells.
+    """
     errors, later = {}, problem.times > 0
     for name, difference in differences(coarse, fine, problem.face).items():
         near = difference.copy()
         if later.any():
             among = np.pad(difference[later], AROUND)
-            near[later] = np.lib.stride_tricks.sliding_window_view(among, 2 * AROUND + 1).max(axis=1)
+            near[later] = np.lib.stride_tricks.sliding_window_view(among, 2 * AROUND + 1).max(
+                axis=1
+            )
         # edges of the contact leave more to chance
         least = np.where(later, 2 * CHANCE * problem.rtol, LEAST.get(name, ROUNDOFF))
         errors[name] = np.maximum(SAFETY * near, least)
@@ -199,9 +229,13 @@ def _settings(marched: _Marched, first: FittedPress | None) -> dict[str, Any]:
     history, space = marched.history, marched.sampler.space
     iterations = np.array(history.iterations or (0,))
     settings = {
-        "cells": len(space.degrees), "pressures": space.size, "steps": history.steps, "rejected_steps": history.rejected,
-        "contact_iterations_mean": float(iterations.mean()), "contact_iterations_greatest": int(iterations.max()),
-    }  # fmt: skip
+        "cells": len(space.degrees),
+        "pressures": space.size,
+        "steps": history.steps,
+        "rejected_steps": history.rejected,
+        "contact_iterations_mean": float(iterations.mean()),
+        "contact_iterations_greatest": int(iterations.max()),
+    }
     if first is not None:
         settings |= {"start_pressures": len(first.pressure), "start_evaluations": first.evaluations}
     return settings
@@ -210,13 +244,19 @@ def _settings(marched: _Marched, first: FittedPress | None) -> dict[str, Any]:
 def _parts_of_contact(problem: Problem, results: xarray.Dataset) -> list[str]:
     """A note if contact is not one disc at any time."""
     edges = results["contact_edge"].values
-    parts, inner = np.isfinite(edges).sum(axis=1) // 2, edges[:, 0] if edges.shape[1] else np.zeros(len(edges))
+    parts, inner = (
+        np.isfinite(edges).sum(axis=1) // 2,
+        edges[:, 0] if edges.shape[1] else np.zeros(len(edges)),
+    )
     apart = (parts > 1) | (np.nan_to_num(inner) > 0)
     if not apart.any():
         return []
     times = problem.times[apart] * problem.units.time
-    return [f"contact is no disc from t = {times[0]:.3g} to {times[-1]:.3g}, in up to {parts.max()} parts: the springs' "
-            "rule of the MDR, q = d - g, would not hold there; its energy does"]  # fmt: skip
+    return [
+        f"contact is no disc from t = {times[0]:.3g} to {times[-1]:.3g}, in up to {parts.max()} "
+        "parts: the springs' "
+        "rule of the MDR, q = d - g, would not hold there; its energy does"
+    ]
 
 
 def with_steady(found: Solution, steady: Solution | None) -> Solution:

@@ -1,0 +1,252 @@
+"""The inside of the half-space against closed forms, on every kind of element."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from conftest import WITHOUT_GMSH
+from skfem import Mesh
+
+from ringwear import Scene
+from ringwear.fem.elasticity import AxisymmetricElasticity
+from ringwear.fem.half_space import HalfSpace, pressure_space
+from ringwear.fem.stresses import displacements, sampled, von_mises
+from ringwear.mdr.direct import displacement as exact_displacement
+from ringwear.meshes import bisection, quads, triangles
+from ringwear.meshes.half_space import areas
+from ringwear.meshes.radial import Array, Indices
+from ringwear.meshes.sizes import SizeField
+from ringwear.studies.crosscheck.interior import MEAN_PRESSURE, NEAR, Interior, interior
+from ringwear.studies.methods.base import method as named
+from ringwear.studies.problem.problem import D0
+from ringwear.studies.progress import Stages
+
+EDGES = np.array([0.0, 0.5, 1.0])
+FIELD = SizeField((0.0, 0.5, 1.0), 1e-6, 1e-3, 0.4, 5.0)
+# degree, and errors of stresses (over the pressure) and displacements that it may have
+MESHERS = {"quads": (8, 1e-4, 2e-6), "gmsh": (4, 5e-3, 1e-4), "bisection": (4, 5e-3, 2e-4)}
+
+
+def mesh(mesher: str) -> Mesh:
+    if WITHOUT_GMSH and mesher != "bisection":
+        pytest.skip(WITHOUT_GMSH)
+    if mesher == "quads":
+        return quads.graded(EDGES, 1e-4, 1e-9, 0.25, 0.8, 2.5).mesh
+    return {"gmsh": triangles.mesh, "bisection": bisection.mesh}[mesher](FIELD)
+
+
+@cache
+def half_space(mesher: str, poisson_ratio: float) -> HalfSpace:
+    solid = AxisymmetricElasticity(mesh(mesher), MESHERS[mesher][0], poisson_ratio)
+    return HalfSpace(solid, pressure_space(solid, EDGES), tuple(range(0, 12, 2)))
+
+
+Samples = tuple[Array, Indices, Array, Array]
+
+
+@cache
+def loaded(mesher: str, poisson_ratio: float) -> Samples:
+    """Unit pressure on the whole contact."""
+    whole = half_space(mesher, poisson_ratio)
+    return sampled(whole, whole.space.ring_indicator().sum(axis=1)[None], 2)
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.4999, 0.5])
+@pytest.mark.parametrize("mesher", MESHERS)
+def test_stresses_of_a_loaded_disc(mesher: str, poisson_ratio: float) -> None:
+    """Love.
+
+    ``zz = c^3 - 1`` and ``rr = (1 + nu) c - (1 + 2 nu)/2 - c^3/2`` on the axis, c the cosine to the
+    rim.
+    """
+    (r, depth), _, moved, stress = loaded(mesher, poisson_ratio)
+    _, tension, shift = MESHERS[mesher]
+    near = depth < 2
+    axis, surface = (r == 0) & near, depth == 0
+    cosine = depth[axis] / np.hypot(1, depth[axis])
+    rr, zz, rz, hoop = stress[0, axis].T
+    assert np.abs(zz - (cosine**3 - 1)).max() <= tension
+    assert (
+        np.abs(rr - ((1 + poisson_ratio) * cosine - 0.5 - poisson_ratio - cosine**3 / 2)).max()
+        <= tension
+    )
+    assert np.abs(hoop - rr).max() <= 1e-11
+    assert np.abs(rz).max() <= tension
+    # the load, and nothing beside it, but for the last layers at the rim
+    _, zz, rz, _ = stress[0, surface].T
+    off_rim = np.abs(r[surface] - 1) > 0.05
+    load = np.where(r[surface] < 1, -1.0, 0.0)
+    assert np.abs(zz - load)[off_rim].max() <= 10 * tension
+    assert np.abs(rz)[off_rim].max() <= 10 * tension
+    np.testing.assert_allclose(
+        moved[0, surface, 1], exact_displacement(EDGES[[0, 2]], np.ones(1), r[surface]), rtol=shift
+    )
+
+
+def flat_punch(r: Array, z: Array, poisson_ratio: float) -> tuple[Array, Array]:
+    """Displacements (n, 2) and stresses rr, zz, rz, hoop (n, 4) under the flat punch, F = a = E* =
+    1, off its rim.
+
+    Sneddon, Boussinesq's problem for a flat-ended cylinder, Proc. Camb. Phil. Soc. 42 (1946):
+    Hankel integrals with the transform ``sin(s)/(2 pi s)`` of the pressure. They are imaginary
+    parts of Laplace transforms of ``J_0(sr)`` and ``J_1(sr)`` at ``z - i``: of ``1/R`` and the
+    like, R the distance of the point from a source at the complex depth i.
+    """
+    source = z - 1j
+    # the root with a positive real part; under the punch, where that is 0, the limit from inside
+    squared = r**2 + z**2 - 1
+    distance = np.where(
+        (z == 0) & (squared < 0), -1j * np.sqrt(np.abs(squared)), np.sqrt(squared - 2j * z)
+    )
+    both = distance + source
+    sides = (1 - 2 * poisson_ratio) / both - z / (distance * both)
+    stress = np.stack(
+        [
+            -1 / distance + z * source / distance**3 + sides,
+            -1 / distance - z * source / distance**3,
+            -z * r / distance**3,
+            -2 * poisson_ratio / distance - sides,
+        ],
+        axis=-1,
+    ).imag / (2 * np.pi)
+    axial = -2 * (1 - poisson_ratio) * np.angle(both) + z * (1 / distance).imag
+    moved = np.stack([-r * sides.imag, axial], axis=-1) / (2 * np.pi * (1 - poisson_ratio))
+    return moved, stress
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.5])
+def test_the_closed_form_of_the_flat_punch(poisson_ratio: float) -> None:
+    """It is in equilibrium, obeys Hooke's law, and has the loads of the punch."""
+    step = 1e-5
+    r, z = (x.ravel() for x in np.meshgrid(np.linspace(0.1, 2.4, 12), np.linspace(0.2, 2.4, 12)))
+    moved, (rr, zz, rz, hoop) = (x.T for x in flat_punch(r, z, poisson_ratio))
+
+    def slopes(dr: float, dz: float) -> tuple[Array, Array]:
+        beyond, before = (flat_punch(r + s * dr, z + s * dz, poisson_ratio) for s in (step, -step))
+        return (beyond[0] - before[0]).T / (2 * step), (beyond[1] - before[1]).T / (2 * step)
+
+    (moved_r, stress_r), (moved_z, stress_z) = slopes(1, 0), slopes(0, 1)
+    np.testing.assert_allclose(stress_r[0] + stress_z[2] + (rr - hoop) / r, 0, atol=1e-8)
+    np.testing.assert_allclose(stress_r[2] + stress_z[1] + rz / r, 0, atol=1e-8)
+    # strains of the displacement times E = 1 - nu^2, and of the stress
+    trace = rr + zz + hoop
+    young = 1 - poisson_ratio**2
+    for strain, stress in ((moved_r[0], rr), (moved_z[1], zz), (moved[0] / r, hoop)):
+        np.testing.assert_allclose(
+            young * strain, (1 + poisson_ratio) * stress - poisson_ratio * trace, atol=1e-8
+        )
+    np.testing.assert_allclose(
+        young * (moved_r[1] + moved_z[0]) / 2, (1 + poisson_ratio) * rz, atol=1e-8
+    )
+    # the surface: the indentation F/(2 a E*), Boussinesq's pressure and nothing beside it; the
+    # force F at any depth
+    inside, outside = np.linspace(0, 0.99, 50), np.linspace(1.01, 5, 50)
+    moved, (_, zz, rz, _) = (x.T for x in flat_punch(inside, np.zeros(50), poisson_ratio))
+    np.testing.assert_allclose(moved[1], D0, rtol=1e-14)
+    np.testing.assert_allclose(zz, -1 / (2 * np.pi * np.sqrt(1 - inside**2)), rtol=1e-13)
+    free = flat_punch(outside, np.zeros(50), poisson_ratio)[1][:, 1:3]
+    assert max(np.abs(rz).max(), np.abs(free).max()) <= 1e-15
+    angle, weight = np.polynomial.legendre.leggauss(200)
+    angle, weight = (1 + angle) * np.pi / 4, weight * np.pi / 4
+    zz = flat_punch(np.tan(angle), np.full(200, 0.5), poisson_ratio)[1][:, 1]
+    assert 2 * np.pi * weight @ (np.tan(angle) / np.cos(angle) ** 2 * zz) == pytest.approx(
+        -1, rel=1e-10
+    )
+
+
+def inside(poisson_ratio: float, **changes: object) -> tuple[Interior, dict[str, float]]:
+    """The interior under the flat punch at t = 0, and the true errors of what it estimates."""
+    scene = Scene.load("flat_punch").changed(
+        half_space__poisson_ratio=poisson_ratio, wear__times=[0.0], **changes
+    )
+    fem = named("fem")
+    fields = interior(scene, fem.solve(scene.problem, Stages(fem)))
+    r, z = fields.points
+    far = np.hypot(r - 1, z) > NEAR
+    assert (r[far] == 0).any()
+    assert (z[far] == 0).any()
+    moved, stress = flat_punch(r[far], z[far], poisson_ratio)
+    return fields, {
+        "displacement": float(np.abs(fields.displacement[0, far] - moved).max() / D0),
+        "stress": float(np.abs(fields.stress[0, far] - stress).max() / MEAN_PRESSURE),
+        "von_mises": float(
+            np.abs(fields.von_mises[0, far] - von_mises(stress)).max() / MEAN_PRESSURE
+        ),
+    }
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.49, 0.5])
+@pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6])
+def test_stresses_under_the_flat_punch(rtol: float, poisson_ratio: float) -> None:
+    """Within 10 rtol of the mean pressure wherever they are finite, and no worse than they say."""
+    fields, errors = inside(poisson_ratio, accuracy__rtol=rtol)
+    assert fields.errors["stress"][0] <= 10 * rtol
+    assert errors["stress"] <= 10 * rtol
+    for name, error in errors.items():
+        assert error <= fields.errors[name][0] <= 50 * error
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.49, 0.5])
+@pytest.mark.parametrize("mesher", ["gmsh", "bisection"])
+def test_the_estimate_on_triangles(mesher: str, poisson_ratio: float) -> None:
+    """Their degree is the highest already: they say how far they fall short."""
+    if WITHOUT_GMSH and mesher == "gmsh":
+        pytest.skip(WITHOUT_GMSH)
+    fields, errors = inside(poisson_ratio, accuracy__fem__mesher=mesher)
+    for name, error in errors.items():
+        assert error <= fields.errors[name][0] <= 50 * error
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize(
+    ("changes", "least"), [({"far_field": "fixed"}, 0.95), ({"poles": 1}, 1.0), ({"poles": 2}, 1.0)]
+)
+def test_the_estimate_of_a_truncation(changes: dict[str, object], least: float) -> None:
+    """An outer boundary that the user has asked for is seen; of a clamped one, the error itself."""
+    fields, errors = inside(
+        0.3, **{f"accuracy__fem__{name}": value for name, value in changes.items()}
+    )
+    assert errors["stress"] > 1e-3
+    for name, error in errors.items():
+        assert least * error <= fields.errors[name][0] <= 50 * error
+
+
+@pytest.mark.gmsh
+def test_a_degree_that_is_given_is_the_degree_inside() -> None:
+    assert inside(0.3, accuracy__fem__degree=5)[0].degree == 5
+
+
+@pytest.mark.parametrize("mesher", MESHERS)
+def test_samples_fill_the_half_space_and_agree_on_facets(mesher: str) -> None:
+    points, small, moved, _ = loaded(mesher, 0.3)
+    a, b, c = points.T[small].transpose(0, 2, 1)
+    sizes = np.abs((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])) / 2
+    assert sizes.min() > 0
+    assert sizes.sum() == pytest.approx(areas(half_space(mesher, 0.3).solid.mesh).sum(), rel=1e-12)
+    # points on facets belong to both elements, of different degrees: the displacement is one
+    off_rim = np.flatnonzero(np.hypot(points[0] - 1, points[1]) > 1e-3)
+    place = np.round(points[:, off_rim].T, 9)
+    _, first, same = np.unique(place, axis=0, return_index=True, return_inverse=True)
+    assert len(first) < 0.9 * len(place)
+    np.testing.assert_allclose(moved[0, off_rim], moved[0, off_rim[first]][same], atol=1e-7)
+
+
+@pytest.mark.parametrize("mesher", MESHERS)
+def test_work_of_the_pressures(mesher: str) -> None:
+    """``p . A p`` by the displacements that the pressures make."""
+    whole = half_space(mesher, 0.3)
+    pressures, contact = whole.space.ring_indicator().T, whole.solid.boundary("contact")
+    work = (
+        displacements(whole, pressures)[:, contact, 1]
+        @ whole.coupling[: len(contact)]
+        @ pressures.T
+    )
+    np.testing.assert_allclose(work, pressures @ whole.compliance().matrix @ pressures.T, rtol=1e-9)
+
+
+def test_von_mises_of_simple_states() -> None:
+    pull, pressure, shear = [0.0, 2.0, 0.0, 0.0], [3.0, 3.0, 0.0, 3.0], [0.0, 0.0, 1.0, 0.0]
+    np.testing.assert_allclose(von_mises(np.array([pull, pressure, shear])), [2, 0, np.sqrt(3)])

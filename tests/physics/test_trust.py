@@ -1,0 +1,257 @@
+"""What is reported is what is checked.
+
+Numbers that were wrong while the verdict was "agree", each held to what is known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+
+from ringwear import Scene, run
+from ringwear.meshes.contact_cells import ContactCells
+from ringwear.meshes.radial import Array
+from ringwear.studies.crosscheck.agreement import agreements
+from ringwear.studies.crosscheck.run import Result
+from ringwear.studies.estimates.scenes import random_scenes
+from ringwear.studies.report.words import remarks
+from ringwear.studies.wear.contact_edges import worn_edges
+
+
+def start_errors(result: Result) -> Iterator[tuple[str, float]]:
+    """Greatest relative error of the start pressures that a method reports, at radii off
+    the rim.
+    """
+    scene, dataset = result.scene, result.dataset
+    ratio = dataset["radius"].values / scene.punch.radius
+    known = scene.load_.normal_force / (2 * np.pi * scene.punch.radius**2)
+    known = known / np.sqrt((1 - ratio) * (1 + ratio))
+    for solver in dataset["solver"].values:
+        pressure = dataset["pressure"].sel(solver=solver).isel(time=0).values
+        if np.isfinite(pressure).any():
+            yield str(solver), float(np.abs(pressure / known - 1)[ratio < 1].max())
+
+
+@pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-7, 1e-8])
+@pytest.mark.parametrize("first", [1e-2, 1e-7])
+def test_start_pressures_are_those_of_the_closed_form(rtol: float, first: float) -> None:
+    """The small elements beside ring edges, which later times need, do not lose the start."""
+    scene = Scene.load("five_rings").changed(
+        methods=["mdr", "bem"] if rtol > 1e-6 else ["mdr"],
+        accuracy__rtol=rtol,
+        wear__times=[0.0, first, 1.0],
+    )
+    result = run(scene)
+    for solver, error in start_errors(result):
+        assert error <= rtol, solver
+    rings = result.summary["answer"]["mdr"]
+    edges = np.arange(6) / 5
+    known = 2.0 / (2 * np.pi) / np.sqrt((1 - edges[:-1]) * (1 + edges[:-1]))
+    np.testing.assert_allclose(rings["pressure_min"][0], known, rtol=rtol)
+    np.testing.assert_allclose(rings["pressure_max"][0][:-1], known[1:], rtol=rtol)
+    assert result.verdict == "agree"
+
+
+@pytest.mark.slow
+@pytest.mark.gmsh
+def test_start_pressures_of_random_scenes() -> None:
+    """To 16 rings, first times to 1e-8, rtol 1e-2 to 1e-8, every method."""
+    for scene in random_scenes(2211, 20, 16, methods=["mdr", "fem"]):
+        times = [0.0, *(time for time in scene.wear.times if time)]
+        for solver, error in start_errors(run(scene.changed(wear={"times": times}))):
+            assert error <= scene.accuracy.rtol, (scene.title, solver)
+
+
+def offset_scene(standoff: float, indentation: float | None, **changes: Any) -> Scene:
+    """Two rings, the inner of which is recessed, or a sphere; the face stands off its plane."""
+    punch = {"radius": 1.0, "ring_edges": [0.5, 1.0], "wear_coefficients": [1.0, 2.0]}
+    recess = [0.1 + standoff, standoff]
+    load = {"normal_force": 0.1} if indentation is None else {"indentation": standoff + indentation}
+    return Scene.load("five_rings").changed(
+        methods=["mdr"],
+        punch=punch | {"recess": recess},
+        load=load,
+        wear={"times": [0.0, 1.0, 5.0], "steady": False},
+        output={"radii": np.linspace(0, 0.99, 40).tolist()},
+        accuracy__rtol=1e-3,
+        **changes,
+    )
+
+
+@pytest.mark.parametrize("indentation", [0.1, 1e-3, 1e-4, None])
+@pytest.mark.parametrize("standoff", [0.2, 100.0])
+def test_results_do_not_depend_on_where_the_face_plane_is(
+    standoff: float, indentation: float | None
+) -> None:
+    plain, moved = (run(offset_scene(off, indentation)).dataset for off in (0.0, standoff))
+    depth = float(plain["indentation"].max())
+    # coordinates of a face that stands so far off are known to its roundoff
+    roundoff = max(1e-9, 1e-14 * standoff / depth)
+    for name in ("pressure", "normal_force", "ring_worn_volume", "contact_radius"):
+        scale = float(np.abs(plain[name]).max())
+        np.testing.assert_allclose(moved[name] / scale, plain[name] / scale, rtol=0, atol=roundoff)
+    for name in ("indentation", "profile"):
+        np.testing.assert_allclose(
+            (moved[name] - standoff) / depth, plain[name] / depth, atol=roundoff
+        )
+        np.testing.assert_allclose(
+            moved[f"{name}_error"], plain[f"{name}_error"], rtol=1e-2, atol=1e-9
+        )
+
+
+def sphere(rtol: float, times: list[float], **changes: Any) -> Scene:
+    """Radius of curvature 1, contact radius .2 at the start."""
+    profile = {"kind": "parabola", "curvature_radius": 1.0}
+    return Scene.load("sphere").changed(
+        methods=["mdr"],
+        punch={"radius": 1.0, "rings": 1, "wear_coefficients": [1.0, 1.0], "profile": profile}
+        | changes,
+        half_space={"plane_strain_modulus": 1.0},
+        load={"normal_force": 4 / 3 * 0.2**3},
+        wear={"times": times, "steady": False},
+        output={"radii": ((np.arange(1200) + 0.5) / 1200).tolist()},
+        accuracy__rtol=rtol,
+    )
+
+
+def cells(monkeypatch: pytest.MonkeyPatch, count: int) -> None:
+    for name in ("CELLS", "FEWEST", "MOST"):
+        monkeypatch.setattr(f"ringwear.studies.problem.defaults.{name}", count)
+
+
+def field_errors(found: xarray.Dataset, truth: xarray.Dataset) -> dict[str, Array]:
+    """Errors in the norms of the project, over 1200 radii."""
+    found, truth = found.isel(solver=0), truth.isel(solver=0)
+    depth, radii = truth["indentation"], truth["radius"]
+
+    def energy(pressure: xarray.DataArray) -> xarray.DataArray:
+        return (pressure**2 * radii).sum("radius")
+
+    errors = {
+        "pressure": np.sqrt(
+            energy(found["pressure"] - truth["pressure"]) / energy(truth["pressure"])
+        )
+    }
+    for name in ("profile", "displacement"):
+        errors[name] = np.abs(found[name] - truth[name]).max("radius") / depth
+    errors["indentation"] = np.abs(found["indentation"] - truth["indentation"]) / depth
+    return {name: error.values for name, error in errors.items()}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rtol", [1e-3, 1e-4])
+def test_errors_of_a_worn_sphere_are_not_below_the_truth(
+    monkeypatch: pytest.MonkeyPatch, rtol: float
+) -> None:
+    times = [0.01, 0.1, 1.0]
+    found = run(sphere(rtol, times)).dataset
+    cells(monkeypatch, 500)
+    truth = run(sphere(1e-5, times)).dataset
+    for name, error in field_errors(found, truth).items():
+        assert (error <= found[f"{name}_error"].values[0]).all(), name
+
+
+def test_a_face_finer_than_the_cells_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The truth touches the highest of many peaks; cells see their mean."""
+    generator = np.random.default_rng(0)
+    radii, heights = np.linspace(0, 1, 2000).tolist(), generator.uniform(0, 1e-3, 2000).tolist()
+    heights = {"kind": "table", "radii": radii, "heights": heights}
+    result = run(sphere(1e-2, [0.0, 0.01], profile=heights))
+    assert any("the face is finer than the" in note for note in result.notes)
+    cells(monkeypatch, 600)
+    finer = run(sphere(1e-2, [0.0, 0.01], profile=heights)).dataset
+    error = np.abs(result.dataset["indentation"] - finer["indentation"]) / finer["indentation"]
+    assert (error <= result.dataset["indentation_error"]).all()
+    assert float(error.max()) > 1e-2
+
+
+@pytest.mark.parametrize("gap", [1, 2, 3])
+def test_parts_of_the_contact_do_not_overlap(gap: int) -> None:
+    """Edges extrapolated from worn depths on both sides of a narrow gap."""
+    space = ContactCells((0.0, 1.0), 0.02, 0.02).space()
+    node = np.arange(space.size)
+    middle = space.size // 2
+    contact = (node < middle) | (node >= middle + gap)
+    worn = np.where(contact, np.abs(node - middle - (gap - 1) / 2), 0.0)
+    edges = np.ravel(worn_edges(space, contact, np.where(worn > 0, worn + 3, 0.0)))
+    assert len(edges) == 4
+    assert (np.diff(edges) >= 0).all()
+
+
+def test_no_pressure_under_a_flat_punch_is_negative() -> None:
+    edges = 0.4 + np.geomspace(1e-14, 1e-8, 40)
+    scene = Scene.load("five_rings").changed(
+        methods=["mdr", "fem"],
+        accuracy__rtol=1e-3,
+        wear__times=[0.0, 1e-8, 1e-4],
+        output={"radii": edges.tolist()},
+    )
+    assert float(run(scene).dataset["pressure"].min()) >= 0
+
+
+def test_the_default_scene_reaches_its_accuracy_by_its_own_word() -> None:
+    result = run(Scene.load("five_rings"))
+    assert result.verdict == "agree"
+    assert all(not method["beyond_rtol"] for method in result.summary["methods"].values())
+    assert not any("says of itself" in line for line in remarks(result))
+
+
+@pytest.mark.parametrize(
+    ("difference", "first", "second", "verdict"),
+    [
+        (
+            0.9,
+            0.01,
+            0.01,
+            "agree",
+        ),  # below the accuracy asked for nothing disagrees, whatever is stated
+        (1.1, 0.6, 0.6, "agree"),
+        (1.1, 0.5, 0.5, "disagree"),
+        (30.0, 0.5, 1.1, "undecided"),  # one says of itself that it errs by more
+        (3.0, 2.0, 2.5, "undecided"),
+        (0.1, 0.5, 2.0, "agree"),
+    ],
+)
+def test_the_rule_of_the_verdict(
+    difference: float, first: float, second: float, verdict: str
+) -> None:
+    """In counts of the accuracy asked for."""
+    scene = Scene.load("five_rings").changed(methods=["mdr"], wear__times=[0.1])
+    rtol, solution = scene.accuracy.rtol, run(scene).solutions["mdr"]
+    moved = {"indentation": solution.checked["indentation"] * (1 + difference * rtol)}
+    one, other = (
+        replace(
+            solution,
+            checked=checked,
+            errors=solution.errors | {"indentation": np.array([error * rtol])},
+        )
+        for checked, error in ((solution.checked.assign(moved), first), (solution.checked, second))
+    )
+    rows = agreements(scene.problem, ("mdr", "mdr"), (one, other))
+    assert {row.verdict for row in rows if row.quantity == "indentation"} == {verdict}
+
+
+def test_an_annulus_that_is_only_pressed_on_does_not_disagree() -> None:
+    punch = {
+        "radius": 1.0,
+        "ring_edges": [0.6, 1.0],
+        "wear_coefficients": [1.0, 1.0],
+        "recess": [0.5, 0.0],
+    }
+    scene = Scene.load("five_rings").changed(
+        methods=["mdr", "bem", "fem"],
+        punch=punch,
+        load={"normal_force": 0.1},
+        wear={"times": [0.0], "steady": False},
+        accuracy__rtol=1e-6,
+    )
+    result = run(scene)
+    assert result.verdict == "agree"
+    lines = [line for line in remarks(result) if "undecided" in line]
+    assert len(lines) == len({row.quantity for row in result.agreement if row.remark})
+    assert not any("worn" in line for line in lines)

@@ -1,0 +1,164 @@
+"""What all studies share.
+
+Tables that are on disk at once, and Ctrl-C, which keeps what is finished and says so.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import logging
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ringwear import Scene
+from ringwear.studies.cli import main
+from ringwear.studies.progress import LOG
+from ringwear.studies.registry import INTERRUPTED, STUDIES
+from ringwear.studies.tables import Table, keeping_rows
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+@contextmanager
+def interrupted_at(line: int) -> Iterator[None]:
+    """Ctrl-C, pressed as the n-th line is logged."""
+
+    class Stop(logging.Handler):
+        left = line
+
+        def emit(self, record: logging.LogRecord) -> None:
+            self.left -= 1
+            if self.left == 0:
+                raise KeyboardInterrupt
+
+    handler, level = Stop(), LOG.level
+    LOG.addHandler(handler)
+    LOG.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        LOG.removeHandler(handler)
+        LOG.setLevel(level)
+
+
+def test_rows_are_on_disk_at_once_and_kept_on_interruption(tmp_path: Path) -> None:
+    table, conclusions = Table(tmp_path / "t.csv", ("a", "b")), list[str]()
+    with keeping_rows(conclusions):
+        table.add(a=1, b="x")
+        assert rows(tmp_path / "t.csv") == [{"a": "1", "b": "x"}]
+        raise KeyboardInterrupt
+    assert conclusions == [INTERRUPTED]
+
+
+@pytest.mark.parametrize("line", [1, 2])
+@pytest.mark.parametrize(
+    "name", ["march", "refinement", "extremes", "convergence", "truncation", "estimates"]
+)
+def test_a_study_stopped_early_keeps_its_tables(name: str, line: int, tmp_path: Path) -> None:
+    options = argparse.Namespace(quick=True, mesh=None, seed=0, count=2, rings=2)
+    with interrupted_at(line):
+        lines = STUDIES[name].conduct(Scene.load("five_rings"), tmp_path, options)
+    assert INTERRUPTED in lines
+    assert len(list(tmp_path.glob("*.csv"))) >= 1
+    assert INTERRUPTED in next(tmp_path.glob("*.md")).read_text("utf-8")
+
+
+def test_ctrl_c_outside_of_a_studys_rows_leaves_nothing(tmp_path: Path) -> None:
+    with interrupted_at(1):
+        assert main(["study", "benchmark", "--quick", "--out", str(tmp_path)]) == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+WAITING = """
+import signal, sys, time
+from ringwear.studies import registry
+from ringwear.studies.cli import main
+from ringwear.studies.tables import Table, keeping_rows
+
+# where the tests themselves run in the background, the shell has told them to ignore it
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+def conduct(scene, out, options):
+    table, conclusions = Table(out / "rows.csv", ("a",)), []
+    with keeping_rows(conclusions):
+        table.add(a=1)
+        print("waiting", flush=True)
+        time.sleep(60)
+    return conclusions
+
+registry.Study.conduct = property(lambda _: conduct)
+sys.exit(main(["study", "march", "--out", sys.argv[1]]))
+"""
+
+
+def test_ctrl_c_in_a_study_keeps_rows_and_says_so_by_its_exit_status(tmp_path: Path) -> None:
+    arguments = [sys.executable, "-c", WAITING, str(tmp_path)]
+    with subprocess.Popen(
+        arguments, stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[2]
+    ) as process:
+        assert process.stdout
+        assert process.stdout.readline() == "waiting\n"
+        process.send_signal(signal.SIGINT)
+        printed, _ = process.communicate(timeout=30)
+    assert process.returncode == 1
+    assert INTERRUPTED in printed
+    assert rows(tmp_path / "rows.csv") == [{"a": "1"}]
+
+
+def test_ctrl_c_while_the_page_is_written_keeps_all_the_rest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def half_write(*arguments: Any) -> None:
+        arguments[-1].write_text("<html>", "utf-8")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("ringwear.studies.report.page.write_study", half_write)
+    assert main(["study", "march", "--quick", "--out", str(tmp_path)]) == 1
+    assert INTERRUPTED in capsys.readouterr().out
+    names = {file.name for file in tmp_path.iterdir()}
+    assert {"march.csv", "march.md", "march.png"} <= names
+    assert "report.html" not in names
+
+
+@pytest.mark.slow
+@pytest.mark.gmsh
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("seconds", [0.0, 1.3, 4.1])
+def test_a_study_that_meshes_keeps_its_rows_when_it_is_ended(
+    number: signal.Signals, seconds: float, tmp_path: Path
+) -> None:
+    code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    code += "from ringwear.studies.cli import main; raise SystemExit(main())"
+    out = tmp_path / "out"
+    command = [sys.executable, "-c", code, "study", "extremes", "--quick", "--out", str(out)]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as study:
+        while study.poll() is None and not finished_rows(out):
+            time.sleep(0.02)
+        time.sleep(seconds)
+        finished = finished_rows(out)
+        study.send_signal(number)
+        printed, told = study.communicate(timeout=60)
+    assert study.returncode == 1
+    assert INTERRUPTED in printed
+    assert "Traceback" not in told
+    assert len(rows(out / "extremes.csv")) >= finished >= 1
+    assert not list(out.glob(".writing-*"))
+
+
+def finished_rows(out: Path) -> int:
+    """Rows that a study has written so far, while it runs."""
+    return sum(len(rows(table)) for table in out.glob(".writing-*/extremes.csv"))

@@ -1,0 +1,274 @@
+"""Meshes that users bring: good ones by gmsh and by meshio, and every refusal with what and
+where.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+from skfem import MeshQuad, MeshTri
+
+from ringwear import Scene
+from ringwear.meshes import bisection, quads
+from ringwear.meshes.errors import MeshError
+from ringwear.meshes.files import read
+from ringwear.meshes.half_space import areas, contact_radii, truncation
+from ringwear.meshes.sizes import SizeField
+from ringwear.studies.cli import main
+
+EDGES = np.array([0.0, 0.5, 1.0])
+Change = Callable[[meshio.Mesh], None]
+
+
+@pytest.fixture(scope="module")
+def ours() -> MeshTri:
+    return bisection.mesh(SizeField((0.0, 0.5, 1.0), 0.05, 0.1, 0.6, 4.0))
+
+
+def as_meshio(mesh: MeshTri, scale: float = 1.0) -> meshio.Mesh:
+    """The mesh as meshio knows it, without any names."""
+    points = np.column_stack([scale * mesh.p.T, np.zeros(mesh.nvertices)])
+    return meshio.Mesh(points, [("triangle", mesh.t.T.copy())])
+
+
+def gmsh_file(
+    path: Path,
+    *,
+    order: int = 1,
+    surface: bool = True,
+    version: float = 4.1,
+    recombine: bool = False,
+) -> Path:
+    """The quarter disc by gmsh itself, with physical groups."""
+    gmsh = pytest.importorskip("gmsh")
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("Mesh.MshFileVersion", version)
+        gmsh.option.setNumber("Mesh.RecombineAll", int(recombine))
+        geo = gmsh.model.geo
+        sizes = ((0, 0, 0.3), (0.5, 0, 0.1), (1, 0, 0.05), (4, 0, 1), (0, 4, 1))
+        p = [geo.addPoint(r, z, 0, h) for r, z, h in sizes]
+        lines = [geo.addLine(a, b) for a, b in itertools.pairwise(p[:4])]
+        lines += [geo.addCircleArc(p[3], p[0], p[4]), geo.addLine(p[4], p[0])]
+        disc = geo.addPlaneSurface([geo.addCurveLoop(lines)])
+        geo.synchronize()
+        for name, curves in {
+            "contact": lines[:2],
+            "free": lines[2:3],
+            "far": lines[3:4],
+            "axis": lines[4:],
+        }.items():
+            gmsh.model.addPhysicalGroup(1, curves, name=name)
+        if surface:
+            gmsh.model.addPhysicalGroup(2, [disc], name="solid")
+        gmsh.model.mesh.generate(2)
+        gmsh.model.mesh.setOrder(order)
+        gmsh.write(str(path))
+    finally:
+        gmsh.finalize()
+    return path
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("version", [2.2, 4.1])
+@pytest.mark.parametrize("recombine", [False, True])
+def test_a_file_of_gmsh_is_read(tmp_path: Path, version: float, recombine: bool) -> None:
+    mesh, _ = read(gmsh_file(tmp_path / "disc.msh", version=version, recombine=recombine), EDGES)
+    assert len(mesh.t) == 4 if recombine else 3
+    assert truncation(mesh) == 4.0
+    assert {0.0, 0.5, 1.0} <= set(contact_radii(mesh))
+    assert {name: len(facets) > 0 for name, facets in mesh.boundaries.items()} == dict.fromkeys(
+        mesh.boundaries, True
+    )
+
+
+@pytest.mark.parametrize("ending", [".vtu", ".vtk"])
+@pytest.mark.parametrize("scale", [1.0, 0.003])
+def test_a_file_of_meshio_gives_the_same_mesh_back(
+    tmp_path: Path, ours: MeshTri, ending: str, scale: float
+) -> None:
+    path = tmp_path / f"disc{ending}"
+    as_meshio(ours, scale).write(path)
+    mesh, _ = read(path, EDGES, radius=0.003)
+    np.testing.assert_allclose(mesh.p, ours.p, atol=1e-14)
+    np.testing.assert_array_equal(mesh.t, ours.t)
+    for name, facets in ours.boundaries.items():
+        np.testing.assert_array_equal(mesh.boundaries[name], facets)
+
+
+def test_a_file_of_scikit_fem_gives_the_same_mesh_back(tmp_path: Path, ours: MeshTri) -> None:
+    ours.save(tmp_path / "disc.vtu", file_format="vtu")
+    mesh, _ = read(tmp_path / "disc.vtu", EDGES)
+    np.testing.assert_array_equal(mesh.t, ours.t)
+
+
+@pytest.mark.gmsh
+def test_what_ringwear_mesh_writes_is_read_back(tmp_path: Path) -> None:
+    scene = Scene.load("rubber")
+    assert main(["mesh", "rubber", "--out", str(tmp_path)]) == 0
+    edges, _ = scene.problem.merged
+    mesh, remark = read(tmp_path / "mesh.vtu", edges, scene.punch.radius)
+    assert not remark
+    written = MeshQuad.load(tmp_path / "mesh.vtu")
+    assert set(mesh.boundaries) == set(written.boundaries)
+    assert mesh.nelements == written.nelements
+    # the degree may fall where it did
+    assert {name: len(part) for name, part in mesh.subdomains.items()} == {
+        name: len(part) for name, part in written.subdomains.items()
+    }
+
+
+@pytest.mark.gmsh
+def test_quadrilaterals_in_any_order_of_their_corners(tmp_path: Path) -> None:
+    mesh = quads.graded(EDGES, 1e-2, 1e-2, 0.25, 0.8, 2.5).mesh
+    corners = np.take_along_axis(
+        mesh.t, (np.arange(4)[:, None] + np.arange(mesh.nelements) % 4) % 4, axis=0
+    )
+    meshio.Mesh(mesh.p.T, [("quad", corners.T)]).write(tmp_path / "disc.vtk")
+    found, _ = read(tmp_path / "disc.vtk", EDGES)
+    np.testing.assert_array_equal(np.sort(found.t, axis=0), np.sort(mesh.t, axis=0))
+
+
+def test_a_half_space_drawn_below_its_surface_is_turned_over_and_says_so(
+    tmp_path: Path, ours: MeshTri
+) -> None:
+    content = as_meshio(ours)
+    content.write(tmp_path / "downwards.vtk")
+    assert read(tmp_path / "downwards.vtk", EDGES)[1] == ""
+    content.points[:, 1] *= -1
+    content.write(tmp_path / "upwards.vtk")
+    mesh, remark = read(tmp_path / "upwards.vtk", EDGES)
+    assert areas(mesh).min() > 0
+    assert "turned over" in remark
+    np.testing.assert_allclose(mesh.p, ours.p, atol=1e-14)
+
+
+@pytest.mark.parametrize("noise", [1e-12, -1e-12])
+def test_rounding_at_the_surface_turns_nothing_over(
+    tmp_path: Path, ours: MeshTri, noise: float
+) -> None:
+    content = as_meshio(ours)
+    content.points[content.points[:, 1] == 0, 1] = noise
+    content.write(tmp_path / "rounded.vtk")
+    mesh, remark = read(tmp_path / "rounded.vtk", EDGES)
+    assert not remark
+    np.testing.assert_allclose(mesh.p, ours.p, atol=1e-14)
+
+
+def torn(content: meshio.Mesh) -> None:
+    r, z, _ = content.points.T
+    vertex = int(np.argmin(np.hypot(r - 0.5, z)))
+    beyond = content.points[content.cells[0].data, 0].mean(axis=1) > 0.5
+    content.points = np.concatenate([content.points, content.points[vertex : vertex + 1]])
+    data = content.cells[0].data
+    data[(data == vertex) & beyond[:, None]] = len(content.points) - 1
+
+
+def holed(content: meshio.Mesh) -> None:
+    inside = np.argmin(
+        np.hypot(*(content.points[content.cells[0].data].mean(axis=1)[:, :2] - [1.5, 1.5]).T)
+    )
+    content.cells[0].data = np.delete(content.cells[0].data, inside, axis=0)
+
+
+def too_wide(content: meshio.Mesh) -> None:
+    content.points *= 1.5
+
+
+def no_ring_edge(content: meshio.Mesh) -> None:
+    near = np.abs(content.points[:, 0] - 0.5) + np.abs(content.points[:, 1]) < 1e-9
+    content.points[near, 0] += 0.01
+
+
+def mixed(content: meshio.Mesh) -> None:
+    content.cells.append(meshio.CellBlock("quad", np.array([[0, 1, 2, 3]])))
+
+
+def out_of_plane(content: meshio.Mesh) -> None:
+    content.points[:, 2] = content.points[:, 0]
+
+
+def behind_the_axis(content: meshio.Mesh) -> None:
+    content.points[:, 0] -= 0.5
+
+
+def mirrored_at_the_axis(content: meshio.Mesh) -> None:
+    content.points[:, 0] *= -1
+
+
+def from_the_bottom(content: meshio.Mesh) -> None:
+    content.points[:, 1] = 4 - content.points[:, 1]
+
+
+def beyond_the_surface(content: meshio.Mesh) -> None:
+    r, z, _ = content.points.T
+    content.points[int(np.argmin(np.hypot(r - 2, z - 0.3))), 1] = -0.25
+
+
+def beyond_the_surface_upwards(content: meshio.Mesh) -> None:
+    beyond_the_surface(content)
+    content.points[:, 1] *= -1
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (torn, "hole or a gap: .* Coherence Mesh"),
+        (holed, "hole or a gap"),
+        (too_wide, "no vertex of the mesh lies on the ring edge at r = 0.5 a on the surface"),
+        (no_ring_edge, "no vertex of the mesh lies on the ring edge at r = 0.5 a on the surface"),
+        (mixed, "triangles and quadrilaterals: give one kind only"),
+        (out_of_plane, "third coordinate varies"),
+        (
+            behind_the_axis,
+            r"vertex at \(-0.5, 0\) has a negative radius; mesh one side of the axis only",
+        ),
+        (mirrored_at_the_axis, "negative radius; multiply the first coordinate by -1"),
+        (from_the_bottom, "ring edge at"),
+        (beyond_the_surface, r"and 1 a negative one, among the fewer \(\d.*, -0.25\)"),
+        (
+            beyond_the_surface_upwards,
+            r"1 vertices have a positive depth and \d+ a negative one, .*, 0.25\)",
+        ),
+    ],
+)
+def test_a_broken_mesh_is_refused_with_what_and_where(
+    tmp_path: Path, ours: MeshTri, change: Change, message: str
+) -> None:
+    content = as_meshio(ours)
+    change(content)
+    content.write(tmp_path / "bad.vtu")
+    with pytest.raises(MeshError, match=message):
+        read(tmp_path / "bad.vtu", EDGES)
+
+
+@pytest.mark.gmsh
+def test_second_order_and_a_lost_surface_say_how_to_export(tmp_path: Path) -> None:
+    for settings, message in (
+        ({"order": 2}, "ElementOrder = 1"),
+        ({"surface": False}, "physical group of the surface"),
+    ):
+        with pytest.raises(MeshError, match=message):
+            read(gmsh_file(tmp_path / "disc.msh", **settings), EDGES)
+
+
+def test_what_is_not_a_mesh_is_refused(tmp_path: Path, capsys: Any) -> None:
+    for name, message in (
+        ("absent.msh", "no such file"),
+        ("text.msh", "not a mesh"),
+        ("text.xyz", "not a mesh"),
+    ):
+        if name.startswith("text"):
+            (tmp_path / name).write_text("nothing of the kind\n")
+        with pytest.raises(MeshError, match=message):
+            read(tmp_path / name, EDGES)
+    with pytest.raises(MeshError, match="directory"):
+        read(tmp_path, EDGES)
+    assert capsys.readouterr().out == ""

@@ -1,0 +1,289 @@
+"""The answer of a run against closed forms, an independent history, and balances.
+
+Its units, and how it is told.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ringwear import Scene, run
+from ringwear.mdr import direct
+from ringwear.meshes.errors import SceneError
+from ringwear.meshes.radial import alternating_edges, ring_areas
+from ringwear.studies.cli import main
+from ringwear.studies.crosscheck.anchors import energy_of_rings
+from ringwear.studies.crosscheck.dataset import Result
+from ringwear.studies.problem.time_scale import slowest_relaxation_time
+from ringwear.studies.problem.unit_names import UnitNames
+from ringwear.studies.report import words
+from ringwear.studies.report.printed import print_result
+
+EDGES, K = alternating_edges(5), np.array([1.0, 10.0, 1.0, 10.0, 1.0])
+
+
+@pytest.fixture(scope="module")
+def five() -> Result:
+    return run(Scene.load("five_rings").changed(methods=["mdr", "direct"]))
+
+
+def test_running_in_against_an_independent_history(five: Result, reference: dict[str, Any]) -> None:
+    """What the approach has made of its way at a reference's times leads back to these times."""
+    wear = five.solutions["mdr"].wear
+    assert wear is not None
+    assert float(five.answers["mdr"]["running_in_time"]) == pytest.approx(
+        reference["slowest_relaxation_times"][0], rel=1e-9
+    )
+    # in closed form: where the approach, less steady wear, ends for a force of 2 (d F = int u p dA)
+    pressures = direct.steady_pressures(EDGES, K, force=2.0)
+    rate, end = K[0] * pressures[0], energy_of_rings(EDGES, pressures) / 2.0
+    for state in reference["states"]:
+        way = (state["indentation"] - rate * state["time"] - 1.0) / (end - 1.0)
+        # ten times as fast as the unit of the scene, for the greatest coefficient is ten
+        assert wear.time_to(way) * five.scene.problem.units.time == pytest.approx(
+            state["time"], rel=1e-6
+        )
+
+
+def test_start_and_steady_state_in_closed_form(five: Result) -> None:
+    found = five.answers["mdr"]
+    inner, outer = EDGES[:-1], EDGES[1:]
+    assert float(found["indentation_start"]) == pytest.approx(1.0, rel=1e-8)
+    np.testing.assert_allclose(
+        found["pressure_min"][0], 1 / np.pi / np.sqrt(1 - inner**2), rtol=1e-4
+    )
+    np.testing.assert_allclose(
+        found["pressure_max"][0, :-1], 1 / np.pi / np.sqrt(1 - outer[:-1] ** 2), rtol=1e-4
+    )
+    assert found["pressure_max"][0, -1] == np.inf
+    np.testing.assert_allclose(
+        found["force_share"][0], np.sqrt(1 - inner**2) - np.sqrt(1 - outer**2), atol=1e-8
+    )
+    steady = direct.steady_pressures(EDGES, K, force=2.0)
+    for one in five.answers.values():
+        np.testing.assert_allclose(one["pressure_min"][1], steady, rtol=1e-10)
+        np.testing.assert_allclose(one["pressure_max"][1], steady, rtol=1e-10)
+        np.testing.assert_allclose(
+            one["force_share"][1], steady * ring_areas(EDGES) / 2, rtol=1e-10
+        )
+        assert float(one["steady_wear_rate"]) == pytest.approx(steady[0], rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    "coefficients", [[1.0, 10.0], [3.0, 3.0]], ids=["five materials", "one material"]
+)
+def test_worn_volume_is_what_the_force_has_worn(coefficients: list[float]) -> None:
+    """Sum of V / k over the rings is F v0 t, also where rings are of one material.
+
+    Units that are not one.
+    """
+    scene = Scene.load("five_rings").changed(
+        methods=["mdr"],
+        punch__wear_coefficients=coefficients,
+        punch__radius=2.0,
+        load__normal_force=5.0,
+        load__sliding_speed=3.0,
+    )
+    result = run(scene)
+    volumes = result.answers["mdr"]["worn_volume"]
+    by_ring = result.dataset.wear_coefficient.values
+    assert float((volumes / by_ring).sum()) == pytest.approx(5.0 * 3.0 * 2.0, rel=1e-6)
+    if coefficients[0] == coefficients[1]:
+        # nothing happens at the edges: the profile itself, integrated over the second ring
+        fine = run(
+            scene.changed(output__radii=np.linspace(0.4, 0.8, 2001).tolist(), punch__rings=5)
+        ).dataset
+        f, r = fine.profile.values[0, -1], fine.radius.values
+        assert volumes[1] == pytest.approx(np.trapezoid(2 * np.pi * r * f, r), rel=1e-6)
+
+
+def test_the_paper_s_algorithm_answers_what_it_knows() -> None:
+    found = run(
+        Scene.load("five_rings").changed(methods=["mdr", "mdr-grid"], wear__steady=False)
+    ).answers
+    assert np.isnan(found["mdr-grid"]["running_in_time"])
+    np.testing.assert_allclose(
+        found["mdr-grid"]["worn_volume"], found["mdr"]["worn_volume"], rtol=1e-2
+    )
+
+
+def test_summary_and_dataset_hold_the_answer(five: Result) -> None:
+    told = json.loads(json.dumps(five.summary["answer"], allow_nan=False))
+    assert set(told) == {"mdr", "direct"}
+    assert told["direct"]["running_in_time"] is None
+    assert told["mdr"]["pressure_max"][0][-1] is None
+    dataset = five.dataset
+    assert dataset.pressure_min.dims == ("solver", "state", "ring")
+    assert dataset.state.values.tolist() == ["start", "steady"]
+    np.testing.assert_array_equal(dataset.wear_coefficient, K)
+    np.testing.assert_array_equal(dataset.ring_outer_radius, EDGES[1:])
+    np.testing.assert_array_equal(dataset.sel(solver="mdr").worn_volume, told["mdr"]["worn_volume"])
+    assert set(told["mdr"]) <= set(five.summary["definitions"]) | {
+        "steady_wear_rate",
+        "steady_rms_slope",
+    }
+
+
+@pytest.mark.parametrize(
+    ("stated", "units"),
+    [
+        (
+            "SI",
+            {
+                "pressure": "Pa",
+                "indentation": "m",
+                "worn_volume": "m^3",
+                "steady_wear_rate": "m/s",
+                "rms_slope": "1",
+            },
+        ),
+        (
+            "mm, N, MPa, s",
+            {"pressure": "MPa", "indentation": "mm", "worn_volume": "mm^3", "time_to_90": "s"},
+        ),
+        ("furlongs and such", {"pressure": "furlongs and such"}),
+    ],
+)
+def test_each_variable_has_its_own_unit(five: Result, stated: str, units: dict[str, str]) -> None:
+    other = Result(
+        five.scene.changed(units=stated),
+        *(getattr(five, name) for name in ("solutions", "stages", "agreement", "operators")),
+    )
+    dataset = other.dataset
+    assert {name: dataset[name].attrs["units"] for name in units} == units
+
+
+@pytest.mark.parametrize(
+    ("value", "kind", "told"),
+    [
+        (1.234e-5, "displacement", "12.34 µm"),
+        (0.02, "length", "20 mm"),
+        (3e5, "pressure", "300 kPa"),
+        (1e6, "time", "11.57 days"),
+        (1e-9, "volume", "1 mm³"),
+        (7e-14, "wear_rate", "2.209 µm/year"),
+        (2e-15, "wear_coefficient", "2e-15 1/Pa"),
+        (0.5, "slope", "0.5"),
+        (np.inf, "pressure", "infinite"),
+        (np.nan, "time", "not computed"),
+        (0.0, "length", "0 m"),
+        (1e-20, "length", "1e-20 m"),
+    ],
+)
+def test_numbers_for_people(value: float, kind: str, told: str) -> None:
+    assert UnitNames.of("SI").write(value, kind) == told
+
+
+def test_the_answer_is_printed_before_all_else(
+    five: Result, capsys: pytest.CaptureFixture[str]
+) -> None:
+    print_result(five)
+    told = capsys.readouterr().out
+    parts = [
+        "running-in time",
+        "0.3441",
+        "indentation when steady",
+        "1.273",
+        "steady wear rate",
+        "0.9947",
+        "The methods agree",
+        "Accuracy and cost",
+        "Modelled",
+        "Left out",
+    ]
+    assert [told.index(part) for part in parts] == sorted(told.index(part) for part in parts)
+    assert "to infinity" in told
+
+
+def test_many_rings_are_told_by_the_first_and_the_last() -> None:
+    result = run(
+        Scene.load("many_rings").changed(methods=["direct"], wear__times=[], punch__rings=200)
+    )
+    table = words.ring_rows(result)
+    assert len(table.rows) == 17
+    assert [table.rows[index][0] for index in (0, 8, -1)] == ["1", "...", "200"]
+
+
+def test_defaults_taken_are_said() -> None:
+    table = Scene.load("five_rings").table()
+    del table["half_space"]["poisson_ratio"], table["load"]["sliding_speed"]
+    table["methods"] = ["direct"]
+    said = words.defaults_taken(run(Scene.from_table(table)))
+    assert any("poisson_ratio" in line and "0.3" in line for line in said)
+    assert any("sliding_speed" in line for line in said)
+
+
+def test_times_in_units_of_the_running_in() -> None:
+    table = Scene.load("five_rings").table() | {"wear": {"times": {"tau": [0.0, 0.5, 2.0]}}}
+    scene = Scene.from_table(table)
+    # 0.3440589 of the reference, to three digits
+    assert scene.wear.times == [0.0, 0.172, 0.688]
+    np.testing.assert_allclose(scene.problem.times, [0.0, 1.72, 6.88])
+    near = Scene.from_table(table | {"wear": {"times": {"tau": [1.0, 1.00001]}}})
+    assert near.wear.times[0] < near.wear.times[1]
+    assert Scene.from_toml(scene.to_toml()).wear.times == scene.wear.times
+    # of another punch they are other times
+    assert scene.changed(load__sliding_speed=2.0).wear.times == [0.0, 0.086, 0.344]
+    named = Scene.from_table(table | {"wear": {"times": "running-in"}})
+    assert (named.wear.times[0], named.wear.times[-1]) == (0.0, 1.72)
+    assert scene.changed(wear__times=[1.0]).wear.times == [1.0]
+
+
+@pytest.mark.parametrize(
+    "times",
+    ["running in", {"tau": [1.0, 0.5]}, {"tau": "all"}, {"taus": [1.0]}, {"tau": [-1.0]}],
+    ids=str,
+)
+def test_times_that_cannot_be_are_refused(times: Any) -> None:
+    with pytest.raises(SceneError, match="times"):
+        Scene.from_table(Scene.load("five_rings").table() | {"wear": {"times": times}})
+
+
+@pytest.mark.parametrize(
+    ("rings", "ratio", "width"),
+    [(2, 1e-3, 1.0), (3, 50.0, 0.02), (7, 1e5, 5.0), (1, 1.0, 1.0)],
+    ids=str,
+)
+def test_the_time_scale_is_known_beforehand(rings: int, ratio: float, width: float) -> None:
+    scene = Scene.load("five_rings").changed(
+        methods=["mdr"],
+        punch__rings=rings,
+        punch__width_ratio=width,
+        punch__wear_coefficients=[1.0, ratio],
+    )
+    known = float(run(scene).answers["mdr"]["running_in_time"])
+    assert slowest_relaxation_time(scene.problem.rings) * scene.problem.units.time == pytest.approx(
+        known, rel=1e-4
+    )
+
+
+@pytest.mark.parametrize(
+    ("times", "told"),
+    [
+        ([0.0, 1e-5], "before the running-in"),
+        ([50.0, 60.0], "after the running-in"),
+        ([0.0, 0.1, 1.0], None),
+    ],
+)
+def test_times_that_miss_the_running_in_are_told(
+    times: list[float], told: str | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        Scene.load("five_rings").changed(wear__times=times, methods=["mdr"]).to_toml(), "utf-8"
+    )
+    assert main(["plan", str(scene)]) == 0
+    plan = capsys.readouterr().out
+    assert "slowest relaxation time 0.344" in plan
+    assert (
+        main(["run", str(scene), "--no-figures", "--rtol", "1e-2", "--out", str(tmp_path / "out")])
+        == 0
+    )
+    for text in (plan, capsys.readouterr().out):
+        assert ("the running-in, " in text) == (told is not None)
+        assert told is None or told in text
