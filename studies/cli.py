@@ -218,7 +218,7 @@ def _study(options: argparse.Namespace) -> int:
 
     scene = Scene.load(options.scene)
     study = STUDIES[options.study]
-    if scene.problem.profile is not None:
+    if not scene.problem.full_contact:
         raise SceneError(
             f"study {options.study} is about flat punches under a force: leave out punch.recess "
             "and "

@@ -174,7 +174,7 @@ def _promised(problem: Problem, name: str) -> bool:
 
     Fields are not where they cannot be resolved.
     """
-    if problem.profile is not None:
+    if not problem.full_contact:
         return name not in AT_EDGES
     if name in EARLY and at_smallest(problem):
         return False
@@ -200,7 +200,7 @@ def remedy(problem: Problem, name: str, blamed: str, error: float) -> str:
     one = method(blamed)
     if blamed == "fem" and problem.fem.far_field == "fixed":
         return "the clamped boundary errs by 1.1 a/R; far_field = 'boussinesq' does not"
-    if problem.profile is not None and name not in ENERGIES:
+    if not problem.full_contact and name not in ENERGIES:
         where = "pressures may be infinite at edges"
         if problem.earliest:
             where = "pressures jump at edges of worn faces that move"

@@ -129,7 +129,7 @@ class _Anchors:
         history = len(self.times) > 0 and self._gives("indentation")
         if history:
             yield from self._of_forces()
-        if self.problem.profile is not None:
+        if not self.problem.full_contact:
             yield from self._of_profile() if history else ()
         elif history:
             yield from self._of_start()
@@ -138,7 +138,7 @@ class _Anchors:
             yield from self._of_modes()
         if self._gives("steady_wear_rate"):
             yield from self._of_steady_state()
-        if self.solution.wear is not None and self.problem.profile is None:
+        if self.solution.wear is not None and self.problem.full_contact:
             yield from self._of_compliance()
 
     def _of_forces(self) -> Iterator[Worst]:

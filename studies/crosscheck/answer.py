@@ -26,7 +26,7 @@ def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
     }
     if len(problem.times):
         _running_in(solution, found)
-        if problem.profile is None:
+        if problem.full_contact:
             _start(problem, solution, found)
             _wear(problem, solution, found)
         else:

@@ -68,7 +68,7 @@ def compare_operators(
     A method with a space of its own (the finite elements, on their contact facets) gives the space;
     the others follow.
     """
-    if problem.profile is not None:
+    if not problem.full_contact:
         return
     wears = {
         name: solution.wear for name, solution in solutions.items() if solution.wear is not None

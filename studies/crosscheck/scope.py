@@ -38,7 +38,7 @@ def modelled(scene: Scene) -> list[str]:
             "exactly in time, by its relaxation modes" if modal else f"by {scene.wear.march} steps"
         )
         start = "the flat start"
-        if scene.problem.profile is not None:
+        if not scene.problem.full_contact:
             start = "the unworn face"
             how = (
                 "in implicit steps of second order that suit rtol"
@@ -57,7 +57,7 @@ def modelled(scene: Scene) -> list[str]:
     ):
         flat = (
             ""
-            if scene.problem.profile is None
+            if scene.problem.full_contact
             else ", that of the flat punch: wear ends with all of the face in contact"
         )
         lines.append(f"steady state: without any march{flat}")
@@ -70,7 +70,7 @@ def left_out(scene: Scene) -> dict[str, str]:
     reasons = {
         "friction and temperature": "not part of the model: the punch is rigid and frictionless"
     }
-    if problem.profile is None:
+    if problem.full_contact:
         flat = (
             "a punch that starts flat never loses contact: pressure can only rise where it is "
             "near zero"
@@ -90,7 +90,7 @@ def left_out(scene: Scene) -> dict[str, str]:
         reasons["methods as operators"] = "compared for flat punches only"
     if not scene.wear.times:
         reasons["history"] = "the scene gives no times"
-    elif scene.wear.march == "modal" and problem.profile is None and _marches(scene):
+    elif scene.wear.march == "modal" and problem.full_contact and _marches(scene):
         reasons["time steps"] = "the modal march is exact in time"
     if not scene.wear.steady:
         reasons["steady state"] = "the scene says steady = false"
@@ -121,7 +121,7 @@ def expected(scene: Scene, figures: bool = True) -> Expected:
     problem = scene.problem
     costs = {name: method(name).cost(problem) for name in scene.methods}
     known = rates()
-    flat = problem.profile is None
+    flat = problem.full_contact
     # neither operators nor the inside of the half-space are looked at elsewhere
     compliances = [name for name in scene.methods if method(name).operator and flat]
     # compared on the space of a method that has one of its own, else on the other's
@@ -164,7 +164,7 @@ def refusals(scene: Scene) -> list[str]:
     refused = [
         refusal for name in scene.methods if (refusal := method(name).refusal(scene.problem))
     ]
-    if scene.output.field_times and scene.problem.profile is not None:
+    if scene.output.field_times and not scene.problem.full_contact:
         refused.append(
             "output.field_times asks for the inside of the half-space, which is computed for "
             "flat punches under a force only: leave it out"
@@ -192,9 +192,7 @@ def plan(scene: Scene) -> list[str]:
     whole = expected(scene)
     for name, cost in whole.by_method.items():
         lines.append(f"{name}: {method(name).described(problem)}")
-        unknown = (
-            "error by the sizes given" if problem.profile is None else "error known by the run"
-        )
+        unknown = "error by the sizes given" if problem.full_contact else "error known by the run"
         error = unknown if np.isnan(cost.error) else f"error about {cost.error:.0e}"
         size = f"about {cost.unknowns} unknowns, {cost.pressures} pressures"
         time = f"{cost.seconds:.2g} s, " if np.isfinite(cost.seconds) else ""
@@ -235,7 +233,7 @@ def time_scale(scene: Scene) -> list[str]:
     """
     if not scene.problem.earliest:
         return []
-    if scene.problem.profile is not None:
+    if not scene.problem.full_contact:
         return ["running-in: not known beforehand where contact opens, closes and spreads"]
     slowest = slowest_relaxation_time(scene.problem.rings)
     if not np.isfinite(slowest):

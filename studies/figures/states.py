@@ -92,7 +92,7 @@ class Panels:
 
         Of a flat punch, which has none, the pressure.
         """
-        if self.problem.profile is not None:
+        if not self.problem.full_contact:
             heights = self.problem.profile(self.problem.radii) + self.problem.profile.standoff
             upper.plot(
                 self.radii,

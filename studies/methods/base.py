@@ -138,7 +138,7 @@ class Method(ABC):
 
     def refusal(self, problem: Problem) -> str:
         """Why it cannot solve the problem at all, with the remedy; empty if it can."""
-        if problem.profile is not None:
+        if not problem.full_contact:
             return f"{self.name} knows flat punches under a force only: leave it out of methods"
         return ""
 

@@ -12,6 +12,7 @@ from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
 from ..problem.marching import refused_steps
 from ..problem.problem import Problem
+from ..problem.profile import FLAT
 from ..problem.shared import Shared
 from ..progress import Stages
 from .base import Method, Solution, method
@@ -49,7 +50,7 @@ class Discretised:
 
 def marches_contact(problem: Problem) -> bool:
     """Whether a history is wanted in which contact opens, closes and spreads."""
-    return problem.profile is not None and bool(len(problem.times))
+    return not problem.full_contact and bool(len(problem.times))
 
 
 def compliance_method(name: str) -> "ComplianceMethod":
@@ -75,7 +76,7 @@ class ComplianceMethod(Method):
         """Discretise once, for the sharpest of the problems; then wear, sample and estimate
         each.
         """
-        if problems[0].profile is not None:
+        if not problems[0].full_contact:
             return [self._with_profile(problem, stages) for problem in problems]
         one = self.discretised(Shared.of(problems) if len(problems) > 1 else problems[0], stages)
         assert one.coarser is not None
@@ -91,7 +92,7 @@ class ComplianceMethod(Method):
         """
         if refused := refused_steps(steps(problem), "give a larger wear.step, or march = 'modal'"):
             return refused
-        if problem.profile is None:
+        if problem.full_contact:
             return ""
         if problem.march == "explicit":
             return (
@@ -117,7 +118,7 @@ class ComplianceMethod(Method):
 
         steady = None
         if problem.steady and problem.indentation is None:
-            flat = replace(problem, profile=None, times=problem.times[:0], compared_on=problem.face)
+            flat = replace(problem, profile=FLAT, times=problem.times[:0], compared_on=problem.face)
             steady = self.solve(flat, stages)
         if not len(problem.times):
             assert steady is not None

@@ -169,7 +169,7 @@ def figure_terms(problem: Problem, costs: dict[str, Cost]) -> Array:
 
     A start, fields, rings that are shaded, and what is inside the half-space.
     """
-    inside = costs["fem"].unknowns if "fem" in costs and problem.profile is None else 0
+    inside = costs["fem"].unknowns if "fem" in costs and problem.full_contact else 0
     return np.array([*number_terms(problem, costs), float(inside > 0), inside, inside**1.5])
 
 

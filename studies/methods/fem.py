@@ -164,7 +164,7 @@ class Fem(ComplianceMethod):
         )
 
     def refusal(self, problem: Problem) -> str:
-        if problem.profile is not None and problem.fem.model_fields_set - {"mesher"}:
+        if not problem.full_contact and problem.fem.model_fields_set - {"mesher"}:
             return (
                 "accuracy.fem sizes the mesh of a flat punch: with an initial profile or a fixed "
                 "indentation leave out all "

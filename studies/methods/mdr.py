@@ -112,7 +112,7 @@ class Mdr(AnySpaceMethod):
         )
 
     def refusal(self, problem: Problem) -> str:
-        if problem.profile is not None and problem.mdr.given:
+        if not problem.full_contact and problem.mdr.given:
             return (
                 "accuracy.mdr sizes the mesh of a flat punch: with an initial profile or a fixed "
                 "indentation leave it out"

@@ -58,7 +58,7 @@ class MdrGrid(Method):
         return Cost(points, points, 1e-5 * steps + 1e-9 * steps * points**2, np.nan)
 
     def refusal(self, problem: Problem) -> str:
-        if problem.profile is not None:
+        if not problem.full_contact:
             return (
                 "mdr-grid uses the rule of springs, q = d - g, which holds only while contact is "
                 "one disc, and an initial "

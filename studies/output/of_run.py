@@ -66,7 +66,7 @@ def of_contact(result: "Result") -> list[Job]:
         )
         if scene.problem.earliest:
             jobs.append(Job("history.png", lambda path: draw_history(scene, solutions, path)))
-            if scene.problem.profile is not None:
+            if not scene.problem.full_contact:
                 from ..figures.contact import draw_contact
 
                 jobs.append(Job("contact.png", lambda path: draw_contact(scene, solutions, path)))
@@ -91,7 +91,7 @@ def of_inside(result: "Result") -> list[Job]:
     For flat punches by finite elements only.
     """
     fem = result.solutions.get("fem")
-    if fem is None or fem.half_space is None or result.scene.problem.profile is not None:
+    if fem is None or fem.half_space is None or not result.scene.problem.full_contact:
         return []
     from ..crosscheck import interior
     from ..figures.mesh import draw_mesh, draw_stress

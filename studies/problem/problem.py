@@ -15,7 +15,7 @@ import numpy as np
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array, Indices, alternating_edges, graded_breakpoints, ring_of
 from .face import Face
-from .profile import InitialProfile, unworn
+from .profile import FLAT, InitialProfile, unworn
 from .sections import (
     AccuracySection,
     FemAccuracy,
@@ -34,15 +34,6 @@ D0, P0 = 0.5, 1 / (2 * np.pi)  # the paper's d0 = F/(2 a E*) and p0 = F/(2 pi a^
 MOST_CHECKED, MOST_ESTIMATED = 40, 60
 # equal cells of the face that norms of fields see at least, where edges of the contact move
 CELLS_OF_FACE = 250
-
-
-def unilateral(punch: PunchSection, load: LoadSection) -> bool:
-    """Whether contact can be lost or gained: a flat punch under a force keeps all of it."""
-    return (
-        any(punch.recess or ())
-        or bool(punch.profile or punch.heights)
-        or load.indentation is not None
-    )
 
 
 class Blunted(NamedTuple):
@@ -149,7 +140,7 @@ class Problem:
     output_radii : None for a grid that shows every ring
     fem, mdr : sizes that the user has given
     units : sizes of the units
-    profile : of the unworn face; None for a flat punch under a force, which never loses contact
+    profile : of the unworn face
     compared_on : radii over the punch that fields are compared at; None for those that suit the
         problem
     indentation : beyond the first touch, held fixed in place of the force, which then is what a
@@ -169,7 +160,7 @@ class Problem:
     fem: FemAccuracy = field(default_factory=FemAccuracy)
     mdr: MdrAccuracy = field(default_factory=MdrAccuracy)
     units: Units = Units()
-    profile: InitialProfile | None = None
+    profile: InitialProfile = FLAT
     indentation: float | None = None
     compared_on: Face | None = None
     quantities: frozenset[str] | None = None
@@ -214,9 +205,7 @@ class Problem:
             fem=accuracy.fem,
             mdr=accuracy.mdr,
             units=units,
-            profile=unworn(punch, ring_edges, length, units.displacement)
-            if unilateral(punch, load)
-            else None,
+            profile=unworn(punch, ring_edges, length, units.displacement),
             indentation=None if load.indentation is None else D0,
         )
 
@@ -226,7 +215,14 @@ class Problem:
 
         A recess ends at its ring's edge even if the next wears as fast.
         """
-        return self.rings.merged() if self.profile is None else self.rings
+        return self.rings.merged() if self.full_contact else self.rings
+
+    @property
+    def full_contact(self) -> bool:
+        """Whether all of the face carries at all times: a flat punch under a force never loses
+        contact, and any other may.
+        """
+        return self.profile.flat and self.indentation is None
 
     @property
     def ring_edges(self) -> Array:
@@ -275,17 +271,16 @@ class Problem:
         rings = self.merged
         rim = float(np.clip(0.1 * self.blunted.slow[-1], 1e-12, 1e-6))
         nearest = 1e-4 * rings.narrower
-        if self.profile is None:
+        if self.full_contact:
             # slopes of early times are steepest within what wear has blunted beside an edge
             nearest = np.clip(0.1 * self.blunted.slow[:-1], 1e-12, 1e-8 * rings.narrower)
         breakpoints = graded_breakpoints(rings.ring_edges, nearest, rim, factor=0.4)
         # the integral over each ring that the scene names, also where nothing happens at its edge
         breakpoints = np.union1d(breakpoints, self.ring_edges)
-        if self.profile is not None:
+        if not self.full_contact:
             # pressures nearly jump at edges of the contact, which may be anywhere
             breakpoints = np.union1d(breakpoints, np.linspace(0, 1, CELLS_OF_FACE + 1))
-        standoff = 0.0 if self.profile is None else self.profile.standoff
-        return Face(breakpoints, self.ring_edges, self.wear_coefficients, standoff)
+        return Face(breakpoints, self.ring_edges, self.wear_coefficients, self.profile.standoff)
 
     @cached_property
     def checked(self) -> Indices:

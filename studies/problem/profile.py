@@ -62,6 +62,11 @@ class InitialProfile:
         return np.divide(rise, high - low, out=np.zeros_like(rise), where=high > low)
 
     @property
+    def flat(self) -> bool:
+        """Whether it is the face plane itself."""
+        return not (self.heights or self.recess.any() or self.standoff)
+
+    @property
     def steps(self) -> Array:
         """(N-1,) step of the height at each ring edge between centre and rim, outwards."""
         return np.diff(self.recess)
@@ -81,6 +86,9 @@ class InitialProfile:
         return float(self.sampled()[1].min())
 
 
+FLAT = InitialProfile(np.array([0.0, 1.0]), np.zeros(1))
+
+
 def unworn(punch: PunchSection, ring_edges: Array, length: float, unit: float) -> InitialProfile:
     """The face of a punch before wear.
 
@@ -95,9 +103,9 @@ def unworn(punch: PunchSection, ring_edges: Array, length: float, unit: float) -
     SceneError
         if a function of the user's gives heights that are negative or not finite
     """
-    recess = (
-        np.zeros(len(ring_edges) - 1) if punch.recess is None else np.array(punch.recess) / unit
-    )
+    recess = np.zeros(len(ring_edges) - 1) + np.array(punch.recess or 0.0) / unit
+    if not (punch.profile or punch.heights or recess.any()):
+        return InitialProfile(ring_edges, recess)
     heights = [_in_units(height, length, unit) for height in punch.heights]
     kinks: tuple[float, ...] = ()
     if punch.profile is not None:

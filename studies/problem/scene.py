@@ -158,7 +158,7 @@ class Scene(Section):
         from .time_scale import MOST_RINGS, slowest_relaxation_time
 
         problem = self._posed()
-        if problem.profile is not None:
+        if not problem.full_contact:
             raise SceneError(f"{name}: {ONLY_FLAT}")
         scale = slowest_relaxation_time(problem.rings) * problem.units.time
         if scale != scale:

@@ -55,7 +55,7 @@ def discretised_alike(problem: Problem) -> Hashable:
     """What a discretisation depends on, but for the sharpness."""
     sizes = problem.fem.model_dump_json(), problem.mdr.model_dump_json()
     numbers = problem.poisson_ratio, problem.rtol, problem.gradient_average
-    kinds = bool(len(problem.times)), problem.profile is None
+    kinds = bool(len(problem.times)), problem.full_contact
     return problem.merged.ring_edges.tobytes(), *numbers, *kinds, *sizes
 
 

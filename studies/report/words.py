@@ -62,7 +62,7 @@ def answer_lines(result: Result) -> list[Line]:
                 "its way"
             )
             lines.append(Line("run in to 90 %, 99 %", f"{ninety}, {all_but_one}", meaning))
-        flat = scene.problem.profile is None
+        flat = scene.problem.full_contact
         if flat or np.isfinite(first_given(result, "indentation_start")):
             meaning = "F / (2 a E*), flat punch" if flat else "of the unworn face plane"
             lines.append(

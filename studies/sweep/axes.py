@@ -28,7 +28,6 @@ from typing import Any, Self
 import numpy as np
 
 from ...meshes.errors import SceneError
-from ..problem.problem import unilateral
 from ..problem.scene import Scene, bundled, declaration
 from .kept import JUDGED, checked_keep
 
@@ -169,7 +168,7 @@ class Sweep:
             part[last] = value
         name = f"{self.name}, {described(changes)}"
         scene = Scene.from_table(table, name)
-        if unilateral(scene.punch, scene.load_):
+        if not scene.problem.full_contact:
             raise SceneError(
                 f"{name}: sweeps are over flat punches under a force: leave out punch.recess and "
                 "punch.profile, and give load.normal_force; or run such scenes one by one"

@@ -92,7 +92,6 @@ def test_every_way_to_give_a_profile(tmp_path: Path) -> None:
 
 def test_recesses_and_profiles_add() -> None:
     one = scene(punch__recess=[0.0, 0.02, 0.01]).with_heights(lambda r: 0.1 * r).problem.profile
-    assert one is not None
     heights = one(np.array([0.1, 0.5, 0.9])) * scene().problem.units.displacement
     assert heights == pytest.approx([0.02, 0.12, 0.19])
 
@@ -100,7 +99,7 @@ def test_recesses_and_profiles_add() -> None:
 @pytest.mark.parametrize("recess", [[0.0, 0.0, 0.0], None])
 def test_a_flat_face_keeps_its_own_way(recess: list[float] | None) -> None:
     flat = scene(**({} if recess is None else {"punch__recess": recess}))
-    assert flat.problem.profile is None
+    assert flat.problem.full_contact
     result = run(flat)
     assert "contact" not in result.dataset
     assert result.solutions["mdr"].wear is not None
@@ -201,7 +200,7 @@ def test_first_contact_is_located_in_a_few_looks(name: str) -> None:
         looks.append(space)
         return energy.compliance(space)
 
-    assert problem.profile is not None
+    assert not problem.full_contact
     intervals, _ = located(look, problem.profile, load_of(problem), cells_of(problem))
     assert intervals
     assert len(looks) <= 4
@@ -262,8 +261,8 @@ def test_running_in_times_are_those_of_flat_punches() -> None:
 
 def test_heights_are_added_after_the_problem_was_looked_at() -> None:
     one = scene()
-    assert one.problem.profile is None
-    assert one.with_heights(lambda r: r).problem.profile is not None
+    assert one.problem.full_contact
+    assert not one.with_heights(lambda r: r).problem.full_contact
 
 
 def test_a_fixed_indentation() -> None:

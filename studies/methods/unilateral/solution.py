@@ -88,7 +88,6 @@ def load_of(problem: Problem) -> Load:
 def history(one: UnilateralMethod, problem: Problem, stages: Stages) -> Solution:
     """The history of a punch from its unworn face on."""
     profile, load = problem.profile, load_of(problem)
-    assert profile is not None
     with stages("locating"):
         intervals, cells = _located(problem)
         _, coarse_cells = _located(problem, 0.5)
@@ -154,7 +153,6 @@ def _located(problem: Problem, finer: float = 1.0) -> tuple[tuple[Interval, ...]
 
     It decides on the cells only: any method's compliance will do, and this one is quick.
     """
-    assert problem.profile is not None
     return located(energy.compliance, problem.profile, load_of(problem), cells_of(problem, finer))
 
 
@@ -187,7 +185,6 @@ def _fitted(
 def _march(
     problem: Problem, compliance: Compliance, first: FittedPress | None, tolerance: float
 ) -> _Marched:
-    assert problem.profile is not None
     sampler = ContactSampler(problem, problem.profile, compliance)
     return _Marched(sampler, _steps(sampler, problem, tolerance, problem.step), first)
 

@@ -17,7 +17,7 @@ from ringwear.studies.crosscheck.agreement import Agreement, agreements, overall
 from ringwear.studies.crosscheck.run import Result
 from ringwear.studies.problem.scene import bundled
 
-FLAT = [name for name in bundled() if Scene.load(name).problem.profile is None]
+FLAT = [name for name in bundled() if Scene.load(name).problem.full_contact]
 
 
 def disagreements(result: Result) -> list[str]:
