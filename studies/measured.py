@@ -16,14 +16,14 @@ from ..meshes.errors import RingwearError
 from ..meshes.radial import Array
 from .methods import mdr
 from .methods.base import method
-from .methods.by_compliance import compliance_method
+from .methods.pipeline import compliance_method
 from .methods.quantities import array
 from .methods.sampler import Evaluation
 from .problem.defaults import grid_step
 from .problem.problem import D0, Problem
 from .progress import Stages
 from .tables import Row
-from .wear.archard import RunningIn
+from .wear.full_contact import RunningIn
 
 
 def exact(problem: Problem) -> xarray.Dataset:

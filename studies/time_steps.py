@@ -28,7 +28,7 @@ from .problem.problem import P0, Problem
 from .problem.scene import Scene
 from .progress import LOG, progress
 from .tables import Table, keeping_rows, write_page
-from .wear.archard import RunningIn
+from .wear.full_contact import RunningIn
 
 TIME = 0.5  # of the errors, non-dimensional
 STEPS = 1500  # enough of them for a step 1 % above the limit to grow by 1e13

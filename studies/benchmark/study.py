@@ -26,7 +26,7 @@ from ..problem.scene import Scene
 from ..problem.sections import FemAccuracy, MdrAccuracy
 from ..progress import LOG, Stages
 from ..tables import Row, Table
-from ..wear.archard import RunningIn
+from ..wear.full_contact import RunningIn
 
 FIELDS = ("case", "unknowns", "seconds", "error", "remark")
 Rows = Iterator[Row]

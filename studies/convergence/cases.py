@@ -19,7 +19,7 @@ from ...meshes.sizes import SizeField
 from ..methods.sampler import Evaluation
 from ..problem.defaults import FACTOR, GROWTH
 from ..problem.problem import D0, Problem
-from ..wear.contact import press_flat
+from ..wear.flat_contact import press_flat
 from .meshes import subdivided, triangulated
 from .orders import Refinement, Sequence
 

@@ -28,7 +28,7 @@ def solved_to_accuracy(one: Method, problems: Sequence[Problem], stages: Stages)
     thinner than coordinates can tell) is left to the verdict.
     """
     solutions, working = one.solve_all(problems, stages), [problem.rtol for problem in problems]
-    short = [number for number, problem in enumerate(problems) if not one.sizes_given(problem)]
+    short = [number for number, problem in enumerate(problems) if not _sizes_given(one, problem)]
     for _ in range(MOST_REFINEMENTS):
         short = [
             number
@@ -65,6 +65,11 @@ def solved_to_accuracy(one: Method, problems: Sequence[Problem], stages: Stages)
     return solutions
 
 
+def _sizes_given(method: Method, problem: Problem) -> bool:
+    """Return whether the user has given its sizes, which then stay as they are."""
+    return (problem.fem if method.name == "fem" else problem.mdr).given
+
+
 def _falls_short(problem: Problem, solution: Solution, working: float) -> bool:
     return working > FINEST and error_of_sizes(problem, solution) > problem.rtol
 
@@ -75,7 +80,7 @@ def error_of_sizes(problem: Problem, solution: Solution) -> float:
         # the cells of a march go by what was asked for
         return 0.0
     # closed forms and the uniform grid have no sizes that go by the accuracy asked for
-    if problem.march != "modal" or not solution.has_sizes:
+    if problem.march != "modal" or "discretisation" not in solution.parts:
         return solution.error_of_sizes
     # fields follow neither on triangles, whose degree is low, nor beyond the highest degree of
     # quadrilaterals, where more layers bring roundoff, nor with so many rings that they take too

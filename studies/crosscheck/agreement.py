@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from ...meshes.radial import Array
 from ..methods.base import Solution, method
-from ..methods.costs import FINEST_MEASURED
+
+FINEST_MEASURED = 1e-7
 from ..methods.quantities import (
     A_FEW,
     COMPARED_MODES,

@@ -34,7 +34,7 @@ from .known import energy_of_rings, natural_units, steady_state
 
 if TYPE_CHECKING:
     from ..problem.face import Face
-    from ..wear.archard import History
+    from ..wear.full_contact import History
 
 # of sums and of closed forms to roundoff, where the accuracy asked for has no say
 EXACT = 1e-9

@@ -23,7 +23,7 @@ from ...meshes.radial import Array, Indices
 from ..methods.base import Solution
 from ..problem.problem import D0, P0, Problem, Units
 from ..problem.scene import Scene
-from ..wear.archard import RunningIn
+from ..wear.full_contact import RunningIn
 
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace

@@ -18,7 +18,7 @@ from ...meshes.compliance import Compliance
 from ...meshes.errors import SolverError
 from ...meshes.radial import Array
 from ..problem.problem import Problem
-from ..wear.archard import RunningIn
+from ..wear.full_contact import RunningIn
 
 # below this share of the energy of a pressure, the multipliers no longer see the displacement: a
 # checkerboard

@@ -1,14 +1,14 @@
 """Run a scene: every method, its own error estimate, and the verdict on how far they agree."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 
 from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import SceneError
-from ..methods.base import Solution, method
-from ..methods.by_compliance import AnySpaceMethod
+from ..methods.base import Method, Solution, method
+from ..methods.mdr import AnySpaceMethod
 from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..progress import Stages
@@ -19,12 +19,13 @@ from .operators import OperatorDifference, difference
 from .scope import refusals
 
 
-def run(scene: Scene) -> Result:
+def run(scene: Scene, methods: Sequence[str | Method] | None = None) -> Result:
     """Compute everything that a scene asks for, by every method it names, and compare them.
 
     Parameters
     ----------
     scene : what is computed; its numbers in any consistent units
+    methods : names of methods, and methods of one's own, in place of the scene's
 
     Returns
     -------
@@ -40,18 +41,22 @@ def run(scene: Scene) -> Result:
         if a method cannot solve the scene, or a mesh or a system fails; the message names the
         remedy
     """
-    problem, methods = scene.problem, {name: method(name) for name in scene.methods}
-    if refused := refusals(scene):
+    chosen = [
+        method(entry) if isinstance(entry, str) else entry for entry in methods or scene.methods
+    ]
+    by_name = {entry.name: entry for entry in chosen}
+    problem = scene.problem
+    if refused := refusals(scene, by_name):
         raise SceneError(refused[0])
-    stages = {name: Stages(name) for name in methods}
+    stages = {name: Stages(name) for name in by_name}
     # the dense matrices are small: threads of two linear algebra libraries would spend their time
     # waiting on each other
     with threadpool_limits(1):
         solutions = {
-            name: solved_to_accuracy(one, [problem], stages[name])[0]
-            for name, one in methods.items()
+            name: solved_to_accuracy(entry, [problem], stages[name])[0]
+            for name, entry in by_name.items()
         }
-        operators = tuple(compare_operators(problem, solutions))
+        operators = tuple(compare_operators(problem, by_name, solutions))
     agreement = tuple(
         row
         for a, b in combinations(solutions, 2)
@@ -61,26 +66,23 @@ def run(scene: Scene) -> Result:
 
 
 def compare_operators(
-    problem: Problem, solutions: dict[str, Solution]
+    problem: Problem, methods: Mapping[str, Method], solutions: Mapping[str, Solution]
 ) -> Iterator[OperatorDifference]:
     """Compare methods as operators: each on the space of another, where it can be had there.
 
     A method with a space of its own (the finite elements, on their contact facets) gives the space;
     the others follow.
     """
-    if not problem.full_contact:
-        return
     wears = {
         name: solution.wear for name, solution in solutions.items() if solution.wear is not None
     }
-    for a, b in combinations(
-        sorted(wears, key=lambda name: isinstance(method(name), AnySpaceMethod)), 2
-    ):
-        other = method(b)
-        if isinstance(other, AnySpaceMethod):
+    anywhere = {name for name in wears if isinstance(methods[name], AnySpaceMethod)}
+    for a, b in combinations(sorted(wears, key=anywhere.__contains__), 2):
+        other = methods[b]
+        if problem.full_contact and isinstance(other, AnySpaceMethod):
             with Stages("check")(f"{a} against {b}"):
                 second = replace(wears[a], compliance=other.compliance(wears[a].compliance.space))
                 compared = difference(problem, (a, b), wears[a], second)
-            if not isinstance(method(a), AnySpaceMethod):
+            if a not in anywhere:
                 compared.check_multipliers()
             yield compared

@@ -3,13 +3,9 @@
 Said before a run by `plan`, and after it in the summary.
 """
 
-import os
-from itertools import combinations
-
 import numpy as np
 
 from ..methods.base import method
-from ..methods.costs import Expected, check_terms, figure_terms, memory_terms, number_terms, rates
 from ..problem.defaults import truncation
 from ..problem.scene import Scene
 from ..problem.time_scale import MOST_RINGS, slowest_relaxation_time
@@ -116,54 +112,9 @@ def left_out(scene: Scene) -> dict[str, str]:
     return reasons
 
 
-def expected(scene: Scene, figures: bool = True) -> Expected:
-    """What a run of a scene will take, check, files and, if wanted, figures included."""
-    problem = scene.problem
-    costs = {name: method(name).cost(problem) for name in scene.methods}
-    known = rates()
-    flat = problem.full_contact
-    # neither operators nor the inside of the half-space are looked at elsewhere
-    compliances = [name for name in scene.methods if method(name).operator and flat]
-    # compared on the space of a method that has one of its own, else on the other's
-    check = sum(
-        float(
-            known["check"]["seconds"]
-            @ check_terms((costs.get("fem") or costs[one]).pressures, problem)
-        )
-        for one, other in combinations(compliances, 2)
-        if {one, other} != {"fem"}
-    )
-    numbers = float(known["numbers"]["seconds"] @ number_terms(problem, costs))
-    drawn = float(known["figures"]["seconds"] @ figure_terms(problem, costs)) if figures else 0.0
-    memory = {
-        key: float(known["memory"]["gib"] @ part)
-        for key, part in memory_terms(problem, costs).items()
-    }
-    return Expected(costs, check, numbers, drawn, memory)
-
-
-def beyond_memory(whole: Expected, limit: float) -> str:
-    """Why a run would not fit into so many GiB, and the key that causes it; empty if it fits."""
-    if whole.gib <= limit:
-        return ""
-    key = max(whole.memory, key=whole.memory.__getitem__)
-    needed = f"about {whole.gib:.2g} GiB are needed, {whole.memory[key]:.2g} of them for {key}"
-    return (
-        f"{needed}, and {limit:.2g} are allowed: ask for less there, or give --memory GIB if there "
-        "is more"
-    )
-
-
-def machine_memory() -> float:
-    """GiB of this machine."""
-    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
-
-
-def refusals(scene: Scene) -> list[str]:
+def refusals(scene: Scene, methods) -> list[str]:
     """Why methods cannot compute a scene, each with its remedy."""
-    refused = [
-        refusal for name in scene.methods if (refusal := method(name).refusal(scene.problem))
-    ]
+    refused = [refusal for entry in methods.values() if (refusal := entry.refusal(scene.problem))]
     if scene.output.field_times and not scene.problem.full_contact:
         refused.append(
             "output.field_times asks for the inside of the half-space, which is computed for "

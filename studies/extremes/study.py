@@ -39,7 +39,7 @@ from ..problem.scene import Scene
 from ..problem.sections import FemAccuracy, MdrAccuracy
 from ..progress import Stages, progress
 from ..tables import Table, keeping_rows, write_page
-from ..wear.archard import RunningIn
+from ..wear.full_contact import RunningIn
 from .cells import DIRECT, FEM, MDR, Cell, all_cells
 from .map import LOOKS, draw, limits
 from .reference import Reference

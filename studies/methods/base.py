@@ -1,12 +1,7 @@
-"""What every method is.
-
-An object that knows its sizes at an accuracy, solves a problem, and says how good the result is.
-
-Before it solves, it says what it will cost (`costs.py`).
-"""
+"""What a method is, and what it says of a problem."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -14,18 +9,16 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import xarray
 
+from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..progress import Stages
-from ..wear.archard import RunningIn
-from .costs import Cost, by_rates
+from ..wear.fitted_press import CompliancesOn
+from ..wear.full_contact import RunningIn
 from .quantities import COMPARED_MODES, QUANTITIES
 
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace
-
-# parts of an error estimate that finer sizes make smaller
-OF_SIZES = ("discretisation",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +42,7 @@ class Solution:
     errors: dict[str, Array]
     parts: dict[str, float]
     unknowns: int = 0
-    settings: dict[str, Any] = field(default_factory=dict)
+    settings: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     wear: RunningIn | None = None
     half_space: "HalfSpace | None" = None
@@ -60,101 +53,113 @@ class Solution:
         return float(sum(self.parts.values()))
 
     def beyond(self, rtol: float) -> dict[str, float]:
-        """Quantities whose error is above an accuracy by the method's own estimate, with the
+        """Return quantities whose error is above an accuracy by the method's own estimate, with the
         greatest estimate.
         """
-        return {name: error for name in self.errors if (error := self.greatest_error(name)) > rtol}
+        errors = {name: self.greatest_error(name) for name in self.errors}
+        return {name: error for name, error in errors.items() if error > rtol}
 
     def checked_error(self, problem: Problem, name: str) -> Array:
-        """The error of a quantity at the times that are checked."""
+        """Return the error of a quantity at the times that are checked."""
         error = self.errors[name]
         return error[problem.checked] if QUANTITIES[name].dims[:1] == ("time",) else error
 
     def greatest_error(self, name: str) -> float:
-        """The greatest error of a quantity, over all times.
-
-        Of relaxation times, those of the slowest.
+        """Return the greatest error of a quantity over all times, of relaxation times that of the
+        slowest.
         """
         shown = slice(COMPARED_MODES) if "mode" in QUANTITIES[name].dims else ...
         return float(np.max(self.errors[name][shown], initial=0.0))
 
+    def less_certain(self, lost: Mapping[str, Array], cause: str) -> "Solution":
+        """Return the same with further parts of its errors."""
+        errors = {name: _added(error, lost.get(name)) for name, error in self.errors.items()}
+        parts = {**self.parts, cause: float(lost.get("indentation", 0.0))}
+        return replace(self, errors=errors, parts=parts)
+
     @property
     def error_of_sizes(self) -> float:
-        """The part of it that finer sizes would mend: not the time step, the far field or
-        roundoff.
-        """
-        return float(sum(self.parts.get(part, 0.0) for part in OF_SIZES))
-
-    @property
-    def has_sizes(self) -> bool:
-        """Whether sizes are part of its error, however small that part is."""
-        return not self.parts.keys().isdisjoint(OF_SIZES)
+        """The part of it that finer sizes would mend: not the time step or roundoff."""
+        return self.parts.get("discretisation", 0.0)
 
 
-def method(name: str) -> "Method":
-    """The method of that name; its file is imported only now."""
-    return import_module(f"ringwear.studies.methods.{name.replace('-', '_')}").METHOD
+def _added(error: Array, more: Array | None) -> Array:
+    """Return the sum of two parts of an error; of relaxation times, of those that both know."""
+    if more is None or not np.shape(more):
+        return error + (0.0 if more is None else more)
+    count = min(len(error), len(more))
+    return np.asarray(error[:count] + more[:count])
+
+
+@dataclass(frozen=True, eq=False)
+class Discretised:
+    """The half-space of a method, made ready for a problem.
+
+    Parameters
+    ----------
+    compliance : Compliance
+        On a pressure space that suits the problem (`pressure_spaces`), or on one of the method's
+        own.
+    coarser : () -> Compliance
+        The same, coarser in everything: the difference of the two is the error estimate.
+    unknowns : int
+        Size of the system behind the compliance; none but the pressures if it is 0.
+    settings : dict
+        The sizes chosen, for the summary.
+    half_space : HalfSpace, optional
+        Of finite elements.
+    notes : tuple of str
+        What the user should know, such as a mesher replaced.
+    fitted : pair of CompliancesOn, optional
+        Compliances on pressures fitted to the edges of a contact, of a higher and of a lower
+        degree, for the start of a shaped punch; without, it is as accurate as the march.
+    safety : float
+        What the difference to the coarser one is multiplied by, of flat punches.
+    """
+
+    compliance: Compliance
+    coarser: Callable[[], Compliance]
+    unknowns: int = 0
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    half_space: "HalfSpace | None" = None
+    notes: tuple[str, ...] = ()
+    fitted: tuple[CompliancesOn, CompliancesOn] | None = None
+    safety: float = 1.5
 
 
 class Method(ABC):
-    """A way to solve the problem. Subclasses say what they are, and give an instance as ``METHOD``.
+    """A way to solve the problem.
 
     Attributes
     ----------
     name : as scenes call it
     what : what it is, for people
-    look : its curve in figures, as matplotlib takes it
     lacks : `history` or `steady state`, if it does not give that, and why
     own_march : whether it has its own way through time, whatever the march of the scene
-    operator : whether it yields a compliance, which can be compared with that of another as an
-        operator
     """
 
     name: ClassVar[str]
-    what: ClassVar[str]
-    look: ClassVar[dict[str, Any]]
+    what: ClassVar[str] = ""
     lacks: ClassVar[dict[str, str]] = {}
     own_march: ClassVar[bool] = False
-    operator: ClassVar[bool] = False
-
-    @abstractmethod
-    def described(self, problem: Problem) -> str:
-        """What it will be made of."""
-
-    @abstractmethod
-    def counted(self, problem: Problem) -> tuple[int, int]:
-        """Unknowns, and pressures among them, without making any."""
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
-        """Everything that the problem asks for."""
+        """Return everything that a problem asks for."""
         return self.solve_all([problem], stages)[0]
 
     @abstractmethod
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
-        """Everything that problems on the same ring edges and half-space ask for.
-
-        What they share is made once.
+        """Return everything that problems on the same ring edges and half-space ask for; what they
+        have in common is made once.
         """
 
     def refusal(self, problem: Problem) -> str:
-        """Why it cannot solve the problem at all, with the remedy; empty if it can."""
+        """Return why it cannot solve the problem at all, with the remedy; empty if it can."""
         if not problem.full_contact:
             return f"{self.name} knows flat punches under a force only: leave it out of methods"
         return ""
 
-    def notes(self, problem: Problem) -> tuple[str, ...]:
-        """What is worth knowing before it runs, as far as that is known."""
-        return ()
 
-    def kind(self, problem: Problem) -> str:
-        """Its name in the table of measured costs."""
-        return self.name
-
-    def cost(self, problem: Problem) -> Cost:
-        """What it will cost, and how accurate it will be."""
-        cost = by_rates(self.kind(problem), *self.counted(problem), problem)
-        return replace(cost, error=np.nan) if self.sizes_given(problem) else cost
-
-    def sizes_given(self, problem: Problem) -> bool:
-        """Whether the user has given its sizes, which then stay as they are."""
-        return False
+def method(name: str) -> Method:
+    """Return the method of that name; its file is imported only now."""
+    return import_module(f"ringwear.studies.methods.{name.replace('-', '_')}").METHOD

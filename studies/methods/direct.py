@@ -1,7 +1,7 @@
 """Direct integration: the steady state in closed form (Eqs. 21 to 27)."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import xarray
@@ -11,7 +11,6 @@ from ...meshes.radial import Array, ring_of
 from ..problem.problem import Problem
 from ..progress import Stages
 from .base import Method, Solution
-from .costs import Cost, direct_terms, rates
 from .quantities import FIELDS, labelled
 
 # pressures whose greatest displacements are sought at once, few enough to stay in memory
@@ -23,17 +22,7 @@ class Direct(Method):
 
     name = "direct"
     what = "the steady state by direct integration, in closed form"
-    look: ClassVar[dict[str, Any]] = {
-        "color": "black",
-        "linestyle": ":",
-        "linewidth": 1.4,
-        "marker": "x",
-        "markersize": 3.5,
-    }
     lacks: ClassVar[dict[str, str]] = {"history": "direct integration knows the steady state only"}
-
-    def described(self, problem: Problem) -> str:
-        return "closed form, nothing to resolve"
 
     def refusal(self, problem: Problem) -> str:
         if problem.indentation is not None:
@@ -42,13 +31,6 @@ class Direct(Method):
                 "end: leave it out of methods"
             )
         return ""
-
-    def counted(self, problem: Problem) -> tuple[int, int]:
-        return 0, len(problem.merged.wear_coefficients)
-
-    def cost(self, problem: Problem) -> Cost:
-        rings = len(problem.merged.wear_coefficients)
-        return Cost(0, rings, float(rates()["direct"]["seconds"] @ direct_terms(rings)), 1e-12)
 
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         with stages("integrating"):

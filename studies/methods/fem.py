@@ -3,26 +3,23 @@ it best.
 """
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from ...fem.condensation import solver
 from ...meshes.errors import MeshError
-from ...meshes.gmsh_session import unavailable
 from ...meshes.sizes import NARROWEST
 from ..problem import defaults
 from ..problem.problem import Problem
 from ..progress import Stages
-from . import fem_counts
-from .base import Cost
-from .by_compliance import ComplianceMethod, Discretised, marches_contact
-from .estimate import SAFETY, SAFETY_OF_TRIANGLES
-from .unilateral import costs
+from .base import Discretised
+from .pipeline import ComplianceMethod
+from .spaces import contact_cells
 
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace
     from ...meshes.compliance import Compliance
     from ...meshes.quads import GradedQuads
-    from .unilateral.solution import UnilateralMethod
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,25 +43,6 @@ class Meshed:
 MESHERS = ("quads", "gmsh", "bisection")
 
 
-def usable_here(problem: Problem) -> tuple[Problem, tuple[str, ...]]:
-    """The problem with the mesher that a run will use, and a note if that is not the one asked for.
-
-    Whether gmsh loads is known only by loading it, which takes little of a plan's time. It may
-    still fail on a mesh: that is known only when it meshes.
-    """
-    asked, last = problem.fem.meshed_by, MESHERS[-1]
-    if asked == last or not (reason := unavailable()):
-        return problem, ()
-    return replace(problem, fem=problem.fem.model_copy(update={"mesher": last})), (
-        _replaced(asked, last, reason),
-    )
-
-
-def _replaced(asked: str, mesher: str, reason: str) -> str:
-    lower = ", in triangles of lower degree" if asked == "quads" else ""
-    return f"meshed by {mesher}{lower}: {reason}"
-
-
 def half_space_mesh(problem: Problem) -> Meshed:
     """The mesh of a problem.
 
@@ -80,7 +58,10 @@ def half_space_mesh(problem: Problem) -> Meshed:
             reason = reason or str(error)
         else:
             break
-    return replace(meshed, notes=(_replaced(asked, meshed.mesher, reason),) if reason else ())
+    if not reason:
+        return meshed
+    lower = ", in triangles of lower degree" if asked == "quads" else ""
+    return replace(meshed, notes=(f"meshed by {meshed.mesher}{lower}: {reason}",))
 
 
 def _meshed(problem: Problem, mesher: str) -> Meshed:
@@ -122,131 +103,83 @@ class Fem(ComplianceMethod):
         "the half-space by finite elements: a graded quarter disc with Boussinesq's far field, "
         "condensed to the contact"
     )
-    look: ClassVar[dict[str, Any]] = {
-        "color": "#c0392b",
-        "linestyle": "--",
-        "linewidth": 1.0,
-        "marker": "o",
-        "markersize": 3,
-        "markerfacecolor": "none",
-    }
-
-    def described(self, problem: Problem) -> str:
-        if marches_contact(problem):
-            return costs.described(problem)
-        problem, _ = usable_here(problem)
-        chosen = problem.fem
-        sizes: Any
-        if chosen.meshed_by == "quads":
-            sizes = defaults.quad_sizes(problem)
-            degree, what = sizes.degree, "quadrilaterals"
-        else:
-            sizes = defaults.triangle_sizes(problem)
-            degree, what = defaults.triangle_degree(problem), f"triangles by {chosen.meshed_by}"
-        ring_size = min(sizes.ring_sizes, default=sizes.rim_size)
-        return (
-            f"{what}, degree {degree}, {chosen.far_field} far field at R = {sizes.truncation:g} a, "
-            "rim_size "
-            f"{sizes.rim_size:.3g}, ring_size {ring_size:.3g}, growth {sizes.growth:.3g}, "
-            f"factorised by {solver()}"
-        )
-
-    def counted(self, problem: Problem) -> tuple[int, int]:
-        if marches_contact(problem):
-            return costs.counted(problem, elements=True)
-        return fem_counts.counted(usable_here(problem)[0])
-
-    def cost(self, problem: Problem) -> Cost:
-        return (
-            costs.cost(problem, elements=True)
-            if marches_contact(problem)
-            else super().cost(problem)
-        )
 
     def refusal(self, problem: Problem) -> str:
         if not problem.full_contact and problem.fem.model_fields_set - {"mesher"}:
             return (
                 "accuracy.fem sizes the mesh of a flat punch: with an initial profile or a fixed "
-                "indentation leave out all "
-                "but the mesher, which is that of the steady state"
+                "indentation leave out all but the mesher, which is that of the steady state"
             )
         narrowest = float(problem.merged.widths.min())
         if narrowest < NARROWEST:
-            less = (
+            return (
                 f"rings narrower than {NARROWEST:g} a cannot be meshed: the narrowest is "
-                f"{narrowest:.2g} a"
+                f"{narrowest:.2g} a; merge it with a neighbour, or leave fem out of methods"
             )
-            return f"{less}; merge it with a neighbour, or leave fem out of methods"
         return super().refusal(problem)
 
-    def notes(self, problem: Problem) -> tuple[str, ...]:
-        return usable_here(problem)[1]
+    def discretise(self, problem: Problem, stages: Stages) -> Discretised:
+        return (_layered if problem.full_contact else _on_cells)(problem, stages)
 
-    def kind(self, problem: Problem) -> str:
-        mesher = usable_here(problem)[0].fem.meshed_by
-        return f"fem {mesher}" if solver() == "cholmod" else f"fem {mesher}, {solver()}"
 
-    def sizes_given(self, problem: Problem) -> bool:
-        return problem.fem.given
+def _layered(problem: Problem, stages: Stages) -> Discretised:
+    """Return the half-space of a flat punch, small elements at ring edges and rim."""
+    from ...meshes.half_space import truncation
 
-    def discretised(self, problem: Problem, stages: Stages, coarser: bool = True) -> Discretised:
-        from ...meshes.half_space import truncation
-
-        fixed = problem.fem.far_field == "fixed"
-        with stages("meshing"):
-            meshed = half_space_mesh(problem)
-        with stages("assembling"):
-            half_space = half_space_on(problem, meshed)
-            _ = half_space.lower_triangle
-        with stages("condensing"):
-            fine = half_space.compliance()
-            if fixed:
-                # the last rows of the factor belong to the poles: without them the outer boundary
-                # is clamped
-                fine = replace(fine, factor=fine.factor[: -len(half_space.poles)])
-        other = None
-        if coarser:
-            with stages("estimating"):
-                other = _coarser_half_space(problem, meshed, half_space).compliance()
-        settings = {
-            "mesher": meshed.mesher,
-            "elements": meshed.mesh.nelements,
-            "degree": half_space.solid.degree,
-            "multipliers": fine.space.size,
-            "far_field": problem.fem.far_field,
-            "poles": 0 if fixed else len(half_space.poles),
-            "truncation": truncation(meshed.mesh),
-            "solver": solver(),
-        }
+    fixed = problem.fem.far_field == "fixed"
+    with stages("meshing"):
+        meshed = half_space_mesh(problem)
+    with stages("assembling"):
+        half_space = half_space_on(problem, meshed)
+        _ = half_space.lower_triangle
+    with stages("condensing"):
+        fine = half_space.compliance()
         if fixed:
-            # displacements and stresses inside are those of the clamped half-space, too
-            half_space = replace(half_space, poles=())
-        safety = SAFETY_OF_TRIANGLES if meshed.graded is None else SAFETY
-        return Discretised(
-            fine, other, half_space.unknowns, settings, half_space, meshed.notes, safety
-        )
+            # the last rows of the factor belong to the poles: without them the outer boundary is
+            # clamped
+            fine = replace(fine, factor=fine.factor[: -len(half_space.poles)])
+    settings = {
+        "mesher": meshed.mesher,
+        "elements": meshed.mesh.nelements,
+        "degree": half_space.solid.degree,
+        "multipliers": fine.space.size,
+        "far_field": problem.fem.far_field,
+        "poles": 0 if fixed else len(half_space.poles),
+        "truncation": truncation(meshed.mesh),
+        "solver": solver(),
+    }
+    return Discretised(
+        fine,
+        lambda: _coarser_half_space(problem, meshed, half_space).compliance(),
+        half_space.unknowns,
+        settings,
+        # displacements and stresses inside are those of the clamped half-space, too
+        replace(half_space, poles=()) if fixed else half_space,
+        meshed.notes,
+        # on triangles, whose degree is low, meshes of two sizes may miss the same
+        safety=8.0 if meshed.graded is None else 1.5,
+    )
 
-    def unilateral(self, problem: Problem) -> "UnilateralMethod":
-        from ...fem.contact_meshes import (
-            COARSER_GROWTH,
-            TRIANGLE_GROWTH,
-            even_half_space,
-            fitted_half_space,
-        )
-        from ...meshes.contact_cells import ContactCells
-        from .unilateral.solution import UnilateralMethod
 
-        def even(cells: ContactCells, coarser: bool) -> "tuple[Compliance, int]":
-            growth = COARSER_GROWTH if coarser else TRIANGLE_GROWTH
-            half_space = even_half_space(cells, problem.poisson_ratio, growth)
-            return half_space.compliance(), half_space.unknowns
+def _on_cells(problem: Problem, stages: Stages) -> Discretised:
+    """Return the half-space of a punch whose contact edges move, triangles on cells of its face."""
+    from ...fem.contact_meshes import COARSER_GROWTH, even_half_space, fitted_half_space
 
-        def fitted(
-            edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int
-        ) -> "Compliance":
-            return fitted_half_space(edges, infinite, degree, problem.poisson_ratio).compliance()
+    ratio = problem.poisson_ratio
+    cells, coarser = contact_cells(problem)
+    with stages("condensing"):
+        half_space = even_half_space(cells, ratio)
+        compliance = half_space.compliance()
 
-        return UnilateralMethod(even, fitted, (8, 7))
+    def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> "Compliance":
+        return fitted_half_space(edges, infinite, degree, ratio).compliance()
+
+    return Discretised(
+        compliance,
+        lambda: even_half_space(coarser, ratio, COARSER_GROWTH).compliance(),
+        half_space.unknowns,
+        fitted=(partial(fitted, degree=8), partial(fitted, degree=7)),
+    )
 
 
 def _coarser_half_space(problem: Problem, meshed: Meshed, whole: "HalfSpace") -> "HalfSpace":

@@ -5,7 +5,7 @@ Springs on a uniform grid, explicit steps in time, no steady state.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import xarray
@@ -18,9 +18,7 @@ from ..problem.marching import refused_steps, steps_between
 from ..problem.problem import Problem
 from ..progress import Stages
 from .base import Method, Solution
-from .costs import Cost
-from .quantities import differences, labelled
-from .sampler import radial_weight
+from .quantities import differences, labelled, radial_weight
 
 # with half the springs and twice the step, what is of first order doubles; slopes and jumps at ring
 # edges are of half that
@@ -32,30 +30,10 @@ class MdrGrid(Method):
 
     name = "mdr-grid"
     what = "the paper's own algorithm: MDR on a uniform grid, in explicit steps"
-    look: ClassVar[dict[str, Any]] = {
-        "color": "#8e6c00",
-        "linestyle": (0, (5, 1, 1, 1)),
-        "marker": "v",
-        "markersize": 3,
-    }
     own_march = True
     lacks: ClassVar[dict[str, str]] = {
         "steady state": "the paper's algorithm marches towards it, and never arrives"
     }
-
-    def described(self, problem: Problem) -> str:
-        return (
-            f"grid of {problem.mdr.grid} springs, steps of "
-            f"{self._step(problem) * problem.units.time:.3g}"
-        )
-
-    def counted(self, problem: Problem) -> tuple[int, int]:
-        return problem.mdr.grid + 1, problem.mdr.grid + 1
-
-    def cost(self, problem: Problem) -> Cost:
-        # two products with full matrices a step, and half as many steps again for the estimate
-        points, steps = problem.mdr.grid + 1, self._steps(problem)
-        return Cost(points, points, 1e-5 * steps + 1e-9 * steps * points**2, np.nan)
 
     def refusal(self, problem: Problem) -> str:
         if not problem.full_contact:

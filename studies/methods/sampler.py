@@ -1,27 +1,25 @@
-"""From coefficients on a pressure space to the quantities that are asked for, labelled.
+"""From the history of a punch to the quantities that are asked for, labelled. Non-dimensional."""
 
-Non-dimensional.
-"""
-
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 import xarray
 from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import splu
 
 from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Array, Indices
+from ...meshes.radial import Array
 from ..problem.problem import Problem
-from ..wear.archard import History, RunningIn
-from ..wear.contact import SteadyState
-from ..wear.shared_modes import SharedModes
-from .quantities import FIELDS, HISTORIES, STEADY, array, labelled, radial_weight
+from ..wear.contact_edges import worn_edges
+from ..wear.flat_contact import SteadyState
+from ..wear.history import History
+from .quantities import labelled, radial_weight
 
 AVERAGES = ("line", "area")
-# times whose coefficients are held at once
-AT_ONCE = 1024
+Values = dict[str, Callable[[], Array]]
 
 
 # problems on one space differ in wear and load, not in where they are sampled
@@ -42,8 +40,8 @@ def _slopes(space: PressureSpace) -> csr_matrix:
 
 @lru_cache(maxsize=8)
 def _samples(space: PressureSpace) -> Array:
-    """Enough radii in each element that a cubic finds the greatest value between them to nine
-    digits.
+    """Return enough radii in each element that a cubic finds the greatest value between them to
+    nine digits.
     """
     count = 3 * (space.top + 2)
     within = (1 - np.cos(np.pi * np.arange(count) / count)) / 2
@@ -52,30 +50,26 @@ def _samples(space: PressureSpace) -> Array:
 
 
 class Sampler:
-    """Turns coefficients on a pressure space into the quantities of a problem."""
+    """Turns coefficients on the pressure space of a compliance into the quantities of a problem."""
 
-    def __init__(self, problem: Problem, space: PressureSpace) -> None:
-        self.problem, self.space = problem, space
-        self._samples = _samples(space)
-        self._everywhere = _matrix(space, self._samples.tobytes())
-        self._slope_everywhere = _matrix(space, self._samples.tobytes(), derivative=True)
-        radii, weights, _ = space.quadrature
+    def __init__(self, problem: Problem, compliance: Compliance) -> None:
+        self.problem, self.compliance, self.space = problem, compliance, compliance.space
+        self._samples = _samples(self.space)
+        self._everywhere = _matrix(self.space, self._samples.tobytes())
+        self._slope_everywhere = _matrix(self.space, self._samples.tobytes(), derivative=True)
+        radii, weights, _ = self.space.quadrature
         self._slope_weights = (weights * radial_weight(radii, problem.gradient_average)).ravel()
 
-    def _at(self, on_face: bool) -> csr_matrix:
-        return _matrix(
-            self.space, (self.problem.face.radii if on_face else self.problem.radii).tobytes()
-        )
+    def _radii(self, on_face: bool) -> Array:
+        return self.problem.face.radii if on_face else self.problem.radii
 
     def _greatest(self, functions: Array) -> Array:
-        """(T,) greatest value over the punch of (T, size) functions.
+        """Return the greatest value over the punch of each of (T, size) functions.
 
-        The top of a cubic between two samples.
+        It is the top of a cubic between two samples.
         """
-        samples, slopes = (
-            (self._everywhere @ functions.T).T,
-            (self._slope_everywhere @ functions.T).T,
-        )
+        samples = (self._everywhere @ functions.T).T
+        slopes = (self._slope_everywhere @ functions.T).T
         row = np.arange(len(samples))
         best = samples.argmax(axis=1)
         left = np.clip(np.where(slopes[row, best] > 0, best, best - 1), 0, samples.shape[1] - 2)
@@ -90,162 +84,156 @@ class Sampler:
         top = np.divide(first, root - b, out=np.zeros(len(row)), where=inside)
         return np.maximum(samples[row, best], start + top * (first + top * (b + top * c)))
 
-    def _rms_slope(self, profile: Array) -> Array:
+    @cached_property
+    def _unworn_slopes(self) -> Array:
+        return self.problem.profile.slope(self.space.quadrature[0].ravel())
+
+    def _rms_slope(self, worn: Array, unworn: Array | float) -> Array:
         # by points, not by a Gram matrix, which would sum the square of a constant over a small
         # element to roundoff
-        return np.sqrt(self._slope_weights @ (_slopes(self.space) @ profile.T) ** 2)
+        slopes = (_slopes(self.space) @ worn.T).T + unworn
+        return np.sqrt(slopes**2 @ self._slope_weights)
 
-    def _pressure(self, history: History, at: csr_matrix, radii: Array) -> Array:
-        """(T, R) pressures at radii.
+    def _pressure(self, history: History, radii: Array) -> Array:
+        """Return pressures (T, R) at radii, those of the start by functions of its own.
 
-        Those of the flat start by the functions that it was sought among.
-
-        Under a flat punch none is negative: what polynomials have below zero beside an edge is an
-        artefact of theirs.
+        None is negative: what polynomials have below zero beside an edge is an artefact of theirs.
         """
+        at = _matrix(self.space, radii.tobytes())
         pressure = np.maximum((at @ history.pressure.T).T, 0.0)
-        if history.flat is not None:
-            pressure[history.times == 0] = history.flat.pressure_at(radii)
+        if history.start is not None:
+            pressure[history.times == 0] = history.start.pressure_at(radii)
         return pressure
 
-    def _ring_forces(self, history: History) -> Array:
-        """(T, N) force on each ring."""
+    def ring_forces(self, history: History) -> Array:
+        """Return the force (T, N) on each ring."""
         ring_edges = self.problem.ring_edges
         forces = history.pressure @ _ring_forces(self.space, ring_edges.tobytes()).T
-        if history.flat is not None:
-            forces[history.times == 0] = history.flat.ring_forces(ring_edges)
+        if history.start is not None:
+            forces[history.times == 0] = history.start.ring_forces(ring_edges)
         return forces
 
-    def history(self, history: History, on_face: bool = False) -> xarray.Dataset:
-        """The quantities that run over time.
+    def _carries(self, history: History, radii: Array) -> Array:
+        """Return whether the punch touches (T, R) at radii."""
+        carries = _matrix(self.space, radii.tobytes()) @ history.pressure.T > 0
+        if history.start is not None:
+            within = [
+                (radii >= part.inner) & (radii <= part.outer) for part in history.start.intervals
+            ]
+            carries[:, history.times == 0] = np.any(within, axis=0)[:, None]
+        return np.asarray(carries.T)
 
-        Fields at the radii of the output, or on the face of the punch.
+    def displaced(self, history: History) -> Array:
+        """Return coefficients (T, size) of the displacement of the half-space.
+
+        Outside the contact it is known by its moments against the pressures only.
         """
-        profile, indentation = history.profile, history.indentation
-        at, radii = self._at(on_face), self.problem.face.radii if on_face else self.problem.radii
-        values: dict[str, Callable[[], Array]] = {
-            "pressure": lambda: self._pressure(history, at, radii),
-            "profile": lambda: (at @ profile.T).T,
-            "displacement": lambda: indentation[:, None] - (at @ profile.T).T,
-            "indentation": lambda: indentation,
-            "displacement_centre": lambda: (
-                indentation - profile @ _matrix(self.space, np.zeros(1).tobytes()).toarray()[0]
-            ),
-            "displacement_max": lambda: indentation + self._greatest(-profile),
-            "rms_slope": lambda: self._rms_slope(profile),
-            "ring_force": lambda: self._ring_forces(history),
+        if self.problem.full_contact:
+            return history.indentation[:, None] * self._ones - history.profile
+        return np.asarray(self._mass.solve((history.pressure @ self.compliance.matrix).T).T)
+
+    @cached_property
+    def _mass(self) -> Any:
+        return splu(self.space.mass().tocsc())
+
+    @cached_property
+    def _ones(self) -> Array:
+        """(size,) coefficients of the function that is one everywhere."""
+        return np.where(self.space.order == 1, 1.0, 0.0)
+
+    def history(self, history: History, on_face: bool = False) -> xarray.Dataset:
+        """Return the quantities that run over time.
+
+        Parameters
+        ----------
+        history : of T times
+        on_face : fields on the face of the punch, not at the radii of the output; only what can be
+            compared
+        """
+        problem, radii = self.problem, self._radii(on_face)
+        at, profile = _matrix(self.space, radii.tobytes()), problem.profile
+        standoff = profile.standoff
+        displaced = self.displaced(history)
+        heights = profile(radii) + (at @ history.profile.T).T
+
+        def displacement() -> Array:
+            touching = history.indentation[:, None] - heights
+            if problem.full_contact:
+                return touching
+            return np.where(self._carries(history, radii), touching, (at @ displaced.T).T)
+
+        def at_centre() -> Array:
+            centre = (_matrix(self.space, np.zeros(1).tobytes()) @ displaced.T)[0]
+            if history.start is not None and history.start.intervals[0].inner == 0:
+                unworn = profile(np.zeros(1))[0]
+                centre = np.where(history.times == 0, history.indentation - unworn, centre)
+            return np.asarray(centre)
+
+        unworn = 0.0 if problem.full_contact else self._unworn_slopes
+        values: Values = {
+            "pressure": lambda: self._pressure(history, radii),
+            "profile": lambda: heights + standoff,
+            "displacement": displacement,
+            "indentation": lambda: history.indentation + standoff,
+            "displacement_centre": at_centre,
+            "displacement_max": lambda: self._greatest(displaced),
+            "rms_slope": lambda: self._rms_slope(history.profile, unworn),
+            "ring_force": lambda: self.ring_forces(history),
         }
+        if not problem.full_contact:
+            values |= self._of_contact(history, radii, on_face)
         # by the indentation the errors of the others are measured
-        return self._wanted(values, "indentation", history.times, on_face)
+        return self._wanted(values, "indentation", history.times, radii)
+
+    def _of_contact(self, history: History, radii: Array, on_face: bool) -> Values:
+        """Return what is of interest only where contact opens, closes and spreads."""
+        edges = [
+            worn_edges(self.space, contact, worn)
+            for contact, worn in zip(history.contact, history.profile, strict=True)
+        ]
+        if history.start is not None:
+            edges[0] = [(part.inner, part.outer) for part in history.start.intervals]
+        on_rings = _ring_forces(self.space, self.problem.ring_edges.tobytes())
+        values: Values = {
+            "normal_force": lambda: self.ring_forces(history).sum(axis=1),
+            "ring_worn_volume": lambda: history.profile @ on_rings.T,
+            "contact_radius": lambda: np.array([parts[-1][1] if parts else 0.0 for parts in edges]),
+        }
+        if not on_face:
+            values["contact"] = lambda: self._carries(history, radii).astype(float)
+            values["contact_edge"] = lambda: _padded(edges)
+        return values
 
     def steady(self, state: SteadyState, on_face: bool = False) -> xarray.Dataset:
-        """The quantities of the steady state."""
-        at = self._at(on_face)
+        """Return the quantities of the steady state."""
+        radii = self._radii(on_face)
+        at = _matrix(self.space, radii.tobytes())
         greatest = self._greatest(state.displacement[None])
-        values: dict[str, Callable[[], Array]] = {
+        values: Values = {
             "steady_pressure": lambda: at @ state.pressure,
             "steady_profile": lambda: np.maximum(greatest - at @ state.displacement, 0.0),
             "steady_displacement_max": lambda: greatest[0],
-            "steady_rms_slope": lambda: self._rms_slope(state.displacement[None])[0],
+            "steady_rms_slope": lambda: self._rms_slope(state.displacement[None], 0.0)[0],
             "steady_wear_rate": lambda: np.asarray(state.wear_rate),
         }
-        return self._wanted(values, "steady_displacement_max", None, on_face)
+        return self._wanted(values, "steady_displacement_max", None, radii)
 
     def _wanted(
-        self,
-        values: dict[str, Callable[[], Array]],
-        always: str,
-        times: Array | None,
-        on_face: bool,
+        self, values: Values, always: str, times: Array | None, radii: Array
     ) -> xarray.Dataset:
-        found = {
+        wanted = {
             name: value()
             for name, value in values.items()
             if name == always or self.problem.wants(name)
         }
-        return labelled(found, self.problem.face.radii if on_face else self.problem.radii, times)
+        return labelled(wanted, radii, times)
 
 
-class Evaluation:
-    """One compliance worn and sampled: everything that a problem asks of it. Labelled."""
-
-    def __init__(
-        self, problem: Problem, compliance: Compliance, shared: SharedModes | None = None
-    ) -> None:
-        self.problem = problem
-        self.wear = RunningIn(
-            compliance, problem.merged.wear_coefficients, problem.earliest, shared
-        )
-        self.sampler = Sampler(problem, compliance.space)
-
-    @cached_property
-    def marched(self) -> History:
-        """At the times asked for, in the steps asked for."""
-        return self.wear.history(self.problem.times, self.problem.march, self.problem.step)
-
-    def _history(self, which: Indices) -> History:
-        """At some of the times asked for, by the march asked for."""
-        return (
-            self.wear.modal(self.problem.times[which])
-            if self.problem.march == "modal"
-            else self.marched[which]
-        )
-
-    @cached_property
-    def results(self) -> xarray.Dataset:
-        """At the times and radii asked for."""
-        every = np.arange(len(self.problem.times))
-        # coefficients of a hundred thousand times would fill the memory
-        return self._of(
-            self._history(which) for which in np.array_split(every, 1 + len(every) // AT_ONCE)
-        )
-
-    @cached_property
-    def checked(self) -> xarray.Dataset:
-        """At the times that are checked, on the face of the punch.
-
-        What is compared with another method.
-        """
-        if self.problem.quantities is not None and not self.problem.quantities & FIELDS:
-            return (
-                self.results.isel(time=self.problem.checked)
-                if "time" in self.results.dims
-                else self.results
-            )
-        return self._of((self._history(which) for which in (self.problem.checked,)), on_face=True)
-
-    @cached_property
-    def for_estimate(self) -> xarray.Dataset:
-        """At the times that errors are estimated at, on the face of the punch, exact in time."""
-        return self._of(
-            (self.wear.modal(times) for times in (self.problem.estimate_times,)), on_face=True
-        )
-
-    def _of(self, pieces: Iterator[History], on_face: bool = False) -> xarray.Dataset:
-        problem, parts = self.problem, []
-        if marched := bool(len(problem.times)) and any(map(problem.wants, HISTORIES)):
-            parts.append(_joined([self.sampler.history(piece, on_face) for piece in pieces]))
-        # by itself, a relaxation time needs no history
-        if problem.wants("relaxation_time") and (
-            len(problem.times) or problem.quantities is not None
-        ):
-            times = self.wear.relaxation_times if marched else self.wear.slowest_times
-            parts.append(xarray.Dataset({"relaxation_time": ("mode", times)}))
-        if problem.steady and any(map(problem.wants, STEADY)):
-            parts.append(self.sampler.steady(self.wear.steady, on_face))
-        return xarray.merge(parts)
-
-
-def _joined(parts: list[xarray.Dataset]) -> xarray.Dataset:
-    """Datasets of successive times as one, without holding all of it twice."""
-    if len(parts) == 1:
-        return parts[0]
-    times, radii = (
-        np.concatenate([array(part, "time") for part in parts]),
-        array(parts[0], "radius"),
-    )
-    found = {}
-    for name in map(str, list(parts[0].data_vars)):
-        found[name] = np.concatenate([array(part, name) for part in parts])
-        parts = [part.drop_vars(name) for part in parts]
-    return labelled(found, radii, times)
+def _padded(edges: list[list[tuple[float, float]]]) -> Array:
+    """Return inner and outer radius of every part of the contact in turn (T, E), nan where there
+    are no more.
+    """
+    out = np.full((len(edges), 2 * max(map(len, edges), default=0)), np.nan)
+    for row, parts in zip(out, edges, strict=True):
+        row[: 2 * len(parts)] = np.ravel(parts)
+    return out

@@ -23,7 +23,7 @@ import numpy as np
 from ...mdr import direct
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array, alternating_edges, ring_areas
-from ..methods.by_compliance import compliance_method
+from ..methods.pipeline import compliance_method
 from ..methods.sampler import AVERAGES, radial_weight
 from ..problem.problem import Problem, Rings
 from ..progress import Stages, progress

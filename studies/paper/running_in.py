@@ -21,12 +21,12 @@ from ...mdr.transforms import line_density
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..methods.base import method
-from ..methods.by_compliance import compliance_method
+from ..methods.pipeline import compliance_method
 from ..methods.quantities import array, values
 from ..methods.sampler import AVERAGES, Sampler
 from ..problem.problem import D0, P0, Problem, Rings
 from ..progress import Stages, progress
-from ..wear.archard import History, RunningIn
+from ..wear.full_contact import History, RunningIn
 
 METHODS = ("mdr", "fem", "bem")  # the first gives the times
 COUNT, WEAR_RATIO = 5, 10.0

@@ -24,8 +24,8 @@ from ...meshes.radial import Array, Indices
 from ...meshes.sizes import SizeField
 from ..problem.defaults import WIDER_TRUNCATION, pole_orders
 from ..problem.problem import Problem
-from ..wear.archard import RunningIn
-from ..wear.contact import press_flat
+from ..wear.flat_contact import press_flat
+from ..wear.full_contact import RunningIn
 
 SIZE = 1.2  # of the elements of the uniform mesh
 DEGREE = 4

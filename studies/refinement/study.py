@@ -37,7 +37,7 @@ from ..problem.scene import Scene
 from ..problem.sections import FemAccuracy
 from ..progress import LOG
 from ..tables import Row, Table, keeping_rows, write_page
-from ..wear.contact import press_flat
+from ..wear.flat_contact import press_flat
 from .adaptive import DEGREE, Solved, adapted, solved, uniform
 
 GOAL = 1e-5

@@ -168,7 +168,7 @@ def _unfelt(
     return [(float(radii[max(a - 1, 0)]), float(radii[min(b + 1, last)])) for a, b in runs]
 
 
-def worn_edges(space: PressureSpace, contact: Mask, integral: Array) -> list[tuple[float, float]]:
+def worn_edges(space: PressureSpace, contact: Mask, worn: Array) -> list[tuple[float, float]]:
     """Inner and outer radius of every part of the contact of a worn face.
 
     An edge lies between two nodes. Where contact spreads, the face beyond is unworn, and the worn
@@ -178,9 +178,7 @@ def worn_edges(space: PressureSpace, contact: Mask, integral: Array) -> list[tup
     out = []
     for first, last in contact_runs(contact, np.zeros(space.size - 1, dtype=bool)):
         few = last - first < 2 * FAR
-        ends = [
-            _worn_end(radius, integral, node, way, few) for node, way in ((first, -1), (last, 1))
-        ]
+        ends = [_worn_end(radius, worn, node, way, few) for node, way in ((first, -1), (last, 1))]
         out.append((ends[0], ends[1]))
     return _apart(out)
 
@@ -194,17 +192,15 @@ def _apart(parts: list[tuple[float, float]]) -> list[tuple[float, float]]:
     return [(float(inner), float(outer)) for inner, outer in edges.reshape(-1, 2)]
 
 
-def _worn_end(radius: Array, integral: Array, node: int, way: int, few: bool) -> float:
+def _worn_end(radius: Array, worn: Array, node: int, way: int, few: bool) -> float:
     other = node + way
     if not 0 <= other < len(radius):
         return float(radius[node])
     middle = float((radius[node] + radius[other]) / 2)
     near, far = node - NEAR * way, node - FAR * way
-    if few or integral[other] > 0 or not integral[far] > integral[near] > 0:
+    if few or worn[other] > 0 or not worn[far] > worn[near] > 0:
         return middle
-    found = radius[near] - integral[near] * (radius[near] - radius[far]) / (
-        integral[near] - integral[far]
-    )
+    found = radius[near] - worn[near] * (radius[near] - radius[far]) / (worn[near] - worn[far])
     cell = abs(float(radius[node] - radius[node - way]))
     return float(
         np.clip(

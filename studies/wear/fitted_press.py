@@ -15,6 +15,7 @@ compliance serves every radius. Non-dimensional.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -98,6 +99,34 @@ class FittedPress:
         forces = self.radius**2 * self.compliance.space.ring_forces(scaled[used]) @ self.pressure
         out[: len(forces)] = forces
         return out
+
+
+def fit_presses(
+    profile: InitialProfile,
+    load: Load,
+    intervals: tuple[Interval, ...],
+    compliances: tuple[CompliancesOn, CompliancesOn],
+) -> tuple[FittedPress, FittedPress]:
+    """Press an unworn punch on pressures of a higher and of a lower degree.
+
+    Parameters
+    ----------
+    profile, load : of the punch
+    intervals : where it touches, about
+    compliances : of the higher degree, and of the lower, which shows what it errs by
+
+    Raises
+    ------
+    SolverError
+        if the edges of the contact are not found
+    """
+    presses: list[FittedPress] = []
+    for on_edges in reversed(compliances):
+        press = FittedContact(profile, load, cache(on_edges)).press(intervals)
+        press.check()
+        presses.append(press)
+        intervals = press.intervals
+    return presses[1], presses[0]
 
 
 class FittedContact:

@@ -15,13 +15,14 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, diags
 
 from ...meshes.compliance import Compliance
 from ...meshes.errors import SceneError
-from ...meshes.radial import Array, Indices
+from ...meshes.radial import Array
 from ..problem.marching import refused_steps, steps_between
-from .contact import FlatStart, SteadyState, flat_start, steady_state
+from .flat_contact import FlatStart, SteadyState, flat_start, steady_state
+from .history import History
 from .modes import (
     LARGE,
     LARGEST,
@@ -45,31 +46,6 @@ Advance = Callable[[Array, float, int], tuple[Array, Array]]
 
 
 @dataclass(frozen=True, eq=False)
-class History:
-    """Pressures and profiles (T, size) as coefficients on the pressure space, and indentations
-    (T,).
-
-    The flat start, if it is among the times, has a pressure of its own, whose coefficients are its
-    projection.
-    """
-
-    times: Array
-    pressure: Array
-    profile: Array
-    indentation: Array
-    flat: FlatStart | None = None
-
-    def __getitem__(self, which: Indices) -> "History":
-        return History(
-            self.times[which],
-            self.pressure[which],
-            self.profile[which],
-            self.indentation[which],
-            self.flat,
-        )
-
-
-@dataclass(frozen=True, eq=False)
 class RunningIn:
     """A punch from its flat start to its steady state: condensed once, evaluated at any time.
 
@@ -81,17 +57,26 @@ class RunningIn:
         modes; 0: all of them
     shared : the span of the histories of punches that differ in wear alone; its modes stand for
         those of this one
+    continuous : whether the wear rate is, as it is from a flat start on; else it may jump at ring
+        edges, on a space of degree 1
     """
 
     compliance: Compliance
     wear_coefficients: Array
     earliest: float = 0.0
     shared: SharedModes | None = None
+    continuous: bool = True
 
     @cached_property
     def steady(self) -> SteadyState:
         of_one = None if self.shared is None else self.shared.moments(self.wear_coefficients)[:, 0]
-        return steady_state(self.compliance, self.wear_coefficients, self._mass_factor, of_one)
+        return steady_state(self.compliance, self.wear_coefficients, self._displacement, of_one)
+
+    def _displacement(self, moments: Array) -> Array:
+        """Return the coefficients of a displacement by its moments against each pressure."""
+        return np.asarray(
+            self._to_profile @ self._mass_factor.solve(self._to_pressure.T @ moments.T)
+        ).T
 
     @cached_property
     def flat(self) -> FlatStart:
@@ -100,12 +85,16 @@ class RunningIn:
     @cached_property
     def _to_pressure(self) -> csr_matrix:
         """(size, n) pressures by the wear rate."""
-        return self.compliance.space.joined(self.wear_coefficients)
+        space = self.compliance.space
+        if self.continuous:
+            return space.joined(self.wear_coefficients)
+        return diags(space.ring_indicator() @ (1 / self.wear_coefficients)).tocsr()
 
     @cached_property
     def _to_profile(self) -> csr_matrix:
         """(size, n) wear rates, and so worn profiles, by the same unknowns."""
-        return self.compliance.space.joined()
+        space = self.compliance.space
+        return space.joined() if self.continuous else diags(np.ones(space.size)).tocsr()
 
     def _factor(self) -> Array:
         return self.compliance.factor @ self._to_pressure
@@ -210,23 +199,51 @@ class RunningIn:
         return slowest_times(self._energy, self._mass_factor, self._weights)
 
     def modal(self, times: Array) -> History:
-        """The exact history at any times from `earliest` on, none of which depends on another."""
+        """Return the exact history from the flat start at any times from `earliest` on, none of
+        which depends on another.
+        """
         if (times[times > 0] < self.earliest * (1 - 1e-12)).any():
             raise SceneError(
                 f"this history was prepared for times from {self.earliest:.3g} on; prepare it for "
                 "all of them"
             )
+        history = self._relaxed(times, times, self._modes.amplitudes, 0.0)
+        history.profile[times == 0] = 0.0
+        return self._from_flat(history)
+
+    def from_full_contact(self, times: Array, since: float, unworn: Array, worn: Array) -> History:
+        """Return the exact history from the time at which all of a shaped face carries, for as long
+        as it does.
+
+        Parameters
+        ----------
+        times : (T,) array
+            Times from `since` on, of a march under the force 1 from the time 0.
+        unworn, worn : (size,) arrays
+            Moments of the unworn face, and of what had worn off at `since`.
+        """
         modes = self._modes
-        rates, displaced = self._sums(np.exp(-times[:, None] / modes.relaxation) * modes.amplitudes)
-        pressure = self.steady.pressure + rates @ self._to_pressure.T
-        indentation = self.steady.wear_rate * times + pressure @ self.steady.moments
+        moments = self._to_pressure.T @ (self.steady.moments + unworn + worn)
+        amplitudes = -(modes.shapes.T @ moments) / modes.relaxation
+        return self._relaxed(times, times - since, amplitudes, unworn)
+
+    def _relaxed(
+        self, times: Array, elapsed: Array, amplitudes: Array, unworn: Array | float
+    ) -> History:
+        """Return the sum of the steady state and of modes that have decayed for some time."""
+        modes, steady = self._modes, self.steady
+        rates, displaced = self._sums(np.exp(-elapsed[:, None] / modes.relaxation) * amplitudes)
+        pressure = steady.pressure + rates @ self._to_pressure.T
+        # force balance against the steady pressures: d F = p_s . A p + int f p_s dA
+        indentation = (
+            steady.wear_rate * times + pressure @ steady.moments + np.sum(unworn * steady.pressure)
+        )
         # f = d - u: slopes of small elements would show the roundoff of a sum of what wore
         gap = np.outer(indentation, self._weights) - (
-            self.steady.moments @ self._to_pressure + displaced
+            (steady.moments + unworn) @ self._to_pressure + displaced
         )
         profile = self._mass_factor.solve(gap.T).T @ self._to_profile.T
-        profile[times == 0] = 0.0
-        return self._from_flat(History(times, pressure, profile, indentation))
+        return History.in_full_contact(times, pressure, profile, indentation)
 
     def _sums(self, shares: Array) -> tuple[Array, Array]:
         """(T, n) wear rates that are sums of modes by (T, m) shares, and what they displace,
@@ -274,7 +291,7 @@ class RunningIn:
             return history
         history.pressure[start] = self.flat.pressure
         history.indentation[start] = self.flat.indentation
-        return replace(history, flat=self.flat)
+        return replace(history, start=self.flat)
 
     @cached_property
     def _start(self) -> Array:
@@ -361,7 +378,7 @@ class RunningIn:
         indentation = pressure @ self.steady.moments + np.array(profiles) @ (
             self._weights * self.steady.wear_rate
         )
-        return self._from_flat(History(times, pressure, profile, indentation))
+        return self._from_flat(History.in_full_contact(times, pressure, profile, indentation))
 
     def history(self, times: Array, march: str = "modal", step: float | None = None) -> History:
         """The history by the named march."""

@@ -8,6 +8,7 @@ diagonal on these functions, and only the first of them carries force
 (tests/physics/test_flat_punch.py).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
@@ -21,6 +22,7 @@ from ...meshes.errors import SolverError
 from ...meshes.pressure_space import PressureSpace, shapes
 from ...meshes.radial import Array, unit_gauss
 from .modes import BandedCholesky
+from .unilateral import Interval
 
 # functions that the start is sought among, where the space is not too small for them: what a
 # compliance adds to the first is an error of its own
@@ -44,6 +46,7 @@ class FlatStart:
     coefficients: Array
     pressure: Array
     indentation: float
+    intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
 
     def pressure_at(self, radii: Array) -> Array:
         """Return the pressures at radii (R,); infinite at the rim."""
@@ -156,9 +159,7 @@ def _moments(space: PressureSpace, count: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class SteadyState:
-    """The state that wear tends to (Eqs.
-
-    23 to 27): one wear rate everywhere, and the displacement that it makes.
+    """The state that wear tends to (Eqs. 23 to 27): one wear rate, and the displacement it makes.
 
     Parameters
     ----------
@@ -176,15 +177,15 @@ class SteadyState:
 def steady_state(
     compliance: Compliance,
     wear_coefficients: Array,
-    mass: BandedCholesky,
+    projected: Callable[[Array], Array],
     softness: Array | None = None,
 ) -> SteadyState:
-    """No march.
+    """Return the steady state, without any march: the forces of the rings add up to one.
 
-    The forces of the rings add up to one; the displacement is projected by the `mass`, of weight
-    `k`.
-
-    `softness` is the compliance times the pressures of the wear rate 1, where it is known.
+    Parameters
+    ----------
+    projected : moments (size,) -> coefficients of the displacement
+    softness : the compliance times the pressures of the wear rate 1, where it is known
     """
     space = compliance.space
     pressure = space.ring_indicator() @ (1 / wear_coefficients)
@@ -195,5 +196,4 @@ def steady_state(
         if softness is None
         else wear_rate * softness
     )
-    displacement = space.joined() @ mass.solve(space.joined(wear_coefficients).T @ moments)
-    return SteadyState(pressure, displacement, moments, float(wear_rate))
+    return SteadyState(pressure, projected(moments), moments, float(wear_rate))

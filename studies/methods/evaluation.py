@@ -1,0 +1,346 @@
+"""A compliance, worn and sampled: everything that a problem asks of it.
+
+Flat punches under a force keep full contact, and are exact in time; any other contact is marched.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray
+
+from ...meshes.compliance import Compliance
+from ...meshes.radial import Array, Indices
+from ..problem.problem import Problem
+from ..wear.fitted_press import FittedPress
+from ..wear.full_contact import RunningIn
+from ..wear.history import History
+from ..wear.moments import moments, unresolved_height
+from ..wear.moving_contact import ContactMarch
+from ..wear.shared_modes import SharedModes
+from .quantities import (
+    CHANCE,
+    CHANCE_OF_ENERGIES,
+    ENERGIES,
+    FIELDS,
+    HISTORIES,
+    QUANTITIES,
+    STEADY,
+    array,
+)
+from .sampler import Sampler
+from .spaces import load_of
+
+
+class Evaluation(ABC):
+    """One compliance, worn and sampled."""
+
+    wear: RunningIn | None = None
+
+    def __init__(self, problem: Problem, compliance: Compliance) -> None:
+        self.problem, self.compliance = problem, compliance
+        self.sampler = Sampler(problem, compliance)
+
+    @abstractmethod
+    def safety_of(self, name: str) -> float:
+        """Return what the difference of a quantity to a coarser evaluation is multiplied by."""
+
+    @abstractmethod
+    def at(self, which: Indices) -> History:
+        """Return the history at some of the times asked for, by the march asked for."""
+
+    @property
+    @abstractmethod
+    def exact_in_time(self) -> History:
+        """The history at the times asked for, to the accuracy asked for in time."""
+
+    @property
+    @abstractmethod
+    def for_estimate(self) -> xarray.Dataset:
+        """The quantities that errors are estimated by, on the face of the punch."""
+
+    @abstractmethod
+    def near(self, name: str, error: Array) -> Array:
+        """Return the greatest error of a quantity near each time asked for, by those estimated.
+
+        Differences cross zero now and then in time, where they say nothing.
+        """
+
+    @abstractmethod
+    def least_error(self, name: str) -> Array | float:
+        """Return what a quantity is not known better than."""
+
+    @cached_property
+    def results(self) -> xarray.Dataset:
+        """The quantities at the times and radii asked for."""
+        which = np.arange(len(self.problem.times))
+        # coefficients of a hundred thousand times at once would fill the memory
+        pieces = np.array_split(which, 1 + len(which) // 1024)
+        return self._labelled([self.at(piece) for piece in pieces] if len(which) else [])
+
+    @cached_property
+    def checked(self) -> xarray.Dataset:
+        """The quantities at the times that are checked, on the face of the punch: what is compared
+        with another method.
+        """
+        problem = self.problem
+        if problem.quantities is not None and not problem.quantities & FIELDS:
+            results = self.results
+            return results.isel(time=problem.checked) if "time" in results.dims else results
+        history = [self.at(problem.checked)] if len(problem.times) else []
+        return self._labelled(history, on_face=True)
+
+    def _labelled(self, histories: Sequence[History], on_face: bool = False) -> xarray.Dataset:
+        """Return the quantities of successive pieces of a history, and those of no time."""
+        problem, parts = self.problem, list[xarray.Dataset]()
+        if histories and any(map(problem.wants, HISTORIES)):
+            pieces = [self.sampler.history(history, on_face) for history in histories]
+            parts = pieces if len(pieces) == 1 else [xarray.concat(pieces, "time")]
+        return xarray.merge([*parts, *self._timeless(on_face)])
+
+    def _timeless(self, on_face: bool) -> list[xarray.Dataset]:
+        return []
+
+
+class FullContact(Evaluation):
+    """A flat punch, by its relaxation modes or in the steps that are asked for.
+
+    Parameters
+    ----------
+    problem, compliance : on a space that suits singular pressures at ring edges and rim
+    safety : what differences to a coarser one are multiplied by
+    shared : modes of several punches, in place of its own
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        compliance: Compliance,
+        safety: float = 1.5,
+        shared: SharedModes | None = None,
+    ) -> None:
+        super().__init__(problem, compliance)
+        self.safety = safety
+        wear_coefficients = problem.merged.wear_coefficients
+        self.wear: RunningIn = RunningIn(compliance, wear_coefficients, problem.earliest, shared)
+
+    @cached_property
+    def _marched(self) -> History:
+        return self.wear.history(self.problem.times, self.problem.march, self.problem.step)
+
+    def at(self, which: Indices) -> History:
+        if self.problem.march == "modal":
+            return self.wear.modal(self.problem.times[which])
+        return self._marched[which]
+
+    @property
+    def exact_in_time(self) -> History:
+        return self.wear.modal(self.problem.times)
+
+    @cached_property
+    def for_estimate(self) -> xarray.Dataset:
+        times = self.problem.estimate_times
+        return self._labelled([self.wear.modal(times)] if len(times) else [], on_face=True)
+
+    def _timeless(self, on_face: bool) -> list[xarray.Dataset]:
+        problem, parts = self.problem, []
+        # by itself, a relaxation time needs no history
+        if problem.wants("relaxation_time") and (
+            len(problem.times) or problem.quantities is not None
+        ):
+            marched = len(problem.times) and any(map(problem.wants, HISTORIES))
+            times = self.wear.relaxation_times if marched else self.wear.slowest_times
+            parts.append(xarray.Dataset({"relaxation_time": ("mode", times)}))
+        if problem.steady and any(map(problem.wants, STEADY)):
+            parts.append(self.sampler.steady(self.wear.steady, on_face))
+        return parts
+
+    def safety_of(self, name: str) -> float:
+        return self.safety
+
+    def near(self, name: str, error: Array) -> Array:
+        if QUANTITIES[name].dims[:1] != ("time",):
+            return error
+        grid, times, factor = self.problem.estimate_times, self.problem.times[:, None], 2.5
+        within = (grid >= times / factor) & (grid <= times * factor)
+        return np.asarray(np.where(within, error, 0.0).max(axis=1))
+
+    def least_error(self, name: str) -> Array | float:
+        breakpoints = self.compliance.space.breakpoints
+        chance = self.problem.rtol * (CHANCE_OF_ENERGIES if name in ENERGIES else CHANCE)
+        # of the numbers of elements
+        least = max(chance, 1e-14 * len(breakpoints))
+        size = float(np.diff(breakpoints)[-1])
+        # the width of the element at the rim is known to roundoff, with the force that it carries,
+        # the root of its width
+        unknown = float(np.finfo(float).eps / np.sqrt(size))
+        at_start = {
+            # measured: the element at the rim costs the flat start .06 to .11 of its size
+            "indentation": 0.2 * size + 0.1 * unknown,
+            # it moves the other functions that the start is sought among
+            "pressure": 3.0 * size + unknown,
+            "ring_force": unknown,
+        }
+        if name not in at_start:
+            return least
+        return np.where(self.problem.times == 0, max(at_start[name], least), least)
+
+
+class MovingContact(Evaluation):
+    """A punch whose contact opens, closes and spreads.
+
+    Parameters
+    ----------
+    problem, compliance : on linear pressures over cells
+    start : a press of the unworn face that is fitted to the edges of the contact
+    looser : how many times larger the error of a step in time may be
+    """
+
+    # edges move, and seldom to the same place in a cell
+    safety = 2.5
+
+    def __init__(
+        self,
+        problem: Problem,
+        compliance: Compliance,
+        start: FittedPress | None = None,
+        looser: float = 1.0,
+    ) -> None:
+        super().__init__(problem, compliance)
+        self.start = start
+        # of the accuracy asked for, that each step may add to the worn depth
+        self._tolerance = 0.05 * looser * problem.rtol
+
+    @cached_property
+    def _march(self) -> ContactMarch:
+        problem, compliance = self.problem, self.compliance
+        of_profile = moments(problem.profile, compliance.space)
+        return ContactMarch(compliance, problem.wear_coefficients, of_profile, load_of(problem))
+
+    @cached_property
+    def exact_in_time(self) -> History:
+        return self._started(self._march.adaptive(self.problem.times, self._tolerance))
+
+    @cached_property
+    def marched(self) -> History:
+        """At the times asked for, by the march asked for."""
+        if self.problem.step is None:
+            return self.exact_in_time
+        return self._started(self._march.implicit(self.problem.times, self.problem.step))
+
+    def _started(self, history: History) -> History:
+        if self.start is None:
+            return history
+        indentation = history.indentation.copy()
+        indentation[0] = self.start.indentation
+        return replace(history, indentation=indentation, start=self.start)
+
+    def at(self, which: Indices) -> History:
+        return self.marched[which]
+
+    @cached_property
+    def for_estimate(self) -> xarray.Dataset:
+        return self.sampler.history(self.marched, on_face=True)
+
+    def near(self, name: str, error: Array) -> Array:
+        later = self.problem.times > 0
+        if later.any():
+            among = np.pad(error[later], 2)
+            error = error.copy()
+            error[later] = np.lib.stride_tricks.sliding_window_view(among, 5).max(axis=1)
+        return error
+
+    def safety_of(self, name: str) -> float:
+        # forces at a given indentation go as no more than the square of the depth, and their errors
+        # stay while they decay
+        return 2 * self.safety if self._decays(name) else self.safety
+
+    def _decays(self, name: str) -> bool:
+        return self.problem.indentation is not None and name in ("normal_force", "ring_force")
+
+    def least_error(self, name: str) -> Array:
+        later = self.problem.times > 0
+        # slopes of the unworn face are differences of heights; edges are sought to a few times
+        # their tolerance; at the start nothing has worn; and edges of the contact leave more to
+        # chance
+        at_start = {"rms_slope": 1e-8, "contact_radius": 5e-8}.get(name, 1e-12)
+        least = np.where(later, 2 * CHANCE * self.problem.rtol, at_start)
+        if name in ("profile", "displacement"):
+            # cells lose this of the bend of fields: where an edge stays in a cell of both meshes,
+            # their difference says nothing of it. Of punches drawn at random none penetrates by
+            # more than .23 of it where cells hold the face
+            lost = 0.25 * self._bends / self.marched.indentation
+            least = np.maximum(least, np.where(later | (name != "profile"), lost, 0.0))
+        if self._decays(name):
+            return 2 * np.maximum(least, self._unresolved)
+        heights = QUANTITIES[name].norm == "indentation" or name == "indentation"
+        return np.maximum(least, self._unresolved) if heights else least
+
+    @cached_property
+    def _unresolved(self) -> Array:
+        """(T,) by how much heights of the face differ from what cells hold, over the
+        indentation.
+        """
+        depth, space = self.marched.indentation, self.compliance.space
+        return unresolved_height(self.problem.profile, space, float(depth.max())) / depth
+
+    @property
+    def _bends(self) -> Array:
+        """(T,) greatest change of a slope from a cell to the next, times the wider of them, of the
+        worn depth and of the displacement.
+        """
+        history, space = self.marched, self.compliance.space
+        width = np.diff(space.breakpoints)
+        wider = np.where(np.diff(space.ring) == 0, np.maximum(width[1:], width[:-1]), 0.0)
+        greatest = np.zeros(len(history.times))
+        for field in (history.profile, self.sampler.displaced(history)):
+            slope = (field[:, space.dofs[:, 1]] - field[:, space.dofs[:, 0]]) / width
+            # at the axis the next cell is the same on the other side
+            change = np.abs(np.diff(slope, axis=1, prepend=-slope[:, :1]))
+            greatest = np.maximum(greatest, (change * np.append(width[0], wider)).max(axis=1))
+        return greatest
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """How the march went, for the summary."""
+        space, steps = self.compliance.space, self.marched.steps
+        iterations = np.array(steps.iterations or (0,))
+        settings: dict[str, Any] = {
+            "cells": len(space.degrees),
+            "pressures": space.size,
+            "steps": steps.taken,
+            "rejected_steps": steps.rejected,
+            "contact_iterations_mean": float(iterations.mean()),
+            "contact_iterations_greatest": int(iterations.max()),
+        }
+        if self.start is not None:
+            settings |= {
+                "start_pressures": len(self.start.pressure),
+                "start_evaluations": self.start.evaluations,
+            }
+        return settings
+
+    def notes(self) -> list[str]:
+        """Say what the user should know of the contact."""
+        problem, notes = self.problem, []
+        missed = float(self._unresolved.max())
+        if missed > problem.rtol:
+            notes.append(
+                f"the face is finer than the {len(self.compliance.space.degrees)} cells resolve: "
+                f"heights differ from what they hold by up to {missed:.1e} of the indentation"
+            )
+        edges = array(self.results, "contact_edge")
+        if edges.size:
+            parts = np.isfinite(edges).sum(axis=1) // 2
+            apart = (parts > 1) | (np.nan_to_num(edges[:, 0]) > 0)
+            if apart.any():
+                times = problem.times[apart] * problem.units.time
+                notes.append(
+                    f"contact is no disc from t = {times[0]:.3g} to {times[-1]:.3g}, in up to "
+                    f"{parts.max()} parts: the springs' rule of the MDR, q = d - g, would not hold "
+                    "there; its energy does"
+                )
+        return notes

@@ -1,0 +1,102 @@
+"""The pressure spaces that suit a problem, and coarser ones.
+
+A flat punch has singular pressures at ring edges and rim for early times: geometric layers of high
+degree. Where edges of the contact move, pressures jump at places that are not known beforehand:
+linear pressures on cells.
+"""
+
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from ...mdr import energy
+from ...meshes.contact_cells import ContactCells
+from ...meshes.pressure_space import PressureSpace
+from ...meshes.radial import Array, Indices, graded_breakpoints, ring_of
+from ...meshes.sizes import spared_degrees
+from ..problem.defaults import affordable, cells_of, mdr_sizes, sharpness
+from ..problem.problem import Problem
+from ..wear.contact_edges import located
+from ..wear.unilateral import Interval, Load
+
+
+def pressure_spaces(problem: Problem) -> tuple[PressureSpace, PressureSpace]:
+    """Return the pressure space that suits a problem, and one that is coarser in everything."""
+    if not problem.full_contact:
+        fine, coarse = contact_cells(problem)
+        return fine.space(), coarse.space()
+    sizes = mdr_sizes(problem)
+    return radial_space(problem, **sizes), _coarser_space(problem, sizes)
+
+
+def load_of(problem: Problem) -> Load:
+    """Return the load: the force, which is the unit, or the indentation that is given."""
+    return Load(1.0) if problem.indentation is None else Load(None, problem.indentation)
+
+
+@lru_cache(maxsize=16)
+def first_contact(
+    problem: Problem, finer: float = 1.0
+) -> tuple[tuple[Interval, ...], ContactCells]:
+    """Return where contact begins, and cells for it, the same for every method.
+
+    It decides on the cells only: any method's compliance will do, and this one is quick.
+    """
+    return located(energy.compliance, problem.profile, load_of(problem), cells_of(problem, finer))
+
+
+def contact_cells(problem: Problem) -> tuple[ContactCells, ContactCells]:
+    """Return cells over the face, small where contact begins, and half as many."""
+    return first_contact(problem)[1], first_contact(problem, 0.5)[1]
+
+
+def radial_space(
+    problem: Problem,
+    degree: int,
+    rim_size: float,
+    ring_size: float | Array,
+    grading: float,
+    widest: float = 0.1,
+) -> PressureSpace:
+    """Return a graded space whose degrees rise away from the singular points.
+
+    A ring narrower than the sizes still gets a layer at each of its edges: none is wider than
+    `widest` of the ring.
+    """
+    rings = problem.merged
+    at_edges = np.minimum(ring_size, widest * rings.narrower)
+    at_rim = min(rim_size, widest * float(rings.widths[-1]))
+    breakpoints = graded_breakpoints(rings.ring_edges, at_edges, at_rim, grading)
+    return PressureSpace(
+        breakpoints, degrees(problem, breakpoints, degree, grading), rings.ring_edges
+    )
+
+
+def degrees(problem: Problem, breakpoints: Array, highest: int, grading: float) -> Indices:
+    """Return the degree of each element.
+
+    It is `highest` where most is needed, and as much lower elsewhere as less stands behind it, but
+    no lower than 2.
+    """
+    edges = problem.merged.ring_edges
+    ring = ring_of(edges, (breakpoints[1:] + breakpoints[:-1]) / 2)
+    from_inner = np.where(ring > 0, breakpoints[1:] - edges[ring], np.inf)
+    from_outer = edges[ring + 1] - breakpoints[:-1]
+    nearest = np.where(from_outer <= from_inner, ring, ring - 1)
+    behind = sharpness(affordable(problem, grading))(
+        np.minimum(from_inner, from_outer), np.diff(edges)[ring] / 2, nearest
+    )
+    return np.maximum(highest - spared_degrees(behind.max() / behind, grading), min(highest, 2))
+
+
+def _coarser_space(problem: Problem, sizes: dict[str, Any]) -> PressureSpace:
+    """Return a space of a degree less in every element and a layer less at every singular point,
+    also where the ring's width set the layer; of degree 1, with every second breakpoint.
+    """
+    grading = sizes["grading"] ** (2 if sizes["degree"] == 1 else 1)
+    larger = {name: np.minimum(sizes[name] / grading, 0.5) for name in ("rim_size", "ring_size")}
+    widest = min(0.1 / grading, 0.5)
+    space = radial_space(problem, sizes["degree"], **larger, grading=grading, widest=widest)
+    return replace(space, degrees=np.maximum(space.degrees - 1, 1))

@@ -1,1 +1,0 @@
-"""Methods on punches whose contact opens, closes and spreads."""

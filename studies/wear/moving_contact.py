@@ -1,0 +1,254 @@
+"""Wear of a punch whose contact opens, closes and spreads.
+
+Implicit steps with the inequality in each. Non-dimensional.
+
+With H the time integral of the pressure, what has worn is ``k H``, and its moments are ``K H`` with
+the mass matrix K of weight k. At every time
+
+    g = A p + K H + m - d b >= 0,      p >= 0,      p . g = 0,      H' = p,      b . p = F, or d as
+    given.
+
+Two stages of a stiffly accurate diagonally implicit Runge-Kutta method of second order (Alexander,
+SIAM J. Numer. Anal. 14 (1977) 1006), ``gamma = 1 - 1/sqrt(2)``: each is a contact problem with the
+matrix ``A + gamma h K``. Weights add up, so that the worn volume is the force times time to
+roundoff, whatever the steps. The error of a step is that of its quadrature of the wear against the
+parabola through the pressures at its start and its stages. Implicit Euler is the method of one
+stage. Steps go by powers of the root of two, so that neighbouring ones share a matrix and its
+factor.
+
+Once all of the face carries, under a force, the rest is linear: ``A p' = d' b - K p``, and modes of
+the pencil (A, K) on the pressures that carry no force give it exactly at any time, as those of a
+flat punch do (`full_contact.py`).
+"""
+
+from dataclasses import replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ...meshes.compliance import Compliance
+from ...meshes.errors import SceneError
+from ...meshes.radial import Array
+from ..problem.marching import steps_between
+from .full_contact import RunningIn
+from .history import History, Steps
+from .unilateral import Contact, Load, Mask, Press
+
+# of Alexander's method: the part of a step that each of its two stages solves for
+GAMMA = 1 - np.sqrt(0.5)
+# greatest number of steps of a march
+MOST_STEPS = 200_000
+
+
+class _Moment(NamedTuple):
+    """The punch at a time, with the time integral of its pressure up to then."""
+
+    time: float
+    press: Press
+    integral: Array
+
+
+class ContactMarch:
+    """A punch on a compliance of piecewise linear pressures, ready to wear.
+
+    Parameters
+    ----------
+    compliance : Compliance
+        On a space of degree 1.
+    wear_coefficients : (N,) array
+        Of the rings of that space.
+    moments : (size,) array
+        Of the initial profile.
+    load : Load
+        Force or indentation.
+    """
+
+    def __init__(
+        self, compliance: Compliance, wear_coefficients: Array, moments: Array, load: Load
+    ) -> None:
+        self.compliance, self.wear_coefficients = compliance, wear_coefficients
+        self.moments, self.load = moments, load
+        space = compliance.space
+        self.weights = space.weights
+        self.wear = space.mass(wear_coefficients)
+        # a norm of worn depths: their root mean square over the face
+        self._norm = space.mass(wear_coefficients**2) / np.pi
+        self._dense_wear = self.wear.toarray()
+        self._contacts: dict[float, Contact] = {}
+        self._iterations: list[int] = []
+
+    def start(self) -> Press:
+        """Return the unworn punch, pressed on."""
+        return Contact(self.compliance.matrix, self.weights).press(self.moments, self.load)
+
+    def adaptive(self, times: Array, tolerance: float) -> History:
+        """March in steps of second order that suit a tolerance, until contact is full.
+
+        Parameters
+        ----------
+        times : (T,) array
+            Increasing; a step ends on each.
+        tolerance : float
+            Root mean square error of the worn depth that a step may add, over the indentation.
+        """
+        before = now = self._begin()
+        # at a fixed indentation, with less force nothing presses any more but roundoff
+        spent = 1e-12 * now.press.force if self.load.force is None else 0.0
+        states, relaxing = list[_Moment](), list[_Moment]()
+        rejected, errors = 0, list[float]()
+        step = _quantised(1e-6 * float(times[-1])) if times[-1] else 1.0
+        for number, time in enumerate(times):
+            while (left := time - now.time) > 1e-14 * time and now.press.force > spent:
+                if relaxing := self._relaxing(now, times[number:]):
+                    break
+                dt = _shortened(step, left)
+                middle, after, error = self._two_stages(dt, before, now)
+                relative = error / (tolerance * max(abs(after.press.indentation), 1e-300))
+                longer = _quantised(dt * min(4.0, 0.8 * max(relative, 1e-12) ** (-1 / 3)))
+                if relative > 1:
+                    rejected, step = rejected + 1, longer
+                else:
+                    before, now = middle, after
+                    errors.append(error)
+                    # a step cut short by an output time says nothing against the longer ones
+                    step = max(step, longer) if dt < step else longer
+                if len(errors) + rejected > MOST_STEPS:
+                    raise SceneError(
+                        f"the march took more than {MOST_STEPS} steps to t = {now.time:.3g}: give "
+                        "a larger rtol"
+                    )
+            if relaxing:
+                break
+            now = now._replace(time=float(time))
+            states.append(now)
+        steps = Steps(len(errors), rejected, error=sum(errors))
+        return self._history(times, states + relaxing, steps)
+
+    def implicit(self, times: Array, step: float) -> History:
+        """March by implicit Euler in equal steps of at most `step` between output times."""
+        counts = steps_between(times, step).astype(int)
+        if counts.sum() > MOST_STEPS:
+            raise SceneError(
+                f"{counts.sum()} steps are needed, more than {MOST_STEPS}: give a larger wear.step"
+            )
+        before = now = self._begin()
+        states = []
+        for time, count, length in zip(times, counts, np.diff(times, prepend=0.0), strict=True):
+            dt = length / max(count, 1)
+            for _ in range(count):
+                before, now = now, self._stage(dt, now.time + dt, now.integral, before, now)
+            now = now._replace(time=float(time))
+            states.append(now)
+        return self._history(times, states, Steps(int(counts.sum())))
+
+    def _begin(self) -> _Moment:
+        self._iterations.clear()
+        return _Moment(0.0, self.start(), np.zeros(len(self.weights)))
+
+    def _history(self, times: Array, moments: list[_Moment], steps: Steps) -> History:
+        presses = [moment.press for moment in moments]
+        return History(
+            times,
+            np.array([press.pressure for press in presses]),
+            np.array([moment.integral for moment in moments]) / self._softness,
+            np.array([press.indentation for press in presses]),
+            np.array([press.force for press in presses]),
+            np.array([press.gap for press in presses]),
+            np.array([press.contact for press in presses]),
+            steps=replace(steps, iterations=tuple(self._iterations)),
+        )
+
+    @cached_property
+    def _softness(self) -> Array:
+        """(size,) the inverse of the wear coefficient at each node."""
+        return self.compliance.space.ring_indicator() @ (1 / self.wear_coefficients)
+
+    def _contact(self, dt: float) -> Contact:
+        """Return the contact problem of a stage, with its factor if a recent one was as long."""
+        if dt not in self._contacts:
+            if len(self._contacts) >= 6:
+                del self._contacts[next(iter(self._contacts))]
+            matrix = self.compliance.matrix + dt * self._dense_wear
+            self._contacts[dt] = Contact(matrix, self.weights)
+        return self._contacts[dt]
+
+    def _stage(
+        self, dt: float, time: float, integral: Array, before: _Moment, now: _Moment
+    ) -> _Moment:
+        """Return the state at a time, from the integral without its own part of length `dt`."""
+        press = self._contact(dt).press(
+            self.moments + self.wear @ integral, self.load, _predicted(before, now, time)
+        )
+        self._iterations.append(press.iterations)
+        return _Moment(time, press, integral + dt * press.pressure)
+
+    def _two_stages(
+        self, dt: float, before: _Moment, now: _Moment
+    ) -> tuple[_Moment, _Moment, float]:
+        """Return the stage within a step, the state after it, and the error of the worn depth."""
+        middle = self._stage(GAMMA * dt, now.time + GAMMA * dt, now.integral, before, now)
+        part = now.integral + (1 - GAMMA) * dt * middle.press.pressure
+        after = self._stage(GAMMA * dt, now.time + dt, part, now, middle)
+        pressures = np.array([moment.press.pressure for moment in (now, middle, after)])
+        # weights of the parabola through the start and the two stages, less those of the method
+        second = 1 / (6 * GAMMA * (1 - GAMMA))
+        third = 0.5 - GAMMA * second
+        weights = np.array([1 - second - third, second - (1 - GAMMA), third - GAMMA])
+        wrong = dt * weights @ pressures
+        return middle, after, float(np.sqrt(max(wrong @ (self._norm @ wrong), 0.0)))
+
+    @cached_property
+    def _full(self) -> RunningIn:
+        return RunningIn(self.compliance, self.wear_coefficients, continuous=False)
+
+    def _relaxing(self, now: _Moment, times: Array) -> list[_Moment]:
+        """Return the states to come if contact stays full from now on, exact in time; else none."""
+        force = self.load.force
+        if force is None or not now.press.contact.all():
+            return []
+        fastest = float(self._full.relaxation_times[-1])
+        after = times - now.time
+        # times to look at, beside those asked for: contact is full while no pressure is negative
+        between = np.geomspace(min(fastest, after[0]), after[-1], 64)
+        history = self._full.from_full_contact(
+            np.concatenate([times, now.time + between]),
+            now.time,
+            self.moments / force,
+            self.wear @ now.integral / force,
+        )
+        if history.pressure.min() < 0:
+            return []
+        states = []
+        for number, time in enumerate(times):
+            pressure = force * history.pressure[number]
+            integral = force * history.profile[number] * self._softness
+            depth = force * float(history.indentation[number])
+            gap = pressure @ self.compliance.matrix + self.moments
+            gap += self.wear @ integral - depth * self.weights
+            press = Press(pressure, gap, depth, force, now.press.contact, 0)
+            states.append(_Moment(float(time), press, integral))
+        return states
+
+
+def _predicted(before: _Moment, now: _Moment, time: float) -> Mask:
+    """Return which nodes will carry if pressures and gaps go on as they went."""
+    ahead = 0.0
+    if now.time > before.time > 0:
+        # edges of the contact slow down, even in the logarithm of time
+        ahead = min(np.log(time / now.time) / np.log(now.time / before.time), 1.5)
+    pressure = now.press.pressure + ahead * (now.press.pressure - before.press.pressure)
+    gap = now.press.gap + ahead * (now.press.gap - before.press.gap)
+    return np.where(now.press.contact, pressure > 0, gap < 0)
+
+
+def _shortened(step: float, left: float) -> float:
+    """Return a step that ends on an output time or leaves at least half of the way to it."""
+    if step >= left * (1 - 1e-9):
+        return left
+    return min(step, left / 2)
+
+
+def _quantised(step: float) -> float:
+    """Return the power of the root of two at or below a step."""
+    return float(2.0 ** (np.floor(2 * np.log2(step)) / 2))
