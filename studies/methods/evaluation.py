@@ -42,7 +42,7 @@ class Evaluation(ABC):
 
     def __init__(self, problem: Problem, compliance: Compliance) -> None:
         self.problem, self.compliance = problem, compliance
-        self.sampler = Sampler(problem, compliance)
+        self.sampler = Sampler(problem, compliance.space)
 
     @abstractmethod
     def safety_of(self, name: str) -> float:

@@ -4,25 +4,21 @@ Springs on a uniform grid, explicit steps in time, no steady state.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-import xarray
-from scipy.integrate import cumulative_trapezoid
 
 from ...mdr.uniform_grid import UniformGrid
+from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
 from ..problem.defaults import grid_step
 from ..problem.marching import refused_steps, steps_between
 from ..problem.problem import Problem
 from ..progress import Stages
+from ..wear.history import History
 from .base import Method, Solution
-from .quantities import differences, labelled, radial_weight
-
-# with half the springs and twice the step, what is of first order doubles; slopes and jumps at ring
-# edges are of half that
-OF_FIRST_ORDER = 2.5
+from .quantities import differences
+from .sampler import Sampler
 
 
 class MdrGrid(Method):
@@ -60,60 +56,28 @@ class MdrGrid(Method):
     def _marched_and_estimated(self, problem: Problem, stages: Stages) -> Solution:
         count, step = problem.mdr.grid, self._step(problem)
         with stages("marching"):
-            marched = _marched(problem, count, step)
-            results = _sampled(problem, marched, problem.radii)
-            fine = _sampled(problem, marched, problem.face.radii)
+            sampler, history = _marched(problem, count, step)
+            results, fine = sampler.history(history), sampler.history(history, on_face=True)
         with stages("estimating"):
-            coarse = _sampled(problem, _marched(problem, count // 2, 2 * step), problem.face.radii)
-            found = differences(coarse, fine, problem.face)
-            errors = {name: OF_FIRST_ORDER * _near(one) for name, one in found.items()}
+            sampler, history = _marched(problem, count // 2, 2 * step)
+            missed = differences(sampler.history(history, on_face=True), fine, problem.face)
+            # what is of first order doubles; slopes and jumps at ring edges are of half that
+            errors = {name: 2.5 * _near(difference) for name, difference in missed.items()}
         parts = {"grid and step": float(errors["indentation"].max())}
         settings = {"grid": count, "step": step}
-        return Solution(
-            results, fine.isel(time=problem.checked), errors, parts, count + 1, settings
-        )
+        checked = fine.isel(time=problem.checked)
+        return Solution(results, checked, errors, parts, count + 1, settings)
 
     def _step(self, problem: Problem) -> float:
         return grid_step(problem, UniformGrid(*problem.merged, problem.mdr.grid).stability_limit())
 
 
-@dataclass(frozen=True, eq=False)
-class Marched:
-    """The grid, and pressures and profiles (T, n+1) and indentations (T,) at the times
-    asked for.
-    """
-
-    grid: UniformGrid
-    pressure: Array
-    profile: Array
-    indentation: Array
-
-
-def _marched(problem: Problem, count: int, step: float) -> Marched:
+def _marched(problem: Problem, count: int, step: float) -> tuple[Sampler, History]:
+    """Return the history on a grid, linear between its points, and what samples it."""
     grid = UniformGrid(*problem.merged, count)
-    return Marched(grid, *grid.march(problem.times, step))
-
-
-def _sampled(problem: Problem, marched: Marched, radii: Array) -> xarray.Dataset:
-    own, pressure, profile = marched.grid.radii, marched.pressure, marched.profile
-
-    def at(values: Array, radii: Array) -> Array:
-        return np.array([np.interp(radii, own, row) for row in values])
-
-    squared = radial_weight(own, problem.gradient_average) * np.gradient(profile, own, axis=1) ** 2
-    within = cumulative_trapezoid(2 * np.pi * own * pressure, own, axis=1, initial=0.0)
-    indentation, worn = marched.indentation, at(profile, radii)
-    values = {
-        "pressure": at(pressure, radii),
-        "profile": worn,
-        "displacement": indentation[:, None] - worn,
-        "indentation": indentation,
-        "displacement_centre": indentation - profile[:, 0],
-        "displacement_max": indentation - profile.min(axis=1),
-        "rms_slope": np.sqrt(np.trapezoid(squared, own, axis=1)),
-        "ring_force": np.diff(at(within, problem.ring_edges), axis=1),
-    }
-    return labelled(values, radii, problem.times)
+    space = PressureSpace(grid.radii, np.ones(count, dtype=np.int64), np.array([0.0, 1.0]))
+    history = History.in_full_contact(problem.times, *grid.march(problem.times, step))
+    return Sampler(problem, space), history
 
 
 def _near(difference: Array) -> Array:

@@ -175,6 +175,6 @@ def _beside(history: Solution, steady: Solution) -> Solution:
 
 def compliance_method(name: str) -> ComplianceMethod:
     """Return the method of that name, which must yield a compliance."""
-    found = method(name)
-    assert isinstance(found, ComplianceMethod)
-    return found
+    named = method(name)
+    assert isinstance(named, ComplianceMethod)
+    return named

@@ -219,7 +219,7 @@ def _difference(name: str, results: xarray.Dataset, against: xarray.Dataset, fac
             start = array(against, "time")[:, None] == 0
             weights = weights * np.where(start, (1 - face.radii) * (1 + face.radii), 1.0)
         difference, scale = (
-            np.sqrt(np.sum(weights * one**2, axis=-1)) for one in (value - reference, reference)
+            np.sqrt(np.sum(weights * field**2, axis=-1)) for field in (value - reference, reference)
         )
     else:
         difference = np.abs(value - reference)

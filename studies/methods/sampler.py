@@ -9,13 +9,13 @@ import xarray
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import splu
 
-from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..wear.contact_edges import worn_edges
 from ..wear.flat_contact import SteadyState
 from ..wear.history import History
+from ..wear.moments import moments
 from .quantities import labelled, radial_weight
 
 AVERAGES = ("line", "area")
@@ -50,10 +50,10 @@ def _samples(space: PressureSpace) -> Array:
 
 
 class Sampler:
-    """Turns coefficients on the pressure space of a compliance into the quantities of a problem."""
+    """Turns coefficients on a pressure space into the quantities of a problem."""
 
-    def __init__(self, problem: Problem, compliance: Compliance) -> None:
-        self.problem, self.compliance, self.space = problem, compliance, compliance.space
+    def __init__(self, problem: Problem, space: PressureSpace) -> None:
+        self.problem, self.space = problem, space
         self._samples = _samples(self.space)
         self._everywhere = _matrix(self.space, self._samples.tobytes())
         self._slope_everywhere = _matrix(self.space, self._samples.tobytes(), derivative=True)
@@ -124,22 +124,23 @@ class Sampler:
         return np.asarray(carries.T)
 
     def displaced(self, history: History) -> Array:
-        """Return coefficients (T, size) of the displacement of the half-space.
+        """Return coefficients (T, size) of the displacement of the half-space, u = d - f + gap.
 
-        Outside the contact it is known by its moments against the pressures only.
+        The gap, and the unworn face, are known by their moments against the pressures.
         """
+        uniform = np.where(self.space.order == 1, 1.0, 0.0)
+        displaced = history.indentation[:, None] * uniform - history.profile
         if self.problem.full_contact:
-            return history.indentation[:, None] * self._ones - history.profile
-        return np.asarray(self._mass.solve((history.pressure @ self.compliance.matrix).T).T)
+            return displaced
+        return displaced + self._mass.solve((history.gap - self._unworn).T).T
 
     @cached_property
     def _mass(self) -> Any:
         return splu(self.space.mass().tocsc())
 
     @cached_property
-    def _ones(self) -> Array:
-        """(size,) coefficients of the function that is one everywhere."""
-        return np.where(self.space.order == 1, 1.0, 0.0)
+    def _unworn(self) -> Array:
+        return moments(self.problem.profile, self.space)
 
     def history(self, history: History, on_face: bool = False) -> xarray.Dataset:
         """Return the quantities that run over time.

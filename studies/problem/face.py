@@ -99,8 +99,8 @@ class Face:
         at_rim = element == len(self.breakpoints) - 2
         local[at_rim] = 1 - 2 * np.sqrt((1 - radii[at_rim]) / size[at_rim])
         coefficients = self._coefficients(values)[..., element]
-        found = np.einsum("j...m,mj->...m", coefficients, legvander(local, POINTS - 1))
-        return found, np.abs(coefficients[-2:]).sum(axis=0)
+        values = np.einsum("j...m,mj->...m", coefficients, legvander(local, POINTS - 1))
+        return values, np.abs(coefficients[-2:]).sum(axis=0)
 
     def slopes(self, values: Array) -> tuple[Array, Array]:
         """Return (T, R) derivatives along the radius of (T, R) values, and those without the last
@@ -110,11 +110,11 @@ class Face:
         rates = 2 / np.repeat(np.diff(self.breakpoints), POINTS)
         # r = 1 - size (1 - s)^2 / 4 in the element at the rim
         rates[-POINTS:] /= 1 - self._local
-        found = []
+        slopes = []
         for count in (POINTS, POINTS - 2):
             parts = legval(self._local, legder(coefficients[:count]))
-            found.append(parts.reshape(values.shape) * rates)
-        return found[0], found[1]
+            slopes.append(parts.reshape(values.shape) * rates)
+        return slopes[0], slopes[1]
 
     def integral_doubt(self, parts: Array) -> Array:
         """Return how much the sum of (T, R) parts, one of each radius, may differ from the integral

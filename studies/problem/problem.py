@@ -79,8 +79,8 @@ class Rings(NamedTuple):
 
     def merged(self) -> "Rings":
         """Neighbouring rings of equal wear made one: what has to be modelled."""
-        kept = np.flatnonzero(np.diff(self.wear_coefficients) != 0) + 1
-        return Rings(self.ring_edges[[0, *kept, -1]], self.wear_coefficients[[0, *kept]])
+        changes = np.flatnonzero(np.diff(self.wear_coefficients) != 0) + 1
+        return Rings(self.ring_edges[[0, *changes, -1]], self.wear_coefficients[[0, *changes]])
 
 
 @dataclass(frozen=True)

@@ -33,22 +33,24 @@ class Shared(Problem):
 
     @classmethod
     def of(cls, members: Sequence[Problem]) -> Self:
-        first = {one.name: getattr(members[0], one.name) for one in fields(Problem)}
-        return cls(**first | {"rtol": min(one.rtol for one in members)}, members=tuple(members))
+        first = {field.name: getattr(members[0], field.name) for field in fields(Problem)}
+        rtol = min(member.rtol for member in members)
+        return cls(**first | {"rtol": rtol}, members=tuple(members))
 
     @property
     def blunted(self) -> Blunted:
-        every = [one.blunted for one in self.members]
-        slow = np.min([one.slow for one in every], axis=0)
+        blunted = [member.blunted for member in self.members]
+        slow = np.min([lengths.slow for lengths in blunted], axis=0)
         # what is blunted on the faster side leaves the edge of the slower alone, and sharp
         with np.errstate(invalid="ignore"):
-            ratio = np.max([one.slow * one.ratio for one in every], axis=0) / slow
-        whole = np.where(np.isfinite(slow), ratio, np.max([one.ratio for one in every], axis=0))
-        return Blunted(slow, whole, max(one.span for one in every))
+            ratio = np.max([each.slow * each.ratio for each in blunted], axis=0) / slow
+        without = np.max([each.ratio for each in blunted], axis=0)
+        ratio = np.where(np.isfinite(slow), ratio, without)
+        return Blunted(slow, ratio, max(each.span for each in blunted))
 
     @property
     def earliest(self) -> float:
-        return min((one.earliest for one in self.members if one.earliest), default=0.0)
+        return min((each.earliest for each in self.members if each.earliest), default=0.0)
 
 
 def discretised_alike(problem: Problem) -> Hashable:
@@ -61,16 +63,16 @@ def discretised_alike(problem: Problem) -> Hashable:
 
 def groups(problems: Sequence[Problem]) -> list[list[int]]:
     """Numbers of the problems that share a discretisation, the sharpest of each group first."""
-    sharpest = [float(one.blunted.slow.min()) for one in problems]
+    sharpest = [float(problem.blunted.slow.min()) for problem in problems]
     alike: dict[Hashable, list[int]] = {}
     for number in sorted(range(len(problems)), key=lambda number: (sharpest[number], number)):
         alike.setdefault(discretised_alike(problems[number]), []).append(number)
-    found: list[list[int]] = []
+    parts: list[list[int]] = []
     for numbers in alike.values():
         start = 0
         for at, number in enumerate(numbers):
             if sharpest[number] > WIDEST * sharpest[numbers[start]]:
-                found.append(numbers[start:at])
+                parts.append(numbers[start:at])
                 start = at
-        found.append(numbers[start:])
-    return found
+        parts.append(numbers[start:])
+    return parts

@@ -101,29 +101,25 @@ def located(
         press = Contact(matrix, space.weights).press(moments(profile, space), load)
         intervals = first_intervals(space, press.contact, profile)
         # between corners of the face, at ring edges, cells are small enough
-        spreading = [one for one in intervals if one.inner_free or one.outer_free]
+        spreading = [part for part in intervals if part.inner_free or part.outer_free]
         unfelt = _unfelt(
             space, splu(space.mass().tocsc()).solve(matrix @ press.pressure), press, profile
         )
-        found = _with_spots(cells, [(one.inner, one.outer) for one in spreading] + unfelt, most)
-        if found is None:
+        narrow = [(part.inner, part.outer) for part in spreading] + unfelt
+        spotted = _with_spots(cells, narrow, most)
+        if spotted is None:
             # rough: more parts, or narrower ones, than cells can be made for
             return intervals, cells
         # nodes that carry, of each part of the contact: as many as say how wide it is
-        narrowest = min(
-            (
-                int((press.contact & (radius >= one.inner) & (radius <= one.outer)).sum())
-                for radius in [nodes(space)[0]]
-                for one in spreading
-            ),
-            default=ENOUGH,
-        )
-        if narrowest >= min(ENOUGH, 0.5 / found.spread) and not unfelt:
-            return intervals, found
-        if any(_same_spots(found, earlier) for earlier in seen):
-            return intervals, found
-        seen.append(found)
-        cells = found
+        carrying = nodes(space)[0][press.contact]
+        counts = [
+            int(np.sum((carrying >= part.inner) & (carrying <= part.outer))) for part in spreading
+        ]
+        enough = min(counts, default=ENOUGH) >= min(ENOUGH, 0.5 / spotted.spread) and not unfelt
+        if enough or any(_same_spots(spotted, earlier) for earlier in seen):
+            return intervals, spotted
+        seen.append(spotted)
+        cells = spotted
     return intervals, cells
 
 
@@ -137,19 +133,19 @@ def _with_spots(
         spots = tuple(
             (inner, outer, max(cells.spread * (outer - inner), 1e-9)) for inner, outer in narrow
         )
-        found = replace(cells, spots=spots)
-        if len(found.breakpoints()) <= most:
-            return found
+        spotted = replace(cells, spots=spots)
+        if len(spotted.breakpoints()) <= most:
+            return spotted
         cells = replace(cells, spread=2 * cells.spread)
     return None
 
 
-def _same_spots(one: ContactCells, other: ContactCells) -> bool:
-    """Whether two have the same spots, to less than a cell of theirs."""
-    if one.spread != other.spread or len(one.spots) != len(other.spots):
+def _same_spots(cells: ContactCells, other: ContactCells) -> bool:
+    """Return whether two have the same spots, to less than a cell of theirs."""
+    if cells.spread != other.spread or len(cells.spots) != len(other.spots):
         return False
-    moved = np.abs(np.array(one.spots) - np.array(other.spots))
-    sizes = [size for _, _, size in one.spots]
+    moved = np.abs(np.array(cells.spots) - np.array(other.spots))
+    sizes = [size for _, _, size in cells.spots]
     return all(move[:2].max() < size for move, size in zip(moved, sizes, strict=True))
 
 
@@ -200,10 +196,10 @@ def _worn_end(radius: Array, worn: Array, node: int, way: int, few: bool) -> flo
     near, far = node - NEAR * way, node - FAR * way
     if few or worn[other] > 0 or not worn[far] > worn[near] > 0:
         return middle
-    found = radius[near] - worn[near] * (radius[near] - radius[far]) / (worn[near] - worn[far])
+    edge = radius[near] - worn[near] * (radius[near] - radius[far]) / (worn[near] - worn[far])
     cell = abs(float(radius[node] - radius[node - way]))
     return float(
         np.clip(
-            found, min(radius[node], radius[other]) - cell, max(radius[node], radius[other]) + cell
+            edge, min(radius[node], radius[other]) - cell, max(radius[node], radius[other]) + cell
         )
     )

@@ -154,16 +154,13 @@ class FittedContact:
         guess = np.array([getattr(start[n], side) for n, side in free])
 
         def moved(edges: Array) -> tuple[Interval, ...]:
-            every = [(one.inner, one.outer) for one in start]
+            parts = list(start)
             for (n, side), edge in zip(free, edges, strict=True):
-                inner, outer = every[n]
-                every[n] = (inner, float(edge)) if side == "outer" else (float(edge), outer)
-            flat = [edge for pair in every for edge in pair]
-            if min(np.diff(flat)) <= 0 or flat[-1] > 1 + 1e-12:
+                parts[n] = replace(parts[n], **{side: float(edge)})
+            in_turn = [edge for part in parts for edge in (part.inner, part.outer)]
+            if min(np.diff(in_turn)) <= 0 or in_turn[-1] > 1 + 1e-12:
                 raise SolverError("the edges of the contact cross each other or leave the punch")
-            return tuple(
-                replace(one, inner=a, outer=b) for (a, b), one in zip(every, start, strict=True)
-            )
+            return tuple(parts)
 
         def residual(edges: Array) -> Array:
             return self._solved(moved(edges), free[-1])[1]
@@ -247,9 +244,9 @@ class FittedContact:
 def _free(intervals: tuple[Interval, ...]) -> list[tuple[int, str]]:
     return [
         (n, side)
-        for n, one in enumerate(intervals)
+        for n, part in enumerate(intervals)
         for side in ("inner", "outer")
-        if getattr(one, f"{side}_free")
+        if getattr(part, f"{side}_free")
     ]
 
 
@@ -262,12 +259,12 @@ def _scaled(
     """
     radius = intervals[-1].outer
     infinite = {0.0: False}
-    for one in intervals:
-        if one.inner > 0:
-            infinite[one.inner] = not one.inner_free
-        infinite[one.outer] = not one.outer_free
-        near = CLEAR * (one.outer - one.inner)
-        within = [kink for kink in kinks if one.inner + near < kink < one.outer - near]
+    for part in intervals:
+        if part.inner > 0:
+            infinite[part.inner] = not part.inner_free
+        infinite[part.outer] = not part.outer_free
+        near = CLEAR * (part.outer - part.inner)
+        within = [kink for kink in kinks if part.inner + near < kink < part.outer - near]
         infinite |= dict.fromkeys(within if len(within) <= MOST_KINKS else (), False)
     edges = sorted(infinite)
     return tuple(edge / radius for edge in edges), tuple(infinite[edge] for edge in edges)
@@ -277,8 +274,8 @@ def _carrying(space: PressureSpace, intervals: tuple[Interval, ...], radius: flo
     """Functions on elements in contact."""
     middle = radius * (space.breakpoints[1:] + space.breakpoints[:-1]) / 2
     inside = np.zeros(len(middle), dtype=bool)
-    for one in intervals:
-        inside |= (middle > one.inner) & (middle < one.outer)
+    for part in intervals:
+        inside |= (middle > part.inner) & (middle < part.outer)
     used = np.unique(space.dofs[inside])
     return np.asarray(used[used < space.size])
 
@@ -319,12 +316,12 @@ def _secant(residual: Callable[[Array], Array], guess: Array) -> Array:
 
 def _broyden(residual: Callable[[Array], Array], guess: Array) -> Array:
     """Several edges: Powell's hybrid method, whose Jacobian is updated by Broyden's formula."""
-    found = root(
+    solution = root(
         residual,
         guess,
         method="hybr",
         options={"xtol": 1e-10, "eps": 1e-6, "maxfev": MOST_EVALUATIONS},
     )
-    if not found.success and np.abs(found.fun).max() > 1e-7:
+    if not solution.success and np.abs(solution.fun).max() > 1e-7:
         raise SolverError("the edges of the contact were not found")
-    return np.asarray(found.x)
+    return np.asarray(solution.x)

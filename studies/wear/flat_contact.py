@@ -65,8 +65,11 @@ class FlatStart:
 
 
 @lru_cache(maxsize=8)  # punches that differ in wear alone begin alike
-def flat_start(compliance: Compliance) -> FlatStart:
+def flat_start(compliance: Compliance) -> "FlatStart | FlatPress":
     """Press the unworn punch: ``A c = d b``, ``b . c = 1`` on the functions that suit it.
+
+    Under them a half-space is displaced uniformly. What is displaced otherwise (a foundation of
+    springs, say) is pressed by the pressures of the space itself.
 
     Raises
     ------
@@ -87,6 +90,10 @@ def flat_start(compliance: Compliance) -> FlatStart:
         ) from error
     softness = forces @ solution
     coefficients = solution / softness
+    uniform = compliance.factor @ np.where(space.order == 1, 1.0, 0.0)
+    mean = uniform @ displaced @ coefficients / np.pi
+    if abs(mean * softness - 1) > 0.1:
+        return press_flat(compliance)
     return FlatStart(coefficients, projected @ coefficients, float(1 / softness))
 
 

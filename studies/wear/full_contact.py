@@ -21,7 +21,7 @@ from ...meshes.compliance import Compliance
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.marching import refused_steps, steps_between
-from .flat_contact import FlatStart, SteadyState, flat_start, steady_state
+from .flat_contact import FlatPress, FlatStart, SteadyState, flat_start, steady_state
 from .history import History
 from .modes import (
     LARGE,
@@ -79,7 +79,7 @@ class RunningIn:
         ).T
 
     @cached_property
-    def flat(self) -> FlatStart:
+    def flat(self) -> FlatStart | FlatPress:
         return flat_start(self.compliance)
 
     @cached_property
@@ -279,10 +279,11 @@ class RunningIn:
         )
         lost = (self.modal(times).profile - worn @ self._to_profile.T) / times[:, None]
         mass = self.compliance.space.mass(1 / self.wear_coefficients)
-        lost, rate = (
-            np.sum(one * (mass @ one.T).T, axis=1) for one in (lost, rate @ self._to_profile.T)
-        )
-        return float(np.sqrt((lost / rate).max()))
+        squares = [
+            np.sum(field * (mass @ field.T).T, axis=1)
+            for field in (lost, rate @ self._to_profile.T)
+        ]
+        return float(np.sqrt((squares[0] / squares[1]).max()))
 
     def _from_flat(self, history: History) -> History:
         """Put the flat start in: at t = 0 the pressure, not the wear rate, is continuous."""
@@ -291,7 +292,8 @@ class RunningIn:
             return history
         history.pressure[start] = self.flat.pressure
         history.indentation[start] = self.flat.indentation
-        return replace(history, start=self.flat)
+        suits = isinstance(self.flat, FlatStart)
+        return replace(history, start=self.flat if suits else None)
 
     @cached_property
     def _start(self) -> Array:

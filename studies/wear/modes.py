@@ -202,10 +202,10 @@ def excited_modes(
         image = mass.forward(dsymv(1.0, energy, mass.backward(vector)))
         for again in (False, True):
             image -= steady * (steady @ image)
-            shares = basis[: k + 1] @ image
-            image -= shares @ basis[: k + 1]
+            parts = basis[: k + 1] @ image
+            image -= parts @ basis[: k + 1]
             if not again:
-                diagonal[k] = shares[k]
+                diagonal[k] = parts[k]
         beside[k] = np.linalg.norm(image)
         # below the roundoff of the image, nothing is left that the flat start excites
         ended = beside[k] <= 100 * np.finfo(float).eps * diagonal[0] or k + 1 == size
@@ -216,8 +216,8 @@ def excited_modes(
                 break
             look = min(int(MORE * look), size)
         vector = image / beside[k]
-    kept = _felt(relaxation, earliest)
-    relaxation, within, lost = relaxation[kept][::-1], within[:, kept][:, ::-1], lost[kept][::-1]
+    felt = _felt(relaxation, earliest)
+    relaxation, within, lost = relaxation[felt][::-1], within[:, felt][:, ::-1], lost[felt][::-1]
     exact = int(np.argmin(np.append(lost <= np.sqrt(NEGLIGIBLE) * relaxation, False)))
     return modes_of(
         relaxation, mass.backward(basis[: len(within)].T @ within), moments, max(exact, 1)

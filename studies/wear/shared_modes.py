@@ -45,8 +45,8 @@ class SharedModes:
         space = compliance.space
         continuous = space.joined()
         mass = continuous.T @ space.mass() @ continuous
-        factor, one = BandedCholesky(mass), steady_rate(compliance)
-        steady = factor.forward(mass @ one)
+        factor, uniform = BandedCholesky(mass), steady_rate(compliance)
+        steady = factor.forward(mass @ uniform)
         steady /= np.linalg.norm(steady)
         scaled = factor.forward(mass @ rates)
         lengths = np.linalg.norm(scaled, axis=0)
@@ -54,8 +54,8 @@ class SharedModes:
         scaled = scaled[:, lengths > 0] / lengths[lengths > 0]
         scaled -= np.outer(steady, steady @ scaled)
         directions, sizes, _ = svd(scaled, full_matrices=False, check_finite=False)
-        kept = factor.backward(np.ascontiguousarray(directions[:, sizes > least * sizes[0]]))
-        return cls(compliance, materials, np.column_stack([one, kept]))
+        rest = factor.backward(np.ascontiguousarray(directions[:, sizes > least * sizes[0]]))
+        return cls(compliance, materials, np.column_stack([uniform, rest]))
 
     def on(self, other: Compliance) -> "SharedModes":
         """The same span on another compliance, projected on its space."""
@@ -119,7 +119,7 @@ class SharedModes:
     @cached_property
     def _projected_energies(self) -> Array:
         """(C, C, r, r) energy of the pressures of two materials."""
-        return np.array([[one.T @ other for other in self._moments] for one in self._rates])
+        return np.array([[rates.T @ moments for moments in self._moments] for rates in self._rates])
 
     def modes(self, wear_coefficients: Array, moments: Array) -> Modes:
         """The modes of a punch on the span, shapes as coefficients on the basis.
