@@ -27,20 +27,6 @@ FACTOR, GROWTH = 0.25, 0.5
 # smaller elements have too few digits left in their coordinates, which at the rim are distances
 # from 1
 SMALLEST, SMALLEST_RIM = 1e-12, 1e-14
-# of the radial mesh: an element is smaller by this than the one outside it
-GRADING = 0.2
-# of the degrees that sharpness asks for, a tenth can be spared, and no more than so many
-SPARED = 0.7
-# pressures that are worth a field to the accuracy asked for: dense matrices cost their third power
-MOST_PRESSURES = 1000
-
-# size at the rim over the accuracy asked for: pressures of the flat start err by up to three times
-# that size, its energy by a twentieth
-START = 0.03
-
-# cells over the punch, or over the first contact, for an accuracy of 1e-4. Where edges move d errs
-# by about their inverse; as many as for a tenth of that accuracy take minutes
-CELLS, FEWEST, MOST = 150, 80, 300
 
 
 def sharpness(problem: Problem) -> Sharpness:
@@ -63,7 +49,7 @@ def pressure_degree(problem: Problem, ratio: float) -> float:
 
 def _enough(degree: Array | float) -> Array | float:
     """Degrees that are enough, of those that sharpness asks for."""
-    return degree - np.minimum(0.1 * degree, SPARED)
+    return degree - np.minimum(0.1 * degree, 0.7)
 
 
 def pressures(problem: Problem, ratio: float) -> float:
@@ -94,7 +80,8 @@ def affordable(problem: Problem, ratio: float) -> Problem:
     what is asked for at the least: energies, which converge twice as fast, still reach it.
     """
     fewer = problem
-    while fewer.rtol < problem.rtol**0.5 and pressures(fewer, ratio) > MOST_PRESSURES:
+    # dense matrices cost the third power of the pressures
+    while fewer.rtol < problem.rtol**0.5 and pressures(fewer, ratio) > 1000:
         fewer = replace(fewer, rtol=min(2 * fewer.rtol, problem.rtol**0.5))
     return fewer
 
@@ -106,9 +93,17 @@ def field_accuracy(problem: Problem) -> float:
     return affordable(problem, FACTOR).rtol
 
 
+def _rim_at_start(problem: Problem) -> float:
+    """Return the size at the rim that the flat start asks for.
+
+    Its pressures err by up to three times that size, its energy by a twentieth.
+    """
+    return 0.03 * problem.rtol
+
+
 def mdr_sizes(problem: Problem) -> dict[str, Any]:
     """Of the radial mesh of the MDR and of boundary elements."""
-    chosen, grading, at_start = problem.mdr, problem.mdr.grading or GRADING, START * problem.rtol
+    chosen, grading, at_start = problem.mdr, problem.mdr.grading or 0.2, _rim_at_start(problem)
     problem = affordable(problem, grading)
     return {
         "degree": chosen.degree or min(int(np.ceil(pressure_degree(problem, grading))), 20),
@@ -165,7 +160,7 @@ class QuadSizes:
 
 def quad_sizes(problem: Problem) -> QuadSizes:
     """Of quadrilaterals in geometric layers."""
-    chosen, at_start = problem.fem, START * problem.rtol
+    chosen, at_start = problem.fem, _rim_at_start(problem)
     problem = affordable(problem, FACTOR)
     wanted = ring_sizes(problem)
     sizes = np.full(len(wanted), chosen.ring_size) if chosen.ring_size else wanted
@@ -252,7 +247,9 @@ def grid_step(problem: Problem, stability_limit: float) -> float:
 
 def cells_of(problem: Problem, finer: float = 1.0) -> ContactCells:
     """Cells that an accuracy asks for, before it is known where contact begins."""
-    count = finer * float(np.clip(CELLS * (1e-4 / problem.rtol) ** 0.5, FEWEST, MOST))
+    # where edges move d errs by about their inverse; as many as a tenth of 1e-4 asks for take
+    # minutes
+    count = finer * float(np.clip(150 * (1e-4 / problem.rtol) ** 0.5, 80, 300))
     edge = min(problem.rtol, 1e-3) / finer**2
     return ContactCells(
         tuple(problem.ring_edges.tolist()),

@@ -17,18 +17,6 @@ from ..problem.profile import InitialProfile
 from .moments import moments
 from .unilateral import Contact, Interval, Load, Mask, Press
 
-# cells that the narrowest first contact should have, and looks at finer and finer cells for that
-ENOUGH, LOOKS = 12, 24
-# times the cells of the face that narrow first contacts may take, and the fastest they may grow
-# beside them
-MOST, WIDEST = 5, 0.3
-# of the indentation, by which a part of the face may be in the half-space that cells are too wide
-# to feel
-UNFELT = 1e-3
-# nodes from the edge of a worn face from which its worn depth is extrapolated: nearer, the cells
-# are felt
-NEAR, FAR = 2, 4
-
 
 def nodes(space: PressureSpace) -> tuple[Array, Indices]:
     """(size,) radius and ring of the node of each linear pressure."""
@@ -93,9 +81,10 @@ def located(
     The looks end where the first contact is many cells wide, or where spots come back to where they
     were before: from then on they would stay, or go round.
     """
-    most = MOST * len(cells.breakpoints())
+    # that narrow first contacts may take
+    most = 5 * len(cells.breakpoints())
     seen = [cells]
-    for _ in range(LOOKS):
+    for _ in range(24):
         space = cells.space()
         matrix = compliance(space).matrix
         press = Contact(matrix, space.weights).press(moments(profile, space), load)
@@ -115,8 +104,8 @@ def located(
         counts = [
             int(np.sum((carrying >= part.inner) & (carrying <= part.outer))) for part in spreading
         ]
-        enough = min(counts, default=ENOUGH) >= min(ENOUGH, 0.5 / spotted.spread) and not unfelt
-        if enough or any(_same_spots(spotted, earlier) for earlier in seen):
+        wide = min(counts, default=12) >= min(12, 0.5 / spotted.spread)
+        if (wide and not unfelt) or any(_same_spots(spotted, earlier) for earlier in seen):
             return intervals, spotted
         seen.append(spotted)
         cells = spotted
@@ -129,7 +118,7 @@ def _with_spots(
     """Cells with a spot at each of some narrow parts, which spread as slowly as so many cells
     allow; None if they do not.
     """
-    while cells.spread < WIDEST:
+    while cells.spread < 0.3:
         spots = tuple(
             (inner, outer, max(cells.spread * (outer - inner), 1e-9)) for inner, outer in narrow
         )
@@ -153,12 +142,11 @@ def _unfelt(
     space: PressureSpace, displacement: Array, press: Press, profile: InitialProfile
 ) -> list[tuple[float, float]]:
     """Where the face is in the half-space between nodes that do not carry: on less than a cell."""
+    # part of the indentation by which that is not felt
+    deep = 1e-3 * press.indentation
     radii, heights = profile.sampled()
     carries = space.matrix(radii) @ press.contact > 0
-    inside = (
-        space.matrix(radii) @ displacement + heights - press.indentation
-        < -UNFELT * press.indentation
-    ) & ~carries
+    inside = (space.matrix(radii) @ displacement + heights - press.indentation < -deep) & ~carries
     last = len(radii) - 1
     runs = contact_runs(inside, np.zeros(last, dtype=bool))
     return [(float(radii[max(a - 1, 0)]), float(radii[min(b + 1, last)])) for a, b in runs]
@@ -173,7 +161,7 @@ def worn_edges(space: PressureSpace, contact: Mask, worn: Array) -> list[tuple[f
     radius, _ = nodes(space)
     out = []
     for first, last in contact_runs(contact, np.zeros(space.size - 1, dtype=bool)):
-        few = last - first < 2 * FAR
+        few = last - first < 8
         ends = [_worn_end(radius, worn, node, way, few) for node, way in ((first, -1), (last, 1))]
         out.append((ends[0], ends[1]))
     return _apart(out)
@@ -193,7 +181,8 @@ def _worn_end(radius: Array, worn: Array, node: int, way: int, few: bool) -> flo
     if not 0 <= other < len(radius):
         return float(radius[node])
     middle = float((radius[node] + radius[other]) / 2)
-    near, far = node - NEAR * way, node - FAR * way
+    # nearer to the edge the cells are felt
+    near, far = node - 2 * way, node - 4 * way
     if few or worn[other] > 0 or not worn[far] > worn[near] > 0:
         return middle
     edge = radius[near] - worn[near] * (radius[near] - radius[far]) / (worn[near] - worn[far])

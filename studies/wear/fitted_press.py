@@ -33,13 +33,6 @@ from .unilateral import Interval, Load
 # infinite at) -> compliance
 CompliancesOn = Callable[[tuple[float, ...], tuple[bool, ...]], Compliance]
 
-MOST_STEPS, MOST_PARTS, MOST_EVALUATIONS = 40, 6, 60
-# kinks of the face that a part of the contact gets elements for, and their distance from its edges,
-# over its width: the pressure goes as x log x there, which ring forces would feel by 2e-4
-MOST_KINKS, CLEAR = 4, 1e-2
-# last step of a search that converges faster than linearly: the error is far below
-CLOSE = 1e-8
-
 
 @dataclass(frozen=True, eq=False)
 class FittedPress:
@@ -146,7 +139,7 @@ class FittedContact:
         """
         if not start:
             raise SolverError("nothing touches that cells could feel")
-        if len(start) > MOST_PARTS:
+        if len(start) > 6:
             raise SolverError(f"the contact has {len(start)} parts, too many to fit a mesh to")
         free = _free(start)
         if not free:
@@ -263,9 +256,10 @@ def _scaled(
         if part.inner > 0:
             infinite[part.inner] = not part.inner_free
         infinite[part.outer] = not part.outer_free
-        near = CLEAR * (part.outer - part.inner)
+        # the pressure goes as x log x at a kink, which ring forces would feel by 2e-4
+        near = 1e-2 * (part.outer - part.inner)
         within = [kink for kink in kinks if part.inner + near < kink < part.outer - near]
-        infinite |= dict.fromkeys(within if len(within) <= MOST_KINKS else (), False)
+        infinite |= dict.fromkeys(within if len(within) <= 4 else (), False)
     edges = sorted(infinite)
     return tuple(edge / radius for edge in edges), tuple(infinite[edge] for edge in edges)
 
@@ -301,14 +295,15 @@ def _secant(residual: Callable[[Array], Array], guess: Array) -> Array:
     """One edge: the load grows with it."""
     before, now = guess, guess * (1 - 1e-3)
     wrong_before, wrong = residual(before), residual(now)
-    for _ in range(MOST_STEPS):
+    for _ in range(40):
         if wrong == wrong_before:
             break
         step = -wrong * (now - before) / (wrong - wrong_before)
         step = np.clip(step, -0.5 * now, np.minimum(now, np.maximum(1 - now, 0.0)))
         before, wrong_before = now, wrong
         now = now + step
-        if abs(step) <= CLOSE * now:
+        # it converges faster than linearly: the error is far below the last step
+        if abs(step) <= 1e-8 * now:
             return now
         wrong = residual(now)
     raise SolverError("the edge of the contact was not found")
@@ -320,7 +315,7 @@ def _broyden(residual: Callable[[Array], Array], guess: Array) -> Array:
         residual,
         guess,
         method="hybr",
-        options={"xtol": 1e-10, "eps": 1e-6, "maxfev": MOST_EVALUATIONS},
+        options={"xtol": 1e-10, "eps": 1e-6, "maxfev": 60},
     )
     if not solution.success and np.abs(solution.fun).max() > 1e-7:
         raise SolverError("the edges of the contact were not found")

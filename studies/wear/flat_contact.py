@@ -24,13 +24,6 @@ from ...meshes.radial import Array, unit_gauss
 from .modes import BandedCholesky
 from .unilateral import Interval
 
-# functions that the start is sought among, where the space is not too small for them: what a
-# compliance adds to the first is an error of its own
-FUNCTIONS = 3
-# Gauss points of an element beyond its degree: the root is one element away, where each point gains
-# a factor of seven
-MORE_POINTS = 24
-
 
 @dataclass(frozen=True, eq=False)
 class FlatStart:
@@ -77,7 +70,8 @@ def flat_start(compliance: Compliance) -> "FlatStart | FlatPress":
         if the compliance is not positive definite
     """
     space = compliance.space
-    count = max(1, min(FUNCTIONS, space.size // 3))
+    # what a compliance adds to the first of them is an error of its own
+    count = max(1, min(3, space.size // 3))
     projected = BandedCholesky(space.mass()).solve(_moments(space, count))
     forces = np.zeros(count)
     forces[0] = 2 * np.pi
@@ -141,7 +135,8 @@ def _moments(space: PressureSpace, count: int) -> Array:
     At the rim `t` itself is the variable of integration, ``r dr = -t dt``, in which nothing is
     singular.
     """
-    node, weight = unit_gauss(space.top + MORE_POINTS)
+    # the root is one element away, where each point gains a factor of seven
+    node, weight = unit_gauss(space.top + 24)
     inner, size = space.breakpoints[:-1, None], np.diff(space.breakpoints)[:, None]
     radii = inner + size * node
     local = np.tile(2 * node - 1, (len(size), 1))

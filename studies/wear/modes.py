@@ -25,12 +25,8 @@ from ...meshes.radial import Array
 LARGE = 700
 # and beyond this hours; up to it they are taken where a history begins too early for anything else
 LARGEST = 2500
-# Krylov vectors at the first look at how far they carry, and how many times more at each further
-# look
-FIRST, MORE = 40, 1.2
 # share of the history, and of the slowest relaxation times, that the Krylov space may leave out
 NEGLIGIBLE = 1e-13
-SLOWEST = 5
 # relaxation times that are shown
 SHOWN = 20
 
@@ -196,7 +192,7 @@ def excited_modes(
     vector = mass.forward(moments)
     vector -= steady * (steady @ vector)
     vector /= np.linalg.norm(vector)
-    look = min(FIRST, size)
+    look = min(40, size)
     for k in range(size):
         basis[k] = vector
         image = mass.forward(dsymv(1.0, energy, mass.backward(vector)))
@@ -214,7 +210,7 @@ def excited_modes(
             lost = np.abs(beside[k] * within[-1])
             if ended or _carried(relaxation, within, lost, earliest):
                 break
-            look = min(int(MORE * look), size)
+            look = min(int(1.2 * look), size)
         vector = image / beside[k]
     felt = _felt(relaxation, earliest)
     relaxation, within, lost = relaxation[felt][::-1], within[:, felt][:, ::-1], lost[felt][::-1]
@@ -232,8 +228,8 @@ def _carried(relaxation: Array, within: Array, lost: Array, earliest: float) -> 
     left = within[:, felt] @ (
         within[0, felt] * np.exp(-earliest / relaxation[felt]) / relaxation[felt]
     )
-    history = np.abs(left[-SLOWEST:]).max() <= NEGLIGIBLE * np.linalg.norm(left)
-    return bool(history and (lost[-SLOWEST:] <= NEGLIGIBLE * relaxation[-1]).all())
+    history = np.abs(left[-5:]).max() <= NEGLIGIBLE * np.linalg.norm(left)
+    return bool(history and (lost[-5:] <= NEGLIGIBLE * relaxation[-1]).all())
 
 
 def _felt(relaxation: Array, earliest: float) -> slice:

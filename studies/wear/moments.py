@@ -12,10 +12,6 @@ from ...meshes.pressure_space import PressureSpace, shapes
 from ...meshes.radial import Array, Indices, ring_of, unit_gauss
 from ..problem.profile import InitialProfile
 
-# Gauss points between two kinks of an element, more than a polynomial of its degree needs: heights
-# may be anything
-MORE_POINTS = 8
-
 
 def moments(profile: InitialProfile, space: PressureSpace, radius: float = 1.0) -> Array:
     """(size,) ``int f phi_i dA``; integrals are broken at kinks and at ring edges.
@@ -78,7 +74,8 @@ def _points(profile: InitialProfile, space: PressureSpace, radius: float) -> _Po
     """Gauss points between breakpoints, kinks and ring edges."""
     edges = np.concatenate([profile.ring_edges, profile.kinks]) / radius
     cuts = np.union1d(space.breakpoints, edges[(edges > 0) & (edges < 1)])
-    node, weight = unit_gauss(space.top + MORE_POINTS)
+    # more than a polynomial of its degree needs: heights may be anything
+    node, weight = unit_gauss(space.top + 8)
     width = np.diff(cuts)[:, None]
     element = np.clip(
         np.searchsorted(space.breakpoints, cuts[:-1], side="right") - 1, 0, len(space.degrees) - 1

@@ -22,12 +22,6 @@ from ...meshes.radial import Array
 
 Mask = NDArray[np.bool_]
 
-# rounds of many nodes at a time before one at a time; and nodes at a time in all
-ROUNDS, PIVOTS = 40, 4000
-# neighbours made one node in a coarser problem, which finds the start of the finer one; and the
-# coarsest worth the while
-MERGED, COARSEST = 8, 4
-
 
 class Load(NamedTuple):
     """How the punch is held: by a force, or by its indentation. One of the two is None."""
@@ -125,7 +119,7 @@ class Contact:
         if start is None:
             start = self._coarse_start(moments, load)
         contact = self._not_empty(start, moments)
-        for count in range(1, PIVOTS):
+        for count in range(1, 4000):
             if load.force is None and not contact.any():
                 pressure = np.zeros(len(moments))
                 gap, indentation = (
@@ -140,7 +134,8 @@ class Contact:
             if not wrong.any():
                 force = load.force if load.force is not None else float(self.weights @ pressure)
                 return Press(pressure, gap, indentation, force, contact, count)
-            if count > ROUNDS:
+            if count > 40:
+                # many at a time go in circles
                 wrong[np.flatnonzero(wrong)[0] + 1 :] = False
             contact = contact ^ wrong
             if load.force is not None:
@@ -155,9 +150,10 @@ class Contact:
 
     def _coarse_start(self, moments: Array, load: Load) -> Mask:
         count = len(moments)
-        if count < MERGED * COARSEST:
+        if count < 32:
             return np.ones(count, dtype=bool)
-        group = np.arange(count) // MERGED
+        # so many neighbours are one node of a coarser problem
+        group = np.arange(count) // 8
         first = np.flatnonzero(np.diff(group, prepend=-1))
         rows = np.add.reduceat(self.matrix, first, axis=0)
         coarse = Contact(np.add.reduceat(rows, first, axis=1), np.add.reduceat(self.weights, first))
