@@ -12,8 +12,8 @@ from ..methods.base import method
 from ..methods.costs import Expected, check_terms, figure_terms, memory_terms, number_terms, rates
 from ..problem.defaults import truncation
 from ..problem.scene import Scene
-from ..problem.time_scale import MOST_RINGS, slowest_relaxation_time
 from ..problem.unit_names import UnitNames
+from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time
 
 # counts of the slowest relaxation time before which little has happened, and after which nothing
 # does

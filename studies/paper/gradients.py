@@ -22,7 +22,6 @@ from scipy.sparse.linalg import splu
 
 from ...mdr import direct
 from ...meshes.compliance import Compliance
-from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, alternating_edges, ring_areas
 from ..methods.by_compliance import compliance_method
 from ..methods.sampler import AVERAGES, radial_weight
@@ -93,14 +92,6 @@ def many_rings(wear_ratios: Array, width_ratios: Array) -> Array:
     )
 
 
-def slope_products(space: PressureSpace, functions: Array) -> Array:
-    """Return (2, m, m) mean products of the slopes of (size, m) functions, by both averages."""
-    radii, weights, local = space.quadrature
-    slopes = space.on_elements(local, derivative=True) @ functions
-    weights_of_averages = (weights * radial_weight(radii, average) for average in AVERAGES)
-    return np.array([slopes.T @ (each.ravel()[:, None] * slopes) for each in weights_of_averages])
-
-
 def compliance_grams(compliance: Compliance) -> Array:
     """Return the (2, 2, 2) `grams` of `gradients` from the compliance of any method.
 
@@ -112,12 +103,10 @@ def compliance_grams(compliance: Compliance) -> Array:
     pressures = space.ring_indicator() @ odd_and_even(len(space.ring_edges) - 1)
     mass = splu((continuous.T @ space.mass() @ continuous).tocsc())
     displacement = mass.solve(continuous.T @ (compliance.matrix @ pressures))
-    return slope_products(space, continuous @ displacement)
-
-
-def discretise(name: str, problem: Problem) -> Compliance:
-    """Return the compliance by a method that suits a problem."""
-    return compliance_method(name).discretised(problem, Stages(name), coarser=False).compliance
+    radii, weights, local = space.quadrature
+    slopes = space.on_elements(local, derivative=True) @ continuous @ displacement
+    weights_of_averages = (weights * radial_weight(radii, average) for average in AVERAGES)
+    return np.array([slopes.T @ (each.ravel()[:, None] * slopes) for each in weights_of_averages])
 
 
 @cache
@@ -128,7 +117,9 @@ def fem_grams(problem: Problem, count: int, width_ratio: float) -> Array:
     """
     # any two wear coefficients do: the compliance knows only where the edges are
     rings = Rings.alternating(count, width_ratio, WEAR_RATIO_OF_WIDTHS)
-    return compliance_grams(discretise("fem", replace(problem, rings=rings, rtol=1e-6)))
+    problem = replace(problem, rings=rings, rtol=1e-6)
+    ready = compliance_method("fem").discretised(problem, Stages("fem"), coarser=False)
+    return compliance_grams(ready.compliance)
 
 
 def compute_gradients(figure: int, problem: Problem, counts: tuple[int, ...]) -> xarray.Dataset:

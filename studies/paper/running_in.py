@@ -16,11 +16,11 @@ from ...mdr import direct
 from ...mdr.transforms import line_density
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array, ring_of
+from ..methods.by_compliance import compliance_method
 from ..methods.sampler import AVERAGES, Sampler
 from ..problem.problem import D0, P0, Problem, Rings
-from ..progress import progress
+from ..progress import Stages, progress
 from ..wear.archard import RunningIn
-from .gradients import discretise, slope_products
 
 COUNT, WEAR_RATIO = 5, 10.0
 # of the way of the greatest displacement, by which Fig. 4 tells its states
@@ -31,13 +31,21 @@ STATIONARY = 0.984
 WEAR_RATIOS = 10.0 ** np.linspace(-4, 4, 33)
 
 
+def discretise(name: str, problem: Problem) -> Compliance:
+    """Return the compliance by a method that suits a problem."""
+    return compliance_method(name).discretised(problem, Stages(name), coarser=False).compliance
+
+
 class Evolution:
     """The running-in of a punch on one compliance."""
 
     def __init__(self, problem: Problem, compliance: Compliance) -> None:
         self.problem, self.compliance = problem, compliance
         self.wear = RunningIn(compliance, problem.merged.wear_coefficients)
-        self._sampler = Sampler(problem, compliance.space)
+        self._samplers = [
+            Sampler(replace(problem, gradient_average=average), compliance.space)
+            for average in AVERAGES
+        ]
         self._line_density = line_density(compliance.space, np.maximum(problem.radii, 1e-6))
 
     @property
@@ -52,11 +60,10 @@ class Evolution:
         steady state; `way` is the part of its way that the greatest displacement has made.
         """
         history = self.wear.history(np.append(times, self.end))
-        sampled = self._sampler.history(history)
+        sampled, by_area = (sampler.history(history) for sampler in self._samplers)
         greatest = sampled.displacement_max
         line_density = xarray.Variable(("time", "radius"), history.pressure @ self._line_density.T)
-        squares = slope_products(self.compliance.space, history.profile.T)
-        gradient = np.sqrt(np.diagonal(squares, axis1=1, axis2=2))
+        gradient = np.stack([sampled.rms_slope, by_area.rms_slope])
         states = xarray.Dataset(
             {
                 "f_over_d0": (greatest - sampled.displacement) / D0,
