@@ -115,7 +115,7 @@ def draw_gradients(number: int, curves: xarray.Dataset, path: Path) -> None:
         for row, (rings, line) in enumerate(zip(curves.rings.values, LINES, strict=False)):
             look = {"linestyle": line, "linewidth": 1.1, "label": f"$N$ = {rings}"}
             axes.plot(ratios, curves.direct[row, average], color="black", **look)
-            axes.plot(ratios, curves.fem[row, average], **fem)
+        axes.plot(ratios, curves.fem[:, average].T, **fem)
         axes.axhline(1, **FAINT)
         axes.set_xscale("log")
         axes.set_xlim(ratios[0], ratios[-1])

@@ -92,19 +92,15 @@ class Scene(Section):
         path = Path(source)
         if not path.exists() and str(source) in bundled():
             path = Path(str(files("ringwear.studies"))) / "scenes" / f"{source}.toml"
-        choices = ", ".join(bundled())
         try:
             text = path.read_text("utf-8")
-        except FileNotFoundError:
-            raise SceneError(f"{source}: no such file, and no bundled scene ({choices})") from None
-        except IsADirectoryError:
-            raise SceneError(
-                f"{source} is a directory: give a scene file, or one of {choices}"
-            ) from None
         except UnicodeDecodeError:
             raise SceneError(f"{source} is not a text file: a scene is TOML in UTF-8") from None
         except OSError as error:
-            raise SceneError(f"{source} cannot be read: {error.strerror}") from error
+            raise SceneError(
+                f"{source}: {str(error.strerror).lower()}; give a scene file, or one of "
+                f"{', '.join(bundled())}"
+            ) from None
         return cls.from_toml(text, str(source), path.parent)
 
     @classmethod
