@@ -42,7 +42,7 @@ def indentation(name: str, problem: Problem) -> Array:
     if name == "mdr-grid":
         grid = UniformGrid(*problem.merged, problem.mdr.grid)
         return grid.march(problem.times, grid_step(problem, grid.stability_limit()))[2]
-    ready = compliance_method(name).discretised(problem, Stages(name), coarser=False)
+    ready = compliance_method(name).discretise(problem, Stages(name))
     wear = RunningIn(ready.compliance, problem.merged.wear_coefficients, problem.earliest)
     return wear.history(problem.times, problem.march, problem.step).indentation
 

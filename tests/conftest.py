@@ -22,10 +22,10 @@ from ringwear.meshes.gmsh_session import unavailable
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array
 from ringwear.studies.methods.base import method as named
-from ringwear.studies.methods.by_compliance import ComplianceMethod, Discretised
+from ringwear.studies.methods.pipeline import ComplianceMethod, Discretised
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
-from ringwear.studies.wear.archard import RunningIn
+from ringwear.studies.wear.full_contact import RunningIn
 
 
 @dataclass(frozen=True, eq=False)

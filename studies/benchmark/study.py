@@ -74,7 +74,7 @@ def fem_stages(problem: Problem, quick: bool) -> Rows:
         seconds = dict.fromkeys(("meshing", "assembling", "condensing", "modes"), np.inf)
         for _ in range(2 if quick else 6):
             stages = Stages("bench")
-            ready = fem.METHOD.discretised(asked, stages, coarser=False)
+            ready = fem.METHOD.discretise(asked, stages)
             with stages("modes"):
                 RunningIn(ready.compliance, problem.merged.wear_coefficients).modal(times)
             seconds = {name: min(seconds[name], stages.seconds[name]) for name in seconds}
@@ -114,7 +114,7 @@ def many_rings(problem: Problem, quick: bool) -> Rows:
     seconds = dict[int, float]()
     for count in (5, 64) if quick else (5, 64, 256):
         many = replace(problem, rings=Rings.alternating(count, 1.0, 10.0), rtol=1e-4)
-        unknowns = fem.METHOD.discretised(many, Stages("bench"), coarser=False).unknowns
+        unknowns = fem.METHOD.discretise(many, Stages("bench")).unknowns
         seconds[count] = best(partial(indentation, "fem", many), quick or count > 100)
         remark = f"{seconds[count] / seconds[5]:.0f} x the cost of 5 rings"
         yield {

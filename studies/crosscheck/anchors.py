@@ -29,7 +29,7 @@ from ..methods.base import Solution
 from ..methods.quantities import ANSWER, FIELDS, QUANTITIES, array, radial_weight
 from ..problem.problem import D0, P0, Problem
 from ..problem.scene import Scene
-from ..problem.time_scale import COARSE, FINE, slowest_relaxation_time
+from ..wear.time_scale import COARSE, FINE, slowest_relaxation_time
 from .known import energy_of_rings, natural_units, steady_state
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ import numpy as np
 from ..methods.base import method
 from ..problem.defaults import truncation
 from ..problem.scene import Scene
-from ..problem.time_scale import MOST_RINGS, slowest_relaxation_time
 from ..problem.unit_names import UnitNames
+from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time
 
 # counts of the slowest relaxation time before which little has happened, and after which nothing
 # does

@@ -31,7 +31,7 @@ from ...meshes.errors import RingwearError
 from ...meshes.radial import Array
 from ..crosscheck.run import run
 from ..methods.base import method
-from ..methods.by_compliance import Discretised, compliance_method
+from ..methods.pipeline import Discretised, compliance_method
 from ..methods.estimate import estimated
 from ..methods.quantities import QUANTITIES, array
 from ..problem.problem import D0, Problem, Rings

@@ -1,542 +1,293 @@
-"""The paper's claims beside our values: a table whose every number and verdict is computed."""
+"""The paper's claims beside our values: `claims.toml` says what is judged, and how.
 
+Here are the quantities that it names. A pandas series has a value for each number of rings.
+"""
+
+import operator
 import time
+import tomllib
+from importlib.resources import files
+from string import Formatter
+from typing import Any
 
 import numpy as np
+import pandas as pd
+import xarray
 
 from ...mdr import direct
 from ...meshes.radial import Array, alternating_edges, ring_areas
 from ..problem.problem import P0, Rings
-from .gradients import WEAR_RATIO_OF_WIDTHS, Curves, direct_gradients, homogeneous, many_rings
-from .running_in import (
-    COUNT,
-    CURVE,
-    STATIONARY,
-    WEAR_RATIO,
-    WEAR_RATIOS,
-    Evolution,
-    FiveRings,
-    States,
-)
+from .gradients import WEAR_RATIO_OF_WIDTHS, direct_gradients, homogeneous, many_rings
+from .running_in import STATIONARY, Evolution, FiveRings
 
-EXTREMES = np.array([0.0, np.inf])  # wear ratios that leave all force to the slower rings
-# distance of a ring's mean pressure from its steady value at which its level counts as reached
-SETTLED = 0.1
-SAYS = "the paper says"
-FIELDS = ("where", SAYS, "computed", "verdict", "why, or what to add", "uncertainty")
-Row = dict[str, str]
 VERDICTS = ("holds", "holds with a remark", "does not hold")
+RELATIONS = {"<": operator.lt, ">": operator.gt}
+EXTREMES = np.array([0.0, np.inf])  # wear ratios that leave all force to the slower rings
+Quantities = dict[str, Any]
 
 
-def claim(
-    where: str,
-    says: str,
-    computed: str,
-    holds: bool | np.bool,
-    remark: str = "",
-    uncertainty: str = "",
-) -> Row:
-    """A row: a sentence of the paper with a number or a trend in it, and what is computed for it.
+class Writer(Formatter):
+    """Writes every value of a series, with its label."""
 
-    Parameters
-    ----------
-    remark : why it does not hold, or what has to be added
+    def format_field(self, value: Any, format_spec: str) -> str:
+        if not isinstance(value, pd.Series):
+            return format(value, format_spec)
+        written = (
+            f"{each:{format_spec}} ({f'N = {label}' if isinstance(label, int) else label})"
+            for label, each in value.items()
+        )
+        return ", ".join(written)
+
+
+def judge_claims(quantities: Quantities) -> list[dict[str, str]]:
+    """Return the rows of all claims."""
+    text = (files("ringwear.studies") / "paper" / "claims.toml").read_text("utf-8")
+    return [judge(claim, quantities) for claim in tomllib.loads(text)["claim"]]
+
+
+def judge(claim: dict[str, Any], quantities: Quantities) -> dict[str, str]:
+    """Return the row of a claim: what is computed for it, and the verdict."""
+    write, remark = Writer().vformat, claim.get("remark", "")
+    holds = all(is_so(condition, quantities) for condition in claim["holds_if"])
+    uncertainty = claim.get("uncertainty", "")
+    if uncertainty in quantities:
+        uncertainty = f"{np.ptp(quantities[uncertainty]):.0e}"
+    return {
+        "where": claim["where"],
+        "the paper says": claim["says"],
+        "computed": write(claim["computed"], (), quantities),
+        "verdict": VERDICTS[bool(remark) if holds else 2],
+        "why, or what to add": write(remark, (), quantities),
+        "uncertainty": uncertainty,
+    }
+
+
+def is_so(condition: str, quantities: Quantities) -> bool:
+    """Return whether all values of a quantity are as a condition says.
+
+    Conditions are "name < number", "name > number", "name increases" and "name decreases".
     """
-    verdict = VERDICTS[1 if remark else 0] if holds else VERDICTS[2]
-    return dict(zip(FIELDS, (where, says, computed, verdict, remark, uncertainty), strict=True))
+    name, relation, *bound = condition.split()
+    values = np.asarray(Formatter().get_field(name, (), quantities)[0])
+    if bound:
+        return bool(RELATIONS[relation](values, float(bound[0])).all())
+    steps = np.diff(values)
+    return bool(np.all(steps > 0 if relation == "increases" else steps < 0))
 
 
-def conclude(claims: list[Row]) -> list[str]:
-    """How many claims have which verdict, and those that do not hold."""
-    verdicts = [row["verdict"] for row in claims]
+def conclude(rows: list[dict[str, str]]) -> list[str]:
+    """Return how many claims have which verdict, and those that do not hold."""
+    verdicts = [row["verdict"] for row in rows]
+    counts = [f"{verdicts.count(verdict)} {verdict}" for verdict in VERDICTS]
     refuted = [
-        f"{VERDICTS[2]}: {row[SAYS]}: {row['computed']}"
-        for row in claims
+        f"{row['verdict']}: {row['the paper says']}: {row['computed']}"
+        for row in rows
         if row["verdict"] == VERDICTS[2]
     ]
-    return [f"claims: {', '.join(f'{verdicts.count(one)} {one}' for one in VERDICTS)}", *refuted]
+    return [f"claims: {', '.join(counts)}", *refuted]
 
 
 def definitions() -> str:
-    """Of the symbols in the table."""
+    """Return what the symbols in the table mean."""
     line, area = homogeneous()
     return (
-        f"`p0 = F/(2 pi a^2)`, `d0 = F/(2 a E*)`; `t_stat` is the time to {100 * STATIONARY:g} % "
-        "of the displacement "
-        "difference; `line` is an average over the radius, `area` over the area, and gradients are "
-        "`line` where nothing is "
-        f"said. The homogeneous punch has the gradient g0 = {line:.8f} (line), {area:.8f} = 4/pi "
-        "(area), times p/E*. "
-        "Uncertainties of the running-in are the greatest difference by FEM, BEM, or MDR on a "
-        "coarser space; gradients of "
-        "limiting profiles (4.2) are by direct integration, to 1e-12."
+        f"`p0 = F/(2 pi a^2)`, `d0 = F/(2 a E*)`; `t_stat` is the time to {STATIONARY:.1%} of the "
+        "displacement difference; `line` is an average over the radius, `area` over the area, and "
+        "gradients are `line` where nothing is said. The homogeneous punch has the gradient "
+        f"g0 = {line:.8f} (line), {area:.8f} = 4/pi (area), times p/E*. Uncertainties of the "
+        "running-in are the greatest difference of MDR, FEM and BEM; gradients of limiting "
+        "profiles (4.2) are by direct integration, to 1e-12."
     )
 
 
-def listed(values: dict[int, float], form: str = ".3f") -> str:
-    """Values by number of rings."""
-    return ", ".join(f"{value:{form}} (N = {count})" for count, value in values.items())
+def measure_running_in(five: FiveRings, slowest: xarray.DataArray) -> Quantities:
+    """Return what claims about the running-in (section 3.3, Figs. 4 and 5) and its cost name.
 
-
-def about_running_in(five: FiveRings, relaxation: dict[int, Array]) -> list[Row]:
-    """What the paper says about the running-in (section 3.3, Figs.
-
-    4 and 5) and its cost (section 5).
+    What every method measures is an array of values by MDR, FEM and BEM.
     """
-    return [
-        *_states(five),
-        *_measured(five),
-        *_ring_forces(five),
-        *_duration(five, relaxation),
-        _cost(five),
-    ]
-
-
-def _states(five: FiveRings) -> list[Row]:
-    first, *others = five.states.values()
-    profile = max(np.abs(other.profile - first.profile).max() for other in others)
-    norm = np.linalg.norm(first.pressure[1:], axis=1)
-    pressure = max(
-        (np.linalg.norm((other.pressure - first.pressure)[1:], axis=1) / norm).max()
-        for other in others
-    )
-    late = five.reference.states(five.stationary * np.array([1, 3, 10, np.inf]))
-    at_end, later, last = np.abs(late.pressure[:3] / late.pressure[3] - 1).max(axis=1)
-    slow, fast = late.pressure[3].max(), late.pressure[3].min()
-    profiles = {name: states.profile[-1] for name, states in five.states.items()} | {
-        "march to 10 t_stat": late.profile[2]
+    in_fast = slowest / np.maximum(slowest.wear_ratio, 1 / slowest.wear_ratio)
+    least, greatest = float(slowest.min()), float(slowest.max())
+    return {
+        **_measure_states(five),
+        **_measure_ring_forces(five),
+        **_measure_way(five),
+        **_measure_cost(five),
+        "counts": slowest.rings.values[[0, -1]],
+        "slowest": [least, greatest],
+        "slowest_factor": greatest / least,
+        "slowest_factor_in_fast": float(in_fast.max() / in_fast.min()),
     }
-    errors = {
-        name: np.abs(values - five.limiting["profile"]).max() for name, values in profiles.items()
+
+
+def _measure_states(five: FiveRings) -> Quantities:
+    edges, coefficients = five.problem.rings
+    states, fast, middles = five.states, coefficients == 1, (edges[1:] + edges[:-1]) / 2
+    profile, pressure = states.f_over_d0.values, states.p_over_p0.values
+    differences = np.linalg.norm(pressure - pressure[0], axis=2)
+    late = five.evolutions["mdr"].states(five.stationary * np.array([1.0, 3.0, 10.0]))
+    errors = np.abs(profile[:, -1] - five.limiting.f_over_d0.values).max(axis=1)
+    worn = (states.f_over_d0 + states.least_wear_over_d0)[:, 1]
+    at_middles = worn.interp(radius=middles).values
+    return {
+        "solvers": ", ".join(five.evolutions).upper(),
+        "profile_difference": np.abs(profile - profile[0]).max(),
+        "pressure_difference": (differences / np.linalg.norm(pressure[0], axis=1))[:, 1:].max(),
+        "unsteady": np.abs(late.p_over_p0 / five.limiting.p_over_p0 - 1).max("radius").values,
+        "slow": pressure[0, -1].max(),
+        "fast": pressure[0, -1].min(),
+        "limiting_errors": pd.Series(errors, list(five.evolutions)),
+        "lowest": pressure.min(axis=(1, 2)),
+        "rim": worn.values[:, -1] / at_middles[:, -1],
+        "lead": at_middles[:, fast].min(axis=1) / at_middles[:, ~fast].max(axis=1),
+        "line": states.gradient[:, 0, 4].values,
+        "area": states.gradient[:, 1, 4].values,
     }
-    return [
-        claim(
-            "3.3, Fig. 4",
-            "MDR and BEM match within a small tolerance",
-            f"{', '.join(five.states).upper()}: profiles within {profile:.1e} d0, pressures after "
-            "the start within "
-            f"{pressure:.1e} (root mean square over the radius)",
-            profile < 0.01 and pressure < 0.01,
-            "at t = 0 the pressure is infinite at the rim, where no pointwise comparison means "
-            "anything",
-        ),
-        claim(
-            "3.3, Eq. 24",
-            "the stress of the limiting profile is piecewise constant, p1 > p2",
-            "pressures are within "
-            f"{at_end:.1e} of constants at t_stat, {later:.1e} at 3 t_stat, {last:.0e} at 10 "
-            "t_stat",
-            later < 1e-3,
-        ),
-        claim("3.3", "slow rings: more than three times p0", f"{slow:.4f} p0", slow > 3),
-        claim("3.3", "fast rings: less than half of p0", f"{fast:.4f} p0", fast < 0.5),
-        claim(
-            "5",
-            "the same limiting profile can be computed by both methods",
-            "from direct integration, over d0: "
-            f"{', '.join(f'{name} {error:.0e}' for name, error in errors.items())}",
-            max(errors.values()) < 1e-3,
-        ),
-    ]
 
 
-def _measured(five: FiveRings) -> list[Row]:
-    """What every method measures alike, so that their differences are the uncertainty."""
-    problem = five.reference.problem
-    middles, fast = (
-        (problem.ring_edges[1:] + problem.ring_edges[:-1]) / 2,
-        problem.wear_coefficients == 1,
-    )
+def _measure_ring_forces(five: FiveRings) -> Quantities:
+    edges, coefficients = five.problem.rings
+    steady, fast = direct.steady_pressures(edges, coefficients), coefficients == 1
+    forces = five.states.ring_force.values[0]
+    carried = forces[:, fast] @ (steady * ring_areas(edges))[fast]
+    times = 2 * np.linspace(0, 1, 2001) ** 3
+    states = five.evolutions["mdr"].states(five.stationary * times)
+    change = np.abs(states.ring_force.values - 1) * steady
 
-    def measures(states: States) -> Array:
-        worn = states.profile[1] + states.least_wear[1]
-        at_middles, at_rim = np.interp(middles, problem.radii, worn), worn[-1]
-        lead = at_middles[fast].min() / at_middles[~fast].max()
-        return np.array(
-            [states.pressure.min(), at_rim / at_middles[-1], lead, *100 * states.gradients[4]]
-        )
+    def times_to_settle(scale: Array | float) -> list[float]:
+        """Return when the fast rings, and the slow ones, come within 0.1 of their end for good."""
+        moving = (change > 0.1 * scale)[::-1]
+        return [times[-moving[:, rings].any(axis=1).argmax()] for rings in (fast, ~fast)]
 
-    first, *others = (
-        measures(states) for states in (*five.states.values(), five.coarser.states(five.times))
-    )
-    lowest, rim, lead, line, area = first
-    spread = [f"{difference:.0e}" for difference in np.abs(np.array(others) - first).max(axis=0)]
-    return [
-        claim(
-            "3.3",
-            "wear occurs on all parts of the cylinder",
-            f"p is at least {lowest:.3f} p0 in all states",
-            lowest > 0,
-            uncertainty=spread[0],
-        ),
-        claim(
-            "3.3",
-            "the profile changes very quickly close to the edge",
-            f"in the 10 % state the rim has worn {rim:.2f} times as much as the middle of its ring",
-            rim > 2,
-            uncertainty=spread[1],
-        ),
-        claim(
-            "3.3",
-            "it changes quicker in regions of higher wear coefficient",
-            "in the 10 % state the middles of fast "
-            f"rings have worn at least {lead:.2f} times as much as those of slow ones",
-            lead > 1,
-            uncertainty=spread[2],
-        ),
-        claim(
-            "3.3, Fig. 5",
-            "this behaviour (70 % of the change in 27 % of the time) is also observed in the "
-            "gradient",
-            f"in the 70 % state the gradient has reached {line:.1f} % (line) or {area:.1f} % "
-            "(area) of its end",
-            min(line, area) > 70,
-            uncertainty=spread[3],
-        ),
-    ]
+    settled = times_to_settle(P0)
+    return {
+        "carried": carried,
+        "carried_at_first": carried[:2],
+        "centre": forces[:, 0],
+        "settled": settled,
+        "settled_ratio": settled[0] / settled[1],
+        "carried_least": carried.min(),
+        "settled_relative": times_to_settle(steady),
+    }
 
 
-def _ring_forces(five: FiveRings) -> list[Row]:
-    ring_edges, coefficients = five.reference.problem.rings
-    steady, fast = direct.steady_pressures(ring_edges, coefficients), coefficients == 1
-    forces = 100 * five.states["mdr"].ring_force
-    carried = forces[:, fast] @ (steady * ring_areas(ring_edges))[fast]
-    times = 200 * np.linspace(0, 1, 2001) ** 3
-    change = np.abs(five.reference.states(five.stationary * times / 100).ring_force - 1) * steady
-
-    def settled(scale: Array | float, name: str) -> tuple[bool, str]:
-        """Whether fast rings settle in less than half of the time of slow rings, and both times."""
-        moving = change / scale > SETTLED
-        first, second = (
-            times[np.flatnonzero(moving[:, rings].any(axis=1))[-1] + 1] for rings in (fast, ~fast)
-        )
-        text = (
-            f"within {SETTLED:g} of {name} fast rings stay after {first:.1f} %, slow rings after "
-            f"{second:.1f} % of t_stat"
-        )
-        return first < 0.5 * second, text
-
-    (faster, absolute), (_, relative) = settled(P0, "p0"), settled(steady, "their own end")
-    return [
-        claim(
-            "3.3",
-            "stress falls in fast regions and rises in those that first wear little",
-            f"fast rings carry {carried[0]:.1f} % of the force at the start, {carried[1]:.1f} % in "
-            "the 10 % state and "
-            f"{carried[-1]:.1f} % in the end; the centre ring {forces[0, 0]:.0f} %, "
-            f"{forces[1, 0]:.0f} % and 100 % of its "
-            "final force",
-            carried[1] < carried[0] and (np.diff(forces[:, 0]) > 0).all(),
-            f"fast rings fall below their final share ({carried.min():.1f} % at the least) before "
-            "they settle",
-        ),
-        claim(
-            "3.3",
-            "the constant stress level of fast rings is reached significantly faster",
-            absolute,
-            faster,
-            f"in absolute stress, as Fig. 4 shows it; in relative terms much less so: {relative}, "
-            "because their level "
-            "follows that of the slow rings to the end",
-            "0.1 % of t_stat (sampling)",
-        ),
-    ]
+def _measure_way(five: FiveRings) -> Quantities:
+    way, times = five.history.way[0, 1:], five.states.time.values
+    rates = way.differentiate("time")
+    early, late = rates.interp(time=times[[1, 5]]).values
+    printed = five.stationary * times[4] / np.array([0.275, 0.27, 0.265])
+    stationary = [evolution.time_of(STATIONARY) for evolution in five.evolutions.values()]
+    seventy = [evolution.time_of(0.7) for evolution in five.evolutions.values()]
+    return {
+        "rates": rates,
+        "slowing": early / late,
+        "seventy": np.divide(seventy, stationary),
+        "stationary": STATIONARY,
+        "ended": five.evolutions["mdr"].states(printed).way.values,
+    }
 
 
-def _duration(five: FiveRings, relaxation: dict[int, Array]) -> list[Row]:
-    slowest = np.array([values[:, 0] for values in relaxation.values()])
-    in_fast = slowest / np.maximum(WEAR_RATIOS, 1 / WEAR_RATIOS)
-    factors = [values.max() / values.min() for values in (slowest, in_fast)]
-    finer = (
-        five.reference.wear.relaxation_times[0] / WEAR_RATIO
-    )  # in units of the slower coefficient
-    error = abs(relaxation[COUNT][WEAR_RATIOS == WEAR_RATIO, 0] / finer - 1)[0]
-    times = five.stationary * CURVE[1:]
-    rates = np.diff(five.reference.share(times)) / np.diff(times)
-    early, late = np.interp(five.times[[1, 5]], (times[1:] + times[:-1]) / 2, rates)
-    seventy, coarser = (
-        100 * one.time_of(0.7) / one.time_of(STATIONARY) for one in (five.reference, five.coarser)
-    )
-    least, ended, most = 100 * five.reference.share(five.times[4] / np.array([0.275, 0.27, 0.265]))
-    return [
-        claim(
-            "3.3",
-            "the time to the limiting profile is mostly dependent on the lowest wear coefficient",
-            "over eight "
-            f"decades of k2/k1 and {min(relaxation)} to {max(relaxation)} rings the slowest "
-            "relaxation time is "
-            f"{slowest.min():.3f} to {slowest.max():.3f} a/(E* k_slow v0), a factor of "
-            f"{factors[0]:.1f}; in units of the "
-            f"faster coefficient it would be a factor of {factors[1]:.0e}",
-            factors[0] < 4,
-            f"it is longest, {slowest.max():.4f}, for one material",
-            f"{error:.0e} (five rings, against a finer space)",
-        ),
-        claim(
-            "3.3",
-            "the profile change slows down as the stress differences get smaller",
-            "the displacement grows "
-            f"{early / late:.0f} times as fast at 10 % as at 90 %, and ever slower",
-            (np.diff(rates) < 0).all(),
-        ),
-        claim(
-            "3.3",
-            "for 70 % of the displacement difference only 27 % of the time is needed",
-            f"{seventy:.2f} % of the time to {100 * STATIONARY:g} % of the difference",
-            abs(seventy - 27) < 0.5,
-            "the limit is reached at no finite time; by the printed 27 % the paper's run ended at "
-            f"{ended:.2f} % ({least:.2f} to {most:.2f} % by the rounding)",
-            f"{abs(coarser - seventy):.0e} (coarser MDR)",
-        ),
-    ]
-
-
-def _cost(five: FiveRings) -> Row:
-    problem, start = five.reference.problem, time.perf_counter()
-    direct.rms_slope(problem.ring_edges, direct.steady_pressures(*problem.rings))
+def _measure_cost(five: FiveRings) -> Quantities:
+    start = time.perf_counter()
+    direct.rms_slope(five.problem.ring_edges, direct.steady_pressures(*five.problem.rings))
     integrated = time.perf_counter()
-    Evolution(problem, five.reference.compliance).states(np.ones(1))
+    Evolution(five.problem, five.evolutions["mdr"].compliance).states(np.ones(1))
     integration, march = integrated - start, time.perf_counter() - integrated
-    return claim(
-        "5",
-        "direct integration is much faster than MDR for the limiting profile",
-        f"{1e3 * integration:.1f} ms against {1e3 * march:.0f} ms for a marched one, here and now",
-        integration < march / 3,
-        "the march by relaxation modes has no steps: the paper's, which has, is slower still",
-    )
+    return {"milliseconds": [1e3 * integration, 1e3 * march], "cost": integration / march}
 
 
-def about_gradients(wear: Curves, width: Curves, many: tuple[int, ...]) -> list[Row]:
-    """All claims about Figs. 6 (`wear`) and 7 (`width`); `many` rings are held against
-    their limit.
+def measure_gradients(
+    wear: xarray.Dataset, width: xarray.Dataset, many: tuple[int, ...]
+) -> Quantities:
+    """Return what claims about Figs. 6 (`wear`) and 7 (`width`) name.
+
+    Parameters
+    ----------
+    many : numbers of rings that are compared with the limit of many rings
     """
-    return [
-        *_symmetry_and_limit(wear, many),
-        *_plateaus(wear),
-        *_order(wear),
-        *_slow_area(wear, width),
-        *_thin_rings(width),
+    wear_line, wear_area = tabulate_by_rings(wear, "lowest hundredth equal hundred highest")
+    width_line, width_area = tabulate_by_rings(width, "thin equal wide")
+    return {
+        "wear": wear_line,
+        "wear_area": wear_area,
+        "width": width_line,
+        "width_area": width_area,
+        "order": wear_line["hundred"] / wear_line["hundredth"],
+        "figures_differ": np.abs(width_line["equal"] / wear_line["hundredth"] - 1).max(),
+        **_measure_limit(wear, many),
+        **_measure_shape(wear),
+        **_measure_widths(width),
+    }
+
+
+def tabulate_by_rings(curves: xarray.Dataset, ratios: str) -> list[pd.DataFrame]:
+    """Return tables of the gradients at equally spaced ratios, a row for each number of rings.
+
+    One is averaged over the radius, one over the area.
+    """
+    names, rows = ratios.split(), curves.rings.values
+    chosen = curves.direct.values[:, :, :: 200 // (len(names) - 1)]
+    return [pd.DataFrame(chosen[:, average], rows, names) for average in (0, 1)]
+
+
+def _measure_limit(wear: xarray.Dataset, many: tuple[int, ...]) -> Quantities:
+    counts, ratios = [*wear.rings.values, *many], wear.ratio.values
+    more = [direct_gradients(alternating_edges(count), ratios)[0] for count in many]
+    curves = np.vstack([wear.direct[:, 0], more])
+    limit = many_rings(EXTREMES, np.ones(1))[:, 0]
+    skew = np.abs(curves / curves[:, ::-1] - 1).max(axis=1)
+    distance = np.abs(curves[:, [0, -1]] / limit[0] - 1).max(axis=1)
+    return {
+        "limit": limit,
+        "skew_of_many": skew[-1],
+        "skew": pd.Series(skew, counts),
+        "skew_power": power_of_fall(counts, skew),
+        "distance": pd.Series(distance, counts),
+    }
+
+
+def power_of_fall(counts: Any, values: Array) -> float:
+    """Return the power of the number of rings by which the last two of the values fall."""
+    return float(np.log(values[-2] / values[-1]) / np.log(counts[-1] / counts[-2]))
+
+
+def _measure_shape(wear: xarray.Dataset) -> Quantities:
+    counts, ratios, both = wear.rings.values, wear.ratio.values, wear.direct.values
+    curves = both[:, 0]
+    alone = [direct_gradients(alternating_edges(count), EXTREMES)[0] for count in counts]
+    decades = np.log10(ratios)
+    changes, middle = np.abs(np.gradient(curves, decades, axis=1)), np.abs(decades) <= 2
+    within = np.trapezoid(changes[:, middle], decades[middle]) / np.trapezoid(changes, decades)
+    steepest = 10 ** np.abs(decades[changes.argmax(axis=1)])
+    lowest = pd.Series(curves.min(axis=1), counts)
+    return {
+        "from_alone": np.abs(curves[:, [0, -1]] / alone - 1).max(),
+        "within_hundred": within.min(),
+        "steepest": [steepest.min(), steepest.max()],
+        "change_above": np.abs(both[:, :, 200] / both[:, :, 150] - 1).max(),
+        "change_below": np.abs(both[:, :, 0] / both[:, :, 50] - 1).max(),
+        "lowest_gradients": lowest[lowest < 1 - 1e-6],
+        "lowest_at": ratios[curves[0].argmin()],
+        "below_one": ratios[curves[0] < 1 - 1e-6][[0, -1]],
+    }
+
+
+def _measure_widths(width: xarray.Dataset) -> Quantities:
+    counts, curves = width.rings.values, width.direct[:, 0].values
+    rings = Rings.alternating(8, 0.1, WEAR_RATIO_OF_WIDTHS)
+    forces = direct.steady_pressures(*rings) * ring_areas(rings.ring_edges)
+    slow_area = [
+        [ring_areas(alternating_edges(count, ratio))[1::2].sum() / np.pi for ratio in (0.1, 1, 10)]
+        for count in counts
     ]
-
-
-def _symmetry_and_limit(wear: Curves, many: tuple[int, ...]) -> list[Row]:
-    more = {count: direct_gradients(alternating_edges(count), wear.ratios)[0] for count in many}
-    curves = {count: values[0] for count, values in wear.direct.items()} | {
-        many[-1]: more[many[-1]]
-    }
-    skew = {
-        count: 100 * np.abs(values / values[::-1] - 1).max() for count, values in curves.items()
-    }
-    line, area = many_rings(EXTREMES, np.ones(1))[:, 0]
-    distance = {
-        count: 100 * np.abs(values[[0, -1]] / line - 1).max() for count, values in more.items()
-    }
-    at_hundred = wear.at(100.0)
-    nearest = min(at_hundred, key=lambda count: abs(at_hundred[count] - 2.4))
-    return [
-        claim(
-            "4.2, Fig. 6",
-            "for h2/h1 = 1 the plots are symmetrical for large numbers of rings",
-            f"greatest difference between k2/k1 and k1/k2: {listed(skew, '.2g')}, in percent",
-            (np.diff(list(skew.values())) < 0).all() and skew[many[-1]] < 5,
-            "symmetric in the limit only, sqrt(1 + (4/g0^2) ((k2 - k1)/(k2 + k1))^2); the "
-            "difference falls as "
-            f"N^-{falling(skew):.2f}",
-        ),
-        claim(
-            "4.2, Fig. 6",
-            "the limiting value for large numbers of rings is about 2.4",
-            f"{line:.4f} (line), {area:.4f} (area) = sqrt(1 + 4/g0^2)",
-            abs(line - 2.4) < 0.05,
-            f"about 2.4 is what {nearest} rings give at k2/k1 = 100, where the gradient is "
-            f"{listed(at_hundred)}; the "
-            "limit is approached from above at k2/k1 > 1 and from below at k2/k1 < 1; distance at "
-            "1e4 and 1e-4: "
-            f"{listed(distance, '.2g')}, in percent",
-        ),
-    ]
-
-
-def falling(values: dict[int, float]) -> float:
-    """Power of the number of rings by which the last two of the values fall."""
-    (few, before), (most, last) = list(values.items())[-2:]
-    return float(np.log(before / last) / np.log(most / few))
-
-
-def _plateaus(wear: Curves) -> list[Row]:
-    left = []
-    for start, end in ((100.0, 1e4), (0.01, 1e-4)):
-        values = np.array(
-            [
-                [list(wear.at(ratio, average).values()) for average in (0, 1)]
-                for ratio in (start, end)
-            ]
-        )
-        left.append(100 * np.abs(values[1] / values[0] - 1).max())
-    alone = {
-        count: direct_gradients(alternating_edges(count), EXTREMES)[0] for count in wear.direct
-    }
-    apart = max(
-        np.abs(values[0, [0, -1]] / alone[count] - 1).max() for count, values in wear.direct.items()
-    )
-    decades = np.log10(wear.ratios)
-    middle = np.abs(decades) <= 2
-    changes = [np.abs(np.gradient(values[0], decades)) for values in wear.direct.values()]
-    within = min(
-        np.trapezoid(one[middle], decades[middle]) / np.trapezoid(one, decades) for one in changes
-    )
-    steepest = [10 ** abs(decades[one.argmax()]) for one in changes]
-    return [
-        claim(
-            "4.2, Fig. 6",
-            "the gradients converge to different values for k2/k1 > 100 and < 0.01",
-            f"from 100 to 1e4 they change by at most {left[0]:.1f} %, from 0.01 to 1e-4 by at "
-            f"most {left[1]:.1f} %",
-            max(left) < 5,
-            "what is left at 100 is in proportion to the smaller ratio",
-        ),
-        claim(
-            "4.2, Fig. 6",
-            "for very large or small ratios the problem is equivalent to single rings of slower "
-            "material",
-            f"at 1e4 and 1e-4 the gradient is within {apart:.0e} of that of the slower rings alone",
-            apart < 1e-2,
-        ),
-        claim(
-            "4.2 and 5",
-            "the gradient is very susceptible for 0.01 < k2/k1 < 100, most of all below a factor "
-            "of 10",
-            f"{100 * within:.0f} % or more of all change lies between 0.01 and 100; the curves are "
-            "steepest at a factor "
-            f"of {min(steepest):.1f} to {max(steepest):.1f}",
-            within > 0.9 and max(steepest) < 10,
-        ),
-    ]
-
-
-def _order(wear: Curves) -> list[Row]:
-    slow_outside, fast_outside = wear.at(0.01)[4], wear.at(100.0)[4]
-    quotient = {count: value / wear.at(0.01)[count] for count, value in wear.at(100.0).items()}
-    lowest = {
-        count: values[0].min()
-        for count, values in wear.direct.items()
-        if values[0].min() < 1 - 1e-6
-    }
-    below = wear.ratios[wear.direct[2][0] < 1 - 1e-6]
-    return [
-        claim(
-            "4.2 and 5",
-            "for very few rings the plots are asymmetrical and depend on the order of the "
-            "materials",
-            f"gradient at k2/k1 = 100 over that at 0.01: {listed(quotient, '.2f')}",
-            quotient[2] > 1.5,
-        ),
-        claim(
-            "4.2, Fig. 6",
-            "N = 4: with the slower material outside the gradient is much smaller",
-            f"{slow_outside:.3f} against {fast_outside:.3f} (line), {wear.at(0.01, 1)[4]:.3f} "
-            "against "
-            f"{wear.at(100.0, 1)[4]:.3f} (area)",
-            slow_outside < 0.75 * fast_outside,
-        ),
-        claim(
-            "4.2, Fig. 6",
-            "for two rings some ratios give a slightly lower gradient than a homogeneous cylinder",
-            f"lowest {lowest[2]:.4f} at k2/k1 = {wear.ratios[wear.direct[2][0].argmin()]:.2f}; "
-            "below one from "
-            f"{below[0]:.2f} to {below[-1]:.2f}",
-            2 in lowest,
-            f"not for two rings only, but ever less: {listed(lowest, '.4f')}",
-        ),
-    ]
-
-
-def _slow_area(wear: Curves, width: Curves) -> list[Row]:
-    thick = width.at(10.0)
-    difference = max(
-        abs(wear.at(WEAR_RATIO_OF_WIDTHS)[count] / value - 1)
-        for count, value in width.at(1.0).items()
-    )
-    slow = {}
-    for count in thick:
-        punches = (alternating_edges(count, ratio) for ratio in width.ratios)
-        slow[count] = np.array(
-            [100 * ring_areas(ring_edges)[1::2].sum() / np.pi for ring_edges in punches]
-        )
     limit = many_rings(np.array([WEAR_RATIO_OF_WIDTHS]), np.array([10.0, 100.0, 1e4]))[0]
-    to_one = (
-        all((np.diff(values[0]) < 0).all() for values in width.direct.values())
-        and limit[-1] - 1 < 1e-3
-    )
-    return [
-        claim(
-            "4.2, Fig. 7",
-            "at h2/h1 = 1 the values are those of Fig. 6",
-            f"within {difference:.0e}",
-            difference < 1e-10,
-        ),
-        claim(
-            "4.2, Fig. 7",
-            "the outer ring is of the slower material, and its share increases with h2/h1",
-            f"{', '.join(f'{v[0]:.0f} to {v[-1]:.0f} % (N = {n})' for n, v in slow.items())} of "
-            "the area",
-            all((np.diff(one) > 0).all() for one in slow.values()),
-        ),
-        claim(
-            "4.2, Fig. 7",
-            "N = 8, h2/h1 = 10: fast parts have almost no influence, gradient very close to "
-            "homogeneous",
-            f"{thick[8]:.3f} (line), {width.at(10.0, 1)[8]:.3f} (area)",
-            thick[8] < 1.2,
-            f"{100 * (thick[8] - 1):.0f} % above the homogeneous punch; the profile is as close "
-            "as the small panel shows",
-        ),
-        claim(
-            "4.2, Fig. 7",
-            "in all cases the gradient converges to one as h2/h1 increases",
-            f"at h2/h1 = 10: {listed(thick)}",
-            to_one,
-            f"not yet at 10 for many rings, whose limit is {limit[0]:.3f} "
-            f"there, {limit[1]:.3f} at 100 and {limit[2]:.5f} at 1e4",
-        ),
-    ]
-
-
-def _thin_rings(width: Curves) -> list[Row]:
-    values, rings = width.at(0.1), Rings.alternating(8, 0.1, WEAR_RATIO_OF_WIDTHS)
-    alone = direct_gradients(rings.ring_edges, EXTREMES)[0, 0]
-    carried = (direct.steady_pressures(*rings) * ring_areas(rings.ring_edges))[1::2].sum()
-    line, area = width.limit[:, 0]
-    gaps = {count: float(line - value) for count, value in values.items()}
-    return [
-        claim(
-            "4.2 and 5, Fig. 7",
-            "with a small share of slower material (printed: increased) the gradient is much "
-            "higher",
-            f"at h2/h1 = 0.1: {listed(values)}",
-            min(values.values()) > 2,
-            "print error",
-        ),
-        claim(
-            "4.2, Fig. 7",
-            "N = 8, h2/h1 = 0.1: equivalent to only the N/2 thin rings pressed into the half-space",
-            f"the thin rings carry {100 * carried:.1f} % of the force; alone they would have a "
-            f"gradient of {alone:.3f} "
-            f"instead of {values[8]:.3f}",
-            carried > 0.9 or abs(alone / values[8] - 1) < 0.1,
-            f"{100 * (alone / values[8] - 1):.0f} % too high: what the wide rings carry is "
-            "little, but not nothing",
-        ),
-        claim(
-            "4.2, Fig. 7",
-            "at h2/h1 = 0.1 there is no convergence and the gradient increases with the number of "
-            "rings",
-            f"it does increase: {listed(values)}",
-            (np.diff(list(values.values())) > 0).all(),
-            f"convergence is slow, lately as N^-{falling(gaps):.2f}, but it is there: the limit of "
-            "many rings is "
-            f"{line:.3f} (line), {area:.3f} (area), and the distance to it {listed(gaps, '.2f')}; "
-            "it is without bound "
-            "only as h2/h1 and k2/k1 both go to zero",
-        ),
-    ]
+    distance = width.limit.values[0, 0] - curves[:, 0]
+    return {
+        "slow_area": pd.DataFrame(slow_area, counts, ["thin", "equal", "wide"]),
+        "over_widths": curves,
+        "limit_of_wide": limit,
+        "thin_carry": forces[1::2].sum(),
+        "thin_alone": direct_gradients(rings.ring_edges, EXTREMES)[0, 0],
+        "thin_limit": width.limit.values[:, 0],
+        "thin_distance": pd.Series(distance, counts),
+        "thin_power": power_of_fall(counts, distance),
+    }

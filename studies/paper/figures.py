@@ -1,12 +1,12 @@
-"""Figs. 4 to 7 of the paper, redrawn, and the relaxation times."""
+"""Figs. 4 to 7 of the paper, redrawn."""
 
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray
 
 from ...mdr import direct
-from ...meshes.radial import Array
 from ..figures.style import (
     FAINT,
     LINES,
@@ -16,128 +16,77 @@ from ..figures.style import (
     new_figure,
     shade_rings,
 )
-from ..methods.sampler import AVERAGES
 from ..problem.problem import D0, Rings
-from .gradients import WEAR_RATIO_OF_WIDTHS, Curves, direct_gradients
-from .running_in import (
-    CURVE,
-    SHARES,
-    STATIONARY,
-    WEAR_RATIO,
-    WEAR_RATIOS,
-    FiveRings,
-    many_ring_times,
-)
+from .gradients import WEAR_RATIO_OF_WIDTHS
+from .running_in import PERCENTS, STATIONARY, FiveRings
 
-QUANTITIES = {
-    "profile": "profile $(f-f_{min})/d_0$",
-    "line_profile": "1D profile $(g-f_{min})/d_0$",
-    "pressure": "pressure $p/p_0$",
-}
-LIMIT: dict[str, Any] = {"color": "0.65", "linewidth": 2.6, "label": r"$N \to \infty$"}
-TITLES = ("average over the radius (line)", "average over the area")
-# of Figs. 6 and 7: ratio, what is held, and the punches whose limiting profiles are shown beside
-RATIOS = {
-    6: ("wear ratio $k_2/k_1$", "$h_2/h_1$ = 1"),
-    7: ("width ratio $h_2/h_1$", f"$k_2/k_1$ = {WEAR_RATIO_OF_WIDTHS}"),
-}
-PROFILES = {
-    6: {
-        f"$N$ = 4, $k_2/k_1$ = {ratio:g}": Rings.alternating(4, 1.0, ratio)
-        for ratio in (0.01, 100.0)
-    },
-    7: {
-        f"$N$ = 8, $h_2/h_1$ = {ratio:g}": Rings.alternating(8, ratio, WEAR_RATIO_OF_WIDTHS)
-        for ratio in (0.1, 10.0)
-    },
-}
+AVERAGES = ("average over the radius (line)", "average over the area")
 
 
 def draw_states(five: FiveRings, path: Path) -> None:
-    """Fig. 4: profile, one-dimensional profile and pressure at seven states."""
-    problem, reference = five.reference.problem, five.states["mdr"]
-    radii, columns = problem.radii, len(SHARES)
-    figure = new_figure(2.05 * columns, 7.4)
-    panels = figure.subplots(3, columns, sharex=True, sharey="row")
-    for state, share in enumerate(SHARES):
-        when = f"$t$ = {100 * five.times[state] / five.stationary:.3g} % of $t_{{stat}}$\n"
-        worn = f"$f_{{min}}$ = {reference.least_wear[state]:.3g} $d_0$"
-        panels[0, state].set_title(
-            f"{100 * share:.0f} %\n" + (when + worn if share < 1 else "steady state\n"),
-            fontsize=8.5,
-        )
-        for quantity, axes in zip(QUANTITIES, panels[:, state], strict=True):
-            for order, (name, states) in enumerate(five.states.items()):
+    """Draw Fig. 4: profile, one-dimensional profile and pressure at seven states."""
+    rings, radii = five.problem.rings, five.problem.radii
+    figure = new_figure(2.05 * len(PERCENTS), 7.4)
+    panels = figure.subplots(3, len(PERCENTS), sharex=True, sharey="row")
+    fields = {
+        "f_over_d0": "profile $(f-f_{min})/d_0$",
+        "g_over_d0": "1D profile $(g-f_{min})/d_0$",
+        "p_over_p0": "pressure $p/p_0$",
+    }
+    for state, percent in enumerate(PERCENTS):
+        worn = float(five.states.least_wear_over_d0[0, state])
+        when = f"$t$ = {float(five.states.time[state]):.1%} of $t_{{stat}}$"
+        least = f"$f_{{min}}$ = {worn:.3g} $d_0$"
+        title = f"{percent} %\n{when}\n{least}" if percent < 100 else "100 %\nsteady state\n"
+        panels[0, state].set_title(title, fontsize=8.5)
+        for (field, label), axes in zip(fields.items(), panels[:, state], strict=True):
+            for order, solver in enumerate(five.evolutions):
                 # markers of different methods on different points
-                look = method_curve(name, len(radii)) | {"markevery": (9 * order, 28)}
-                axes.plot(
-                    *broken_at(problem.ring_edges, radii, getattr(states, quantity)[state]), **look
-                )
-            if share == 1 and quantity in five.limiting:
-                values = broken_at(problem.ring_edges, radii, five.limiting[quantity])
-                axes.plot(
-                    *values,
-                    **method_curve("direct", len(radii)) | {"label": "DIRECT (steady state only)"},
-                )
-            shade_rings(axes, *problem.rings)
+                look = method_curve(solver, len(radii)) | {"markevery": (9 * order, 28)}
+                values = five.states[field].values[order, state]
+                axes.plot(*broken_at(rings.ring_edges, radii, values), **look)
+            if percent == 100 and field in five.limiting:
+                values = broken_at(rings.ring_edges, radii, five.limiting[field].values)
+                axes.plot(*values, **method_curve("direct", len(radii)))
+            shade_rings(axes, *rings)
+            if state == 0:
+                axes.set_ylabel(label)
         panels[2, state].plot(radii, 1 / np.sqrt(1 - radii**2), label="unworn", **FAINT)
         panels[2, state].set_xlabel("$r/a$, $x/a$")
-    for axes, label in zip(panels[:, 0], QUANTITIES.values(), strict=True):
-        axes.set_ylabel(label)
     panels[0, 0].invert_yaxis()
     # a worn rim carries no line density, so that g(a) = d; at the start the pressure at the rim is
     # infinite
-    panels[1, 0].set_ylim(1.2, 1.2 * float(reference.line_profile.min()))
-    panels[2, 0].set_ylim(0, 1.3 * np.quantile(reference.pressure[1:], 0.98))
+    panels[1, 0].set_ylim(1.2, 1.2 * float(five.states.g_over_d0.min()))
+    panels[2, 0].set_ylim(0, 1.3 * np.quantile(five.states.p_over_p0[:, 1:], 0.98))
     legend_of(figure, panels[2, -1:])
     figure.suptitle(
         "Fig. 4: five rings, $k_2/k_1$ = 10, $h_2/h_1$ = 1, by the displacement difference over "
-        "that of the steady state; "
-        f"$t_{{stat}}$: {100 * STATIONARY:g} %; shaded rings wear faster",
+        f"that of the steady state; $t_{{stat}}$: {STATIONARY:.1%}; shaded rings wear faster",
         fontsize=10,
     )
     figure.savefig(path)
 
 
 def draw_history(five: FiveRings, path: Path) -> None:
-    """Fig. 5: RMS gradient over time, the states of Fig. 4 marked."""
+    """Draw Fig. 5: RMS gradient over time, the states of Fig. 4 marked."""
     figure = new_figure(10, 4)
-    panels = figure.subplots(1, 2)
-    marked = five.times[:-1] / five.stationary
-    over_homogeneous = direct_gradients(five.reference.problem.ring_edges, np.array([WEAR_RATIO]))[
-        :, 0
-    ]
-    for average, (axes, scale) in enumerate(zip(panels, over_homogeneous, strict=True)):
-        for order, (name, states) in enumerate(five.curves.items()):
-            look = method_curve(name, len(CURVE)) | {"markevery": (4 * order, 12)}
-            axes.plot(CURVE, states.gradients[:, average], **look)
-        at_states = five.states["mdr"].gradients[:-1, average]
-        axes.plot(
-            marked,
-            at_states,
-            "D",
-            color="black",
-            markerfacecolor="white",
-            label="states of Fig. 4",
-            zorder=5,
-        )
-        for share, time, value in zip(SHARES, marked, at_states, strict=False):
-            axes.annotate(
-                f"{100 * share:.0f} %",
-                (time, value),
-                (8, -9),
-                textcoords="offset points",
-                fontsize=8,
-            )
+    panels = figure.subplots(1, 2, sharey=True)
+    marked = {"markerfacecolor": "white", "zorder": 5, "label": "states of Fig. 4"}
+    times, gradient = five.history.time.values, five.history.gradient.values
+    for average, axes in enumerate(panels):
+        for order, solver in enumerate(five.evolutions):
+            look = method_curve(solver, len(times)) | {"markevery": (4 * order, 12)}
+            axes.plot(times, gradient[order, average], **look)
+        states = five.states.gradient[0, average, :-1]
+        axes.plot(states.time, states, "kD", **marked)
+        for percent, time, value in zip(PERCENTS, states.time.values, states.values, strict=False):
+            place = {"xytext": (8, -9), "textcoords": "offset points", "fontsize": 8}
+            axes.annotate(f"{percent} %", (time, value), **place)
         axes.axhline(1, **FAINT)
-        axes.set_ylim(-0.09, 1.09)
         axes.set_xlabel("time $t/t_{stat}$")
-        axes.set_ylabel(r"RMS gradient $\nabla f/\nabla f_{stat}$")
-        axes.set_title(TITLES[average], fontsize=9)
-        right = axes.secondary_yaxis(
-            "right", functions=(lambda v, s=scale: v * s, lambda v, s=scale: v / s)
-        )
-        right.set_ylabel(r"over the homogeneous punch, $\nabla f/\nabla f_0$")
+        axes.set_title(AVERAGES[average], fontsize=9)
+    panels[0].set_ylim(-0.09, 1.09)
+    panels[0].set_ylabel(r"RMS gradient $\nabla f/\nabla f_{stat}$")
     legend_of(figure, panels[:1])
     figure.suptitle(
         "Fig. 5: gradient of the worn surface, five rings, $k_2/k_1$ = 10, $h_2/h_1$ = 1",
@@ -146,84 +95,44 @@ def draw_history(five: FiveRings, path: Path) -> None:
     figure.savefig(path)
 
 
-def draw_gradients(number: int, curves: Curves, path: Path) -> None:
-    """Figs.
-
-    6 and 7: gradient against a ratio by both averages, and limiting profiles of two punches.
-    """
+def draw_gradients(number: int, curves: xarray.Dataset, path: Path) -> None:
+    """Draw Fig. 6 or 7: gradient against a ratio, and limiting profiles of two punches."""
+    if number == 6:
+        ratio, constant, count = "wear ratio $k_2/k_1$", "$h_2/h_1$ = 1", 4
+        punches = {value: Rings.alternating(4, 1.0, value) for value in (0.01, 100.0)}
+    else:
+        ratio, constant, count = "width ratio $h_2/h_1$", "$k_2/k_1$ = 0.01", 8
+        punches = {
+            value: Rings.alternating(8, value, WEAR_RATIO_OF_WIDTHS) for value in (0.1, 10.0)
+        }
     figure = new_figure(13, 5)
-    panels: Any = figure.subplot_mosaic(
-        [[*AVERAGES, name] for name in PROFILES[number]], width_ratios=[3, 3, 1.3]
-    )
-    ratio, held = RATIOS[number]
-    for average, name in enumerate(AVERAGES):
-        axes = panels[name]
-        axes.plot(curves.ratios, curves.limit[average], **LIMIT)
-        for (count, values), line in zip(curves.direct.items(), LINES, strict=False):
-            axes.plot(
-                curves.ratios,
-                values[average],
-                color="black",
-                linestyle=line,
-                linewidth=1.1,
-                label=f"$N$ = {count}",
-            )
-        for values in curves.fem.values():
-            axes.plot(
-                curves.ratios,
-                values[average],
-                **method_curve("fem") | {"linestyle": "none", "markersize": 4.5},
-            )
+    panels: Any = figure.subplot_mosaic("012\n013", width_ratios=[3, 3, 1.3])
+    ratios, fem = curves.ratio.values, method_curve("fem") | {"linestyle": "none"}
+    for average, title in enumerate(AVERAGES):
+        axes = panels[str(average)]
+        limit = {"color": "0.65", "linewidth": 2.6, "label": r"$N \to \infty$"}
+        axes.plot(ratios, curves.limit[average], **limit)
+        for row, (rings, line) in enumerate(zip(curves.rings.values, LINES, strict=False)):
+            look = {"linestyle": line, "linewidth": 1.1, "label": f"$N$ = {rings}"}
+            axes.plot(ratios, curves.direct[row, average], color="black", **look)
+        axes.plot(ratios, curves.fem[:, average].T, **fem)
         axes.axhline(1, **FAINT)
         axes.set_xscale("log")
-        axes.set_xlim(curves.ratios[0], curves.ratios[-1])
+        axes.set_xlim(ratios[0], ratios[-1])
         axes.set_xlabel(ratio)
         axes.set_ylabel(r"RMS gradient $\nabla f/\nabla f_0$")
-        axes.set_title(TITLES[average], fontsize=9)
+        axes.set_title(title, fontsize=9)
     radii = np.linspace(0, 1, 600)
-    for name, rings in PROFILES[number].items():
+    for panel, (value, rings) in zip("23", punches.items(), strict=True):
         profile = direct.limiting_profile(rings.ring_edges, direct.steady_pressures(*rings), radii)
-        panels[name].plot(radii, profile / D0, color="black", linewidth=1)
-        shade_rings(panels[name], *rings)
-        panels[name].invert_yaxis()
-        panels[name].set_ylabel("$f_{stat}/d_0$")
-        panels[name].set_title(name, fontsize=9)
-    legend_of(figure, [panels["line"]])
+        panels[panel].plot(radii, profile / D0, color="black", linewidth=1)
+        shade_rings(panels[panel], *rings)
+        panels[panel].invert_yaxis()
+        panels[panel].set_ylabel("$f_{stat}/d_0$")
+        panels[panel].set_title(f"$N$ = {count}, {ratio.split()[-1]} = {value:g}", fontsize=9)
+    legend_of(figure, [panels["0"]])
     figure.suptitle(
-        f"Fig. {number}: RMS gradient of the limiting profile against the {ratio}, {held}",
-        fontsize=10,
-    )
-    figure.savefig(path)
-
-
-def draw_relaxation(times: dict[int, Array], path: Path) -> None:
-    """Slowest relaxation time against wear ratio, and the first modes of the punch of most
-    rings.
-    """
-    figure = new_figure(11, 4.2)
-    left, right = figure.subplots(1, 2, sharex=True, sharey=True)
-    for (count, values), line in zip(times.items(), LINES, strict=False):
-        left.plot(
-            WEAR_RATIOS,
-            values[:, 0],
-            color="black",
-            linestyle=line,
-            linewidth=1.1,
-            label=f"$N$ = {count}",
-        )
-    values = times[max(times)]
-    left.plot(WEAR_RATIOS, many_ring_times(values[:, 0].max()), **LIMIT, zorder=1)
-    left.set_ylabel(r"relaxation time $\tau$ over $a/(E^* k_{slow} v_0)$")
-    left.set_ylim(bottom=0)
-    left.set_title("slowest mode", fontsize=9)
-    left.legend(frameon=False, fontsize=8, ncols=2)
-    right.plot(WEAR_RATIOS, values, color="black", linewidth=1.1)
-    right.set_title(f"first {values.shape[1]} modes, $N$ = {max(times)}", fontsize=9)
-    left.set_xscale("log")
-    for axes in (left, right):
-        axes.set_xlabel("wear ratio $k_2/k_1$")
-    figure.suptitle(
-        "How long running-in takes: relaxation times of alternating rings of equal width",
+        f"Fig. {number}: RMS gradient of the limiting profile against the {ratio}, {constant}",
         fontsize=10,
     )
     figure.savefig(path)

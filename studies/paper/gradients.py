@@ -1,6 +1,4 @@
-"""The gradient of the limiting profile against wear ratio and width ratio.
-
-The data of Figs. 6 and 7.
+"""The gradient of the limiting profile against wear ratio and width ratio: Figs. 6 and 7.
 
 Two materials alternate, so the steady pressure is ``p1`` on odd rings and ``p2 = p1 k1/k2`` on even
 ones, and the squared gradient is a quadratic form in the two: three numbers for each punch and
@@ -15,10 +13,12 @@ mean square ``4 var(p)/E*^2``. With width fractions ``s1 + s2 = 1`` and the homo
     (gradient / homogeneous)^2 = 1 + (4/g0^2) s1 s2 ((p1 - p2) / (s1 p1 + s2 p2))^2.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
+import xarray
+from scipy.sparse.linalg import splu
 
 from ...mdr import direct
 from ...meshes.compliance import Compliance
@@ -27,40 +27,30 @@ from ..methods.pipeline import compliance_method
 from ..methods.sampler import AVERAGES, radial_weight
 from ..problem.problem import Problem, Rings
 from ..progress import Stages, progress
-from ..wear.modes import BandedCholesky
 
-RINGS = (2, 4, 8, 16, 32, 64)
-QUICK_RINGS = (2, 4, 8)
-WEAR_RATIOS = 10.0 ** np.linspace(-4, 4, 201)
-WIDTH_RATIOS = 10.0 ** np.linspace(-1, 1, 201)
-WEAR_RATIO_OF_WIDTHS = 0.01  # k2/k1 of Fig. 7
-# k2/k1 and h2/h1 of each point of Figs. 6 and 7, and the points that finite elements compute, too
-POINTS = {
-    6: (WEAR_RATIOS, np.ones_like(WEAR_RATIOS), (0, 50, 75, 88, 112, 125, 150, 200)),
-    7: (
-        np.full_like(WIDTH_RATIOS, WEAR_RATIO_OF_WIDTHS),
-        WIDTH_RATIOS,
-        (0, 30, 70, 100, 130, 170, 200),
-    ),
-}
-FEM_MOST_RINGS = 16  # of more rings they compute equal widths only
-# measured: the gradient within 3e-4 for 64 rings, 1e-4 for fewer; slopes have logarithmic poles
-FEM_RTOL = 1e-6
+# k2/k1 of Fig. 7, whose width ratio varies
+WEAR_RATIO_OF_WIDTHS = 0.01
+
+
+def figure_ratios(figure: int) -> tuple[Array, Array]:
+    """Return (201,) k2/k1 and h2/h1 of the points of Fig. 6 or 7."""
+    ratios = np.linspace(-1, 1, 201)
+    constant = np.ones(201)
+    if figure == 6:
+        return 10.0 ** (4 * ratios), constant
+    return WEAR_RATIO_OF_WIDTHS * constant, 10.0**ratios
 
 
 def odd_and_even(count: int) -> Array:
-    """(N, 2) patterns that are one on odd rings (from the centre.
-
-    1st, 3rd, ...), and one on even rings.
-    """
+    """Return (N, 2) patterns: 1 on odd rings (1st, 3rd, ... from the centre), and on even ones."""
     even = np.arange(count) % 2
     return np.stack([1.0 - even, even], axis=1)
 
 
 def relative_pressures(wear_ratios: Array) -> Array:
-    """(2, M) steady pressures of odd and even rings over the greater of them (Eq.
+    """Return (2, M) steady pressures of odd and even rings over the greater of them (Eq. 24).
 
-    24); ratios from zero to infinity.
+    Wear ratios may be zero and infinite.
     """
     with np.errstate(divide="ignore"):
         return np.stack([np.minimum(wear_ratios, 1.0), np.minimum(1 / wear_ratios, 1.0)])
@@ -68,17 +58,17 @@ def relative_pressures(wear_ratios: Array) -> Array:
 
 @cache
 def homogeneous() -> Array:
-    """(2,) RMS gradient of the homogeneous punch under unit mean pressure, over the radius and over
-    the area.
-    """
-    return np.array(
-        [direct.rms_slope(np.array([0.0, 1.0]), np.ones(1), average) for average in AVERAGES]
-    )
+    """Return the (2,) RMS gradients of the homogeneous punch under unit mean pressure."""
+    edges, pressure = np.array([0.0, 1.0]), np.ones(1)
+    return np.array([direct.rms_slope(edges, pressure, average) for average in AVERAGES])
 
 
 def gradients(grams: Array, ring_edges: Array, wear_ratios: Array) -> Array:
-    """(2, M) normalised gradients by both averages, from the (2, 2, 2) mean products of slopes by
-    odd and even rings.
+    """Return (2, M) normalised gradients, by both averages.
+
+    Parameters
+    ----------
+    grams : (2, 2, 2) mean products of slopes by unit pressure on odd and on even rings
     """
     pressures = relative_pressures(wear_ratios)
     pressures = pressures / (ring_areas(ring_edges) @ odd_and_even(len(ring_edges) - 1) @ pressures)
@@ -87,13 +77,13 @@ def gradients(grams: Array, ring_edges: Array, wear_ratios: Array) -> Array:
 
 
 def direct_gradients(ring_edges: Array, wear_ratios: Array) -> Array:
-    """(2, M) normalised gradients of alternating rings by direct integration."""
+    """Return (2, M) normalised gradients of alternating rings by direct integration."""
     grams = np.array(direct.slope_gram(ring_edges, odd_and_even(len(ring_edges) - 1)))
     return gradients(grams, ring_edges, wear_ratios)
 
 
 def many_rings(wear_ratios: Array, width_ratios: Array) -> Array:
-    """(2, M) normalised gradients in the limit of many rings, for ratios that broadcast."""
+    """Return (2, M) normalised gradients in the limit of many rings, for ratios that broadcast."""
     first = 1 / (1 + width_ratios)
     odd, even = relative_pressures(wear_ratios)
     contrast = (odd - even) / (first * odd + (1 - first) * even)
@@ -103,89 +93,65 @@ def many_rings(wear_ratios: Array, width_ratios: Array) -> Array:
 
 
 def compliance_grams(compliance: Compliance) -> Array:
-    """(2, 2, 2) mean products of slopes by odd and even rings, for both averages, from the
-    compliance of any method.
+    """Return the (2, 2, 2) `grams` of `gradients` from the compliance of any method.
 
     The displacement is the best approximation in the mean among the continuous functions of the
     pressure space.
     """
     space = compliance.space
-    count = len(space.ring_edges) - 1
     continuous = space.joined()
-    moments = compliance.factor.T @ (
-        compliance.factor @ space.ring_indicator() @ odd_and_even(count)
-    )
-    mass = BandedCholesky(continuous.T @ space.mass() @ continuous)
-    displacement = continuous @ mass.solve(continuous.T @ moments)
+    pressures = space.ring_indicator() @ odd_and_even(len(space.ring_edges) - 1)
+    mass = splu((continuous.T @ space.mass() @ continuous).tocsc())
+    displacement = mass.solve(continuous.T @ (compliance.matrix @ pressures))
     radii, weights, local = space.quadrature
-    slopes = space.on_elements(local, derivative=True) @ displacement
-    own = ((weights * radial_weight(radii, name)).ravel()[:, None] * slopes for name in AVERAGES)
-    return np.array([slopes.T @ weighted for weighted in own])
+    slopes = space.on_elements(local, derivative=True) @ continuous @ displacement
+    weights_of_averages = (weights * radial_weight(radii, average) for average in AVERAGES)
+    return np.array([slopes.T @ (each.ravel()[:, None] * slopes) for each in weights_of_averages])
 
 
 @cache
 def fem_grams(problem: Problem, count: int, width_ratio: float) -> Array:
-    """(2, 2, 2) `compliance_grams` of finite elements: one condensation, kept for both figures."""
-    # any two wear coefficients do: the compliance knows only where the edges are
-    punch = replace(
-        problem, rings=Rings.alternating(count, width_ratio, WEAR_RATIO_OF_WIDTHS), rtol=FEM_RTOL
-    )
-    return compliance_grams(
-        compliance_method("fem").discretised(punch, Stages("fem"), coarser=False).compliance
-    )
+    """Return the `compliance_grams` of finite elements: one condensation serves both figures.
 
-
-@dataclass(frozen=True, eq=False)
-class Curves:
-    """Normalised gradients (2, M) along a figure's ratio, by both averages.
-
-    Parameters
-    ----------
-    wear_ratios, width_ratios : (M,) of which one is constant
-    limit : of many rings
-    direct : by direct integration, for each number of rings
-    fem : by finite elements, NaN at the ratios that they leave out
+    Measured: gradients within 3e-4 for 64 rings, 1e-4 for fewer; slopes have logarithmic poles.
     """
-
-    wear_ratios: Array
-    width_ratios: Array
-    limit: Array
-    direct: dict[int, Array] = field(default_factory=dict)
-    fem: dict[int, Array] = field(default_factory=dict)
-
-    @property
-    def ratios(self) -> Array:
-        """The ratio that varies."""
-        return self.wear_ratios if np.ptp(self.wear_ratios) else self.width_ratios
-
-    def at(self, ratio: float, average: int = 0) -> dict[int, float]:
-        """The gradient by direct integration at one of the ratios, by number of rings."""
-        nearest = np.abs(np.log(self.ratios / ratio)).argmin()
-        return {count: float(values[average, nearest]) for count, values in self.direct.items()}
-
-    @property
-    def difference(self) -> float:
-        """Greatest relative difference of finite elements from direct integration."""
-        return max(
-            float(np.nanmax(np.abs(values / self.direct[count] - 1)))
-            for count, values in self.fem.items()
-        )
+    # any two wear coefficients do: the compliance knows only where the edges are
+    rings = Rings.alternating(count, width_ratio, WEAR_RATIO_OF_WIDTHS)
+    problem = replace(problem, rings=rings, rtol=1e-6)
+    ready = compliance_method("fem").discretise(problem, Stages("fem"))
+    return compliance_grams(ready.compliance)
 
 
-def curves(figure: int, problem: Problem, counts: tuple[int, ...]) -> Curves:
-    """The data of Fig. 6 or 7; every width ratio is a punch of its own, for all wear ratios."""
-    wear_ratios, width_ratios, by_fem = POINTS[figure]
-    result = Curves(wear_ratios, width_ratios, many_rings(wear_ratios, width_ratios))
-    for count in progress(counts, f"Fig. {figure}"):
-        result.direct[count], result.fem[count] = np.full((2, *result.limit.shape), np.nan)
-        for width_ratio in np.unique(width_ratios):
-            ring_edges, here = (
-                alternating_edges(count, width_ratio),
-                np.flatnonzero(width_ratios == width_ratio),
-            )
-            result.direct[count][:, here] = direct_gradients(ring_edges, wear_ratios[here])
-            here = np.intersect1d(here, by_fem)
-            if len(here) and (width_ratio == 1 or count <= FEM_MOST_RINGS):
-                grams = fem_grams(problem, count, float(width_ratio))
-                result.fem[count][:, here] = gradients(grams, ring_edges, wear_ratios[here])
-    return result
+def compute_gradients(figure: int, problem: Problem, counts: tuple[int, ...]) -> xarray.Dataset:
+    """Return the data of Fig. 6 or 7.
+
+    `direct` and `fem`, NaN where finite elements are left out, over (rings, average, ratio);
+    `limit`, of many rings, over (average, ratio).
+    """
+    wear_ratios, width_ratios = figure_ratios(figure)
+    by_direct = np.empty((len(counts), 2, len(wear_ratios)))
+    by_fem = np.full_like(by_direct, np.nan)
+    # every width ratio is a punch of its own, for all wear ratios
+    punches = [np.arange(201)] if figure == 6 else np.arange(201)[:, None]
+    for row, count in enumerate(progress(counts, f"Fig. {figure}")):
+        for points in punches:
+            width_ratio = float(width_ratios[points[0]])
+            edges = alternating_edges(count, width_ratio)
+            by_direct[row][:, points] = direct_gradients(edges, wear_ratios[points])
+            points = points[points % 25 == 0]
+            if len(points) and (figure == 6 or count <= 16):
+                grams = fem_grams(problem, count, width_ratio)
+                by_fem[row][:, points] = gradients(grams, edges, wear_ratios[points])
+    over_rings = ("rings", "average", "ratio")
+    return xarray.Dataset(
+        {
+            "direct": (over_rings, by_direct),
+            "fem": (over_rings, by_fem),
+            "limit": (over_rings[1:], many_rings(wear_ratios, width_ratios)),
+        },
+        {
+            "rings": list(counts),
+            "average": list(AVERAGES),
+            "ratio": wear_ratios if figure == 6 else width_ratios,
+        },
+    )

@@ -10,7 +10,6 @@ A face may stand off its plane everywhere. That distance is taken off before any
 and added to what is reported, so that no step, tolerance or norm depends on it.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -18,9 +17,7 @@ import numpy as np
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array, Indices, ring_of
-from .sections import ProfileSection, PunchSection
-
-Height = Callable[[Array], Array]
+from .sections import Height, PunchSection
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,54 +103,20 @@ def unworn(punch: PunchSection, ring_edges: Array, length: float, unit: float) -
     recess = np.zeros(len(ring_edges) - 1) + np.array(punch.recess or 0.0) / unit
     if not (punch.profile or punch.heights or recess.any()):
         return InitialProfile(ring_edges, recess)
-    heights = [_in_units(height, length, unit) for height in punch.heights]
+    functions: list[Height] = list(punch.heights)
     kinks: tuple[float, ...] = ()
     if punch.profile is not None:
-        shape, kinks = _shape(punch.profile, length, unit)
-        heights.append(shape)
-    profile = InitialProfile(ring_edges, recess, tuple(heights), kinks)
+        functions.append(punch.profile.height_over(length))
+        kinks = tuple(kink / length for kink in punch.profile.kinks)
+
+    def scaled(height: Height) -> Height:
+        return lambda radii: np.asarray(height(radii * length), dtype=float) / unit
+
+    profile = InitialProfile(ring_edges, recess, tuple(map(scaled, functions)), kinks)
     least = profile.nearest()
     if punch.heights and not least >= 0:
         raise SceneError(
             f"the height of the punch is {least * unit:.3g} somewhere: heights are material that "
-            "is "
-            "missing, 0 or more and finite; add a constant to them"
+            "is missing, 0 or more and finite; add a constant to them"
         )
     return replace(profile, recess=recess - least, standoff=least)
-
-
-def _in_units(height: Height, length: float, unit: float) -> Height:
-    return lambda radii: np.asarray(height(radii * length), dtype=float) / unit
-
-
-def _shape(section: ProfileSection, length: float, unit: float) -> tuple[Height, tuple[float, ...]]:
-    """Heights by radii, and where they are not smooth."""
-    curvature = (section.curvature_radius or 1.0) * unit / length**2
-    if section.kind == "parabola":
-        return power(1 / (2 * curvature), 2.0), ()
-    if section.kind == "cone":
-        return power((section.slope or 0.0) * length / unit, 1.0), ()
-    if section.kind == "power":
-        return power((section.coefficient or 0.0) / unit, section.exponent or 1.0), ()
-    if section.kind == "rounded_rim":
-        flat = (section.flat_radius or 0.0) / length
-        return rounded_rim(flat, curvature), (flat,)
-    radii = np.array(section.radii) / length
-    return table(radii, np.array(section.heights) / unit), tuple(radii.tolist())
-
-
-def power(coefficient: float, exponent: float) -> Height:
-    """``f = c r^n``: a parabola has n = 2 and ``c = 1/(2 R)``, a cone n = 1 and its slope."""
-    return lambda radii: coefficient * np.abs(radii) ** exponent
-
-
-def rounded_rim(flat_radius: float, curvature_radius: float) -> Height:
-    """Flat to a radius, and beyond it ``f = (r - b)^2 / (2 R)``."""
-    return lambda radii: np.maximum(radii - flat_radius, 0.0) ** 2 / (2 * curvature_radius)
-
-
-def table(radii: Array, heights: Array) -> Height:
-    """Through given points by monotone cubics (Fritsch and Carlson): smooth, without overshoot."""
-    from scipy.interpolate import PchipInterpolator
-
-    return PchipInterpolator(radii, heights)

@@ -5,7 +5,7 @@ A TOML file in, a frozen and validated value out, and the non-dimensional proble
 
 import difflib
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from importlib.resources import files
 from itertools import pairwise
@@ -13,12 +13,14 @@ from pathlib import Path
 from typing import Annotated, Any, Self, get_args
 
 import tomli_w
-from pydantic import AfterValidator, Field, PrivateAttr, ValidationError, model_validator
+from pydantic import AfterValidator, Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails
 
 from ...meshes.errors import SceneError
 from ..registry import METHODS
 from .problem import Problem
 from .sections import (
+    KINDS,
     AccuracySection,
     HalfSpaceSection,
     LoadSection,
@@ -26,24 +28,12 @@ from .sections import (
     PunchSection,
     Section,
     WearSection,
-    increasing,
-)
-
-# counts of the slowest relaxation time that ``times = "running-in"`` stands for
-RUNNING_IN = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0]
-
-ONLY_FLAT = (
-    "wear.times by running-in is known for flat punches under a force: give times as numbers"
-)
-# the keys that no scene can be without
-EXAMPLE = (
-    "punch = { radius = 1.0, rings = 5, wear_coefficients = [1.0, 10.0] }, half_space = { "
-    "plane_strain_modulus = 1.0 }, "
-    "load = { normal_force = 2.0 }, and wear = { times = [0.0, 0.1, 1.0] } for a history"
+    check_increasing,
 )
 
 
-def _known(method: str) -> str:
+def check_method(method: str) -> str:
+    """Refuse a method that nobody has registered."""
     if method not in METHODS:
         raise ValueError(f"no method '{method}'; give some of {', '.join(METHODS)}")
     return method
@@ -68,7 +58,7 @@ class Scene(Section):
         default="",
         description="a line of text: the consistent units of the numbers, for labels only",
     )
-    methods: list[Annotated[str, AfterValidator(_known)]] = Field(
+    methods: list[Annotated[str, AfterValidator(check_method)]] = Field(
         default=["mdr", "direct", "fem"],
         min_length=1,
         description=f"a list of {', '.join(METHODS)}",
@@ -79,8 +69,6 @@ class Scene(Section):
     wear: WearSection = WearSection()
     accuracy: AccuracySection = AccuracySection()
     output: OutputSection = OutputSection()
-    # times asked for as counts of the slowest relaxation time, if they are
-    _counts: list[float] | None = PrivateAttr(None)
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -90,7 +78,7 @@ class Scene(Section):
         if radii is not None:
             if not radii:
                 raise ValueError("output.radii is empty: leave it out, or give radii")
-            increasing("output.radii", radii)
+            check_increasing("output.radii", radii)
             if radii[-1] > self.punch.radius:
                 raise ValueError(
                     f"output.radii ends at {radii[-1]}, outside the punch of radius "
@@ -103,24 +91,16 @@ class Scene(Section):
         """Read a scene from a file, or a bundled one by its name."""
         path = Path(source)
         if not path.exists() and str(source) in bundled():
-            return cls.from_toml(
-                (files("ringwear.studies") / "scenes" / f"{source}.toml").read_text("utf-8"),
-                str(source),
-            )
-        if path.is_dir():
-            raise SceneError(
-                f"{source} is a directory: give a scene file, or one of {', '.join(bundled())}"
-            )
+            path = Path(str(files("ringwear.studies"))) / "scenes" / f"{source}.toml"
         try:
             text = path.read_text("utf-8")
-        except FileNotFoundError:
-            raise SceneError(
-                f"{source}: no such file, and no bundled scene ({', '.join(bundled())})"
-            ) from None
         except UnicodeDecodeError:
             raise SceneError(f"{source} is not a text file: a scene is TOML in UTF-8") from None
         except OSError as error:
-            raise SceneError(f"{source} cannot be read: {error.strerror}") from error
+            raise SceneError(
+                f"{source}: {str(error.strerror).lower()}; give a scene file, or one of "
+                f"{', '.join(bundled())}"
+            ) from None
         return cls.from_toml(text, str(source), path.parent)
 
     @classmethod
@@ -133,61 +113,59 @@ class Scene(Section):
             table = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
             raise SceneError(f"{name} is not TOML: {error}") from error
-        punch = table.get("punch")
-        profile = punch.get("profile") if isinstance(punch, dict) else None
-        if (
-            folder is not None
-            and isinstance(profile, dict)
-            and isinstance(profile.get("file"), str)
-        ):
-            profile["file"] = str(folder / profile["file"])
-        return cls.from_table(table, name)
+        return cls.from_table(table, name, folder)
 
     @classmethod
-    def from_table(cls, table: dict[str, Any], name: str = "scene") -> "Scene":
+    def from_table(
+        cls, table: dict[str, Any], name: str = "scene", folder: Path | None = None
+    ) -> "Scene":
         """Read a scene from nested dictionaries."""
-        table, counts = _without_counts(table)
         try:
-            scene = cls.model_validate(table)
+            scene = cls.model_validate(table, context=folder)
+            return scene if scene.wear.tau is None else scene._with_times_of(scene.wear.tau)
         except ValidationError as error:
-            raise SceneError(f"{name}: {_explain(error)}") from None
-        return scene if counts is None else scene._timed(counts, name)
+            raise SceneError(f"{name}: {explain(error)}") from None
+        except SceneError as error:
+            raise SceneError(f"{name}: {error}") from None
 
-    def _timed(self, counts: list[float], name: str) -> "Scene":
-        """The scene at counts of its slowest relaxation time, to three digits."""
-        from .time_scale import MOST_RINGS, slowest_relaxation_time
+    def _with_times_of(self, counts: list[float]) -> "Scene":
+        """Return the scene at counts of its slowest relaxation time, to three digits."""
+        from ..wear.time_scale import slowest_relaxation_time
 
-        problem = self._posed()
-        if not problem.full_contact:
-            raise SceneError(f"{name}: {ONLY_FLAT}")
-        scale = slowest_relaxation_time(problem.rings) * problem.units.time
+        if not self.problem.full_contact:
+            raise SceneError(
+                "wear.times by running-in is known for flat punches under a force: give times as "
+                "numbers"
+            )
+        scale = slowest_relaxation_time(self.problem.rings) * self.problem.units.time
         if scale != scale:
             raise SceneError(
-                f"{name}: wear.times by running-in is known for up to {MOST_RINGS} rings: give "
-                "times as numbers"
+                "wear.times by running-in is known for up to 64 rings: give times as numbers"
             )
         times = [float(f"{count * scale:.3g}") for count in counts]
-        if any(b <= a for a, b in pairwise(times)):
+        if any(after <= before for before, after in pairwise(times)):
             times = [count * scale for count in counts]
-        timed = self.model_copy(update={"wear": self.wear.model_copy(update={"times": times})})
-        timed._counts = counts
-        return timed
+        return self._updated(wear=self.wear.model_copy(update={"times": times}))
+
+    def _updated(self, **sections: Section) -> "Scene":
+        """Return the scene with other tables, which have been checked."""
+        changed = self.model_copy(update=sections)
+        changed.__dict__.pop("problem", None)  # a copy keeps what was cached
+        return changed
 
     def table(self) -> dict[str, Any]:
-        """The scene as nested dictionaries, as `from_table` takes them."""
+        """Return the scene as nested dictionaries, as `from_table` takes them."""
         table = self.model_dump(by_alias=True, exclude_none=True, exclude_unset=True)
-        return (
-            table
-            if self._counts is None
-            else table | {"wear": table["wear"] | {"times": {"tau": self._counts}}}
-        )
+        if self.wear.tau is not None:
+            table["wear"]["times"] = {"tau": self.wear.tau}
+        return table
 
     def to_toml(self) -> str:
-        """The scene as TOML."""
+        """Return the scene as TOML."""
         return tomli_w.dumps(self.table())
 
     def changed(self, **changes: Any) -> "Scene":
-        """The same scene with some keys changed, named with double underscores.
+        """Return the scene with some keys changed, named with double underscores.
 
         ``accuracy__rtol=1e-6``.
         """
@@ -201,101 +179,78 @@ class Scene(Section):
         return Scene.from_table(table).with_heights(*self.punch.heights)
 
     def with_heights(self, *heights: Callable[[Any], Any]) -> "Scene":
-        """The same scene with functions added to the unworn face.
+        """Return the scene with functions added to the unworn face.
 
-        Heights by arrays of radii, in the scene's units.
-
-        A file cannot hold them: `to_toml` leaves them out.
+        Heights by arrays of radii, in the scene's units. A file cannot hold them: `to_toml` leaves
+        them out.
 
         Raises
         ------
         SceneError
-            if times were asked for as counts of the relaxation time, which is that of a flat punch
+            if times are counts of the relaxation time, which is that of a flat punch
         """
         if not heights:
             return self
-        if self._counts is not None:
-            raise SceneError(ONLY_FLAT)
-        changed = self.model_copy(
-            update={"punch": self.punch.model_copy(update={"heights": heights})}
-        )
-        # a copy keeps what was cached
-        changed.__dict__.pop("problem", None)
-        return changed
+        scene = self._updated(punch=self.punch.model_copy(update={"heights": heights}))
+        return scene if self.wear.tau is None else scene._with_times_of(self.wear.tau)
 
     @cached_property
     def problem(self) -> Problem:
         """What the methods are given: geometry, wear and times, non-dimensional."""
-        return self._posed()
-
-    def _posed(self) -> Problem:
         return Problem.posed(
             self.punch, self.half_space, self.load_, self.wear, self.accuracy, self.output
         )
 
 
-def _without_counts(table: dict[str, Any]) -> tuple[dict[str, Any], list[float] | None]:
-    """A table whose times are numbers, and the counts of relaxation times that they were asked for
-    as.
-    """
-    wear = table.get("wear")
-    times = wear.get("times") if isinstance(wear, dict) else None
-    if not isinstance(wear, dict) or not isinstance(times, str | dict):
-        return table, None
-    if times == "running-in":
-        counts: Any = RUNNING_IN
-    elif isinstance(times, dict) and set(times) == {"tau"}:
-        counts = times["tau"]
-    else:
-        # the check of the key says what it may be
-        return table, None
-    # what they are counts of is known when the rest is: until then they are checked as they are
-    return table | {"wear": wear | {"times": counts}}, counts
-
-
 def bundled() -> list[str]:
-    """Names of the scenes that come with ringwear."""
+    """Return the names of the scenes that come with ringwear."""
     names = (entry.name for entry in (files("ringwear.studies") / "scenes").iterdir())
     return sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))
 
 
-def _explain(error: ValidationError) -> str:
-    """One line for the first problem: the key, the value, what is wrong, and the remedy."""
+def explain(error: ValidationError) -> str:
+    """Return one line for the first problem: the key, the value, what is wrong, and the remedy."""
+    errors = error.errors(include_url=False)
     # a misspelt key also leaves its right name missing: tell the misspelling first
-    first = min(error.errors(include_url=False), key=lambda item: item["type"] != "extra_forbidden")
-    location = [str(part) for part in first["loc"]]
-    key = ".".join(location)
-    section, field = declaration(location)
-    if first["type"] == "extra_forbidden":
-        known = [info.alias or name for name, info in section.model_fields.items()]
-        close = difflib.get_close_matches(location[-1], known, 1, 0.0)
-        return f"unknown key {key}: did you mean {close[0]}? known here are {', '.join(known)}"
+    first = min(errors, key=lambda item: item["type"] != "extra_forbidden")
+    section, field = declaration([str(part) for part in first["loc"]])
+    key = key_of(first)
     remedy = f"; give {field.description}" if field is not None and field.description else ""
+    if first["type"] == "extra_forbidden":
+        names = [info.alias or name for name, info in section.model_fields.items()]
+        (nearest,) = difflib.get_close_matches(str(first["loc"][-1]), names, 1, 0.0)
+        return f"unknown key {key}: did you mean {nearest}? The keys here are {', '.join(names)}"
     if first["type"] == "missing":
-        missing = [
-            ".".join(map(str, one["loc"]))
-            for one in error.errors(include_url=False)
-            if one["type"] == "missing"
-        ]
-        keys = (
-            f"missing key {key}{remedy}"
-            if len(missing) == 1
-            else f"missing keys {', '.join(missing)}"
+        missing = [key_of(item) for item in errors if item["type"] == "missing"]
+        keys = f" {key}{remedy}" if len(missing) == 1 else f"s {', '.join(missing)}"
+        return (
+            f"missing key{keys}; needed are, for example, punch = {{ radius = 1.0, rings = 5, "
+            "wear_coefficients = [1.0, 10.0] }, half_space = { plane_strain_modulus = 1.0 }, load "
+            "= { normal_force = 2.0 }, and wear = { times = [0.0, 0.1, 1.0] } for a history"
         )
-        return f"{keys}; needed are, for example, {EXAMPLE}"
     message = first["msg"].removeprefix("Value error, ")
     if first["type"] == "value_error":
         return f"{key}: {message}" if key else message
+    if first["type"].startswith("union_tag"):
+        return f"{key}.kind: {message}{remedy}"
     return f"{key} = {first['input']!r}: {message[0].lower()}{message[1:]}{remedy}"
 
 
-def declaration(location: list[str]) -> tuple[type[Section], Any]:
-    """The section that a location lies in, and its field if it is known."""
+def key_of(error: ErrorDetails) -> str:
+    """Return the key that an error is about, as it is written: without the kind of a profile."""
+    return ".".join(str(part) for part in error["loc"] if part not in KINDS)
+
+
+def declaration(location: Sequence[str]) -> tuple[type[Section], Any]:
+    """Return the section that a location lies in, and the field of its innermost known key."""
     section: type[Section] = Scene
     field = None
     for part in location:
+        if part in KINDS:
+            section = KINDS[part]
+            continue
         names = {info.alias or name: info for name, info in section.model_fields.items()}
-        if part not in names:
+        if part not in names:  # such as the number of a value in a list
             break
         field = names[part]
         # a table that may be left out has `None` beside its own type

@@ -12,31 +12,32 @@ from typing import Self
 import numpy as np
 
 YEAR = 365.25 * 86400.0
-# kinds of quantities: sizes in SI units, ascending, with their names
-SI: dict[str, tuple[tuple[float, str], ...]] = {
-    "length": ((1e-9, "nm"), (1e-6, "µm"), (1e-3, "mm"), (1.0, "m")),
-    "force": ((1e-6, "µN"), (1e-3, "mN"), (1.0, "N"), (1e3, "kN"), (1e6, "MN")),
-    "pressure": ((1.0, "Pa"), (1e3, "kPa"), (1e6, "MPa"), (1e9, "GPa")),
-    "time": (
-        (1e-6, "µs"),
-        (1e-3, "ms"),
-        (1.0, "s"),
-        (60.0, "min"),
-        (3600.0, "h"),
-        (86400.0, "days"),
-        (YEAR, "years"),
-    ),
-    "wear_rate": (
-        (1e-9 / YEAR, "nm/year"),
-        (1e-6 / YEAR, "µm/year"),
-        (1e-9 / 3600, "nm/h"),
-        (1e-6 / 3600, "µm/h"),
-        (1e-3 / 3600, "mm/h"),
-        (1e-3, "mm/s"),
-        (1.0, "m/s"),
-    ),
-    "volume": ((1e-18, "µm³"), (1e-9, "mm³"), (1e-6, "cm³"), (1.0, "m³")),
+# units that people read a kind of quantity in, with their sizes in SI units, ascending
+SI: dict[str, dict[str, float]] = {
+    "length": {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "m": 1.0},
+    "force": {"µN": 1e-6, "mN": 1e-3, "N": 1.0, "kN": 1e3, "MN": 1e6},
+    "pressure": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
+    "time": {
+        "µs": 1e-6,
+        "ms": 1e-3,
+        "s": 1.0,
+        "min": 60.0,
+        "h": 3600.0,
+        "days": 86400.0,
+        "years": YEAR,
+    },
+    "wear_rate": {
+        "nm/year": 1e-9 / YEAR,
+        "µm/year": 1e-6 / YEAR,
+        "nm/h": 1e-9 / 3600,
+        "µm/h": 1e-6 / 3600,
+        "mm/h": 1e-3 / 3600,
+        "mm/s": 1e-3,
+        "m/s": 1.0,
+    },
+    "volume": {"µm³": 1e-18, "mm³": 1e-9, "cm³": 1e-6, "m³": 1.0},
 }
+SI["displacement"] = SI["length"]
 BASE = ("m", "N", "Pa", "s")
 UNSTATED = "the scene's own consistent units"
 # kinds of scene keys that have a unit
@@ -70,61 +71,51 @@ class UnitNames:
     """
 
     stated: str
-    base: tuple[str, str, str, str] | None = None
+    base: tuple[str, ...] | None = None
 
     @classmethod
     def of(cls, stated: str) -> Self:
-        """The names that a scene's `units` stand for."""
+        """Return the names that a scene's `units` stand for."""
+        parts = tuple(part.strip() for part in stated.split(","))
         if stated.strip().upper().startswith("SI"):
-            return cls(stated, BASE)
-        parts = [part.strip() for part in stated.split(",")]
-        if len(parts) == 4 and all(parts):
-            length, force, pressure, time = parts
-            return cls(stated, (length, force, pressure, time))
-        return cls(stated)
+            parts = BASE
+        return cls(stated, parts if len(parts) == 4 and all(parts) else None)
 
     @property
     def si(self) -> bool:
         return self.base == BASE
 
     def name(self, kind: str) -> str:
-        """The unit of a kind of quantity, as the numbers are stored; empty if nobody has
-        named it.
-        """
+        """Return the unit that a kind of quantity is stored in; empty if nobody has named it."""
         if kind in ("slope", "share", "number"):
             return "1"
         if self.base is None:
             return ""
         length, force, pressure, time = self.base
-        return {
-            "length": length,
-            "displacement": length,
-            "force": force,
-            "pressure": pressure,
-            "time": time,
-            "wear_rate": f"{length}/{time}",
-            "volume": f"{length}^3",
-            "wear_coefficient": f"1/{pressure}",
-        }[kind]
+        names = {"length": length, "displacement": length, "force": force, "pressure": pressure}
+        names |= {"time": time, "wear_rate": f"{length}/{time}", "volume": f"{length}^3"}
+        return (names | {"wear_coefficient": f"1/{pressure}"})[kind]
 
     def readable(self, size: float, kind: str) -> tuple[float, str]:
-        """A unit that numbers of this size are best read in.
+        """Return a unit that numbers of this size are best read in.
 
         How much of the stored unit it is, and its name.
         """
-        choices = SI.get({"displacement": "length"}.get(kind, kind))
-        if not (self.si and choices) or not (np.isfinite(size) and size):
+        choices = SI.get(kind) if self.si else None
+        if choices is None or not np.isfinite(size) or size == 0:
             name = self.name(kind)
             return 1.0, "" if name == "1" else name.replace("^3", "³")
+        name, unit = next(iter(choices.items()))
         # so much smaller than the smallest that a power of ten is plainer
-        if abs(size) < 1e-3 * choices[0][0]:
+        if abs(size) < 1e-3 * unit:
             return 1.0, self.name(kind)
-        return next(
-            (choice for choice in reversed(choices) if abs(size) >= 0.9995 * choice[0]), choices[0]
-        )
+        for larger, its_size in choices.items():
+            if abs(size) >= 0.9995 * its_size:
+                name, unit = larger, its_size
+        return unit, name
 
     def write(self, value: float, kind: str, digits: int = 4) -> str:
-        """A value with its unit, for people."""
+        """Return a value with its unit, for people."""
         if not np.isfinite(value):
             return "infinite" if np.isinf(value) else "not computed"
         unit, name = self.readable(value, kind)

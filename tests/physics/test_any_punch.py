@@ -293,7 +293,7 @@ def test_a_fixed_indentation() -> None:
         ({"punch__profile": {"kind": "cone"}}, ["profile", "slope"]),
         (
             {"punch__profile": {"kind": "cone", "slope": 1.0, "exponent": 2.0}},
-            ["exponent", "does not go"],
+            ["exponent", "did you mean", "slope"],
         ),
         ({"punch__profile": {"kind": "spere"}}, ["profile.kind", "parabola"]),
         (

@@ -17,17 +17,28 @@ from ringwear.meshes.radial import Array, ring_areas
 from ringwear.studies.methods.base import method
 from ringwear.studies.methods.quantities import QUANTITIES, array
 from ringwear.studies.problem.problem import Problem, Rings
-from ringwear.studies.problem.profile import InitialProfile, power, rounded_rim
+from ringwear.studies.problem.profile import InitialProfile
+from ringwear.studies.problem.sections import Power, RoundedRim
 from ringwear.studies.progress import Stages
-from ringwear.studies.wear.archard import RunningIn
+from ringwear.studies.wear.full_contact import RunningIn
 from ringwear.studies.wear.contact_edges import nodes, worn_edges
-from ringwear.studies.wear.contact_march import ContactHistory, ContactMarch
+from ringwear.studies.wear.moving_contact import ContactHistory, ContactMarch
 from ringwear.studies.wear.moments import moments
 from ringwear.studies.wear.unilateral import Load
 
 BY_FORCE = Load(1.0)
 FIVE, THREE = Rings.alternating(5, 1.0, 10.0), Rings.alternating(3, 1.0, 0.01)
 ONE = Rings(np.array([0.0, 1.0]), np.ones(1))
+
+
+def power(coefficient: float, exponent: float) -> object:
+    return Power(kind="power", coefficient=coefficient, exponent=exponent).height_over(1.0)
+
+
+def rounded_rim(flat: float, curvature: float) -> object:
+    return RoundedRim(kind="rounded_rim", flat_radius=flat, curvature_radius=curvature).height_over(
+        1.0
+    )
 
 
 def waves(count: int) -> object:

@@ -17,7 +17,7 @@ from ringwear.studies.crosscheck.accuracy import solved_to_accuracy
 from ringwear.studies.crosscheck.run import Result
 from ringwear.studies.estimates import study
 from ringwear.studies.estimates.scenes import random_scenes
-from ringwear.studies.methods.by_compliance import Discretised
+from ringwear.studies.methods.pipeline import Discretised
 from ringwear.studies.methods.mdr import Mdr
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import Prepare
 
-from ringwear.studies.wear.contact import flat_start
+from ringwear.studies.wear.flat_contact import flat_start
 
 
 @pytest.mark.parametrize("mesher", ["quads", "gmsh", "bisection"])

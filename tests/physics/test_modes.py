@@ -13,7 +13,7 @@ from scipy.sparse import csr_matrix
 from ringwear import Scene
 from ringwear.meshes.errors import SceneError, SolverError
 from ringwear.studies.methods.quantities import differences
-from ringwear.studies.wear.archard import RunningIn
+from ringwear.studies.wear.full_contact import RunningIn
 from ringwear.studies.wear.modes import BandedCholesky, every_mode, excited_modes
 from ringwear.studies.wear.shared_modes import SharedModes
 

@@ -17,7 +17,7 @@ from ringwear.studies.methods import fem
 from ringwear.studies.problem.defaults import quad_sizes
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
-from ringwear.studies.wear.archard import RunningIn
+from ringwear.studies.wear.full_contact import RunningIn
 
 
 def against_mdr(problem: Problem, first: Compliance) -> OperatorDifference:
@@ -36,7 +36,7 @@ def five_rings(**changes: object) -> Problem:
 
 
 def by_elements(problem: Problem) -> Compliance:
-    return fem.METHOD.discretised(problem, Stages("test"), coarser=False).compliance
+    return fem.METHOD.discretise(problem, Stages("test")).compliance
 
 
 @pytest.mark.parametrize(

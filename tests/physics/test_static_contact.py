@@ -17,7 +17,8 @@ from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.contact_cells import ContactCells, fitted_space
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.radial import Array
-from ringwear.studies.problem.profile import InitialProfile, power
+from ringwear.studies.problem.profile import InitialProfile
+from ringwear.studies.problem.sections import Power
 from ringwear.studies.wear.fitted_press import FittedContact, FittedPress
 from ringwear.studies.wear.moments import moments
 from ringwear.studies.wear.unilateral import Contact, Interval, Load
@@ -36,6 +37,10 @@ def on(
         return fitted_half_space(edges, infinite, degree, 0.3).compliance()
     make = energy.compliance if method == "mdr" else ring_kernel.compliance
     return make(fitted_space(edges, infinite, degree))
+
+
+def power(coefficient: float, exponent: float) -> object:
+    return Power(kind="power", coefficient=coefficient, exponent=exponent).height_over(1.0)
 
 
 def rings(edges: list[float], recess: list[float], *heights: object) -> InitialProfile:

@@ -66,7 +66,7 @@ HOLDS = {
             "time_to",
         ),
         "studies/wear/modes.py": ("every_mode", "excited_modes"),
-        "studies/problem/time_scale.py": ("slowest_relaxation_time",),
+        "studies/wear/time_scale.py": ("slowest_relaxation_time",),
         "studies/methods/base.py": ("Method",),
         "studies/methods/estimate.py": ("estimated",),
         "studies/crosscheck/agreement.py": ("agreements",),

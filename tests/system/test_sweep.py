@@ -15,7 +15,7 @@ import xarray
 from ringwear import Scene, run, sweep
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
-from ringwear.studies.methods.by_compliance import compliance_method
+from ringwear.studies.methods.pipeline import compliance_method
 from ringwear.studies.methods.estimate import estimated, worn_together
 from ringwear.studies.methods.quantities import QUANTITIES, differences, error_name
 from ringwear.studies.paper import gradients
@@ -164,7 +164,7 @@ def test_the_figures_of_the_paper(number: int) -> None:
         < 20
     )
     table = made.table | {"axes": made.table["axes"] | {"punch.rings": [2, 8]}}
-    ratios, widths, _ = gradients.POINTS[number]
+    ratios, widths = gradients.figure_ratios(number)
     varied = {6: "punch.wear_ratio", 7: "punch.width_ratio"}[number]
     asked = np.array(Sweep.of(table).axes[0].columns[varied])
     np.testing.assert_allclose(asked, ratios if number == 6 else widths, rtol=1e-13)

@@ -19,7 +19,7 @@ from ringwear.meshes.bisection import mesh as bisection
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.radial import Array
 from ringwear.meshes.sizes import SizeField
-from ringwear.studies.wear.contact import press_flat
+from ringwear.studies.wear.flat_contact import press_flat
 
 SOLVERS = ["superlu"] + ["cholmod"] * bool(importlib.util.find_spec("kvxopt"))
 EDGES = np.array([0.0, 0.3, 0.7, 1.0])

@@ -20,7 +20,7 @@ from ringwear.fem.weak_form import moduli
 from ringwear.meshes.bisection import mesh as bisection
 from ringwear.meshes.radial import Array
 from ringwear.meshes.sizes import SizeField
-from ringwear.studies.wear.contact import press_flat
+from ringwear.studies.wear.flat_contact import press_flat
 
 ORDERS = [0, 2, 4, 6]
 RATIOS = [-0.3, 0.0, 0.3, 0.5]

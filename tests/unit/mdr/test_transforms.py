@@ -20,7 +20,7 @@ from ringwear.mdr.transforms import (
 )
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import graded_breakpoints, layer_degrees, ring_areas
-from ringwear.studies.wear.contact import press_flat
+from ringwear.studies.wear.flat_contact import press_flat
 
 EDGES = np.array([0.0, 0.3, 0.45, 0.9, 1.0])
 

@@ -13,7 +13,7 @@ from ringwear.mdr.uniform_grid import UniformGrid
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array, alternating_edges
-from ringwear.studies.wear.contact import press_flat
+from ringwear.studies.wear.flat_contact import press_flat
 
 FLAT = np.array([0.0, 1.0])
 

@@ -118,9 +118,9 @@ def test_finite_elements_are_shared_by_scenes_of_other_loads_but_not_of_other_ti
     )
     assert early.unknowns > late.unknowns
     longer = replace(problem, times=np.array([1e3, 1e4]))
-    assert study.discretised(longer, "fem", coarser=False) is late
+    assert study.discretise(longer, "fem") is late
     rings = problem.rings._replace(wear_coefficients=problem.wear_coefficients**2)
-    assert study.discretised(replace(longer, rings=rings), "fem", coarser=False) is not late
+    assert study.discretise(replace(longer, rings=rings), "fem") is not late
 
 
 def test_refusals_are_not_crashes() -> None:

@@ -23,7 +23,7 @@ from ringwear.meshes.half_space import contact_radii, quality
 from ringwear.meshes.sizes import SizeField
 from ringwear.studies.refinement import study as refinement
 from ringwear.studies.refinement.adaptive import adapted, indicators, solved, uniform
-from ringwear.studies.wear.contact import press_flat
+from ringwear.studies.wear.flat_contact import press_flat
 
 FLAT = np.array([0.0, 1.0])
 
