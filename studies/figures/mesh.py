@@ -21,7 +21,15 @@ def draw_stress(result: Result) -> Figure:
     width = min(PAGE, 1.4 + 2.7 * count)
     height = (width - 1.25) / count - 0.1
     figure, panels = page(
-        1, count, 0.83 * height, width=width, top=0.5, right=0.75, across=0.1, sharey=True
+        1,
+        count,
+        0.83 * height,
+        width=width,
+        top=0.5,
+        bottom=0.55,
+        right=0.75,
+        across=0.1,
+        sharey=True,
     )
     r, z = fields.points
     beneath = (r < 1.3) & (z > 0.04) & (z < 1.0)

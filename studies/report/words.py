@@ -234,9 +234,10 @@ def _tell_wear(numbers: Numbers) -> list[str]:
     if (heights := numbers.worn_heights) is not None and heights.any():
         written = [numbers.names.write(float(height), "displacement", 3) for height in heights]
         most, least = int(heights.argmax()), int(heights.argmin())
+        others = f", the most, and ring {least + 1} by {written[least]}, the least"
         told.append(
-            f"By t = {numbers.last_time} ring {most + 1} has worn by {written[most]} on average, "
-            f"the most, and ring {least + 1} by {written[least]}, the least."
+            f"By t = {numbers.last_time} ring {most + 1} has worn by {written[most]} on average"
+            f"{others if len(heights) > 1 else ''}."
         )
     return told
 
