@@ -155,7 +155,9 @@ def _compare(options: argparse.Namespace) -> Status:
 
         sides = both(options.A, options.B)
         pairs = {name: tuple(side.curve(name) for side in sides) for name in COMPARED}
-        curves = {name: pair for name, pair in pairs.items() if pair != (None, None)}
+        curves = {
+            name: pair for name, pair in pairs.items() if any(curve is not None for curve in pair)
+        }
         if not curves:
             raise SceneError("neither has a history or a steady state: nothing can be compared")
         tables = scene_rows(*sides), answer_rows(*sides)
