@@ -15,7 +15,7 @@ from enum import IntEnum
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..meshes.errors import RingwearError, SceneError
 from .output.folder import Folder, output_folder
@@ -23,6 +23,9 @@ from .output.signals import ending_on_signals
 from .problem.scene import Scene, bundled
 from .progress import show_progress
 from .registry import INTERRUPTED, STUDIES
+
+if TYPE_CHECKING:
+    from .figures.style import Picture
 
 
 class Status(IntEnum):
@@ -55,7 +58,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> Status:
-    from .output.files import draw, files_of_run, write_numbers
+    from .output.files import INSIDE, TABLES, draw, make, write_numbers
 
     scene = Scene.load(options.scene)
     if options.rtol is not None:
@@ -63,9 +66,15 @@ def _run(options: argparse.Namespace) -> Status:
     if options.methods is not None:
         names = [name.strip() for name in options.methods.split(",")]
         scene = scene.changed(methods=list(filter(None, names)))
-    figures, report = not options.no_figures, not options.no_report
+    pictures: tuple[Picture, ...] = ()
+    if not options.no_figures:
+        from .figures.catalogue import PICTURES
+
+        pictures = PICTURES
+    files = {"results.nc", "summary.json", "report.html", INSIDE, *TABLES.values()}
+    files |= {picture.file for picture in pictures}
     # that the folder can be written to is known before the work
-    with output_folder(_out(options), "run", files_of_run(figures, options.csv)) as folder:
+    with output_folder(_out(options), "run", files) as folder:
         from .crosscheck.run import run
         from .crosscheck.scope import beyond_memory, expected, machine_memory
         from .report.printed import print_account
@@ -80,7 +89,12 @@ def _run(options: argparse.Namespace) -> Status:
         with suppress(BrokenPipeError):
             print_account(account)
             sys.stdout.flush()
-        failures = draw(result, account, folder.hidden, figures, report)
+        failures = draw(result, pictures, folder.hidden)
+        if not (options.no_figures or options.no_report):
+            from .report.page import write_report
+
+            page = partial(write_report, result, account, pictures)
+            failures += make(folder.hidden / "report.html", page)
     _print_files(folder, failures)
     if failures:
         return Status.FAILED

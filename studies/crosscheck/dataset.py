@@ -160,6 +160,11 @@ class Result:
                 found[name][key] = value * getattr(units, QUANTITIES[key].unit)
         return found
 
+    def given(self, quantity: str) -> dict[str, xarray.Dataset]:
+        """Return the non-dimensional results of the methods that give a quantity."""
+        every = {name: solution.results for name, solution in self.solutions.items()}
+        return {name: results for name, results in every.items() if quantity in results}
+
     def first_answer(self, key: str) -> Array:
         """Return an answer by the first method that gives it; NaN if none does."""
         values = [answers[key] for answers in self.answers.values()]

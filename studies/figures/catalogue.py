@@ -1,45 +1,16 @@
 """The figures of a run: what each is called, shows and needs; the folder and the page follow it."""
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import NamedTuple
-
-from matplotlib.figure import Figure
-
 from ..crosscheck.dataset import Result
 from .contact import draw_contact
 from .history import draw_history
 from .mesh import draw_result_mesh, draw_stress
 from .operators import draw_operators
-from .states import draw_states, draw_steady, given
-from .style import save
-
-
-class Picture(NamedTuple):
-    """A figure of a run.
-
-    Parameters
-    ----------
-    file : str
-        Its name in the folder of results.
-    caption : str
-        What it shows, for the page.
-    draw : Result -> Figure
-    drawn_for : Result -> bool
-        Whether a result has what it shows.
-    """
-
-    file: str
-    caption: str
-    draw: Callable[[Result], Figure]
-    drawn_for: Callable[[Result], bool]
-
-    def write(self, result: Result, path: Path) -> None:
-        save(path, self.draw, result)
+from .states import draw_states, draw_steady
+from .style import Picture
 
 
 def _has_history(result: Result) -> bool:
-    return bool(result.scene.problem.earliest and given(result, "profile"))
+    return bool(result.scene.problem.earliest and result.given("profile"))
 
 
 PICTURES = (
@@ -47,7 +18,7 @@ PICTURES = (
         "profiles_and_pressures.png",
         "Worn profiles less their least wear, and contact pressures, at some of the times.",
         draw_states,
-        lambda result: bool(given(result, "profile")),
+        lambda result: bool(result.given("profile")),
     ),
     Picture(
         "history.png",
@@ -61,13 +32,13 @@ PICTURES = (
         "Edges of the contact over time, its inside shaded, and what each ring carries and has "
         "worn off.",
         draw_contact,
-        lambda result: _has_history(result) and bool(given(result, "contact_edge")),
+        lambda result: _has_history(result) and bool(result.given("contact_edge")),
     ),
     Picture(
         "steady_state.png",
         "The steady state: limiting profile and pressure.",
         draw_steady,
-        lambda result: bool(given(result, "steady_profile")),
+        lambda result: bool(result.given("steady_profile")),
     ),
     Picture(
         "operator_difference.png",

@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 from ..crosscheck.dataset import Result
 from ..methods.quantities import array
 from .scale import Scale
-from .states import given
 from .style import complete, curve, method_curve, page, time_axis, titled
 
 
@@ -16,7 +15,7 @@ def draw_contact(result: Result) -> Figure:
     """Draw edges of the contact by every method, its inside shaded, and forces and worn volumes of
     rings by the first; of many rings, five.
     """
-    problem, scale, methods = result.scene.problem, Scale(result.scene), given(result, "contact")
+    problem, scale, methods = result.scene.problem, Scale(result.scene), result.given("contact")
     figure, panels = page(1, 3, 1.9, across=0.55)
     where, force, volume = panels[0]
     times, radii = problem.times * scale.time.factor, problem.radii * scale.radius.factor
@@ -47,7 +46,7 @@ def _draw_edges(axes: Any, result: Result, scale: Scale) -> None:
     radius, times = scale.radius.factor, result.scene.problem.times * scale.time.factor
     for edge in result.scene.problem.ring_edges[1:-1]:
         axes.axhline(edge * radius, color="0.75", linewidth=0.6, zorder=0, label="ring edge")
-    for number, (name, results) in enumerate(given(result, "contact_edge").items()):
+    for number, (name, results) in enumerate(result.given("contact_edge").items()):
         axes.plot(
             times,
             array(results, "contact_edge") * radius,

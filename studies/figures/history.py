@@ -15,7 +15,6 @@ from ..crosscheck.dataset import Result
 from ..methods.quantities import array
 from ..methods.sampler import Sampler
 from .scale import Scale
-from .states import given
 from .style import (
     FAINT,
     complete,
@@ -48,7 +47,7 @@ def draw_history(result: Result) -> Figure:
     """Draw displacement and RMS slope over time, marked at the times of the scene, and below them
     by how much of the value methods differ from the first.
     """
-    scale, methods = Scale(result.scene), given(result, "indentation")
+    scale, methods = Scale(result.scene), result.given("indentation")
     times = result.scene.problem.times * scale.time.factor
     smooth = at_any_time(result)
     if len(methods) > 1:
@@ -72,7 +71,7 @@ def draw_history(result: Result) -> Figure:
             else:
                 look = {"marker": "."} | look | {"linestyle": "none"}
                 values.plot(times[later], array(results, name)[later] * axis.factor, **look)
-        for results in list(given(result, f"steady_{name}").values())[:1]:
+        for results in list(result.given(f"steady_{name}").values())[:1]:
             steady = float(array(results, f"steady_{name}")) * axis.factor
             values.axhline(steady, **FAINT, label="steady state")
         values.set_ylabel(axis.label(what, symbol))

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..problem.problem import D0, P0
+from ...meshes.radial import Indices
+from ..problem.problem import D0, P0, Problem
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
 
@@ -82,3 +83,12 @@ class Scale:
             f"d₀ = F/(2aE*) = {write(D0 * units.displacement, 'displacement', 3)}, "
             f"p₀ = F/(2πa²) = {write(P0 * units.pressure, 'pressure', 3)}"
         )
+
+
+def shown_times(problem: Problem, most: int) -> Indices:
+    """Choose some of the times, first and last among them; of few, none is spent on the start."""
+    times = np.arange(len(problem.times))
+    if problem.earliest and most < 4:
+        times = np.flatnonzero(problem.times > 0)
+    places = np.linspace(0, len(times) - 1, min(len(times), most)).round().astype(np.int64)
+    return times[np.unique(places)]

@@ -10,14 +10,13 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import xarray
 from matplotlib.figure import Figure
 
-from ...meshes.radial import Array, Indices
+from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
 from ..methods.quantities import array
-from ..problem.problem import P0, Problem
-from .scale import Scale
+from ..problem.problem import P0
+from .scale import Scale, shown_times
 from .style import (
     FAINT,
     broken_at,
@@ -28,15 +27,6 @@ from .style import (
     titled,
     without_marks,
 )
-
-
-def given(result: Result, quantity: str) -> dict[str, xarray.Dataset]:
-    """Return the results of the methods that give a quantity."""
-    return {
-        name: solution.results
-        for name, solution in result.solutions.items()
-        if quantity in solution.results
-    }
 
 
 class Panels:
@@ -87,7 +77,7 @@ class Panels:
 
 def draw_states(result: Result) -> Figure:
     """Draw profiles and pressures at several times, every method over the other."""
-    panels, results = Panels(result), given(result, "profile")
+    panels, results = Panels(result), result.given("profile")
     states = shown_times(panels.problem, 3 if panels.many else 6)
     if panels.many:
         figure, grid = page(2 * len(states), 1, 0.95, top=0.45, down=0.3, sharex=True)
@@ -119,15 +109,6 @@ def draw_states(result: Result) -> Figure:
     return panels.complete(figure, titled(result.scene, "profiles and pressures"), pairs[0, ::-1])
 
 
-def shown_times(problem: Problem, most: int) -> Indices:
-    """Choose some of the times, first and last among them; of few, none is spent on the start."""
-    times = np.arange(len(problem.times))
-    if problem.earliest and most < 4:
-        times = np.flatnonzero(problem.times > 0)
-    places = np.linspace(0, len(times) - 1, min(len(times), most)).round().astype(np.int64)
-    return times[np.unique(places)]
-
-
 def _drawn(panels: Any, quantile: float) -> list[float]:
     """Quantiles of the values of all curves."""
     lines = [line for axes in panels for line in axes.get_lines()]
@@ -136,7 +117,7 @@ def _drawn(panels: Any, quantile: float) -> list[float]:
 
 def draw_steady(result: Result) -> Figure:
     """Draw limiting profile and steady pressure, every method over the other."""
-    panels, results = Panels(result), given(result, "steady_profile")
+    panels, results = Panels(result), result.given("steady_profile")
     if panels.many:
         figure, grid = page(2, 1, 1.3, sharex=True)
     else:

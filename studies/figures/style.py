@@ -6,7 +6,7 @@ Drawn without a display, readable in grey and in print, 89 mm or 183 mm wide.
 import textwrap
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib import rc_context
@@ -58,6 +58,30 @@ def save(path: Path, draw: Callable[..., Figure], *arguments: Any) -> None:
     with rc_context(STYLE):
         # little is gained by squeezing it longer
         draw(*arguments).savefig(path, pil_kwargs={"compress_level": 3})
+
+
+class Picture(NamedTuple):
+    """A figure of a run.
+
+    Parameters
+    ----------
+    file : str
+        Its name in the folder of results.
+    caption : str
+        What it shows, for the page.
+    draw : Result -> Figure
+    drawn_for : Result -> bool
+        Whether a result has what it shows.
+    """
+
+    file: str
+    caption: str
+    draw: Callable[[Any], Figure]
+    drawn_for: Callable[[Any], bool]
+
+    def write(self, result: Any, path: Path) -> None:
+        """Draw it and write it as PNG."""
+        save(path, self.draw, result)
 
 
 def page(

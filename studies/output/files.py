@@ -1,7 +1,7 @@
 """The files of a run and of a mesh: numbers, then what shows them, which loses no number."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,12 +16,10 @@ if TYPE_CHECKING:
     import xarray
 
     from ..crosscheck.dataset import Result
+    from ..figures.style import Picture
     from ..methods.fem import Meshed
     from ..problem.scene import Scene
-    from ..report.words import Account
 
-NUMBERS = ("results.nc", "summary.json")
-REPORT = "report.html"
 INSIDE = "half_space.vtu"
 TABLES = {
     (): "punch.csv",
@@ -35,16 +33,6 @@ TABLES = {
     ("mode",): "relaxation_times.csv",
 }
 """Tables of the results, by the dimensions besides the method."""
-
-
-def files_of_run(figures: bool, tables: bool) -> list[str]:
-    """Return the names of all files that a run may write."""
-    names = [*NUMBERS, INSIDE, *(TABLES.values() if tables else ())]
-    if figures:
-        from ..figures.catalogue import PICTURES
-
-        names += [REPORT, *(picture.file for picture in PICTURES)]
-    return names
 
 
 def write_numbers(result: "Result", directory: Path, tables: bool = False) -> None:
@@ -79,34 +67,24 @@ def write_tables(dataset: "xarray.Dataset", directory: Path) -> None:
             table.rename(columns=heads).to_csv(directory / file, index=False)
 
 
-def draw(
-    result: "Result", account: "Account", directory: Path, figures: bool, report: bool
-) -> list[str]:
-    """Write what shows a run; return what could not be made, with the reason.
+def draw(result: "Result", pictures: Sequence["Picture"], directory: Path) -> list[str]:
+    """Draw those pictures that a result has; return what could not be made, with the reason.
 
-    The inside of the half-space takes as long as the contact: without figures it is left out unless
-    the scene asks for it.
+    The inside of the half-space takes as long as the contact: without pictures it is left out
+    unless the scene asks for it.
     """
-    failures = []
-    if result.has_inside and (figures or result.scene.output.field_times):
-        from ..crosscheck.interior import write_half_space
+    from ..crosscheck.interior import write_half_space
 
+    LOG.info("  output  drawing ...")
+    failures = []
+    if result.has_inside and (pictures or result.scene.output.field_times):
         units = result.scene.problem.units
         failures += make(
             directory / INSIDE, lambda path: write_half_space(result.inside, units, path)
         )
-    if not figures:
-        return failures
-    from ..figures.catalogue import PICTURES
-
-    LOG.info("  output  drawing ...")
-    for picture in PICTURES:
+    for picture in pictures:
         if picture.drawn_for(result):
             failures += make(directory / picture.file, partial(picture.write, result))
-    if report:
-        from ..report.page import write_report
-
-        failures += make(directory / REPORT, partial(write_report, result, account))
     return failures
 
 

@@ -13,16 +13,16 @@ from typing import Any
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from ..crosscheck.dataset import Result
-from ..figures.catalogue import PICTURES
+from ..figures.style import Picture
 from ..problem.scene import Scene
 from ..versions import versions
 from .slides import slides
 from .words import Account, Rows
 
 
-def write_report(result: Result, account: Account, path: Path) -> None:
-    """Write the page of a run; its figures are those that stand beside it."""
-    shown = [(picture.file, picture.caption) for picture in PICTURES]
+def write_report(result: Result, account: Account, pictures: Iterable[Picture], path: Path) -> None:
+    """Write the page of a run with those of the pictures that stand beside it."""
+    shown = [(picture.file, picture.caption) for picture in pictures]
     rings = account.rings.shortened(256)
     about = vars(account) | {"rings": rings, "slides": slides(result)}
     _write(path, "run.html.j2", result.scene, shown, **about)

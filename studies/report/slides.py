@@ -11,8 +11,7 @@ import xarray
 
 from ...meshes.radial import Array, ring_of
 from ..crosscheck.dataset import Result
-from ..figures.scale import Scale
-from ..figures.states import shown_times
+from ..figures.scale import Scale, shown_times
 from ..methods.quantities import array
 from ..methods.sampler import Sampler
 

@@ -21,8 +21,8 @@ from ringwear.studies.crosscheck.anchors import energy_of_rings
 from ringwear.studies.crosscheck.dataset import Result
 from ringwear.studies.problem.time_scale import slowest_relaxation_time
 from ringwear.studies.problem.unit_names import UnitNames
-from ringwear.studies.report import words
-from ringwear.studies.report.printed import print_result
+from ringwear.studies.report.printed import print_account
+from ringwear.studies.report.words import Account
 
 EDGES, K = alternating_edges(5), np.array([1.0, 10.0, 1.0, 10.0, 1.0])
 
@@ -182,7 +182,7 @@ def test_numbers_for_people(value: float, kind: str, told: str) -> None:
 def test_the_answer_is_printed_before_all_else(
     five: Result, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    print_result(five)
+    print_account(Account.of(five))
     told = capsys.readouterr().out
     parts = [
         "running-in time",
@@ -204,7 +204,7 @@ def test_many_rings_are_told_by_the_first_and_the_last() -> None:
     result = run(
         Scene.load("many_rings").changed(methods=["direct"], wear__times=[], punch__rings=200)
     )
-    table = words.ring_rows(result)
+    table = Account.of(result).rings.shortened(16)
     assert len(table.rows) == 17
     assert [table.rows[index][0] for index in (0, 8, -1)] == ["1", "...", "200"]
 
@@ -213,7 +213,7 @@ def test_defaults_taken_are_said() -> None:
     table = Scene.load("five_rings").table()
     del table["half_space"]["poisson_ratio"], table["load"]["sliding_speed"]
     table["methods"] = ["direct"]
-    said = words.defaults_taken(run(Scene.from_table(table)))
+    said = Account.of(run(Scene.from_table(table))).defaults
     assert any("poisson_ratio" in line and "0.3" in line for line in said)
     assert any("sliding_speed" in line for line in said)
 
