@@ -180,7 +180,7 @@ def test_every_file_of_a_run_is_there(done: Path) -> None:
         ({"methods": ["mdr"], "punch__wear_coefficients": [2.0, 2.0]}, HISTORY | STEADY),
         ({"methods": ["mdr", "direct"], "output__radii": [0.5]}, HISTORY | STEADY),
     ],
-    ids=str,
+    ids=lambda value: str(value) if isinstance(value, dict) else "",
 )
 def test_parts_of_a_scene(changes: dict[str, Any], figures: set[str], tmp_path: Path) -> None:
     """Every sensible part of a scene runs by itself, and writes no more than it has."""

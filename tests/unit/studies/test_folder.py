@@ -46,7 +46,7 @@ def fail(patch: pytest.MonkeyPatch, stage: str, raised: BaseException) -> None:
     [
         ("ringwear.studies.crosscheck.run.run", KeyboardInterrupt(), "stopped"),
         ("ringwear.studies.crosscheck.dataset.summary", KeyboardInterrupt(), "stopped"),
-        ("ringwear.studies.figures.catalogue.save", KeyboardInterrupt(), "stopped"),
+        ("ringwear.studies.figures.style.save", KeyboardInterrupt(), "stopped"),
         ("ringwear.studies.report.page.write_report", KeyboardInterrupt(), "stopped"),
         ("xarray.Dataset.to_netcdf", FULL_DISK, "could not be written"),
         ("xarray.Dataset.to_netcdf", RuntimeError("NetCDF: HDF error"), "could not be written"),
