@@ -32,11 +32,8 @@ rtol = 1e-3
 # a line of the scene above, what stands in its place, and what is told: the key, and the remedy
 SCENES: list[tuple[str, str, tuple[str, ...]]] = [
     ("radius = 1.0", "radius = 0.0", ("punch.radius", "positive length")),
-    ("radius = 1.0", "radius = -2", ("punch.radius", "positive length")),
     ("radius = 1.0", "radius = nan", ("punch.radius", "positive length")),
-    ("radius = 1.0", "radius = inf", ("punch.radius", "positive length")),
     ("radius = 1.0", "radius = 1e-300", ("punch.radius", "1e-300", "units")),
-    ("radius = 1.0", "radius = 1e200", ("punch.radius", "1e+200", "units")),
     ("radius = 1.0", 'radius = "1 m"', ("punch.radius", "positive length")),
     ("radius = 1.0", "radius = true", ("punch.radius", "positive length")),
     (
@@ -46,7 +43,6 @@ SCENES: list[tuple[str, str, tuple[str, ...]]] = [
     ),
     ("radius = 1.0", "raduis = 1.0", ("raduis", "radius")),
     ("rings = 3", "rings = 0", ("punch.rings", "1 or more")),
-    ("rings = 3", "rings = -4", ("punch.rings", "1 or more")),
     ("rings = 3", "rings = 2.5", ("punch.rings", "number of rings")),
     ("rings = 3", "rings = 1000000", ("punch.rings", "100000")),
     ("rings = 3", "", ("rings", "ring_edges")),
@@ -55,11 +51,9 @@ SCENES: list[tuple[str, str, tuple[str, ...]]] = [
     ("rings = 3", "ring_edges = [0.5, 0.9]", ("ring_edges", "punch.radius")),
     ("rings = 3", "ring_edges = [-0.5, 1.0]", ("ring_edges", "greater than 0")),
     ("rings = 3", "rings = 3\nwidth_ratio = 0.0", ("width_ratio", "h2/h1")),
-    ("rings = 3", "rings = 3\nwidth_ratio = 1e-300", ("width_ratio", "1e-9")),
     ("[1.0, 10.0]", "[]", ("wear_coefficients", "3")),
     ("[1.0, 10.0]", "[1.0]", ("wear_coefficients", "alternate")),
     ("[1.0, 10.0]", "[1.0, 0.0]", ("wear_coefficients", "positive")),
-    ("[1.0, 10.0]", "[1.0, -1.0]", ("wear_coefficients", "positive")),
     ("[1.0, 10.0]", "10.0", ("wear_coefficients", "one for each ring")),
     ("[1.0, 10.0]", "[1e-300, 1e300]", ("wear_coefficients", "units")),
     ("plane_strain_modulus = 1.0", "", ("plane_strain_modulus", "youngs_modulus")),
@@ -104,9 +98,7 @@ SCENES: list[tuple[str, str, tuple[str, ...]]] = [
         ("march", "modal, implicit or explicit"),
     ),
     ("times = [0.0, 1.0]", 'times = [0.0, 1.0]\nmarch = "implicit"', ("march", "step")),
-    ("times = [0.0, 1.0]", "times = [0.0, 1.0]\nstep = 0.1", ("step", "modal")),
     ("rtol = 1e-3", "rtol = 0", ("accuracy.rtol", "1e-9 to 0.1")),
-    ("rtol = 1e-3", "rtol = 1.0", ("accuracy.rtol", "1e-9 to 0.1")),
     (
         "rtol = 1e-3",
         "rtol = 1e-3\n[accuracy.fem]\ndegree = 3\nmesher = 'quads'",
@@ -171,7 +163,6 @@ COMMANDS: list[tuple[list[str], tuple[str, ...]]] = [
     (["run", "{tmp}"], ("directory", "five_rings")),
     (["run", "{tmp}/bytes"], ("not a text file", "UTF-8")),
     (["run", "five_rings", "--out", ""], ("--out", "give a directory")),
-    (["run", "five_rings", "--out", " "], ("--out", "give a directory")),
     (["run", "five_rings", "--out", "{tmp}/file"], ("--out", "give a directory")),
     (["run", "five_rings", "--out", "{tmp}/file/below"], ("--out", "another directory")),
     (["run", "five_rings", "--out", "{tmp}/dangling"], ("--out", "give a directory")),
@@ -194,7 +185,6 @@ COMMANDS: list[tuple[list[str], tuple[str, ...]]] = [
     (["study", "march", "--out", ""], ("--out", "give a directory")),
     (["study", "estimates", "--seed", "-1", "--out", "{tmp}/new"], ("--seed", "-1", "0 or more")),
     (["study", "estimates", "--count", "0", "--out", "{tmp}/new"], ("--count", "0", "1 or more")),
-    (["study", "estimates", "--count", "-3", "--out", "{tmp}/new"], ("--count", "-3", "1 or more")),
     (["study", "estimates", "--rings", "0", "--out", "{tmp}/new"], ("--rings", "0", "1 or more")),
     (
         ["study", "refinement", "--mesh", "{tmp}/none.msh", "--out", "{tmp}/new"],
