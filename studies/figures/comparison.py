@@ -33,7 +33,7 @@ def draw_comparison(
     """
     scale, columns = Scale(scenes[0]), min(2, len(curves))
     rows = -(-len(curves) // columns)
-    figure, panels = page(rows, columns, 1.6, left=0.6, across=0.65, down=0.45)
+    figure, panels = page(rows, columns, 1.6, left=0.6, top=0.45, across=0.65, down=0.45)
     for axes in panels.ravel()[len(curves) :]:
         axes.set_visible(False)
     for (name, pair), axes in zip(curves.items(), panels.ravel(), strict=False):
