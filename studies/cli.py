@@ -7,287 +7,398 @@ rows of a study and scenes of a sweep are kept).
 """
 
 import argparse
-import logging
-import signal
+import os
 import sys
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
+from enum import IntEnum
+from functools import partial
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..meshes.errors import RingwearError, SceneError
-from .output.folder import Folder, held
-from .parser import parser
+from .output.folder import Folder, output_folder
+from .output.signals import ending_on_signals
 from .problem.scene import Scene, bundled
-from .progress import LOG, STAGES, STOPPED, Terminal
+from .progress import show_progress
 from .registry import INTERRUPTED, STUDIES
 
 if TYPE_CHECKING:
-    from .crosscheck.dataset import Result
+    from .figures.style import Picture
 
-DONE, FAILED, BAD_INPUT, DISAGREE = 0, 1, 2, 3
+
+class Status(IntEnum):
+    """What the command line returns."""
+
+    DONE = 0
+    FAILED = 1
+    BAD_INPUT = 2
+    DISAGREE = 3
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command line; returns the exit status."""
-    options = parser().parse_args(arguments)
-    LOG.setLevel(logging.INFO)
-    STAGES.setLevel(logging.WARNING if options.command in ("study", "sweep") else logging.NOTSET)
-    if not any(isinstance(handler, Terminal) for handler in LOG.handlers):
-        LOG.addHandler(Terminal())
+    """Run the command line; return the exit status."""
+    options = _parser().parse_args(arguments)
+    show_progress(of_stages=options.command not in ("study", "sweep"))
     try:
-        with _terminable():
-            return COMMANDS[options.command](options)
+        with ending_on_signals():
+            return COMMANDS[options.command].conduct(options)
+    except KeyboardInterrupt:
+        told = "stopped; nothing half-written was left"
     except SceneError as error:
         print(f"ringwear: {error}", file=sys.stderr)
-        return BAD_INPUT
+        return Status.BAD_INPUT
     except RingwearError as error:
-        print(f"ringwear: {error}", file=sys.stderr)
-        return FAILED
+        told = str(error)
     except OSError as error:
-        print(
-            f"ringwear: {error.filename or 'a file'} could not be written: "
-            f"{error.strerror or error}",
-            file=sys.stderr,
-        )
-        return FAILED
-    except KeyboardInterrupt:
-        print("ringwear: stopped; nothing half-written was left", file=sys.stderr)
-        return FAILED
+        told = f"{error.filename or 'a file'} could not be written: {error.strerror or error}"
+    print(f"ringwear: {told}", file=sys.stderr)
+    return Status.FAILED
 
 
-@contextmanager
-def _terminable() -> Iterator[None]:
-    """SIGTERM, by which a batch system ends a job, ends the work as Ctrl-C does."""
-    STOPPED.clear()
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    numbers = signal.SIGINT, signal.SIGTERM
-    before = [signal.signal(number, _stop) for number in numbers]
-    try:
-        yield
-    finally:
-        for number, handler in zip(numbers, before, strict=True):
-            signal.signal(number, handler)
+def _run(options: argparse.Namespace) -> Status:
+    from .output.files import INSIDE, TABLES, draw, make, write_numbers
 
-
-def _stop(*_: object) -> None:
-    STOPPED.set()
-    raise KeyboardInterrupt
-
-
-def _results_of(options: argparse.Namespace) -> Path:
-    return options.out or Path("results") / Path(options.scene).stem
-
-
-def _run(options: argparse.Namespace) -> int:
     scene = Scene.load(options.scene)
     if options.rtol is not None:
         scene = scene.changed(accuracy__rtol=options.rtol)
     if options.methods is not None:
-        scene = scene.changed(
-            methods=[name.strip() for name in options.methods.split(",") if name.strip()]
-        )
+        names = [name.strip() for name in options.methods.split(",")]
+        scene = scene.changed(methods=list(filter(None, names)))
+    pictures: tuple[Picture, ...] = ()
+    if not options.no_figures:
+        from .figures.catalogue import PICTURES
+
+        pictures = PICTURES
+    files = {"results.nc", "summary.json", "report.html", INSIDE, *TABLES.values()}
+    files |= {picture.file for picture in pictures}
     # that the folder can be written to is known before the work
-    with held(_results_of(options), "run") as folder:
-        from .crosscheck import agreement
+    with output_folder(_out(options), "run", files) as folder:
         from .crosscheck.run import run
         from .crosscheck.scope import beyond_memory, expected, machine_memory
-        from .output.of_run import draw, write_numbers
-        from .output.side_by_side import Job, make
-        from .report.printed import print_result
+        from .report.printed import print_account
+        from .report.words import Account
 
         if refusal := beyond_memory(expected(scene), options.memory or machine_memory()):
             raise SceneError(refusal)
         result = run(scene)
-        write_numbers(result, folder, tables=options.csv)
-        # nobody waits for the answer until all is drawn; and what is not out yet would be written
-        # by a forked process, too
+        write_numbers(result, folder.hidden, options.csv)
+        account = Account.of(result)
+        # nobody waits for the answer until all is drawn
         with suppress(BrokenPipeError):
-            print_result(result)
+            print_account(account)
             sys.stdout.flush()
-        failures = draw(result, folder, figures=not options.no_figures)
+        failures = draw(result, pictures, folder.hidden)
         if not (options.no_figures or options.no_report):
-            failures += make(
-                [Job("report.html", lambda path: _write_report(result, folder.hidden, path))],
-                [],
-                folder.hidden,
-            )
-    _say_files(folder)
-    for failure in failures:
-        print(f"ringwear: {failure}", file=sys.stderr)
+            from .report.page import write_report
+
+            page = partial(write_report, result, account, pictures)
+            failures += make(folder.hidden / "report.html", page)
+    _print_files(folder, failures)
     if failures:
-        return FAILED
-    return DISAGREE if result.verdict == agreement.DISAGREE or result.short_of else DONE
+        return Status.FAILED
+    return Status.DISAGREE if result.verdict == "disagree" or result.short_of else Status.DONE
 
 
-def _write_report(result: "Result", figures: Path, path: Path) -> None:
-    from .report.page import write_report
-
-    write_report(result, figures, path)
+def _out(options: argparse.Namespace) -> Path:
+    return options.out or Path("results") / Path(options.scene).stem
 
 
-def _say_files(folder: Folder) -> None:
-    print(f"\n{len(folder.published)} files in {folder.out}: {', '.join(folder.published)}")
-    for note in folder.notes:
-        print(f"note: {note}")
-    if foreign := folder.foreign():
-        shown = ", ".join(foreign[:5]) + (" ..." if len(foreign) > 5 else "")
+def _print_files(folder: Folder, failures: list[str]) -> None:
+    print(f"\n{len(folder.written)} files in {folder.out}: {', '.join(folder.written)}")
+    if foreign := sorted(folder.foreign()):
+        listed = ", ".join(foreign[:5]) + (" ..." if len(foreign) > 5 else "")
         print(
             f"note: {len(foreign)} other files there are not of ringwear, and were left alone: "
-            f"{shown}"
+            f"{listed}"
         )
+    for failure in failures:
+        print(f"ringwear: {failure}", file=sys.stderr)
 
 
-def _plan(options: argparse.Namespace) -> int:
+def _plan(options: argparse.Namespace) -> Status:
     from .crosscheck.run import run
-    from .crosscheck.scope import plan, time_scale
+    from .crosscheck.scope import left_out, modelled, plan, time_scale
     from .report.printed import print_scope
 
     scene = Scene.load(options.scene)
-    print(f"\n{scene.title or 'Untitled scene'}")
-    for line in time_scale(scene):
-        print(line)
-    print()
-    print_scope(scene)
-    print("\nBy method")
-    for line in plan(scene):
-        print(f"  {line}")
+    print(f"\n{scene.title or 'Untitled scene'}", *time_scale(scene), "", sep="\n")
+    print_scope(modelled(scene), left_out(scene))
+    print("\nBy method", *(f"  {line}" for line in plan(scene)), sep="\n")
     # the finite elements' multipliers against a compliance that resolves every pressure they have
-    for both in run(scene.changed(methods=["mdr", "fem"])).operators if options.check else ():
+    for pair in run(scene.changed(methods=["mdr", "fem"])).operators if options.check else ():
         print(
-            f"\nMultipliers: inf-sup constant {both.stability**0.5:.2f}, least ratio of energies "
-            f"{both.stability:.2f} "
-            f"({both.methods[0]} over {both.methods[1]}); over all steady states they differ by "
-            f"{both.rings:.1e}"
+            f"\nMultipliers: inf-sup constant {pair.stability**0.5:.2f}, least ratio of energies "
+            f"{pair.stability:.2f} ({pair.methods[0]} over {pair.methods[1]}); over all steady "
+            f"states they differ by {pair.rings:.1e}"
         )
-    return DONE
+    return Status.DONE
 
 
-def _mesh(options: argparse.Namespace) -> int:
+def _mesh(options: argparse.Namespace) -> Status:
     scene = Scene.load(options.scene)
-    with held(_results_of(options), "mesh") as folder:
+    with output_folder(_out(options), "mesh", ["mesh.vtu", "mesh.png"]) as folder:
         from ..meshes.half_space import quality
         from .methods.fem import half_space_mesh
-        from .output.of_run import write_mesh
+        from .output.files import write_mesh
 
         meshed = half_space_mesh(scene.problem)
-        write_mesh(scene, meshed, folder)
+        write_mesh(scene, meshed, folder.hidden)
     mesh, shape = meshed.mesh, quality(meshed.mesh)
     kind = {3: "triangles", 4: "quadrilaterals"}[len(mesh.t)]
     print(
         f"{mesh.nelements} {kind} by {meshed.mesher}, {len(mesh.boundaries['contact'])} facets on "
-        "the contact, "
-        f"quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean {shape.mean():.2f}"
+        f"the contact, quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean "
+        f"{shape.mean():.2f}",
+        *(f"note: {note}" for note in meshed.notes),
+        sep="\n",
     )
-    for note in meshed.notes:
-        print(f"note: {note}")
-    _say_files(folder)
-    return DONE
+    _print_files(folder, [])
+    return Status.DONE
 
 
-def _compare(options: argparse.Namespace) -> int:
-    with held(options.out, "compare") as folder:
-        from .figures.comparison import OVER_RADIUS, OVER_TIME, draw_comparison
-        from .report import comparison
+def _compare(options: argparse.Namespace) -> Status:
+    files = ("scenes.csv", "answers.csv", "comparison.png")
+    with output_folder(options.out, "compare", files) as folder:
+        from .figures.comparison import COMPARED, draw_comparison
+        from .figures.style import save
+        from .report.comparison import answer_rows, both, scene_rows
         from .report.printed import print_rows
         from .tables import Table
 
-        one, other = comparison.both(options.A, options.B)
-        keys, answers = comparison.scene_rows(one, other), comparison.answer_rows(one, other)
-        curves = {name: (one.curve(name), other.curve(name)) for name in (*OVER_RADIUS, *OVER_TIME)}
-        if not any(found is not None for pair in curves.values() for found in pair):
-            raise SceneError(
-                "neither result holds a history or a steady state: there is nothing to compare"
-            )
-        Table(folder.hidden / "scenes.csv", keys.headers, keys.rows)
-        Table(folder.hidden / "answers.csv", answers.headers, answers.rows)
-        draw_comparison((one.scene, other.scene), curves, folder.hidden / "comparison.png")
-    print(f"A: {one.name}\nB: {other.name}\n")
-    print_rows(keys)
-    print()
-    print_rows(answers)
-    _say_files(folder)
-    return DONE
+        sides = both(options.A, options.B)
+        pairs = {name: tuple(side.curve(name) for side in sides) for name in COMPARED}
+        curves = {
+            name: pair for name, pair in pairs.items() if any(curve is not None for curve in pair)
+        }
+        if not curves:
+            raise SceneError("neither has a history or a steady state: nothing can be compared")
+        tables = scene_rows(*sides), answer_rows(*sides)
+        for file, rows in zip(files, tables, strict=False):
+            Table(folder.hidden / file, *rows)
+        scenes = tuple(side.scene for side in sides)
+        save(folder.hidden / files[-1], draw_comparison, scenes, curves)
+    print(f"A: {options.A}\nB: {options.B}")
+    for rows in tables:
+        print()
+        print_rows(rows)
+    _print_files(folder, [])
+    return Status.DONE
 
 
-def _study(options: argparse.Namespace) -> int:
+def _study(options: argparse.Namespace) -> Status:
     from .tables import keeping_rows
 
-    scene = Scene.load(options.scene)
-    study = STUDIES[options.study]
+    scene, study = Scene.load(options.scene), STUDIES[options.study]
     if not scene.problem.full_contact:
         raise SceneError(
             f"study {options.study} is about flat punches under a force: leave out punch.recess "
-            "and "
-            "punch.profile, and give load.normal_force"
+            "and punch.profile, and give load.normal_force"
         )
-    with held(options.out or Path("results") / options.study, f"study {options.study}") as folder:
-        conclusions = list[str]()
+    out = options.out or Path("results") / options.study
+    with output_folder(out, f"study {options.study}", ["report.html"]) as folder:
+        conclusions, failures = list[str](), list[str]()
         with keeping_rows(conclusions):
             conclusions += study.conduct(scene, folder.hidden, options)
         if conclusions == [INTERRUPTED]:
-            # stopped between its rows: tables are whole after every row, but a figure may be half
-            # there
-            for file in set(folder.hidden.iterdir()) - set(folder.hidden.glob("*.csv")):
-                file.unlink()
-            if not any(_rows(file) for file in folder.hidden.iterdir()):
-                raise KeyboardInterrupt
-        failures = list[str]()
+            _keep_tables(folder.hidden)
         with keeping_rows(conclusions):
-            from .output.side_by_side import Job, make
+            from .output.files import make
             from .report.page import write_study
 
-            named = options.study, study.purpose
-            page = Job(
-                "report.html",
-                lambda path: write_study(named, scene, conclusions, folder.hidden, path),
-            )
-            failures += make([page], [], folder.hidden)
+            write = partial(write_study, options.study, study.purpose, scene, conclusions)
+            failures += make(folder.hidden / "report.html", write)
     print("\n".join(conclusions))
-    _say_files(folder)
-    for failure in failures:
-        print(f"ringwear: {failure}", file=sys.stderr)
-    return FAILED if failures or INTERRUPTED in conclusions else DONE
+    _print_files(folder, failures)
+    return Status.FAILED if failures or INTERRUPTED in conclusions else Status.DONE
 
 
-def _rows(table: Path) -> int:
-    """Rows of a table below its heading."""
-    return len(table.read_text("utf-8").splitlines()) - 1
+def _keep_tables(directory: Path) -> None:
+    """Remove what may be half there of a study that was stopped between its rows: tables are whole
+    after every row.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        if there are no rows either
+    """
+    tables = set(directory.glob("*.csv"))
+    for file in set(directory.iterdir()) - tables:
+        file.unlink()
+    if not any(len(table.read_text("utf-8").splitlines()) > 1 for table in tables):
+        raise KeyboardInterrupt
 
 
-def _sweep(options: argparse.Namespace) -> int:
+def _sweep(options: argparse.Namespace) -> Status:
     from .sweep.conduct import swept
 
     if options.workers < 1:
         raise SceneError(f"--workers {options.workers}: give 1 or more")
-    options.scene = options.file
     if options.retry_failed and not options.resume:
         raise SceneError("--retry-failed tries again what is in the directory: give --resume, too")
-    conclusions, complete, agree = swept(options.file, _results_of(options), options)
+    options.scene = options.file
+    conclusions, complete, agree = swept(options.file, _out(options), options)
     print("\n".join(conclusions))
     if not complete:
-        return FAILED
-    return DONE if agree else DISAGREE
+        return Status.FAILED
+    return Status.DONE if agree else Status.DISAGREE
 
 
-def _scenes(_: argparse.Namespace) -> int:
+def _scenes(_: argparse.Namespace) -> Status:
     for name in bundled():
         print(f"{name:<18}{Scene.load(name).title}")
-    return DONE
+    return Status.DONE
 
 
+def _directory(text: str) -> Path:
+    if not text.strip():
+        raise argparse.ArgumentTypeError("is empty: give a directory")
+    return Path(text)
+
+
+Argument = tuple[str, dict[str, Any]]
+"""Name or flag, and what else argparse takes."""
+
+
+class Command(NamedTuple):
+    """A command: what it does in a line, what does it, and what it takes."""
+
+    help: str
+    conduct: Callable[[argparse.Namespace], Status]
+    arguments: tuple[Argument, ...] = ()
+
+
+def _flag(name: str, help: str) -> Argument:
+    return name, {"action": "store_true", "help": help}
+
+
+def _out_argument(default: str) -> Argument:
+    return "--out", {"type": _directory, "help": f"directory (default: {default})"}
+
+
+SCENE: Argument = ("scene", {"help": "a TOML file or a bundled scene"})
+MEMORY: Argument = (
+    "--memory",
+    {
+        "type": float,
+        "metavar": "GIB",
+        "help": "most memory in GiB; what would need more is refused before it starts (default: "
+        "what the machine has)",
+    },
+)
+SIDE = {"help": "a folder that `ringwear run` has written, a TOML file or a bundled scene"}
 COMMANDS = {
-    "run": _run,
-    "plan": _plan,
-    "mesh": _mesh,
-    "compare": _compare,
-    "study": _study,
-    "sweep": _sweep,
-    "scenes": _scenes,
+    "run": Command(
+        "compute a scene by every method it names, and compare them",
+        _run,
+        (
+            (
+                "scene",
+                {
+                    "nargs": "?",
+                    "default": "five_rings",
+                    "help": "a TOML file or a bundled scene (default: five_rings)",
+                },
+            ),
+            _out_argument("results/SCENE"),
+            ("--rtol", {"type": float, "help": "relative accuracy, in place of the scene's"}),
+            ("--methods", {"help": "methods, comma-separated, in place of the scene's"}),
+            _flag("--no-figures", "numbers only: neither figures nor the report"),
+            _flag("--no-report", "figures, but no report.html"),
+            _flag("--csv", "the results as CSV tables, too"),
+            MEMORY,
+        ),
+    ),
+    "plan": Command(
+        "say what a scene will take, without computing it",
+        _plan,
+        (
+            SCENE,
+            _flag("--check", "also condense it, and report the stability of the multipliers"),
+        ),
+    ),
+    "mesh": Command(
+        "mesh the half-space of a scene: a VTU file and a figure",
+        _mesh,
+        (SCENE, _out_argument("results/SCENE")),
+    ),
+    "compare": Command(
+        "two folders of results, or scenes: what differs, drawn together",
+        _compare,
+        (
+            ("A", SIDE),
+            ("B", SIDE),
+            ("--out", {"type": _directory, "default": Path("results/compare")}),
+        ),
+    ),
+    "study": Command("a study: figures, tables and a conclusion", _study),
+    "sweep": Command(
+        "a map: many scenes over axes of scene keys, kept in one labelled store",
+        _sweep,
+        (
+            ("file", {"help": "a sweep file (studies/sweep/README.md), or a bundled sweep"}),
+            ("--out", {"type": Path, "help": "directory for the store (default: results/FILE)"}),
+            (
+                "--scheduler",
+                {"metavar": "ADDRESS", "help": "a Dask scheduler, to compute on its workers"},
+            ),
+            (
+                "--workers",
+                {
+                    "type": int,
+                    "default": os.cpu_count() or 1,
+                    "help": "processes on this machine (default: its cores)",
+                },
+            ),
+            MEMORY,
+            _flag("--dry-run", "say what it will take, without computing"),
+            _flag("--resume", "go on with what is in the directory"),
+            _flag("--retry-failed", "with --resume: try again the scenes that failed"),
+        ),
+    ),
+    "scenes": Command("list the bundled scenes", _scenes),
 }
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="ringwear",
+        description="Wear of a ringed punch on an elastic half-space: finite elements, "
+        "dimensionality reduction and direct integration, side by side.",
+    )
+    parser.add_argument("--version", action="version", version=f"ringwear {_version()}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
+    for name, command in COMMANDS.items():
+        taker = commands.add_parser(name, help=command.help)
+        _add(taker, command.arguments)
+        if name == "study":
+            names = taker.add_subparsers(required=True, metavar="NAME", dest="study")
+            for study, row in STUDIES.items():
+                scene = {"nargs": "?", "default": row.scene, "help": f"(default: {row.scene})"}
+                _add(
+                    names.add_parser(study, help=row.purpose),
+                    (
+                        ("scene", scene),
+                        _out_argument(f"results/{study}"),
+                        _flag("--quick", "a smaller version of the study"),
+                        *row.options,
+                    ),
+                )
+    return parser
+
+
+def _add(parser: argparse.ArgumentParser, arguments: tuple[Argument, ...]) -> None:
+    for name, settings in arguments:
+        parser.add_argument(name, **settings)
+
+
+def _version() -> str:
+    try:
+        return version("ringwear")
+    except PackageNotFoundError:
+        return "(not installed)"
+
 
 if __name__ == "__main__":
     raise SystemExit(main())

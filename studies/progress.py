@@ -4,7 +4,6 @@ work.
 
 import logging
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -12,11 +11,8 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 T = TypeVar("T")
-# set by Ctrl-C and SIGTERM: a library may take the exception for a failure of its own
-STOPPED = threading.Event()
 LOG = logging.getLogger("ringwear")
 STAGES = LOG.getChild("stages")  # of single methods: more than a study wants to show
-EVERY = 10.0  # seconds between lines of progress that are not for a terminal
 
 
 @dataclass
@@ -49,10 +45,18 @@ def progress(items: Sequence[T], of: str, label: Callable[[T], object] = str) ->
         yield item
 
 
+def show_progress(of_stages: bool) -> None:
+    """Show the log on standard error, if wanted with the stages of single methods."""
+    LOG.setLevel(logging.INFO)
+    STAGES.setLevel(logging.NOTSET if of_stages else logging.WARNING)
+    if not any(isinstance(handler, Terminal) for handler in LOG.handlers):
+        LOG.addHandler(Terminal())
+
+
 class Terminal(logging.Handler):
     """The log on standard error.
 
-    On a terminal unfinished lines are written over; elsewhere one shows now and then.
+    On a terminal unfinished lines are written over; elsewhere one shows every ten seconds.
     """
 
     _last = float("-inf")
@@ -62,6 +66,6 @@ class Terminal(logging.Handler):
         unfinished = line.endswith("...")
         if sys.stderr.isatty():
             print(f"\r\033[K{line}", end="" if unfinished else "\n", file=sys.stderr, flush=True)
-        elif not unfinished or now - self._last > EVERY:
+        elif not unfinished or now - self._last > 10:
             self._last = now
             print(line, file=sys.stderr, flush=True)

@@ -36,7 +36,7 @@ from ..methods.costs import (
     number_terms,
     terms,
 )
-from ..output import of_run, side_by_side
+from ..output import files
 from ..problem.scene import Scene
 
 DIALS = {
@@ -144,13 +144,12 @@ def measured(scene: Scene, cholmod: bool = True) -> Measured:
                 running, "compare_operators", timed("check", lambda *of: list(compare(*of)))
             ),
             patch.object(running, "run", timed("run", running.run)),
-            patch.object(of_run, "draw", timed("figures", of_run.draw)),
-            patch.object(side_by_side, "make", timed("figures", side_by_side.make)),
+            patch.object(files, "draw", timed("figures", files.draw)),
         ):
             # the command is above all that it commands
             command = import_module("ringwear.studies.cli")
             status = command.main(["run", str(file), "--out", directory])
-    assert status in (command.DONE, command.DISAGREE), scene.title
+    assert status in (command.Status.DONE, command.Status.DISAGREE), scene.title
     whole = loaded + processor() - started
     methods = {name: seconds[name] for name in scene.methods}
     numbers = whole - sum(methods.values()) - seconds["check"] - seconds["figures"]

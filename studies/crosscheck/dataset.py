@@ -32,6 +32,7 @@ from ..wear.modes import SHOWN
 from .agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
 from .anchors import Anchor, anchors
 from .answer import ALSO, answer
+from .interior import Interior, interior
 from .operators import OperatorDifference
 from .scope import left_out, modelled
 
@@ -158,6 +159,27 @@ class Result:
                 )
                 found[name][key] = value * getattr(units, QUANTITIES[key].unit)
         return found
+
+    def given(self, quantity: str) -> dict[str, xarray.Dataset]:
+        """Return the non-dimensional results of the methods that give a quantity."""
+        every = {name: solution.results for name, solution in self.solutions.items()}
+        return {name: results for name, results in every.items() if quantity in results}
+
+    def first_answer(self, key: str) -> Array:
+        """Return an answer by the first method that gives it; NaN if none does."""
+        values = [answers[key] for answers in self.answers.values()]
+        return next((value for value in values if np.isfinite(value).any()), values[0])
+
+    @property
+    def has_inside(self) -> bool:
+        """Whether finite elements of a flat punch can tell what is inside the half-space."""
+        fem = self.solutions.get("fem")
+        return self.scene.problem.full_contact and fem is not None and fem.half_space is not None
+
+    @cached_property
+    def inside(self) -> Interior:
+        """Displacements and stresses inside the half-space."""
+        return interior(self.scene, self.solutions["fem"])
 
     @cached_property
     def dataset(self) -> xarray.Dataset:

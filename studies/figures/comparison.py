@@ -1,100 +1,66 @@
 """Two results drawn together: steady profiles and pressures, displacement and slope over time."""
 
 from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray
+from matplotlib.figure import Figure
 
 from ..problem.scene import Scene
 from .scale import Scale
-from .style import Margins, broken_at, curve, footing, heading, page, powers, save, styled
+from .style import broken_at, complete, curve, page, time_axis
 
-# quantity: kind of its axis and its label
-OVER_RADIUS = {
+COMPARED = {
     "steady_profile": ("height", "limiting profile", "f_{stat}"),
     "steady_pressure": ("pressure", "steady pressure", "p"),
-}
-OVER_TIME = {
     "displacement_max": ("height", "greatest displacement", "u_{max}"),
-    "rms_slope": ("slope", "RMS slope", ""),
+    "rms_slope": ("slope", "RMS slope", "s"),
 }
-# beyond this ratio of the last time to the first, time is logarithmic
-DECADES = 30.0
+"""Quantities that are drawn: axis of `Scale`, what they are, and symbol."""
 
 
-@styled
 def draw_comparison(
-    scenes: tuple[Scene, Scene],
-    curves: Mapping[str, tuple[xarray.DataArray | None, ...]],
-    path: Path,
-) -> None:
-    """What both give, in the units of the first; a quantity that neither gives has no panel.
+    scenes: tuple[Scene, Scene], curves: Mapping[str, tuple[xarray.DataArray | None, ...]]
+) -> Figure:
+    """Draw what both give, in the units of the first.
 
     Parameters
     ----------
-    scenes : A and B
-    curves : by quantity, that of A and of B, in the scenes' units
+    scenes
+        A and B.
+    curves
+        By the quantity, that of A and of B, in the scenes' units; one of them may be None.
     """
-    given = {name: pair for name, pair in curves.items() if any(one is not None for one in pair)}
-    scale = Scale(scenes[0])
-    columns = min(2, len(given))
-    figure, panels = page(
-        -(-len(given) // columns),
-        columns,
-        1.6,
-        Margins(left=0.6, across=0.65, down=0.45, top=0.3, bottom=0.8),
-    )
-    for axes in panels.ravel()[len(given) :]:
+    scale, columns = Scale(scenes[0]), min(2, len(curves))
+    rows = -(-len(curves) // columns)
+    figure, panels = page(rows, columns, 1.6, left=0.6, top=0.45, across=0.65, down=0.45)
+    for axes in panels.ravel()[len(curves) :]:
         axes.set_visible(False)
-    for (name, pair), axes in zip(given.items(), panels.ravel(), strict=False):
-        kind, what, symbol = (OVER_RADIUS | OVER_TIME)[name]
-        axis, base = getattr(scale, kind), {"height": "displacement"}.get(kind, kind)
-        factor = axis.factor / getattr(scale.units, base)
-        across = scale.radius if name in OVER_RADIUS else scale.time
-        unit = scale.units.length if name in OVER_RADIUS else scale.units.time
-        for number, (scene, one) in enumerate(zip(scenes, pair, strict=True)):
-            if one is not None:
-                _draw(axes, number, scene, one, (across.factor / unit, factor))
-        axes.set_ylabel(axis.label(what, symbol) if symbol else scale.slope_label)
-        axes.set_xlabel(
-            scale.radius.label("radius", "r")
-            if name in OVER_RADIUS
-            else scale.time.label("time", "t")
-        )
+    for (name, pair), axes in zip(curves.items(), panels.ravel(), strict=False):
+        kind, what, symbol = COMPARED[name]
+        upright = getattr(scale, kind)
+        over_time = "steady" not in name
+        across = scale.time if over_time else scale.radius
+        for number, (scene, values) in enumerate(zip(scenes, pair, strict=True)):
+            if values is None:
+                continue
+            places, heights = values[values.dims[0]].values, values.values
+            if name == "steady_pressure":
+                edges = scene.problem.merged.ring_edges * scale.radius.stored
+                places, heights = broken_at(edges, places, heights)
+            axes.plot(
+                places * across.factor / across.stored,
+                heights * upright.factor / upright.stored,
+                **curve(number) | ({} if over_time else {"marker": ""}),
+                label="AB"[number],
+            )
+        if over_time:
+            times = np.union1d(*(scene.wear.times for scene in scenes))
+            time_axis(axes, times * across.factor / across.stored)
+        axes.set_xlabel(across.label("time", "t") if over_time else across.label("radius", "r"))
+        axes.set_ylabel(upright.label(what, symbol))
         if name == "steady_profile":
             axes.invert_yaxis()
-    if any(name in OVER_TIME for name in given):
-        _time_axes(
-            [axes for name, axes in zip(given, panels.ravel(), strict=False) if name in OVER_TIME],
-            scenes,
-        )
     a, b = (scene.title or "untitled" for scene in scenes)
     note = f"{scale.note} of A" if scale.note else ""
-    footing(figure, [panels[0, 0]], note)
-    heading(figure, f"A: {a}; B: {b}")
-    save(figure, path)
-
-
-def _draw(
-    axes: Any, number: int, scene: Scene, one: xarray.DataArray, factors: tuple[float, float]
-) -> None:
-    places, values = one[one.dims[0]].values, one.values
-    look = curve(number) | {"label": "AB"[number]}
-    if one.name == "steady_pressure":
-        places, values = broken_at(
-            scene.problem.merged.ring_edges * scene.problem.units.length, places, values
-        )
-    if one.dims[0] == "radius":
-        look["marker"] = ""
-    later = places > 0 if one.dims[0] == "time" else np.ones(len(places), bool)
-    axes.plot(places[later] * factors[0], values[later] * factors[1], **look)
-
-
-def _time_axes(panels: list[Any], scenes: tuple[Scene, Scene]) -> None:
-    times = [time for scene in scenes for time in scene.wear.times if time > 0]
-    for axes in panels:
-        if times and max(times) / min(times) > DECADES:
-            axes.set_xscale("log")
-            powers(axes.xaxis)
+    return complete(figure, f"A: {a}; B: {b}", [panels[0, 0]], note)

@@ -1,81 +1,100 @@
-"""Figures of the half-space: its mesh, and the stresses in it."""
+"""The half-space: its mesh, and the stresses in it."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from ...meshes.half_space import contact_radii, truncation
 from ...meshes.radial import Array
-from ..crosscheck.interior import NEAR, Interior
-from ..problem.scene import Scene
+from ..crosscheck.dataset import Result
+from ..crosscheck.interior import NEAR
 from .scale import Scale
-from .style import PAGE, RED, Margins, footing, heading, page, save, styled, titled
+from .style import PAGE, RED, complete, page, titled
 
 
-@styled
-def draw_stress(scene: Scene, fields: Interior, path: Path) -> None:
-    """Von Mises stress under the rings, at every state whose inside was recovered."""
-    ring_edges, count, scale = scene.problem.ring_edges, len(fields.labels), Scale(scene)
-    width = min(PAGE, 0.5 + 2.7 * count + 0.9)
-    margins = Margins(top=0.5, bottom=0.55, right=0.75, across=0.1)
-    side = (width - margins.left - margins.right - (count - 1) * margins.across) / count
-    figure, panels = page(1, count, side * 1.08 / 1.3, margins, width, sharey=True)
+def draw_stress(result: Result) -> Figure:
+    """Draw the von Mises stress under the rings, at every state whose inside was recovered."""
+    fields, scale, count = result.inside, Scale(result.scene), len(result.inside.labels)
+    width = min(PAGE, 1.4 + 2.7 * count)
+    height = (width - 1.25) / count - 0.1
+    figure, panels = page(
+        1,
+        count,
+        0.83 * height,
+        width=width,
+        top=0.5,
+        bottom=0.55,
+        right=0.75,
+        across=0.1,
+        sharey=True,
+    )
     r, z = fields.points
     beneath = (r < 1.3) & (z > 0.04) & (z < 1.0)
-    shown = fields.von_mises * scale.pressure.factor
-    levels = MaxNLocator(12).tick_values(0, 1.2 * float(shown[:, beneath].max()))
-    near = fields.triangles[
-        :, (r[fields.triangles].min(axis=0) < 1.3) & (z[fields.triangles].min(axis=0) < 1.0)
-    ]
-    for values, label, error, axes in zip(
-        shown, fields.labels, fields.errors["von_mises"], panels[0], strict=True
+    stress = fields.von_mises * scale.pressure.factor
+    levels = MaxNLocator(12).tick_values(0, 1.2 * float(stress[:, beneath].max()))
+    near = (r[fields.triangles].min(axis=0) < 1.3) & (z[fields.triangles].min(axis=0) < 1.0)
+    for axes, values, label, error in zip(
+        panels[0], stress, fields.labels, fields.errors["von_mises"], strict=True
     ):
-        filled = axes.tricontourf(r, z, near.T, values, levels, cmap="viridis", extend="max")
-        axes.plot([0, 1], [-0.02, -0.02], color=RED, linewidth=2)
-        axes.plot(
-            ring_edges[1:-1], np.full(len(ring_edges) - 2, -0.05), "|", color=RED, markersize=3
+        filled = axes.tricontourf(
+            r, z, fields.triangles[:, near].T, values, levels, cmap="viridis", extend="max"
         )
+        _draw_punch(axes, 1.0, result.scene.problem.ring_edges)
         axes.set(xlim=(0, 1.3), ylim=(1.0, -0.08), aspect="equal", xlabel="$r/a$", anchor="W")
         state = "steady state" if label == "steady" else scale.when(float(label.removeprefix("t=")))
         axes.set_title(f"{state}; errors up to {error:.0e} F/(πa²)")
     panels[0, 0].set_ylabel("depth $z/a$")
-    low, high = margins.bottom / figure.get_figheight(), 1 - margins.top / figure.get_figheight()
-    bar = figure.add_axes((1 - 0.62 / width, low, 0.12 / width, high - low))
+    _, low, _, high = panels[0, 0].get_position().bounds
+    bar = figure.add_axes((1 - 0.62 / width, low, 0.12 / width, high))
     figure.colorbar(filled, cax=bar, label=scale.pressure.label("von Mises stress", "\\sigma"))
     note = (
         f"errors: by their own estimate, further than {NEAR:g} a from the rim and from ring edges, "
         "which are marked"
     )
-    footing(figure, (), "; ".join(part for part in (note, scale.note.rpartition(", ")[2]) if part))
-    heading(figure, titled(scene.title, "von Mises stress under the rings"))
-    save(figure, path)
-
-
-@styled
-def draw_mesh(mesh: Any, mesher: str, ring_edges: Array, path: Path) -> None:
-    """The whole mesh, the mesh under the punch, and the mesh at the rim."""
-    from ...meshes.half_space import contact_radii, truncation
-
-    figure, (panels,) = page(1, 3, 2.05, Margins(top=0.45, bottom=0.35, across=0.4))
-    rim = max(30 * float(np.diff(contact_radii(mesh)).min()), 1e-6)
-    mesh_panel(panels[0], mesh, (0, truncation(mesh)), "whole", "$r/a$")
-    mesh_panel(panels[1], mesh, (0, 1.15), "under the punch", "$r/a$")
-    panels[1].plot(
-        ring_edges[1:-1], np.full(len(ring_edges) - 2, -0.035), "|", color=RED, markersize=3
+    return complete(
+        figure,
+        titled(result.scene, "von Mises stress under the rings"),
+        note="; ".join(filter(None, (note, scale.note.rpartition(", ")[2]))),
     )
-    mesh_panel(panels[2], mesh, (-rim, rim), "at the rim", "$(r-a)/a$", centre=1.0)
-    panels[0].set_ylabel("depth $z/a$")
-    heading(figure, f"half-space mesh by {mesher}; the punch is red, ring edges are marked")
-    save(figure, path)
+
+
+def draw_result_mesh(result: Result) -> Figure:
+    """Draw the mesh of the finite elements."""
+    fem = result.solutions["fem"]
+    assert fem.half_space is not None
+    return draw_mesh(
+        fem.half_space.solid.mesh, fem.settings["mesher"], result.scene.problem.ring_edges
+    )
+
+
+def draw_mesh(mesh: Any, mesher: str, ring_edges: Array) -> Figure:
+    """Draw the whole mesh, the mesh under the punch, and the mesh at the rim."""
+    figure, panels = page(1, 3, 2.05, top=0.45, bottom=0.35, across=0.4)
+    whole, under, at_rim = panels[0]
+    rim = max(30 * float(np.diff(contact_radii(mesh)).min()), 1e-6)
+    mesh_panel(whole, mesh, (0, truncation(mesh)), "whole", "$r/a$")
+    mesh_panel(under, mesh, (0, 1.15), "under the punch", "$r/a$")
+    _draw_punch(under, 1.15, ring_edges)
+    mesh_panel(at_rim, mesh, (-rim, rim), "at the rim", "$(r-a)/a$", centre=1.0)
+    whole.set_ylabel("depth $z/a$")
+    return complete(figure, f"half-space mesh by {mesher}; the punch is red, ring edges are marked")
+
+
+def _draw_punch(axes: Any, depth: float, ring_edges: Array) -> None:
+    """Draw the punch as a bar above a view of that depth, and mark its ring edges."""
+    axes.plot([0, 1], [-0.015 * depth] * 2, color=RED, linewidth=2)
+    edges = ring_edges[1:-1]
+    axes.plot(edges, np.full(len(edges), -0.03 * depth), "|", color=RED, markersize=3)
 
 
 def mesh_panel(
     axes: Any, mesh: Any, view: tuple[float, float], name: str, label: str, centre: float = 0.0
 ) -> None:
-    """The elements in a square view of the surface from `view[0]` to `view[1]`, radii counted from
-    `centre`.
+    """Draw the elements in a square view of the surface from `view[0]` to `view[1]`, radii counted
+    from `centre`.
     """
     low, high = view
     depth = high - low
@@ -87,7 +106,7 @@ def mesh_panel(
         PolyCollection(shown, facecolors="none", edgecolors="black", linewidths=width)
     )
     axes.plot([low, min(high, 1 - centre)], [-0.015 * depth] * 2, color=RED, linewidth=2)
-    axes.set(xlim=(low, high), ylim=(depth, -0.06 * depth), aspect="equal")
+    axes.set(xlim=view, ylim=(depth, -0.06 * depth), aspect="equal")
     axes.set_title(f"{name}: {len(shown)} elements")
     power = int(np.floor(np.log10(depth))) if depth < 0.1 else 0
     axes.set_xlabel(label + (rf" in $10^{{{power}}}$" if power else ""))

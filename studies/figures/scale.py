@@ -10,23 +10,33 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..problem.problem import D0, P0
+from ...meshes.radial import Indices
+from ..problem.problem import D0, P0, Problem
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
 
 
 @dataclass(frozen=True)
 class Axis:
-    """Non-dimensional values times `factor` are shown; `unit` is their unit, or what they
-    are over.
+    """One axis of a figure.
+
+    Parameters
+    ----------
+    factor : float
+        Non-dimensional values times it are shown.
+    stored : float
+        Non-dimensional values times it are those of the scene's units.
+    unit : str
+        Of the values shown, or what they are over.
     """
 
     factor: float
+    stored: float
     unit: str
-    over: bool
+    over: bool = False
 
     def label(self, what: str, symbol: str) -> str:
-        """The label of an axis, as ``pressure $p$ (MPa)`` or ``pressure $p/p_0$``."""
+        """Return the label of the axis, as ``pressure $p$ (MPa)`` or ``pressure $p/p_0$``."""
         if self.over:
             return f"{what} ${symbol}/{self.unit}$"
         return f"{what} ${symbol}$ ({self.unit})" if self.unit else f"{what} ${symbol}$"
@@ -37,45 +47,48 @@ class Scale:
 
     def __init__(self, scene: Scene) -> None:
         self.names, self.units = UnitNames.of(scene.units), scene.problem.units
-        self._worn = self.names.readable(D0 * self.units.displacement, "displacement")
-        self.radius = self._axis(
-            "length", 1.0, "a", self.names.readable(self.units.length, "length")
-        )
-        self.height = self._axis("displacement", D0, "d_0", self._worn)
-        self.pressure = self._axis(
-            "pressure", P0, "p_0", self.names.readable(2 * P0 * self.units.pressure, "pressure")
-        )
-        self.slope = Axis(self.units.slope, "", False) if self.names.si else Axis(1 / D0, "", False)
+        self.radius = self._axis("length", 1.0, "a")
+        self.height = self._axis("displacement", D0, "d_0")
+        self.pressure = self._axis("pressure", P0, "p_0", typical=2 * P0)
+        self.slope = self._axis("slope", D0, "(d_0/a)")
         later = [time for time in scene.wear.times if time] or [0.0]
         unit, name = self.names.readable(float(np.sqrt(later[0] * later[-1])), "time")
-        self.time = Axis(self.units.time / unit, name, False)
+        self.time = Axis(self.units.time / unit, self.units.time, name)
 
-    def _axis(self, kind: str, over: float, symbol: str, readable: tuple[float, str]) -> Axis:
+    def _axis(self, kind: str, over: float, symbol: str, typical: float = 0.0) -> Axis:
+        stored = getattr(self.units, kind)
         if not self.names.si:
-            return Axis(1 / over, symbol, True)
-        unit, name = readable
-        return Axis(getattr(self.units, kind) / unit, name, False)
+            return Axis(1 / over, stored, symbol, over=True)
+        unit, name = self.names.readable((typical or over) * stored, kind)
+        return Axis(stored / unit, stored, name)
 
     def when(self, time: float) -> str:
-        """A time in the scene's numbers, for people."""
+        """Return a time in the scene's numbers, for people."""
         return f"t = {self.names.write(time, 'time', 3)}"
 
     def worn(self, height: float) -> str:
-        """A non-dimensional height, for people."""
+        """Return a non-dimensional height, for people."""
         if self.names.si:
             return self.names.write(height * self.units.displacement, "displacement", 2)
         return f"{height / D0:.2g} d₀"
-
-    @property
-    def slope_label(self) -> str:
-        return "RMS slope" if self.names.si else "RMS slope times $a/d_0$"
 
     @property
     def note(self) -> str:
         """What the axes are over."""
         if self.names.si:
             return ""
-        d0 = self.names.write(D0 * self.units.displacement, "displacement", 3)
-        p0 = self.names.write(P0 * self.units.pressure, "pressure", 3)
-        radius = self.names.write(self.units.length, "length", 3)
-        return f"a = {radius}, d₀ = F/(2aE*) = {d0}, p₀ = F/(2πa²) = {p0}"
+        units, write = self.units, self.names.write
+        return (
+            f"a = {write(units.length, 'length', 3)}, "
+            f"d₀ = F/(2aE*) = {write(D0 * units.displacement, 'displacement', 3)}, "
+            f"p₀ = F/(2πa²) = {write(P0 * units.pressure, 'pressure', 3)}"
+        )
+
+
+def shown_times(problem: Problem, most: int) -> Indices:
+    """Choose some of the times, first and last among them; of few, none is spent on the start."""
+    times = np.arange(len(problem.times))
+    if problem.earliest and most < 4:
+        times = np.flatnonzero(problem.times > 0)
+    places = np.linspace(0, len(times) - 1, min(len(times), most)).round().astype(np.int64)
+    return times[np.unique(places)]

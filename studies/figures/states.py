@@ -7,190 +7,131 @@ everywhere.
 """
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray
+from matplotlib.figure import Figure
 
-from ...meshes.radial import Array, Indices
-from ..methods.base import Solution
+from ...meshes.radial import Array
+from ..crosscheck.dataset import Result
 from ..methods.quantities import array
-from ..problem.problem import P0, Problem
-from ..problem.scene import Scene
-from .scale import Scale
+from ..problem.problem import P0
+from .scale import Scale, shown_times
 from .style import (
     FAINT,
-    Margins,
     broken_at,
-    footing,
-    heading,
+    complete,
     method_curve,
     page,
-    save,
     shade_rings,
-    styled,
     titled,
+    without_marks,
 )
-
-# more rings than this take the whole width of a page, and lines without marks
-MANY = 24
-
-
-def given(quantity: str, solutions: Mapping[str, Solution]) -> dict[str, xarray.Dataset]:
-    """Results of the methods that give a quantity."""
-    return {name: one.results for name, one in solutions.items() if quantity in one.results}
-
-
-def curve_of(name: str, problem: Problem) -> dict[str, Any]:
-    """The curve of a method over the radius: thin and without marks where there are many rings."""
-    look = method_curve(name, len(problem.radii))
-    if len(problem.wear_coefficients) > MANY:
-        look = {key: value for key, value in look.items() if not key.startswith("mark")}
-        look["linewidth"] *= 0.5
-    return look
-
-
-def shown_times(problem: Problem, most: int) -> Indices:
-    """Some of the times, the first and the last among them; of few, none is spent on the start."""
-    every = np.arange(len(problem.times))
-    if problem.earliest and most < 4:
-        every = np.flatnonzero(problem.times > 0)
-    return every[
-        np.unique(np.linspace(0, len(every) - 1, min(len(every), most)).round().astype(np.int64))
-    ]
 
 
 class Panels:
-    """Draws profiles and pressures of a scene into panels."""
+    """Draws profiles and pressures of a result into panels.
 
-    def __init__(self, scene: Scene) -> None:
-        self.problem, self.scale = scene.problem, Scale(scene)
+    Of many rings panels take the whole width of a page, and curves are thin and without marks.
+    """
+
+    def __init__(self, result: Result) -> None:
+        self.problem, self.scale = result.scene.problem, Scale(result.scene)
         self.radii = self.problem.radii * self.scale.radius.factor
+        self.many = len(self.problem.wear_coefficients) > 24
 
-    def profile(self, axes: Any, every: Mapping[str, Array]) -> float:
-        """Worn heights by method, less the least; returns that, non-dimensional."""
-        least = min(float(values.min()) for values in every.values())
-        for name, values in every.items():
-            axes.plot(
-                self.radii,
-                (values - least) * self.scale.height.factor,
-                **curve_of(name, self.problem),
-            )
-        shade_rings(axes, *self.problem.rings, self.scale.radius.factor)
+    def draw(
+        self, upper: Any, lower: Any, profiles: Mapping[str, Array], pressures: Mapping[str, Array]
+    ) -> float:
+        """Draw worn heights less the least, and pressures, by method; return the least height."""
+        least = min(float(heights.min()) for heights in profiles.values())
+        edges = self.problem.merged.ring_edges * self.scale.radius.factor
+        for name, heights in profiles.items():
+            look = method_curve(name, len(self.radii))
+            if self.many:
+                look = without_marks(look) | {"linewidth": 0.5 * look["linewidth"]}
+            upper.plot(self.radii, (heights - least) * self.scale.height.factor, **look)
+            pressure = pressures[name] * self.scale.pressure.factor
+            lower.plot(*broken_at(edges, self.radii, pressure), **look)
+        for axes in (upper, lower):
+            shade_rings(axes, *self.problem.rings, self.scale.radius.factor)
+        lower.set_xlabel(self.scale.radius.label("radius", "r"))
         return least
 
-    def pressure(self, axes: Any, every: Mapping[str, Array]) -> None:
-        edges = self.problem.merged.ring_edges * self.scale.radius.factor
-        for name, values in every.items():
-            shown = broken_at(edges, self.radii, values * self.scale.pressure.factor)
-            axes.plot(*shown, **curve_of(name, self.problem))
-        shade_rings(axes, *self.problem.rings, self.scale.radius.factor)
-
-    def unworn(self, upper: Any, lower: Any) -> None:
-        """The face before wear, less its least height.
-
-        Of a flat punch, which has none, the pressure.
-        """
+    def draw_unworn(self, upper: Any, lower: Any) -> None:
+        """Draw the face before wear, less its least height; of a flat punch, the pressure."""
+        look = FAINT | {"label": "unworn punch"}
         if not self.problem.full_contact:
-            heights = self.problem.profile(self.problem.radii) + self.problem.profile.standoff
-            upper.plot(
-                self.radii,
-                (heights - heights.min()) * self.scale.height.factor,
-                **FAINT,
-                label="unworn punch",
-            )
+            heights = self.problem.profile(self.problem.radii)
+            upper.plot(self.radii, (heights - heights.min()) * self.scale.height.factor, **look)
             return
         radii = np.linspace(0, 1, 400)[:-1]
         pressure = P0 * self.scale.pressure.factor / np.sqrt(1 - radii**2)
-        lower.plot(radii * self.scale.radius.factor, pressure, **FAINT, label="unworn punch")
+        lower.plot(radii * self.scale.radius.factor, pressure, **look)
 
-    @property
-    def note(self) -> str:
-        """What is shaded, where anything is, and what the axes are over."""
+    def complete(self, figure: Figure, title: str, axes: Any) -> Figure:
+        """Say what is shaded, where anything is, and what the axes are over."""
         shaded = "shaded: rings that wear faster" if np.ptp(self.problem.wear_coefficients) else ""
-        return "; ".join(part for part in (shaded, self.scale.note) if part)
-
-    @property
-    def labels(self) -> tuple[str, str, str]:
-        """Of heights, pressures and radii."""
-        height = self.scale.height.label("worn height", "f").replace("$f", "$\\Delta f")
-        return (
-            height,
-            self.scale.pressure.label("pressure", "p"),
-            self.scale.radius.label("radius", "r"),
-        )
+        return complete(figure, title, axes, "; ".join(filter(None, (shaded, self.scale.note))))
 
 
-@styled
-def draw_states(scene: Scene, solutions: Mapping[str, Solution], path: Path) -> None:
-    """Profiles and pressures at several times, every method over the other."""
-    problem, every, draw = scene.problem, given("profile", solutions), Panels(scene)
-    many = len(problem.wear_coefficients) > MANY
-    states = shown_times(problem, 3 if many else 6)
-    if many:
-        figure, panels = page(
-            2 * len(states), 1, 0.95, Margins(top=0.45, down=0.3, bottom=0.68), sharex=True
-        )
-        pairs = panels.reshape(len(states), 2)
+def draw_states(result: Result) -> Figure:
+    """Draw profiles and pressures at several times, every method over the other."""
+    panels, results = Panels(result), result.given("profile")
+    states = shown_times(panels.problem, 3 if panels.many else 6)
+    if panels.many:
+        figure, grid = page(2 * len(states), 1, 0.95, top=0.45, down=0.3, sharex=True)
+        pairs = grid.reshape(len(states), 2)
     else:
         width = 0.6 + 1.1 * max(len(states), 3)
-        figure, panels = page(
-            2, len(states), 1.3, Margins(top=0.62, bottom=0.68), width, sharex=True, sharey="row"
+        figure, grid = page(2, len(states), 1.3, top=0.62, width=width, sharex=True, sharey="row")
+        pairs = grid.T
+    for state, (upper, lower) in zip(states, pairs, strict=True):
+        profiles, pressures = (
+            {name: array(values, quantity)[state] for name, values in results.items()}
+            for quantity in ("profile", "pressure")
         )
-        pairs = panels.T
-    tallest, tops = 0.0, []
-    for number, (state, (upper, lower)) in enumerate(zip(states, pairs, strict=True)):
-        profiles = {name: array(results, "profile")[state] for name, results in every.items()}
-        pressures = {name: array(results, "pressure")[state] for name, results in every.items()}
-        least = draw.profile(upper, profiles)
-        draw.pressure(lower, pressures)
-        tallest = max(tallest, *(float(values.max()) - least for values in profiles.values()))
-        tops += [float(np.quantile(values, 0.97)) for values in pressures.values()]
-        draw.unworn(upper, lower)
-        between = ": " if many else "\n"
-        less = f"f − {draw.scale.worn(least)}" if least else "f"
-        upper.set_title(f"{draw.scale.when(scene.wear.times[state])}{between}Δf = {less}")
-        if many or number == 0:
-            upper.set_ylabel(draw.labels[0])
-            lower.set_ylabel(draw.labels[1])
-        if not many or number == len(states) - 1:
-            lower.set_xlabel(draw.labels[2])
+        least = panels.draw(upper, lower, profiles, pressures)
+        panels.draw_unworn(upper, lower)
+        when = panels.scale.when(result.scene.wear.times[state])
+        less = f" − {panels.scale.worn(least)}" if least else ""
+        upper.set_title((": " if panels.many else "\n").join([when, f"Δf = f{less}"]))
+    tallest = max(_drawn(pairs[:, 0], 1.0)) or panels.scale.height.factor
     for upper, lower in pairs:
-        # worn down: what is missing below; a scale also where nothing has worn
-        upper.set_ylim(
-            1.08 * (tallest or 1.0) * draw.scale.height.factor,
-            -0.05 * (tallest or 1.0) * draw.scale.height.factor,
-        )
-        lower.set_ylim(0, 1.25 * max(tops) * draw.scale.pressure.factor)
-    footing(figure, pairs[0, ::-1], draw.note)
-    heading(figure, titled(scene.title, "profiles and pressures"))
-    save(figure, path)
+        # worn down: what is missing below
+        upper.set_ylim(1.08 * tallest, -0.05 * tallest)
+        lower.set_ylim(0, 1.25 * max(_drawn(pairs[:, 1], 0.97)))
+        for axes in (upper, lower):
+            axes.label_outer()
+    for upper, lower in pairs if panels.many else pairs[:1]:
+        upper.set_ylabel(panels.scale.height.label("worn height", "\\Delta f"))
+        lower.set_ylabel(panels.scale.pressure.label("pressure", "p"))
+    return panels.complete(figure, titled(result.scene, "profiles and pressures"), pairs[0, ::-1])
 
 
-@styled
-def draw_steady(scene: Scene, solutions: Mapping[str, Solution], path: Path) -> None:
-    """Limiting profile and steady pressure, every method over the other."""
-    every, draw = given("steady_profile", solutions), Panels(scene)
-    many = len(scene.problem.wear_coefficients) > MANY
-    figure, panels = (
-        page(2, 1, 1.3, Margins(top=0.3, bottom=0.68), sharex=True)
-        if many
-        else page(1, 2, 1.9, Margins(across=0.6, top=0.3, bottom=0.68))
+def _drawn(panels: Any, quantile: float) -> list[float]:
+    """Quantiles of the values of all curves."""
+    lines = [line for axes in panels for line in axes.get_lines()]
+    return [float(np.nanquantile(line.get_ydata(), quantile)) for line in lines]
+
+
+def draw_steady(result: Result) -> Figure:
+    """Draw limiting profile and steady pressure, every method over the other."""
+    panels, results = Panels(result), result.given("steady_profile")
+    if panels.many:
+        figure, grid = page(2, 1, 1.3, sharex=True)
+    else:
+        figure, grid = page(1, 2, 1.9, across=0.6)
+    upper, lower = grid.ravel()
+    profiles, pressures = (
+        {name: array(values, quantity) for name, values in results.items()}
+        for quantity in ("steady_profile", "steady_pressure")
     )
-    profile, pressure = panels.ravel()
-    draw.profile(
-        profile, {name: array(results, "steady_profile") for name, results in every.items()}
-    )
-    draw.pressure(
-        pressure, {name: array(results, "steady_pressure") for name, results in every.items()}
-    )
-    profile.invert_yaxis()
-    pressure.set_ylim(0, 1.05 * pressure.dataLim.ymax)
-    profile.set_ylabel(draw.scale.height.label("limiting profile", "f_{stat}"))
-    pressure.set_ylabel(draw.scale.pressure.label("steady pressure", "p"))
-    for axes in [pressure] if many else [profile, pressure]:
-        axes.set_xlabel(draw.labels[2])
-    footing(figure, [profile], draw.note)
-    heading(figure, titled(scene.title, "steady state"))
-    save(figure, path)
+    panels.draw(upper, lower, profiles, pressures)
+    upper.invert_yaxis()
+    lower.set_ylim(bottom=0)
+    upper.set_ylabel(panels.scale.height.label("limiting profile", "f_{stat}"))
+    lower.set_ylabel(panels.scale.pressure.label("steady pressure", "p"))
+    upper.set_xlabel(lower.get_xlabel())
+    upper.label_outer()
+    return panels.complete(figure, titled(result.scene, "steady state"), [upper])

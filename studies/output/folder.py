@@ -1,218 +1,161 @@
-"""An output folder.
+"""An output folder, which is the old or the new one as a whole, and files of others in it stay.
 
-Held by one run at a time, its set of files replaced whole, files of others left alone.
-
-Files are written into a hidden directory and put in place when all of them are complete. A small
-file beside them, `.ringwear.json`, lists what each command has put there; nothing else is ever
-removed or written over.
+A command writes into a hidden directory, which takes the place of the folder by a rename once all
+is complete. A marker in the folder lists what each command has put there: the next run of that
+command replaces it, files of other commands are carried over, and what is not listed is not
+ringwear's, and neither removed nor written over.
 """
 
-import ctypes
 import json
 import os
 import shutil
-import signal
-import sys
-import tempfile
-import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ...meshes.errors import SceneError
+from .signals import signals_wait
 
-MANIFEST, HIDDEN = ".ringwear.json", ".writing-"
-# of Linux's renameat2: paths are as they stand, and the two change places
-AT_FDCWD, RENAME_EXCHANGE = -100, 2
+MARKER = ".ringwear.json"
 
 
 class Folder:
-    """The folder of one run, as long as it lasts.
+    """The folder of a command, as long as it writes to it.
 
     Parameters
     ----------
-    out : the folder
-    owner : the command, whose earlier files there are replaced
-    hidden : the directory to write to
+    out : Path
+        Where it is to be.
+    command : str
+        Whose earlier files there are replaced.
+
+    Attributes
+    ----------
+    hidden : Path
+        The directory to write to.
+    written : list of str
+        Files that have been put in place.
     """
 
-    def __init__(self, out: Path, owner: str, hidden: Path) -> None:
-        self.out, self.owner, self.hidden = out, owner, hidden
-        self.published: list[str] = []
-        self.notes: list[str] = []
-        self._sets: dict[str, list[str]] = _manifest(out)
+    def __init__(self, out: Path, command: str) -> None:
+        self.out, self.command = out, command
+        self.hidden = out / ".writing"
+        self.written: list[str] = []
+        try:
+            self._marked: dict[str, list[str]] = json.loads((out / MARKER).read_text("utf-8"))
+        except (OSError, ValueError):
+            self._marked = {}
+
+    def foreign(self) -> set[str]:
+        """Return the names of files in the folder that are not ringwear's."""
+        ours = {MARKER, self.hidden.name}.union(*self._marked.values())
+        return set(os.listdir(self.out)) - ours
+
+    def refuse_to_replace(self, names: Iterable[str]) -> None:
+        """Raise a SceneError if files of others have these names."""
+        if taken := sorted(self.foreign().intersection(names)):
+            raise SceneError(
+                f"--out {self.out} holds {', '.join(taken)}, which ringwear has not written: move "
+                "it away, or give another directory"
+            )
 
     def publish(self) -> None:
-        """Put all that has been written in the place of the owner's earlier files.
+        """Put all that has been written in the place of the command's earlier files."""
+        written = set(os.listdir(self.hidden))
+        self.refuse_to_replace(written)
+        earlier = set(self._marked.pop(self.command, ()))
+        self._marked = {
+            command: sorted(set(names) - written) for command, names in self._marked.items()
+        }
+        foreign, carried = self.foreign() - earlier, set().union(*self._marked.values())
+        self._marked[self.command] = self.written = sorted(written)
+        (self.hidden / MARKER).write_text(json.dumps(self._marked) + "\n", "utf-8")
+        if foreign or not self._swap(carried):
+            for name in (earlier - written - carried).intersection(os.listdir(self.out)):
+                (self.out / name).unlink()
+            # whenever the process is killed, what is there is known to be ringwear's
+            for name in (MARKER, *self.written):
+                os.replace(self.hidden / name, self.out / name)
 
-        A folder that holds nothing but ringwear's files is exchanged for the new one in one step,
-        so that it is the old or the new one whenever the process is killed. Elsewhere files are
-        replaced one by one, and the earlier ones that no new one replaces are removed last.
-        """
-        foreign = self.foreign()
-        written = sorted(file.name for file in self.hidden.iterdir())
-        before = self._sets.pop(self.owner, [])
-        others = {owner: sorted({*names} - {*written}) for owner, names in self._sets.items()}
-        self._sets = {owner: names for owner, names in others.items() if names}
-        self.published = written
-        self._write_manifest(written)
-        if foreign or not self._exchange():
-            self._replace_one_by_one(before, foreign)
-
-    def _exchange(self) -> bool:
-        """Exchange the whole folder for the new one; returns whether that can be done here."""
-        out = self.out.resolve()
+    def _swap(self, carried: set[str]) -> bool:
+        """Let the new folder take the place of the old one; return whether it can."""
         try:
-            if Path.cwd().is_relative_to(out):
+            if Path.cwd().is_relative_to(self.out):
                 # a shell that stands in the folder would be left in one that is gone
                 return False
-            for name in {name for names in self._sets.values() for name in names}:
-                if (out / name).exists():
-                    os.link(out / name, self.hidden / name)
-            shutil.copymode(out, self.hidden)
-            os.rename(self.hidden, _beside(out))
-            self.hidden = _beside(out)
-            _exchange_directories(self.hidden, out)
+            for name in carried.intersection(os.listdir(self.out)):
+                shutil.copy2(self.out / name, self.hidden / name)
+            shutil.copymode(self.out, self.hidden)
+            self.hidden = self.hidden.rename(_beside(self.out, "new"))
+            self.out.rename(_beside(self.out, "old"))
+            self.hidden.rename(self.out)
         except OSError:
+            # the folder is a mount point, or nothing may be made beside it
             return False
+        shutil.rmtree(_beside(self.out, "old"), ignore_errors=True)
         return True
 
-    def _replace_one_by_one(self, before: list[str], foreign: list[str]) -> None:
-        for name in self.published:
-            place = self.out / name
-            if name in foreign:
-                aside = _free(place.with_name(f"{name}.kept"))
-                os.rename(place, aside)
-                self.notes.append(
-                    f"{place} was there before and not ringwear's: kept as {aside.name}"
-                )
-        # whenever the process is killed, what is there is known to be ringwear's
-        self._write_manifest({*before, *self.published})
-        os.replace(self.hidden / MANIFEST, self.out / MANIFEST)
-        for name in self.published:
-            os.replace(self.hidden / name, self.out / name)
-        for name in set(before).difference(self.published, *self._sets.values()):
-            with suppress(OSError):
-                (self.out / name).unlink()
-        self._write_manifest(self.published)
-        os.replace(self.hidden / MANIFEST, self.out / MANIFEST)
 
-    def _write_manifest(self, names: Iterable[str]) -> None:
-        sets = self._sets | {self.owner: sorted(names)}
-        (self.hidden / MANIFEST).write_text(json.dumps(sets) + "\n", "utf-8")
-
-    def foreign(self) -> list[str]:
-        """Files in the folder that ringwear has not put there."""
-        own = {
-            MANIFEST,
-            *self.published,
-            *(name for names in self._sets.values() for name in names),
-        }
-        return sorted(
-            entry.name
-            for entry in self.out.iterdir()
-            if entry.name not in own and entry != self.hidden
-        )
+def _beside(out: Path, age: str) -> Path:
+    return out.with_name(f".{out.name}.{age}")
 
 
 @contextmanager
-def held(out: Path, owner: str) -> Iterator[Folder]:
-    """The folder, writable and nobody else's until the end.
+def output_folder(out: Path, command: str, names: Iterable[str] = ()) -> Iterator[Folder]:
+    """Hold a folder for a command; what that has written then takes its place there.
 
-    What is in its hidden directory then moves into place.
+    Nothing is left of a command that fails, and a killed one is cleaned up after.
+
+    Parameters
+    ----------
+    names
+        Files that the command may write, as far as it knows beforehand.
 
     Raises
     ------
     SceneError
-        if it cannot be written to, or another run holds it
+        if the folder cannot be written to, another run holds it, or files of others have names
+        that are needed
     """
     if os.path.lexists(out) and not out.is_dir():
-        what = "a link that leads nowhere" if out.is_symlink() and not out.exists() else "a file"
-        raise SceneError(f"--out {out} is {what}: give a directory")
+        raise SceneError(f"--out {out} is not a directory: give a directory")
+    out = out.resolve()
     made = [folder for folder in (out, *out.parents) if not folder.exists()]
+    leftovers = _beside(out, "old"), _beside(out, "new"), out / ".writing"
     try:
+        if leftovers[0].exists() and not out.exists():
+            leftovers[0].rename(out)
         out.mkdir(parents=True, exist_ok=True)
-        lock = _locked(out)
-        for left in (*out.glob(f"{HIDDEN}*"), _beside(out.resolve())):
-            # of a run that was killed: nobody holds the folder now
-            shutil.rmtree(left, ignore_errors=True)
-        hidden = Path(tempfile.mkdtemp(prefix=HIDDEN, dir=out))
+        lock = _lock(out)
+        for directory in leftovers:
+            shutil.rmtree(directory, ignore_errors=True)
+        folder = Folder(out, command)
+        folder.hidden.mkdir()
     except OSError as error:
         raise SceneError(
             f"--out {out} cannot be written to: {error.strerror}; give another directory"
         ) from error
-    folder = Folder(out, owner, hidden)
     try:
+        folder.refuse_to_replace(names)
         yield folder
         with signals_wait():
             folder.publish()
     finally:
         with signals_wait():
             shutil.rmtree(folder.hidden, ignore_errors=True)
-            if lock is not None:
-                os.close(lock)
-            for empty in made:
+            os.close(lock)
+            for directory in made:
                 with suppress(OSError):
-                    empty.rmdir()
+                    directory.rmdir()
 
 
-@contextmanager
-def signals_wait() -> Iterator[None]:
-    """Let Ctrl-C and SIGTERM wait until what is done to files is done."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    waiting: list[int] = []
-    numbers = signal.SIGINT, signal.SIGTERM
-    handlers = [
-        signal.signal(number, lambda number, _: waiting.append(number)) for number in numbers
-    ]
-    try:
-        yield
-    finally:
-        for number, handler in zip(numbers, handlers, strict=True):
-            signal.signal(number, handler)
-        for late in waiting[:1]:
-            signal.raise_signal(late)
+def _lock(out: Path) -> int:
+    """Lock a folder until the process ends, however it ends, or the handle returned is closed."""
+    import fcntl
 
-
-def _beside(out: Path) -> Path:
-    """The hidden directory that is exchanged with a folder."""
-    return out.with_name(f".{out.name}{HIDDEN}")
-
-
-def _exchange_directories(one: Path, other: Path) -> None:
-    """Let two directories change places in one step.
-
-    Raises
-    ------
-    OSError
-        where the system, or the file system, cannot
-    """
-    if sys.platform != "linux":
-        raise OSError("only Linux exchanges directories")
-    library = ctypes.CDLL(None, use_errno=True)
-    if not hasattr(library, "renameat2"):
-        raise OSError("the C library is older than renameat2")
-    paths = os.fsencode(one), os.fsencode(other)
-    if library.renameat2(AT_FDCWD, paths[0], AT_FDCWD, paths[1], RENAME_EXCHANGE):
-        raise OSError(ctypes.get_errno(), "directories cannot be exchanged")
-
-
-def _locked(out: Path) -> int | None:
-    """A lock on the folder that ends with the process, however it ends.
-
-    None where there is no such thing.
-    """
-    try:
-        from fcntl import LOCK_EX, LOCK_NB, flock
-    except ImportError:
-        return None
     handle = os.open(out, os.O_RDONLY)
     try:
-        flock(handle, LOCK_EX | LOCK_NB)
-        if not os.path.samestat(os.fstat(handle), out.stat()):
-            raise BlockingIOError("another run has exchanged the folder in the meantime")
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         os.close(handle)
         raise SceneError(
@@ -220,26 +163,6 @@ def _locked(out: Path) -> int | None:
             "directory"
         ) from None
     except OSError:
-        # a file system without locks
-        os.close(handle)
-        return None
+        # the file system has no locks
+        pass
     return handle
-
-
-def _manifest(out: Path) -> dict[str, list[str]]:
-    """What each command has put into a folder before; nothing if that cannot be read."""
-    try:
-        found = json.loads((out / MANIFEST).read_text("utf-8"))
-        return {str(owner): [Path(name).name for name in names] for owner, names in found.items()}
-    except (OSError, ValueError, AttributeError, TypeError):
-        return {}
-
-
-def _free(path: Path) -> Path:
-    """The path, or with a number after it if it is taken."""
-    numbers = (path.with_name(f"{path.name}.{number}") for number in range(1, 10_000))
-    return (
-        path
-        if not os.path.lexists(path)
-        else next(one for one in numbers if not os.path.lexists(one))
-    )

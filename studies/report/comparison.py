@@ -8,7 +8,6 @@ import numpy as np
 import xarray
 
 from ...meshes.errors import SceneError
-from ..crosscheck.answer import ALSO
 from ..crosscheck.run import run
 from ..methods.quantities import ANSWER, QUANTITIES
 from ..problem.scene import Scene
@@ -20,109 +19,89 @@ from .words import Rows
 class Side:
     """One of the two: a folder of results as it is, or a scene, run now."""
 
-    name: str
     scene: Scene
     dataset: xarray.Dataset
 
     @classmethod
     def of(cls, source: str) -> "Side":
-        """Results of a folder, or of a scene by its file or name.
+        """Read the results of a folder, or compute a scene by its file or name.
 
         Raises
         ------
         SceneError
             if there is neither, or the folder holds no results that can be read
         """
-        folder = Path(source)
-        if not folder.is_dir():
+        if not Path(source).is_dir():
             scene = Scene.load(source)
-            return cls(scene.title or source, scene, run(scene).dataset)
-        path = folder / "results.nc"
-        if not path.exists():
-            raise SceneError(
-                f"{source} holds no results.nc: give a folder that `ringwear run` has written, or "
-                "a scene"
-            )
+            return cls(scene, run(scene).dataset)
+        path = Path(source) / "results.nc"
         try:
-            with xarray.open_dataset(path, engine="netcdf4") as found:
-                dataset = found.load()
-            scene = Scene.from_toml(dataset.attrs["scene"], str(path))
+            dataset = xarray.load_dataset(path, engine="netcdf4")
+            return cls(Scene.from_toml(dataset.attrs["scene"], str(path)), dataset)
         except (OSError, KeyError, ValueError) as error:
             raise SceneError(
-                f"{path} cannot be read as results of ringwear: {error}; run the scene again"
+                f"{path} cannot be read as results of ringwear: {error}; give a folder that "
+                "`ringwear run` has written, or a scene"
             ) from None
-        return cls(scene.title or source, scene, dataset)
-
-    def value(self, name: str) -> float:
-        """A number of the punch by the first method that gives it; NaN if none does."""
-        values = self.dataset[name].values if name in self.dataset else np.array([np.nan])
-        return float(next((value for value in values if np.isfinite(value)), np.nan))
 
     def curve(self, name: str) -> xarray.DataArray | None:
-        """A quantity over time or radius by the first method that gives it, if any does."""
+        """Return a quantity by the first method that gives all of it, if any does."""
         for solver in self.dataset.solver.values if name in self.dataset else ():
-            one = self.dataset[name].sel(solver=solver)
-            if one.size and np.isfinite(one).all():
-                return one
+            values = self.dataset[name].sel(solver=solver)
+            if values.size and np.isfinite(values).all():
+                return values
         return None
 
 
 def both(first: str, second: str) -> tuple[Side, Side]:
-    """Two sides in the same units.
+    """Return two sides in the same units.
 
     Raises
     ------
     SceneError
         if their units differ
     """
-    one, other = Side.of(first), Side.of(second)
-    if UnitNames.of(one.scene.units).base != UnitNames.of(other.scene.units).base or (
-        one.scene.units != other.scene.units and UnitNames.of(one.scene.units).base is None
-    ):
+    sides = Side.of(first), Side.of(second)
+    one, other = (UnitNames.of(side.scene.units) for side in sides)
+    if one.base != other.base or (one.base is None and one.stated != other.stated):
         raise SceneError(
-            f"units = {one.scene.units!r} and {other.scene.units!r} differ: compare scenes in the "
-            "same units"
+            f"units = {one.stated!r} and {other.stated!r} differ: compare scenes in the same units"
         )
-    return one, other
+    return sides
 
 
-def scene_rows(one: Side, other: Side) -> Rows:
-    """Keys of the scenes that differ."""
-    first, second = _flat(one.scene.table()), _flat(other.scene.table())
-    keys = [key for key in {**first, **second} if first.get(key) != second.get(key)]
+def scene_rows(a: Side, b: Side) -> Rows:
+    """Return the keys of the scenes that differ."""
+    first, second = _flat(a.scene.table()), _flat(b.scene.table())
+    keys = [key for key in first | second if first.get(key) != second.get(key)]
     rows = [(key, _told(first.get(key)), _told(second.get(key))) for key in keys]
     return Rows(("key", "A", "B"), rows)
 
 
-def answer_rows(one: Side, other: Side) -> Rows:
-    """Each number of the punch on both sides, and the relative difference."""
-    names, rows = UnitNames.of(one.scene.units), []
-    units = {
-        name: quantity.unit for name, quantity in (ANSWER | QUANTITIES).items() if not quantity.dims
-    }
-    for name in dict.fromkeys((*units, *ALSO)):
-        a, b = one.value(name), other.value(name)
-        if np.isfinite(a) or np.isfinite(b):
-            change = (
-                f"{100 * (b / a - 1):+.3g} %" if np.isfinite(a) and np.isfinite(b) and a else ""
-            )
-            rows.append((name, names.write(a, units[name]), names.write(b, units[name]), change))
+def answer_rows(a: Side, b: Side) -> Rows:
+    """Return each number of the punch on both sides, and the relative difference."""
+    names, rows = UnitNames.of(a.scene.units), []
+    for name, quantity in (ANSWER | QUANTITIES).items():
+        values = [side.curve(name) for side in (a, b)]
+        if quantity.dims or all(value is None for value in values):
+            continue
+        first, second = (np.nan if value is None else float(value) for value in values)
+        change = second / first - 1 if first else np.nan
+        told = f"{100 * change:+.3g} %" if np.isfinite(change) else ""
+        written = (names.write(value, quantity.unit) for value in (first, second))
+        rows.append((name, *written, told))
     return Rows(("quantity", "A", "B", "B against A"), rows)
 
 
 def _flat(table: dict[str, Any], before: str = "") -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    """Return a nested table with keys as ``punch.radius``."""
+    flat: dict[str, Any] = {}
     for key, value in table.items():
-        found |= (
-            _flat(value, f"{before}{key}.")
-            if isinstance(value, dict)
-            else {f"{before}{key}": value}
-        )
-    return found
+        nested = isinstance(value, dict)
+        flat |= _flat(value, f"{before}{key}.") if nested else {f"{before}{key}": value}
+    return flat
 
 
 def _told(value: Any) -> str:
-    if value is None:
-        return "not given"
-    text = str(value)
+    text = "not given" if value is None else str(value)
     return text if len(text) <= 60 else f"{text[:56]} ..."

@@ -7,136 +7,82 @@ import base64
 import csv
 from collections.abc import Iterable
 from importlib.resources import files
-from itertools import islice
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-from jinja2 import Environment, StrictUndefined, select_autoescape
+from jinja2 import Environment, FunctionLoader, StrictUndefined
 
-from ..crosscheck.dataset import Result, versions
-from ..crosscheck.scope import left_out, modelled
+from ..crosscheck.dataset import Result
+from ..figures.style import Picture
 from ..problem.scene import Scene
-from . import words
+from ..versions import versions
 from .slides import slides
-
-# what each figure shows, in the order of the page
-CAPTIONS = {
-    "profiles_and_pressures.png": (
-        "Worn profiles less their least wear, and contact pressures, at some of the times."
-    ),
-    "history.png": (
-        "Running-in: greatest displacement and RMS slope over time, and by how much the methods "
-        "differ."
-    ),
-    "contact.png": (
-        "Edges of the contact over time, its inside shaded, and what each ring carries and has "
-        "worn off."
-    ),
-    "steady_state.png": "The steady state: limiting profile and pressure.",
-    "operator_difference.png": "The methods compared for every pressure at once: long waves, of "
-    "which the answer is "
-    "made, are at the right; waves shorter than the elements, at the left, are beyond either "
-    "method.",
-    "stress.png": "Von Mises stress in the half-space.",
-    "mesh.png": "The mesh of the half-space.",
-}
-MOST_ROWS = 200
+from .words import Account, Rows
 
 
-class Picture(NamedTuple):
-    """A figure within the page."""
-
-    source: str
-    caption: str
-
-
-def write_report(result: Result, directory: Path, path: Path) -> None:
-    """Write the page of a run; its figures are those in the directory."""
-    pictures = [
-        _picture(directory / name, caption)
-        for name, caption in CAPTIONS.items()
-        if (directory / name).exists()
-    ]
-    _write(
-        path,
-        "run.html.j2",
-        title=result.scene.title or "Untitled scene",
-        sentences=words.sentences(result),
-        defaults=words.defaults_taken(result),
-        answers=words.answer_lines(result),
-        answered_by=words.answered_by(result),
-        rings=words.ring_rows(result, most=256),
-        verdict=result.verdict if result.agreement else "one method",
-        verdict_line=words.verdict(result),
-        methods=words.method_rows(result),
-        agreement=words.agreement_rows(result),
-        anchors=words.anchor_rows(result),
-        remarks=words.remarks(result),
-        slides=slides(result),
-        pictures=pictures,
-        modelled=modelled(result.scene),
-        left_out=left_out(result.scene),
-        scene=result.scene.to_toml(),
-        versions=versions(),
-    )
+def write_report(result: Result, account: Account, pictures: Iterable[Picture], path: Path) -> None:
+    """Write the page of a run with those of the pictures that stand beside it."""
+    shown = [(picture.file, picture.caption) for picture in pictures]
+    rings = account.rings.shortened(256)
+    about = vars(account) | {"rings": rings, "slides": slides(result)}
+    _write(path, "run.html.j2", result.scene, shown, **about)
 
 
 def write_study(
-    study: tuple[str, str], scene: Scene, conclusions: Iterable[str], directory: Path, path: Path
+    name: str, purpose: str, scene: Scene, conclusions: Iterable[str], path: Path
 ) -> None:
-    """Write the page of a study, by its name and purpose.
-
-    Its figures and tables are those in the directory.
-    """
-    name, purpose = study
-    pictures = [
-        _picture(file, file.stem.replace("_", " ")) for file in sorted(directory.glob("*.png"))
-    ]
-    tables = {file.stem.replace("_", " "): _table(file) for file in sorted(directory.glob("*.csv"))}
+    """Write the page of a study; its figures and tables are those that stand beside it."""
+    directory = path.parent
+    shown = [(file.name, _plain(file)) for file in sorted(directory.glob("*.png"))]
+    tables = {_plain(file): _table(file) for file in sorted(directory.glob("*.csv"))}
     # tables stand below
-    kept = [line for line in conclusions if not line.startswith("|")]
-    known: dict[str, Any] = {
-        "pictures": pictures,
-        "tables": tables,
-        "scene": scene.to_toml(),
-        "versions": versions(),
-    }
-    _write(
-        path, "study.html.j2", title=f"Study: {name}", purpose=purpose, conclusions=kept, **known
-    )
+    told = [line for line in conclusions if not line.startswith("|")]
+    about = {"title": f"Study: {name}", "purpose": purpose, "conclusions": told, "tables": tables}
+    _write(path, "study.html.j2", scene, shown, **about)
 
 
-def _write(path: Path, template: str, **known: Any) -> None:
-    folder = files("ringwear.studies") / "report"
-
+def _write(
+    path: Path, template: str, scene: Scene, shown: list[tuple[str, str]], **about: Any
+) -> None:
     def load(name: str) -> str:
-        return (folder / name).read_text("utf-8")
+        return (files("ringwear.studies") / "report" / name).read_text("utf-8")
 
     environment = Environment(
-        autoescape=select_autoescape(default=True),
+        loader=FunctionLoader(load),
+        autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    # the script and the style are ours, and are not to be escaped
-    page = environment.from_string(load("page.html.j2"))
-    known |= {"style": load("page.css"), "script": load("slides.js"), "layout": page}
-    path.write_text(environment.from_string(load(template)).render(**known), "utf-8")
+    pictures = [
+        (base64.b64encode(file.read_bytes()).decode(), caption)
+        for name, caption in shown
+        if (file := path.parent / name).exists()
+    ]
+    page = environment.get_template(template).render(
+        pictures=pictures,
+        scene=scene.to_toml(),
+        versions=versions(),
+        style=load("page.css"),
+        script=load("slides.js"),
+        **about,
+    )
+    path.write_text(page, "utf-8")
 
 
-def _picture(file: Path, caption: str) -> Picture:
-    return Picture(f"data:image/png;base64,{base64.b64encode(file.read_bytes()).decode()}", caption)
+def _plain(file: Path) -> str:
+    return file.stem.replace("_", " ")
 
 
-def _table(file: Path) -> words.Rows:
+def _table(file: Path) -> Rows:
     with file.open(newline="", encoding="utf-8") as text:
-        lines = list(islice(csv.reader(text), MOST_ROWS + 1))
-    return words.Rows(tuple(lines[0]), [tuple(_cell(cell) for cell in line) for line in lines[1:]])
+        head, *lines = csv.reader(text)
+    return Rows(tuple(head), [tuple(map(_short, line)) for line in lines[:200]])
 
 
-def _cell(text: str) -> str:
-    """Numbers to four digits."""
+def _short(cell: str) -> str:
+    """Return a number with four digits, and any other text as it is."""
     try:
-        return f"{float(text):.4g}" if "." in text or "e" in text else text
+        return f"{float(cell):.4g}" if "." in cell or "e" in cell else cell
     except ValueError:
-        return text
+        return cell

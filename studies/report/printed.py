@@ -1,55 +1,40 @@
 """What the commands print: the answer first, then the verdict in a line, then accuracy and cost."""
 
-from ..crosscheck.dataset import Result
-from ..crosscheck.scope import left_out, modelled
-from ..problem.scene import Scene
-from . import words
+from collections.abc import Sequence
+
+from .words import Account, Rows
 
 
-def print_result(result: Result) -> None:
-    """The whole of a run on the terminal."""
-    print(f"\n{result.scene.title or 'Untitled scene'}")
-    for default in words.defaults_taken(result):
-        print(default)
-    lines = words.answer_lines(result)
-    whats, values = (max((len(line[column]) for line in lines), default=0) for column in (0, 1))
-    print(f"\nAnswer, by {words.answered_by(result)} (every method's: summary.json)")
-    for line in lines:
-        print(f"  {line.what:<{whats}}  {line.value:<{values}}  {line.meaning}")
+def print_account(account: Account) -> None:
+    """Print all that is told of a run."""
+    print(f"\n{account.title}", *account.defaults, sep="\n")
+    print(f"\nAnswer, by {account.answered_by} (every method's: summary.json)")
+    print_table(account.answers)
     print()
-    print_rows(words.ring_rows(result))
-    print(f"\n{words.verdict(result)}\n\nAccuracy and cost")
-    print_rows(words.method_rows(result))
-    if result.agreement:
+    print_rows(account.rings.shortened(16))
+    print(f"\n{account.verdict_line}\n\nAccuracy and cost")
+    print_rows(account.methods)
+    if account.agreement.rows:
         print("\nDifferences, relative; of each quantity the pair that differs most")
-        print_rows(words.agreement_rows(result))
-    for text in words.remarks(result):
-        print(text)
-    print()
-    print_scope(result.scene)
+        print_rows(account.agreement)
+    print(*account.remarks, "", sep="\n")
+    print_scope(account.modelled, account.left_out)
 
 
-def print_rows(table: words.Rows) -> None:
-    """A table in columns."""
-    every = [table.headers, *table.rows]
-    widths = [max(len(row[column]) for row in every) for column in range(len(table.headers))]
-    numeric = [
-        all(row[column][:1] in "0123456789.-" for row in table.rows)
-        for column in range(len(widths))
-    ]
-    for row in every:
-        cells = (
-            f"{cell:>{width}}" if right else f"{cell:<{width}}"
-            for cell, width, right in zip(row, widths, numeric, strict=True)
-        )
+def print_rows(rows: Rows) -> None:
+    """Print a table with its heads."""
+    print_table([rows.headers, *rows.rows])
+
+
+def print_table(lines: Sequence[Sequence[str]]) -> None:
+    """Print lines in columns."""
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    for line in lines:
+        cells = (f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True))
         print("  " + "   ".join(cells).rstrip())
 
 
-def print_scope(scene: Scene) -> None:
-    """What is computed, and what is not."""
-    print("Modelled")
-    for line in modelled(scene):
-        print(f"  {line}")
-    print("Left out")
-    for what, why in left_out(scene).items():
-        print(f"  {what}: {why}")
+def print_scope(modelled: list[str], left_out: dict[str, str]) -> None:
+    """Print what is computed, and what is not."""
+    print("Modelled", *(f"  {line}" for line in modelled), sep="\n")
+    print("Left out", *(f"  {what}: {why}" for what, why in left_out.items()), sep="\n")

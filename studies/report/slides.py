@@ -7,139 +7,106 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import xarray
 
 from ...meshes.radial import Array, ring_of
 from ..crosscheck.dataset import Result
-from ..figures.scale import Scale
-from ..methods.base import Solution
+from ..figures.scale import Scale, shown_times
 from ..methods.quantities import array
 from ..methods.sampler import Sampler
-from ..problem.problem import Problem
 
 COUNT = 48
-# radii of a slide, so that a page of hundreds of rings stays small
-MOST_RADII = 1100
-# part of the radius that the greatest difference of heights is drawn as, in 3-D
-DRAWN_HEIGHT = 0.3
 
 
 def slides(result: Result) -> dict[str, Any] | None:
-    """What the script of the page draws, in the units of its axes.
+    """Return what the script of the page draws, in the units of its axes.
 
     Nothing where no state is known over the radius.
     """
-    problem = replace(result.scene.problem, output_radii=None)
-    problem = replace(problem, output_radii=problem.radii[:: _every(problem)])
-    found = _running_in(result, problem) or _as_given(result)
-    if found is None:
+    scale, rings = Scale(result.scene), result.scene.problem.rings
+    radii, labels, profiles, pressures, steady = _at_any_time(result) or _as_computed(result)
+    if steady is not None:
+        labels = [*labels, "steady state"]
+        profiles = np.vstack([profiles, array(steady, "steady_profile")])
+        pressures = np.vstack([pressures, array(steady, "steady_pressure")])
+    if not labels or len(radii) <= 10:
         return None
-    radii, labels, profiles, pressures = found
-    scale, rings = Scale(result.scene), problem.rings
-    profiles = profiles - profiles.min(axis=1, keepdims=True)
-    deepest = float(profiles.max()) or 1.0
-    # of heights over radii, as they are
-    steepness = deepest * problem.units.displacement / problem.units.length
+    # so that a page of hundreds of rings stays small
+    step = -(-len(radii) // 1100)
+    radii, pressures, heights = radii[::step], pressures[:, ::step], profiles[:, ::step]
+    heights = heights - heights.min(axis=1, keepdims=True)
+    deepest = float(heights.max()) or 1.0
+    # part of the radius that the greatest difference of heights is drawn as, in 3-D
+    drawn = 0.3
     order = np.log(rings.wear_coefficients)
-    shade = (order - order.min()) / (np.ptp(order) or 1.0)
     return {
         "radii": _short(radii * scale.radius.factor),
         "edges": _short(rings.ring_edges * scale.radius.factor),
-        "shade": _short(shade),
+        "shade": _short((order - order.min()) / (np.ptp(order) or 1.0)),
         "ring": ring_of(rings.ring_edges, radii).tolist(),
         "labels": labels,
-        "profile": [_short(row * scale.height.factor) for row in profiles],
-        "pressure": [_short(row * scale.pressure.factor) for row in pressures],
+        "profile": _short(heights * scale.height.factor),
+        "pressure": _short(pressures * scale.pressure.factor),
         "highest": 1.15 * float(np.quantile(pressures, 0.98)) * scale.pressure.factor,
         "deepest": deepest * scale.height.factor,
-        "drawn": DRAWN_HEIGHT,
-        "magnified": f"{DRAWN_HEIGHT / steepness:.3g}",
+        "drawn": drawn,
+        "magnified": f"{drawn * scale.radius.stored / scale.height.stored / deepest:.3g}",
         "axes": {
-            "radius": _plain(scale.radius.label("radius", "r")),
-            "profile": _plain(scale.height.label("worn height less its least", "f")),
-            "pressure": _plain(scale.pressure.label("pressure", "p")),
+            name: label.replace("$", "").replace("_0", "₀")
+            for name, label in (
+                ("radius", scale.radius.label("radius", "r")),
+                ("profile", scale.height.label("worn height less its least", "f")),
+                ("pressure", scale.pressure.label("pressure", "p")),
+            )
         },
     }
 
 
-def _running_in(result: Result, problem: Problem) -> tuple[Array, list[str], Array, Array] | None:
-    """Radii, labels, profiles and pressures of the first method that knows every time."""
-    wears = {name: one for name, one in result.solutions.items() if one.wear is not None}
-    if not len(problem.times) or not wears:
-        return None
-    solution = next(iter(wears.values()))
-    assert solution.wear is not None
-    times = slide_times(problem, solution)
-    sampler, scale = Sampler(problem, solution.wear.compliance.space), Scale(result.scene)
-    history = sampler.history(solution.wear.modal(times))
-    left = solution.wear.left(times)
-    labels = [
-        f"{scale.when(time * problem.units.time)}, {100 * (1 - share):.3g} % run in"
-        if time
-        else f"{scale.when(0.0)}, unworn"
-        for time, share in zip(times, left, strict=True)
-    ]
-    profiles, pressures = array(history, "profile"), array(history, "pressure")
-    if problem.steady:
-        steady = sampler.steady(solution.wear.steady)
-        labels.append("steady state")
-        profiles = np.vstack([profiles, array(steady, "steady_profile")])
-        pressures = np.vstack([pressures, array(steady, "steady_pressure")])
-    return problem.radii, labels, profiles, pressures
+States = tuple[Array, list[str], Array, Array, xarray.Dataset | None]
+"""Radii, labels of the times, profiles and pressures (times, radii), and the steady state."""
 
 
-def slide_times(problem: Problem, solution: Solution) -> Array:
-    """The start, then times in equal ratios until the last one asked for, or until the punch has
-    run in.
+def _at_any_time(result: Result) -> States | None:
+    """Sample the first method that knows every time: at the start, then at times in equal ratios
+    until the last one asked for, or until the punch has run in.
     """
-    assert solution.wear is not None
-    done = solution.wear.time_to(0.995)
+    problem, scale = replace(result.scene.problem, output_radii=None), Scale(result.scene)
+    wears = [solution.wear for solution in result.solutions.values() if solution.wear is not None]
+    if not wears or not len(problem.times):
+        return None
+    done = wears[0].time_to(0.995)
     first = problem.earliest or 1e-3 * done
-    return np.concatenate(
-        [[0.0], np.geomspace(first, max(float(problem.times[-1]), done, 2 * first), COUNT)]
-    )
-
-
-def _as_given(result: Result) -> tuple[Array, list[str], Array, Array] | None:
-    """The times asked for, and the steady state, by the first method that gives most of it over
-    more than a few radii.
-    """
-    scale, problem = Scale(result.scene), result.scene.problem
-    known = [
-        one.results
-        for one in result.solutions.values()
-        if {"profile", "steady_profile"} & set(one.results)
+    last = max(float(problem.times[-1]), done, 2 * first)
+    times = np.array([0.0, *np.geomspace(first, last, COUNT)])
+    sampler = Sampler(problem, wears[0].compliance.space)
+    history = sampler.history(wears[0].modal(times))
+    labels = [
+        f"{scale.when(time * scale.time.stored)}, {100 * (1 - left):.3g} % run in"
+        for time, left in zip(times, wears[0].left(times), strict=True)
     ]
-    if not known or len(problem.radii) <= 10:
-        return None
-    best = max(known, key=lambda one: ("profile" in one, "steady_profile" in one))
-    shown = slice(None, None, _every(problem))
-    labels, profiles, pressures = list[str](), list[Array](), list[Array]()
-    if "profile" in best:
-        times = array(best, "time")
-        some = np.unique(np.linspace(0, len(times) - 1, min(len(times), COUNT)).round().astype(int))
-        labels += [
-            f"{scale.when(time * problem.units.time)}{'' if time else ', unworn'}"
-            for time in times[some]
-        ]
-        profiles += list(array(best, "profile")[some][:, shown])
-        pressures += list(array(best, "pressure")[some][:, shown])
-    if "steady_profile" in best:
-        labels.append("steady state")
-        profiles.append(array(best, "steady_profile")[shown])
-        pressures.append(array(best, "steady_pressure")[shown])
-    return problem.radii[shown], labels, np.array(profiles), np.array(pressures)
+    steady = sampler.steady(wears[0].steady) if problem.steady else None
+    return problem.radii, labels, array(history, "profile"), array(history, "pressure"), steady
 
 
-def _every(problem: Problem) -> int:
-    """Which of the radii a slide shows."""
-    return -(-len(problem.radii) // MOST_RADII)
+def _as_computed(result: Result) -> States:
+    """Take some of the times asked for, and the steady state, by the first method that gives most
+    of it.
+    """
+    problem, when = result.scene.problem, Scale(result.scene).when
+    results = max(
+        (solution.results for solution in result.solutions.values()),
+        key=lambda results: ("profile" in results, "steady_profile" in results),
+    )
+    steady = results if "steady_profile" in results else None
+    if "profile" not in results:
+        none = np.empty((0, len(problem.radii)))
+        return problem.radii, [], none, none, steady
+    states = shown_times(problem, COUNT)
+    labels = [when(result.scene.wear.times[state]) for state in states]
+    profiles, pressures = (array(results, name)[states] for name in ("profile", "pressure"))
+    return problem.radii, labels, profiles, pressures, steady
 
 
-def _short(values: Array) -> list[float]:
-    """Numbers to four digits, which a screen cannot tell from more."""
-    return [float(f"{value:.4g}") for value in values]
-
-
-def _plain(label: str) -> str:
-    """A label without mathtext."""
-    return label.replace("$", "").replace("_0", "₀")
+def _short(values: Array) -> Any:
+    """Return numbers to four digits, which a screen cannot tell from more."""
+    return [_short(row) if np.ndim(row) else float(f"{row:.4g}") for row in values]

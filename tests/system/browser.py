@@ -10,37 +10,26 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 from typing import Any
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 QUIET = (
     "--headless",
     "--no-sandbox",
     "--disable-gpu",
-    "--disable-quic",
     "--no-first-run",
     "--disable-background-networking",
     "--disable-component-update",
-    "--disable-sync",
     "--disable-dev-shm-usage",
     "--hide-scrollbars",
 )
-# the protocol's pipes are the file descriptors 3 and 4, which may be those that it has to be given
-PLUMBED = """
-import fcntl, os, sys
-ends = [fcntl.fcntl(int(end), fcntl.F_DUPFD, 10) for end in sys.argv[1:3]]
-os.dup2(ends[0], 3)
-os.dup2(ends[1], 4)
-os.execv(sys.argv[3], sys.argv[3:])
-"""
 
 
 def installed() -> str | None:
     """The path of a browser, if there is one."""
-    return next((path for name in NAMES if (path := shutil.which(name))), None)
+    names = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+    return next((path for name in names if (path := shutil.which(name))), None)
 
 
 class Browser:
@@ -53,13 +42,12 @@ class Browser:
         self._profile = tempfile.mkdtemp()
         theirs_in, self._out = os.pipe()
         self._in, theirs_out = os.pipe()
-        command = [sys.executable, "-c", PLUMBED, str(theirs_in), str(theirs_out), program, *QUIET]
+        # the protocol's pipes are the file descriptors 3 and 4
+        plumbed = f'exec "$0" "$@" 3<&{theirs_in} 4>&{theirs_out}'
         self._process = subprocess.Popen(
             [
-                *command,
-                "--remote-debugging-pipe",
-                f"--user-data-dir={self._profile}",
-                "about:blank",
+                *("bash", "-c", plumbed, program, *QUIET, "--remote-debugging-pipe"),
+                *(f"--user-data-dir={self._profile}", "about:blank"),
             ],
             pass_fds=(theirs_in, theirs_out),
             stdout=subprocess.DEVNULL,
@@ -98,24 +86,20 @@ class Browser:
 
     def _note(self, event: dict[str, Any]) -> None:
         about = event.get("params", {})
-        if event.get("method") == "Network.requestWillBeSent":
-            self.requests.append(about["request"]["url"])
-        elif event.get("method") == "Runtime.exceptionThrown":
-            self.errors.append(json.dumps(about["exceptionDetails"])[:400])
-        elif event.get("method") == "Log.entryAdded" and about["entry"]["level"] == "error":
-            self.errors.append(about["entry"]["text"])
-        elif event.get("method") == "Page.loadEventFired":
-            self.loaded = True
+        match event.get("method"):
+            case "Network.requestWillBeSent":
+                self.requests.append(about["request"]["url"])
+            case "Runtime.exceptionThrown":
+                self.errors.append(str(about["exceptionDetails"])[:400])
+            case "Log.entryAdded" if about["entry"]["level"] == "error":
+                self.errors.append(about["entry"]["text"])
+            case "Page.loadEventFired":
+                self.loaded = True
 
-    def open(self, page: Path, width: int, height: int = 900) -> None:
+    def open(self, page: Path, width: int) -> None:
         """Open a file in a window of that width."""
-        self(
-            "Emulation.setDeviceMetricsOverride",
-            width=width,
-            height=height,
-            deviceScaleFactor=1,
-            mobile=width < 600,
-        )
+        size = {"width": width, "height": 900, "deviceScaleFactor": 1}
+        self("Emulation.setDeviceMetricsOverride", **size, mobile=width < 600)
         self.loaded = False
         self("Page.navigate", url=page.as_uri())
         while not self.loaded:
@@ -127,17 +111,10 @@ class Browser:
         assert "exceptionDetails" not in answer, answer
         return answer["result"].get("value")
 
-    def picture(self, path: Path) -> None:
-        """The whole page as PNG."""
-        path.write_bytes(
-            base64.b64decode(self("Page.captureScreenshot", captureBeyondViewport=True)["data"])
-        )
-
     def printed(self) -> bytes:
         """The page on A4 as PDF."""
-        return base64.b64decode(
-            self("Page.printToPDF", preferCSSPageSize=True, printBackground=True)["data"]
-        )
+        page = self("Page.printToPDF", preferCSSPageSize=True, printBackground=True)
+        return base64.b64decode(page["data"])
 
     def close(self) -> None:
         self._session = ""

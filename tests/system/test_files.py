@@ -18,116 +18,100 @@ from ringwear import Scene, run
 from ringwear.studies.cli import main
 from ringwear.studies.methods.quantities import A_FEW
 
-VARIABLES = {
-    "pressure": ("solver", "time", "radius"),
-    "profile": ("solver", "time", "radius"),
-    "displacement": ("solver", "time", "radius"),
-    "indentation": ("solver", "time"),
-    "displacement_centre": ("solver", "time"),
-    "displacement_max": ("solver", "time"),
-    "rms_slope": ("solver", "time"),
-    "ring_force": ("solver", "time", "ring"),
-    "relaxation_time": ("solver", "mode"),
-    "steady_pressure": ("solver", "radius"),
-    "steady_profile": ("solver", "radius"),
-    "steady_displacement_max": ("solver",),
-    "steady_rms_slope": ("solver",),
-    "steady_wear_rate": ("solver",),
+OVER = {
+    ("time", "radius"): ("pressure", "profile", "displacement"),
+    ("time",): ("indentation", "displacement_centre", "displacement_max", "rms_slope"),
+    ("time", "ring"): ("ring_force",),
+    ("mode",): ("relaxation_time",),
+    ("radius",): ("steady_pressure", "steady_profile"),
+    (): ("steady_displacement_max", "steady_rms_slope", "steady_wear_rate"),
 }
+VARIABLES = {name: ("solver", *dims) for dims, names in OVER.items() for name in names}
 # errors are norms over the radius and the rings
 VARIABLES |= {
     f"{name}_error": tuple(dim for dim in dims if dim not in ("radius", "ring"))
     for name, dims in VARIABLES.items()
 }
-OF_PUNCH = (
-    "indentation_start",
-    "indentation_steady",
-    "running_in_time",
-    "time_to_90",
-    "time_to_99",
-)
-ANSWER = dict.fromkeys(OF_PUNCH, ("solver",))
-ANSWER |= dict.fromkeys(
-    ("pressure_min", "pressure_max", "force_share"), ("solver", "state", "ring")
-)
-ANSWER |= {"worn_volume": ("solver", "ring")}
-FILES = {"results.nc", "summary.json", "half_space.vtu"}
+ANSWER: dict[str, tuple[str, ...]] = {
+    "indentation_start": ("solver",),
+    "indentation_steady": ("solver",),
+    "running_in_time": ("solver",),
+    "time_to_90": ("solver",),
+    "time_to_99": ("solver",),
+    "pressure_min": ("solver", "state", "ring"),
+    "pressure_max": ("solver", "state", "ring"),
+    "force_share": ("solver", "state", "ring"),
+    "worn_volume": ("solver", "ring"),
+}
+NUMBERS = {"results.nc", "summary.json"}
+PAGE = {"report.html", ".ringwear.json"}
+
+
+def run_scene(directory: Path, scene: Scene, *flags: str) -> tuple[int, Path]:
+    """Run a scene by the command; return its status and its folder."""
+    file, out = directory / "scene.toml", directory / "out"
+    file.write_text(scene.to_toml(), "utf-8")
+    return main(["run", str(file), "--out", str(out), *flags]), out
 
 
 @pytest.fixture(scope="module")
 def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The main job, with lengths and forces that are not one."""
-    directory = tmp_path_factory.mktemp("run")
     scene = Scene.load("five_rings").changed(
         units="mm, N, MPa, s",
         punch__radius=2.0,
         half_space__plane_strain_modulus=3.0,
         load__normal_force=5.0,
     )
-    (directory / "scene.toml").write_text(scene.to_toml(), "utf-8")
-    assert (
-        main(
-            [
-                "run",
-                str(directory / "scene.toml"),
-                "--rtol",
-                "1e-3",
-                "--out",
-                str(directory / "out"),
-            ]
-        )
-        == 0
-    )
-    return directory / "out"
+    status, out = run_scene(tmp_path_factory.mktemp("run"), scene, "--rtol", "1e-3")
+    assert status == 0
+    return out
 
 
-def test_results(done: Path) -> None:
-    with xarray.open_dataset(done / "results.nc") as found:
-        assert {name: found[name].dims for name in found.data_vars} == VARIABLES | ANSWER
-        assert found.solver.values.tolist() == ["mdr", "direct", "fem"]
-        sizes = dict(found.sizes)
-        assert (sizes["time"], sizes["ring"]) == (len(found.time), 5)
-        np.testing.assert_array_equal(found.time, Scene.load("five_rings").wear.times)
-        assert Scene.from_toml(found.attrs["scene"]).accuracy.rtol == 1e-3
-        assert json.loads(found.attrs["versions"])["ringwear"]
-        assert found.attrs["gradient_average"] == "line"
-        assert found.attrs["units"] == "mm, N, MPa, s"
-        assert found.attrs["definitions"]
-        for name in found.data_vars:
-            assert {"units", "long_name"} <= set(found[name].attrs)
+@pytest.fixture(scope="module")
+def results(done: Path) -> xarray.Dataset:
+    return xarray.load_dataset(done / "results.nc")
 
 
-def test_results_are_in_the_scenes_units(done: Path) -> None:
-    with xarray.open_dataset(done / "results.nc") as found:
-        start = found.isel(time=0)
-        assert float(found.radius.max()) == pytest.approx(2.0, rel=1e-3)
-        np.testing.assert_allclose(start.indentation[[0, 2]], 5 / (2 * 2 * 3), rtol=1e-3)
-        # p(0) = F / (2 pi a^2)
-        np.testing.assert_allclose(start.pressure[[0, 2], 0], 5 / (2 * np.pi * 4), rtol=1e-2)
-        np.testing.assert_allclose(found.ring_force.sum("ring")[[0, 2]], 5, rtol=1e-12)
-        np.testing.assert_allclose(found.displacement, found.indentation - found.profile)
-        assert found.relaxation_time.isel(mode=0)[0] == pytest.approx(
-            0.3440589002 * 2 / 3, rel=1e-3
-        )
-        # the mean wear coefficient, times speed and mean pressure
-        areas = np.diff(np.linspace(0, 1, 6) ** 2)
-        mean = 1 / (areas @ (1 / np.array([1, 10, 1, 10, 1])))
-        np.testing.assert_allclose(found.steady_wear_rate, mean * 5 / (4 * np.pi), rtol=1e-12)
+def test_results(results: xarray.Dataset) -> None:
+    assert {name: results[name].dims for name in results} == VARIABLES | ANSWER
+    assert results.solver.values.tolist() == ["mdr", "direct", "fem"]
+    assert results.sizes["ring"] == 5
+    np.testing.assert_array_equal(results.time, Scene.load("five_rings").wear.times)
+    assert Scene.from_toml(results.attrs["scene"]).accuracy.rtol == 1e-3
+    assert json.loads(results.attrs["versions"])["ringwear"]
+    assert results.attrs["gradient_average"] == "line"
+    assert results.attrs["units"] == "mm, N, MPa, s"
+    assert results.attrs["definitions"]
+    assert all({"units", "long_name"} <= set(results[name].attrs) for name in results)
 
 
-def test_what_a_method_does_not_give_is_not_a_number(done: Path) -> None:
-    with xarray.open_dataset(done / "results.nc") as found:
-        direct, others = found.isel(solver=1), found.isel(solver=[0, 2])
-        assert bool(np.isnan(direct.worn_volume).all())
-        for name, dims in VARIABLES.items():
-            history = "time" in dims or "mode" in dims
-            assert bool(np.isnan(direct[name]).all()) == history
-            assert not np.isnan(others[name]).any(), name
-        # zero at its lowest, which may lie between two of the radii
-        lowest = found.steady_profile.min("radius")
-        assert ((lowest >= 0) & (lowest <= 1e-4 * found.steady_profile.max("radius"))).all()
-        assert (others.indentation_error > 0).all()
-        assert (np.diff(others.relaxation_time, axis=1) <= 0).all()
+def test_results_are_in_the_scenes_units(results: xarray.Dataset) -> None:
+    start, others = results.isel(time=0), results.isel(solver=[0, 2])
+    assert float(results.radius.max()) == pytest.approx(2.0, rel=1e-3)
+    np.testing.assert_allclose(start.indentation[[0, 2]], 5 / (2 * 2 * 3), rtol=1e-3)
+    # p(0) = F / (2 pi a^2)
+    np.testing.assert_allclose(start.pressure[[0, 2], 0], 5 / (2 * np.pi * 4), rtol=1e-2)
+    np.testing.assert_allclose(others.ring_force.sum("ring"), 5, rtol=1e-12)
+    np.testing.assert_allclose(results.displacement, results.indentation - results.profile)
+    assert results.relaxation_time[0, 0] == pytest.approx(0.3440589002 * 2 / 3, rel=1e-3)
+    # the mean wear coefficient, times speed and mean pressure
+    areas = np.diff(np.linspace(0, 1, 6) ** 2)
+    mean = 1 / (areas @ (1 / np.array([1, 10, 1, 10, 1])))
+    np.testing.assert_allclose(results.steady_wear_rate, mean * 5 / (4 * np.pi), rtol=1e-12)
+
+
+def test_what_a_method_does_not_give_is_not_a_number(results: xarray.Dataset) -> None:
+    direct, others = results.isel(solver=1), results.isel(solver=[0, 2])
+    assert np.isnan(direct.worn_volume).all()
+    for name, dims in VARIABLES.items():
+        assert bool(np.isnan(direct[name]).all()) == ("time" in dims or "mode" in dims)
+        assert not np.isnan(others[name]).any(), name
+    # zero at its lowest, which may lie between two of the radii
+    lowest = results.steady_profile.min("radius")
+    assert ((lowest >= 0) & (lowest <= 1e-4 * results.steady_profile.max("radius"))).all()
+    assert (others.indentation_error > 0).all()
+    assert (np.diff(others.relaxation_time, axis=1) <= 0).all()
 
 
 @pytest.mark.gmsh
@@ -138,135 +122,92 @@ def test_summary(done: Path) -> None:
         assert {"seconds", "unknowns", "rtol_asked", "error_estimate"} <= set(method)
         assert method["rtol_asked"] == 1e-3
         assert all(seconds >= 0 for seconds in method["seconds"].values())
+    said = "quantity methods difference uncertainty verdict remark promised agrees"
     for row in summary["agreement"]:
-        assert {
-            "quantity",
-            "methods",
-            "difference",
-            "uncertainty",
-            "verdict",
-            "remark",
-            "promised",
-            "agrees",
-        } == set(row)
+        assert set(said.split()) == set(row)
         assert row["agrees"] == (row["verdict"] == "agree")
         assert not row["agrees"] or row["difference"] <= row["uncertainty"] <= A_FEW * 1e-3
     pairs = {tuple(row["methods"]) for row in summary["agreement"]}
     assert pairs == {("mdr", "direct"), ("mdr", "fem"), ("direct", "fem")}
     assert summary["agrees"]
-    assert summary["verdict"] == "agree"
-    assert set(summary["quantities"].values()) == {"agree"}
+    assert {summary["verdict"], *summary["quantities"].values()} == {"agree"}
     for row in summary["anchors"]:
         assert {"name", "method", "difference", "tolerance", "holds"} == set(row)
         assert row["holds"]
     assert len({row["name"] for row in summary["anchors"]}) >= 25
     assert summary["modelled"]
-    assert all(reason for reason in summary["left_out"].values())
+    assert all(summary["left_out"].values())
 
 
 def test_half_space(done: Path) -> None:
     mesh = meshio.read(done / "half_space.vtu")
+    r, y, _ = mesh.points.T
     assert [block.type for block in mesh.cells] == ["triangle"]
-    assert mesh.points[:, 0].max() == pytest.approx(10.0 if WITHOUT_GMSH else 5.0)
-    assert mesh.points[:, 1].max() == 0
-    for values in mesh.point_data.values():
-        assert np.isfinite(values).all()
+    assert r.max() == pytest.approx(10.0 if WITHOUT_GMSH else 5.0)
+    assert y.max() == 0
+    assert all(np.isfinite(values).all() for values in mesh.point_data.values())
     # downwards, all of the punch's face by the indentation
-    face = (mesh.points[:, 1] == 0) & (mesh.points[:, 0] <= 2)
-    np.testing.assert_allclose(
-        mesh.point_data["displacement t=0"][face, 1], -5 / (2 * 2 * 3), rtol=1e-2
-    )
+    moved = mesh.point_data["displacement t=0"][(y == 0) & (r <= 2), 1]
+    np.testing.assert_allclose(moved, -5 / (2 * 2 * 3), rtol=1e-2)
     # on the axis: zz = -p0 (1 + 3 s^2) / (1 + s^2)^2 at depth s
-    axis = (mesh.points[:, 0] == 0) & (mesh.points[:, 1] < 0) & (mesh.points[:, 1] > -6)
-    depth = -mesh.points[axis, 1] / 2
+    axis = (r == 0) & (y < 0) & (y > -6)
+    depth = -y[axis] / 2
     expected = -5 / (2 * np.pi * 4) * (1 + 3 * depth**2) / (1 + depth**2) ** 2
-    np.testing.assert_allclose(
-        mesh.point_data["stress_zz t=0"][axis], expected, atol=2e-2 * np.abs(expected).max()
-    )
+    stress = mesh.point_data["stress_zz t=0"][axis]
+    np.testing.assert_allclose(stress, expected, atol=2e-2 * np.abs(expected).max())
 
 
-def test_figures(done: Path) -> None:
-    figures = {file.name: file for file in done.glob("*.png")}
-    assert {"profiles_and_pressures.png", "history.png", "steady_state.png", "mesh.png"} <= set(
-        figures
-    )
-    for file in figures.values():
-        assert file.read_bytes().startswith(b"\x89PNG")
-    assert {file.name for file in done.iterdir()} == FILES | set(figures) | {
-        ".ringwear.json",
-        "report.html",
-    }
+STATES = {"profiles_and_pressures.png"}
+HISTORY = STATES | {"history.png"}
+STEADY = {"steady_state.png"}
+INSIDE = {"half_space.vtu", "stress.png", "mesh.png"}
+
+
+def test_every_file_of_a_run_is_there(done: Path) -> None:
+    files = {file.name for file in done.iterdir()}
+    assert files == NUMBERS | PAGE | HISTORY | STEADY | INSIDE | {"operator_difference.png"}
+    assert all(file.read_bytes().startswith(b"\x89PNG") for file in done.glob("*.png"))
 
 
 @pytest.mark.parametrize(
-    ("changes", "absent", "figures"),
+    ("changes", "figures"),
     [
-        ({"methods": ["direct"]}, {"half_space.vtu"}, {"steady_state.png"}),
-        (
-            {"methods": ["mdr"], "wear__steady": False},
-            {"half_space.vtu"},
-            {"profiles_and_pressures.png", "history.png"},
-        ),
-        (
-            {"methods": ["mdr", "direct"], "wear__times": []},
-            {"half_space.vtu"},
-            {"steady_state.png"},
-        ),
-        (
-            {"methods": ["mdr"], "wear__times": [0.0]},
-            {"half_space.vtu"},
-            {"profiles_and_pressures.png"},
-        ),
-        ({"methods": ["fem"], "wear__steady": False}, set(), {"mesh.png", "history.png"}),
-        (
-            {"methods": ["mdr"], "punch__wear_coefficients": [2.0, 2.0]},
-            {"half_space.vtu"},
-            {"history.png"},
-        ),
-        (
-            {"methods": ["mdr", "direct"], "output__radii": [0.5]},
-            {"half_space.vtu"},
-            {"steady_state.png"},
-        ),
+        ({"methods": ["direct"]}, STEADY),
+        ({"methods": ["mdr"], "wear__steady": False}, HISTORY),
+        ({"methods": ["mdr", "direct"], "wear__times": []}, STEADY),
+        ({"methods": ["mdr"], "wear__times": [0.0]}, STATES | STEADY),
+        ({"methods": ["fem"], "wear__steady": False}, HISTORY | INSIDE),
+        ({"methods": ["mdr"], "punch__wear_coefficients": [2.0, 2.0]}, HISTORY | STEADY),
+        ({"methods": ["mdr", "direct"], "output__radii": [0.5]}, HISTORY | STEADY),
     ],
     ids=lambda value: str(value) if isinstance(value, dict) else "",
 )
-def test_parts_of_a_scene(
-    changes: dict[str, Any], absent: set[str], figures: set[str], tmp_path: Path
-) -> None:
+def test_parts_of_a_scene(changes: dict[str, Any], figures: set[str], tmp_path: Path) -> None:
     """Every sensible part of a scene runs by itself, and writes no more than it has."""
-    scene = tmp_path / "scene.toml"
-    scene.write_text(
-        Scene.load("five_rings").changed(accuracy__rtol=1e-3, **changes).to_toml(), "utf-8"
-    )
-    assert main(["run", str(scene), "--out", str(tmp_path / "out")]) == 0
-    written = {file.name for file in (tmp_path / "out").iterdir()}
-    assert written & FILES == FILES - absent
-    assert figures <= written
-    with xarray.open_dataset(tmp_path / "out" / "results.nc") as found:
-        assert set(VARIABLES) <= set(found.data_vars)
+    scene = Scene.load("five_rings").changed(accuracy__rtol=1e-3, **changes)
+    status, out = run_scene(tmp_path, scene)
+    assert status == 0
+    assert {file.name for file in out.iterdir()} == NUMBERS | PAGE | figures
+    assert set(VARIABLES) <= set(xarray.load_dataset(out / "results.nc"))
 
 
 def test_two_runs_are_the_same() -> None:
-    one, other = (
-        run(Scene.load("five_rings").changed(accuracy__rtol=1e-2)).dataset for _ in range(2)
-    )
-    assert one.identical(other)
+    scene = Scene.load("five_rings").changed(accuracy__rtol=1e-2)
+    assert run(scene).dataset.identical(run(scene).dataset)
 
 
 def test_an_accuracy_that_is_not_reached_ends_in_status_3(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    scene = tmp_path / "scene.toml"
-    text = Scene.load("flat_punch").changed(
+    scene = Scene.load("flat_punch").changed(
         methods=["mdr", "fem"],
         accuracy__rtol=1e-3,
         accuracy__fem__far_field="fixed",
         accuracy__fem__truncation=20.0,
     )
-    scene.write_text(text.to_toml(), "utf-8")
-    assert main(["run", str(scene), "--out", str(tmp_path / "out")]) == 3
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))
+    status, out = run_scene(tmp_path, scene)
+    assert status == 3
+    summary = json.loads((out / "summary.json").read_text("utf-8"))
     assert summary["verdict"] == "undecided"
     assert not summary["agrees"]
     assert summary["methods"]["fem"]["beyond_rtol"]["indentation"] > 0.05
@@ -275,23 +216,18 @@ def test_an_accuracy_that_is_not_reached_ends_in_status_3(
     # a clamped boundary takes 1.1 a/R of the indentation; the difference is relative to what is
     # left
     assert 1 / (1 + indentation["difference"]) == pytest.approx(1 - 1.1 / 20, rel=2e-3)
-    assert "indentation is undecided between mdr and fem" in capsys.readouterr().out
+    assert "indentation is undecided" in capsys.readouterr().out
 
 
 def test_mesh_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["mesh", "rubber", "--out", str(tmp_path / "out")]) == 0
-    assert {file.name for file in (tmp_path / "out").iterdir()} == {
-        "mesh.vtu",
-        "mesh.png",
-        ".ringwear.json",
-    }
-    mesh = meshio.read(tmp_path / "out" / "mesh.vtu")
+    assert main(["mesh", "rubber", "--out", str(tmp_path)]) == 0
+    assert {file.name for file in tmp_path.glob("[!.]*")} == {"mesh.vtu", "mesh.png"}
+    mesh = meshio.read(tmp_path / "mesh.vtu")
     assert mesh.points[:, 0].max() == pytest.approx((5 if WITHOUT_GMSH else 2.5) * 0.005)
     assert ("triangles" if WITHOUT_GMSH else "quadrilaterals") in capsys.readouterr().out
 
 
 def test_plan_and_scenes_write_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    assert main(["plan", "rubber"]) == 0
-    assert main(["scenes"]) == 0
+    assert main(["plan", "rubber"]) == main(["scenes"]) == 0
     assert list(tmp_path.iterdir()) == []

@@ -19,7 +19,7 @@ ROOMS = (
     {"meshes"},
     {"mdr", "fem"},
     {"studies.registry", "studies.progress", "studies.versions"},
-    {"studies.tables", "studies.problem", "studies.parser"},
+    {"studies.tables", "studies.problem"},
     {"studies.wear"},
     {"studies.problem.scene"},  # times of a scene may be counts of its slowest relaxation time
     {"studies.methods"},

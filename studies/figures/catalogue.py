@@ -1,0 +1,62 @@
+"""The figures of a run: what each is called, shows and needs; the folder and the page follow it."""
+
+from ..crosscheck.dataset import Result
+from .contact import draw_contact
+from .history import draw_history
+from .mesh import draw_result_mesh, draw_stress
+from .operators import draw_operators
+from .states import draw_states, draw_steady
+from .style import Picture
+
+
+def _has_history(result: Result) -> bool:
+    return bool(result.scene.problem.earliest and result.given("profile"))
+
+
+PICTURES = (
+    Picture(
+        "profiles_and_pressures.png",
+        "Worn profiles less their least wear, and contact pressures, at some of the times.",
+        draw_states,
+        lambda result: bool(result.given("profile")),
+    ),
+    Picture(
+        "history.png",
+        "Running-in: greatest displacement and RMS slope over time, and by how much the methods "
+        "differ.",
+        draw_history,
+        _has_history,
+    ),
+    Picture(
+        "contact.png",
+        "Edges of the contact over time, its inside shaded, and what each ring carries and has "
+        "worn off.",
+        draw_contact,
+        lambda result: _has_history(result) and bool(result.given("contact_edge")),
+    ),
+    Picture(
+        "steady_state.png",
+        "The steady state: limiting profile and pressure.",
+        draw_steady,
+        lambda result: bool(result.given("steady_profile")),
+    ),
+    Picture(
+        "operator_difference.png",
+        "The methods compared for every pressure at once: long waves, of which the answer is made, "
+        "are at the right; waves shorter than the elements, at the left, are beyond either method.",
+        draw_operators,
+        lambda result: bool(result.operators),
+    ),
+    Picture(
+        "stress.png",
+        "Von Mises stress in the half-space.",
+        draw_stress,
+        lambda result: result.has_inside,
+    ),
+    Picture(
+        "mesh.png",
+        "The mesh of the half-space.",
+        draw_result_mesh,
+        lambda result: result.has_inside,
+    ),
+)

@@ -1,0 +1,126 @@
+"""The files of a run and of a mesh: numbers, then what shows them, which loses no number."""
+
+import json
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...meshes.errors import RingwearError
+from ..progress import LOG
+from .signals import STOPPED, signals_wait
+
+if TYPE_CHECKING:
+    import xarray
+
+    from ..crosscheck.dataset import Result
+    from ..figures.style import Picture
+    from ..methods.fem import Meshed
+    from ..problem.scene import Scene
+
+INSIDE = "half_space.vtu"
+TABLES = {
+    (): "punch.csv",
+    ("time",): "over_time.csv",
+    ("time", "radius"): "over_time_and_radius.csv",
+    ("time", "ring"): "ring_forces.csv",
+    ("time", "edge"): "contact_edges.csv",
+    ("radius",): "steady_over_radius.csv",
+    ("ring",): "worn_volumes.csv",
+    ("state", "ring"): "rings.csv",
+    ("mode",): "relaxation_times.csv",
+}
+"""Tables of the results, by the dimensions besides the method."""
+
+
+def write_numbers(result: "Result", directory: Path, tables: bool = False) -> None:
+    """Write the numbers of a run, if wanted as CSV tables, too."""
+    LOG.info("  output  writing ...")
+    try:
+        # interrupted while it holds its locks, xarray would wait for them forever
+        with signals_wait():
+            result.dataset.to_netcdf(directory / "results.nc", engine="netcdf4")
+    except RuntimeError as error:
+        # what netCDF makes of a full disk
+        raise RingwearError(
+            f"results.nc could not be written ({error}): is the disk full?"
+        ) from error
+    summary = json.dumps(result.summary, indent=1, allow_nan=False)
+    (directory / "summary.json").write_text(summary + "\n", "utf-8")
+    if tables:
+        write_tables(result.dataset, directory)
+
+
+def write_tables(dataset: "xarray.Dataset", directory: Path) -> None:
+    """Write every variable as CSV, with units in the heads; rows that a method does not give are
+    left out.
+    """
+    whole = dataset.attrs["units"]
+    units = {name: dataset[name].attrs.get("units", whole) for name in dataset.variables}
+    heads = {name: f"{name} [{unit}]" for name, unit in units.items() if unit != whole}
+    for dims, file in TABLES.items():
+        names = [name for name in dataset if dataset[name].dims == ("solver", *dims)]
+        if all(dataset.sizes.get(dim) for dim in dims):
+            table = dataset[names].to_dataframe().dropna(how="all", subset=names).reset_index()
+            table.rename(columns=heads).to_csv(directory / file, index=False)
+
+
+def draw(result: "Result", pictures: Sequence["Picture"], directory: Path) -> list[str]:
+    """Draw those pictures that a result has; return what could not be made, with the reason.
+
+    The inside of the half-space takes as long as the contact: without pictures it is left out
+    unless the scene asks for it.
+    """
+    from ..crosscheck.interior import write_half_space
+
+    LOG.info("  output  drawing ...")
+    failures = []
+    if result.has_inside and (pictures or result.scene.output.field_times):
+        units = result.scene.problem.units
+        failures += make(
+            directory / INSIDE, lambda path: write_half_space(result.inside, units, path)
+        )
+    for picture in pictures:
+        if picture.drawn_for(result):
+            failures += make(directory / picture.file, partial(picture.write, result))
+    return failures
+
+
+def make(path: Path, write: Callable[[Path], object]) -> list[str]:
+    """Write a file whose failure is to lose nothing else; return why it failed, if it has.
+
+    Nothing half-written is left.
+    """
+    try:
+        write(path)
+    except BaseException as error:
+        path.unlink(missing_ok=True)
+        if STOPPED.is_set():
+            raise KeyboardInterrupt from error
+        if not isinstance(error, Exception):
+            raise
+        reason, *_ = str(error).strip().splitlines() or [type(error).__name__]
+        return [f"{path.name} could not be made: {reason}"]
+    return []
+
+
+def write_mesh(scene: "Scene", meshed: "Meshed", directory: Path) -> None:
+    """Write a mesh as scikit-fem does, in the scene's units and with its boundaries, and its
+    figure.
+
+    The file can be read back: by `skfem.Mesh.load`, and as a mesh of one's own by `ringwear study
+    refinement --mesh`.
+    """
+    from skfem.io.meshio import to_meshio
+
+    from ...meshes.half_space import quality
+    from ..figures.mesh import draw_mesh
+    from ..figures.style import save
+
+    mesh = meshed.mesh
+    content = to_meshio(mesh.scaled(scene.punch.radius), cell_data={"quality": [quality(mesh)]})
+    content.points = np.column_stack([content.points, np.zeros(len(content.points))])
+    content.write(directory / "mesh.vtu", file_format="vtu")
+    save(directory / "mesh.png", draw_mesh, mesh, meshed.mesher, scene.problem.ring_edges)
