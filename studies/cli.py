@@ -33,7 +33,9 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     options = parser().parse_args(arguments)
     LOG.setLevel(logging.INFO)
-    STAGES.setLevel(logging.WARNING if options.command in ("study", "sweep") else logging.NOTSET)
+    STAGES.setLevel(
+        logging.WARNING if options.command in ("plan", "study", "sweep") else logging.NOTSET
+    )
     if not any(isinstance(handler, Terminal) for handler in LOG.handlers):
         LOG.addHandler(Terminal())
     try:
@@ -92,15 +94,16 @@ def _run(options: argparse.Namespace) -> int:
         )
     # that the folder can be written to is known before the work
     with held(_results_of(options), "run") as folder:
+        from .crosscheck.plan import beyond_memory, machine_memory, predict_memory
+
+        if refusal := beyond_memory(predict_memory(scene), options.memory or machine_memory()):
+            raise SceneError(refusal)
         from .crosscheck import agreement
         from .crosscheck.run import run
-        from .crosscheck.scope import beyond_memory, expected, machine_memory
         from .output.of_run import draw, write_numbers
         from .output.side_by_side import Job, make
         from .report.printed import print_result
 
-        if refusal := beyond_memory(expected(scene), options.memory or machine_memory()):
-            raise SceneError(refusal)
         result = run(scene)
         write_numbers(result, folder, tables=options.csv)
         # nobody waits for the answer until all is drawn; and what is not out yet would be written
@@ -143,7 +146,8 @@ def _say_files(folder: Folder) -> None:
 
 def _plan(options: argparse.Namespace) -> int:
     from .crosscheck.run import run
-    from .crosscheck.scope import plan, time_scale
+    from .crosscheck.plan import plan
+    from .crosscheck.scope import time_scale
     from .report.printed import print_scope
 
     scene = Scene.load(options.scene)
