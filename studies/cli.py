@@ -94,7 +94,7 @@ def _run(options: argparse.Namespace) -> int:
         )
     # that the folder can be written to is known before the work
     with held(_results_of(options), "run") as folder:
-        from .crosscheck.plan import beyond_memory, machine_memory, predict_memory
+        from .crosscheck.sizes import beyond_memory, machine_memory, predict_memory
 
         if refusal := beyond_memory(predict_memory(scene), options.memory or machine_memory()):
             raise SceneError(refusal)
@@ -145,8 +145,8 @@ def _say_files(folder: Folder) -> None:
 
 
 def _plan(options: argparse.Namespace) -> int:
-    from .crosscheck.run import run
     from .crosscheck.plan import plan
+    from .crosscheck.run import run
     from .crosscheck.scope import time_scale
     from .report.printed import print_scope
 

@@ -24,8 +24,8 @@ from typing import TYPE_CHECKING
 from ringwear.studies.problem.scene import Scene
 
 if TYPE_CHECKING:
-    from ringwear.studies.crosscheck.run import run
     from ringwear.studies.crosscheck.plan import plan
+    from ringwear.studies.crosscheck.run import run
     from ringwear.studies.sweep.conduct import sweep
 
 __all__ = ["Scene", "plan", "run", "sweep"]

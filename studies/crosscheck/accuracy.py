@@ -12,6 +12,7 @@ from ..problem.defaults import at_smallest, field_accuracy
 from ..problem.problem import Problem
 from ..problem.sections import DEGREES
 from ..progress import LOG, Stages
+from .scope import sizes_given
 
 
 def solved_to_accuracy(
@@ -54,12 +55,6 @@ def solved_to_accuracy(
                 errors[at] = error
         short = halved
     return solutions
-
-
-def sizes_given(problem: Problem, name: str) -> bool:
-    """Whether the user has given the sizes of a method, which then stay as they are."""
-    sections = {"fem": problem.fem, "mdr": problem.mdr, "bem": problem.mdr}
-    return name in sections and sections[name].given
 
 
 def error_of_sizes(problem: Problem, solution: Solution) -> float:

@@ -117,17 +117,31 @@ class _Anchors:
         self.radii = dataset["radius"].values / self._units.length
         self.checked_times = self.times[self.problem.checked]
 
-    def hold(self, name: str, difference: Array | float, tolerance: Array | float) -> None:
-        """Add an anchor where the difference is the greatest part of what is tolerated.
+    def hold(
+        self,
+        name: str,
+        value: Array | float,
+        reference: Array | float,
+        tolerance: Array | float,
+        scale: Array | float | None = None,
+    ) -> None:
+        """Add an anchor where the difference to a reference is the greatest part of what is
+        tolerated.
 
-        What is no number holds to nothing, and what may be infinitely wrong is no anchor.
+        It is relative to the reference, or to a scale. Scale and tolerance may leave out last axes
+        of the values. What is no number holds to nothing, and what may be infinitely wrong is no
+        anchor.
         """
-        differences, tolerances = np.broadcast_arrays(
-            np.atleast_1d(difference), np.atleast_1d(tolerance)
+        differences = np.atleast_1d(value - reference)
+        scales, tolerances = (
+            np.reshape(part, np.shape(part) + (1,) * (differences.ndim - np.ndim(part)))
+            for part in (reference if scale is None else scale, tolerance)
         )
+        differences = np.abs(differences / scales)
         # JSON cannot hold what is no number
         differences = np.where(np.isnan(differences), 1e99, differences)
-        worst = int(np.argmax(differences / tolerances))
+        tolerances = np.broadcast_to(tolerances, differences.shape)
+        worst = np.unravel_index(np.argmax(differences / tolerances), differences.shape)
         if np.isfinite(tolerances[worst]):
             numbers = float(differences[worst]), float(tolerances[worst])
             self.anchors.append(Anchor(name, self.name, *numbers))
@@ -160,53 +174,43 @@ class _Anchors:
 
     def hold_forces(self) -> None:
         forces, parts = self._checked("ring_force"), self.face.areas * self._checked("pressure")
-        whole = forces.sum(axis=1)
+        whole, sums = forces.sum(axis=1), self.face.ring_sums(parts)
         if self.problem.indentation is None:
             error = self.solution.checked_error(self.problem, "ring_force")
-            self.hold("ring forces add up to F", np.abs(whole - 1), np.maximum(error, EXACT))
-        self.hold(
-            "ring forces are integrals of the pressure",
-            np.abs(self.face.ring_sums(parts) - forces).max(axis=1),
-            self._tolerated("pressure") * whole + self._doubt(parts),
-        )
+            self.hold("ring forces add up to F", whole, 1.0, np.maximum(error, EXACT))
+        tolerance = self._tolerated("pressure") * whole + self._doubt(parts)
+        self.hold("ring forces are integrals of the pressure", sums, forces, tolerance, 1.0)
 
     def hold_volume(self) -> None:
         """Hold what is worn where contact opens, closes and spreads."""
         if self.problem.indentation is None:
             later = self.checked_times > 0
             worn = self._checked("ring_worn_volume")[later] @ (1 / self.problem.wear_coefficients)
-            wrong = np.abs(worn / self.checked_times[later] - 1)
-            self.hold("worn volume over k, F v0 t", wrong, EXACT)
+            self.hold("worn volume over k, F v0 t", worn, self.checked_times[later], EXACT)
 
     def hold_start(self) -> None:
         edges, inside = self.problem.ring_edges, self.radii < 1
-        if self.times[0] == 0:
-            wrong = np.abs(self._reported("indentation")[0] / D0 - 1)
-            self.hold("flat start, d = F / (2 a E*)", wrong, self._tolerated("indentation")[0])
-            pressure = self._reported("pressure")[0, inside] / _flat_pressure(self.radii[inside])
-            self.hold(
-                "flat start, p = p0 / sqrt(1 - r^2/a^2)",
-                np.abs(pressure - 1).max(initial=0.0),
-                self._tolerated("pressure")[0],
-            )
-            forces = -np.diff(np.sqrt((1 - edges) * (1 + edges)))
-            self.hold(
-                "flat start, forces of the rings",
-                np.abs(self._reported("ring_force")[0] - forces).max(),
-                self._tolerated("ring_force")[0],
-            )
-        if self.solution.wear is None:
-            return
-        wrong = np.abs(self._reported("indentation_start") / D0 - 1)
-        self.hold("flat start of the answer", wrong, self._tolerated("indentation").max())
         flat = _flat_pressure(edges[:-1])
-        least, greatest = self._reported("pressure_min")[0], self._reported("pressure_max")[0]
-        by_rings = np.concatenate([least / flat, greatest[:-1] / flat[1:]])
-        self.hold(
-            "flat start of the answer, pressures",
-            np.abs(by_rings - 1).max(),
-            self._tolerated("pressure").max(),
+        depth, pressure, force = (
+            self._tolerated(name) for name in ("indentation", "pressure", "ring_force")
         )
+        if self.times[0] == 0:
+            start = self._reported("indentation")[0]
+            self.hold("flat start, d = F / (2 a E*)", start, D0, depth[0])
+            name, reported = "flat start, p = p0 / sqrt(1 - r^2/a^2)", self._reported("pressure")
+            if inside.any():
+                reference = _flat_pressure(self.radii[inside])
+                self.hold(name, reported[0, inside], reference, pressure[0])
+            forces = -np.diff(np.sqrt((1 - edges) * (1 + edges)))
+            reported = self._reported("ring_force")[0]
+            self.hold("flat start, forces of the rings", reported, forces, force[0], 1.0)
+        if self.solution.wear is not None:
+            start = self._reported("indentation_start")
+            self.hold("flat start of the answer", start, D0, depth.max())
+            least, greatest = self._reported("pressure_min")[0], self._reported("pressure_max")[0]
+            by_rings, reference = np.append(least, greatest[:-1]), np.append(flat, flat[1:])
+            name = "flat start of the answer, pressures"
+            self.hold(name, by_rings, reference, pressure.max())
 
     def hold_wear(self) -> None:
         """Hold what is worn, over all of the face."""
@@ -217,39 +221,38 @@ class _Anchors:
         # the profile is promised relative to the indentation
         lost = self._tolerated("profile") * depth * by_wear.sum() + self._doubt(profile * by_wear)
         tolerance = np.maximum(lost[later] / times[later], self.rtol)
-        wrong = np.abs(profile[later] @ by_wear / times[later] - 1)
-        self.hold("worn volume over k, F v0 t", wrong, tolerance)
-        if np.isfinite(worn := self._reported("worn_volume")).all():
-            wrong = np.abs((worn / self.problem.wear_coefficients).sum() / self.times[-1] - 1)
-            self.hold("worn volume of the answer over k, F v0 t", wrong, tolerance[-1])
+        self.hold("worn volume over k, F v0 t", profile[later] @ by_wear, times[later], tolerance)
+        worn = self._reported("worn_volume") / self.problem.wear_coefficients
+        if np.isfinite(worn).all():
+            name = "worn volume of the answer over k, F v0 t"
+            self.hold(name, worn.sum(), self.times[-1], tolerance[-1])
         flat, moved = _flat_pressure(face.radii) * face.areas, steady.displacement * face.areas
         tolerance = np.maximum(self._tolerated("indentation"), self._tolerated("profile"))
-        self.hold(
-            "reciprocity with the flat punch",
-            np.abs((D0 + profile @ flat) / depth - 1),
-            tolerance + self._doubt(profile * flat) / depth,
-        )
+        doubt = self._doubt(profile * flat) / depth
+        self.hold("reciprocity with the flat punch", D0 + profile @ flat, depth, tolerance + doubt)
         by_steady = pressure @ moved + profile @ (steady.pressure * face.areas)
         tolerance = np.maximum(tolerance, self._tolerated("pressure"))
-        self.hold(
-            "reciprocity with the steady state",
-            np.abs(by_steady / depth - 1),
-            tolerance + self._doubt(pressure * moved) / depth,
-        )
+        doubt = self._doubt(pressure * moved) / depth
+        self.hold("reciprocity with the steady state", by_steady, depth, tolerance + doubt)
 
     def hold_fields(self) -> None:
         """Hold the numbers that are read off fields."""
         depth, moved = self._checked("indentation"), self._checked("displacement")
-        wrong = np.abs(moved + self._checked("profile") - depth[:, None]).max(axis=1) / depth
-        self.hold("displacement, u = d - f", wrong, self.rtol)
+        whole = moved + self._checked("profile")
+        self.hold("displacement, u = d - f", whole, depth[:, None], self.rtol, depth)
         centre, doubt = self.face.interpolate(moved, np.zeros(1))
         greatest, spread = _greatest(moved)
         for what, name, value, allowance in (
-            ("displacement at the centre", "displacement_centre", centre, DOUBT * doubt),
+            (
+                "displacement at the centre",
+                "displacement_centre",
+                centre[:, 0],
+                DOUBT * doubt[:, 0],
+            ),
             ("greatest displacement", "displacement_max", greatest, spread),
         ):
-            wrong = np.abs(self._checked(name) - value.ravel()) / depth
-            self.hold(what, wrong, self._tolerated(name) + allowance.ravel() / depth)
+            tolerance = self._tolerated(name) + allowance / depth
+            self.hold(what, self._checked(name), value, tolerance, depth)
 
     def hold_slopes(self) -> None:
         slope, face = self._checked("rms_slope"), self.face
@@ -263,8 +266,7 @@ class _Anchors:
         doubt = DOUBT * np.max(np.abs(slopes - fewer) / slope[resolved])
         # slopes on the face that are as doubtful tell nothing
         if doubt <= 0.1:
-            wrong = np.abs(slopes / slope[resolved] - 1)
-            self.hold("RMS slope of the profile", wrong, self.rtol + doubt)
+            self.hold("RMS slope of the profile", slopes, slope[resolved], self.rtol + doubt)
 
     def hold_output(self) -> None:
         """Hold the fields at the radii of the output to those over the face."""
@@ -284,7 +286,7 @@ class _Anchors:
                 np.sqrt((part**2).mean(axis=1)) / size for part in (interpolated - reported, doubt)
             )
             tolerance = self._tolerated(name)[later] + DOUBT * doubt
-            self.hold(f"{name} at the radii reported", wrong, tolerance)
+            self.hold(f"{name} at the radii reported", wrong, 0.0, tolerance, 1.0)
 
     def hold_modes(self) -> None:
         """Hold what the law of wear asks of the running-in."""
@@ -294,10 +296,11 @@ class _Anchors:
         coarse, fine = (slowest_relaxation_time(problem.rings, sizes) for sizes in (COARSE, FINE))
         self.hold(
             "slowest relaxation time, by a small problem of its own",
-            abs(slowest / fine - 1),
+            slowest,
+            fine,
             self._tolerated("relaxation_time")[0] + DOUBT * abs(coarse / fine - 1),
         )
-        self.hold("modes add up to the flat start", abs(wear.share_of_modes - 1), EXACT)
+        self.hold("modes add up to the flat start", wear.share_of_modes, 1.0, EXACT)
         tolerated = self._tolerated("pressure")
         later = np.flatnonzero((times > 0) & np.isfinite(tolerated))
         if problem.march != "modal" or not len(later):
@@ -326,28 +329,28 @@ class _Anchors:
         tolerance = self.rtol + 2 * tolerated * np.sqrt(whole * spent) / scale
         # differences of d over short times have its roundoff
         tolerance += (self._doubt(parts) + 1e-14 / POWER_STEP / times) / scale
-        self.hold(name, np.abs(risen - spent) / scale, tolerance)
+        self.hold(name, risen, spent, tolerance, scale)
 
     def hold_steady_state(self) -> None:
         steady, problem = steady_state(self.problem), self.problem
-        wrong = self._reported("steady_pressure")
-        wrong = wrong / steady.ring_pressures[ring_of(problem.ring_edges, self.radii)] - 1
-        self.hold("steady pressures of Eq. 24", np.abs(wrong).max(), self.rtol)
+        at_radii = steady.ring_pressures[ring_of(problem.ring_edges, self.radii)]
+        pressure, profile = self._reported("steady_pressure"), self._reported("steady_profile")
+        self.hold("steady pressures of Eq. 24", pressure, at_radii, self.rtol)
         by_rings = [self._reported(name)[1] for name in ("pressure_min", "pressure_max")]
-        wrong = np.abs(by_rings / steady.ring_pressures - 1).max()
-        self.hold("steady pressures of the answer", wrong, self.rtol)
+        reference = np.tile(steady.ring_pressures, 2)
+        name = "steady pressures of the answer"
+        self.hold(name, np.concatenate(by_rings), reference, self.rtol)
         for name, value in (
             ("steady_wear_rate", steady.wear_rate),
             ("steady_displacement_max", steady.greatest),
             ("steady_rms_slope", steady.slope),
         ):
             tolerance = EXACT if name == "steady_wear_rate" else self._tolerated(name)
-            wrong = np.abs(self._reported(name) / value - 1)
-            self.hold(f"{name} in closed form", wrong, tolerance)
-        edges = problem.merged.ring_edges
-        profile = steady.greatest - direct.displacement(edges, steady.merged_pressures, self.radii)
-        wrong = np.abs(self._reported("steady_profile") - profile).max() / steady.greatest
-        self.hold("steady_profile in closed form", wrong, self._tolerated("steady_profile"))
+            self.hold(f"{name} in closed form", self._reported(name), value, tolerance)
+        edges, name = problem.merged.ring_edges, "steady_profile"
+        limit = steady.greatest - direct.displacement(edges, steady.merged_pressures, self.radii)
+        tolerance = self._tolerated(name)
+        self.hold(f"{name} in closed form", profile, limit, tolerance, steady.greatest)
 
     def hold_compliance(self) -> None:
         wear, edges = self.solution.wear, self.problem.merged.ring_edges
@@ -361,8 +364,8 @@ class _Anchors:
             ("uniform pressure", np.ones_like(steady), uniform),
         ):
             energy = np.sum((wear.compliance.factor @ coefficients) ** 2)
-            wrong = np.abs(energy / energy_of_rings(edges, pressures) - 1)
-            self.hold(f"energy of {what} in closed form", wrong, self.rtol)
+            reference = energy_of_rings(edges, pressures)
+            self.hold(f"energy of {what} in closed form", energy, reference, self.rtol)
 
 
 def _flat_pressure(radii: Array) -> Array:

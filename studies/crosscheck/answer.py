@@ -5,6 +5,8 @@ holder shows: once it has run in, it rises in a straight line. What ``d(t) - w t
 falls as a sum of positive exponentials.
 """
 
+from typing import Any
+
 import numpy as np
 
 from ...meshes.radial import Array
@@ -27,7 +29,8 @@ def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
         for name, quantity in ANSWER.items()
     }
     results, checked, face = solution.results, solution.checked, problem.face
-    start, steady = {}, {}
+    start: dict[str, Any] = {}
+    steady: dict[str, Any] = {}
     if len(problem.times) and solution.wear is not None:
         wear, flat = solution.wear, solution.wear.flat
         # continuous, and rising from the centre to the rim

@@ -9,7 +9,7 @@ from math import ceil, prod
 import numpy as np
 
 from ...meshes.errors import SceneError
-from ..crosscheck.plan import beyond_memory, predict_memory
+from ..crosscheck.sizes import beyond_memory, predict_memory
 from ..methods.base import method
 from ..methods.costs import DISCRETISING, by_terms
 from ..methods.estimate import solved_whole
