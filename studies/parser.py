@@ -41,7 +41,7 @@ def parser() -> argparse.ArgumentParser:
     _add_memory(run)
     run.set_defaults(command="run")
 
-    plan = commands.add_parser("plan", help="say what a scene will take, without computing it")
+    plan = commands.add_parser("plan", help="say what a scene will take, by a coarse probe of it")
     plan.add_argument("scene", help="a TOML file or a bundled scene")
     plan.add_argument(
         "--check",

@@ -49,7 +49,7 @@ def coarsen(scene: Scene) -> Scene:
         "mdr": {"grid": min(problem.mdr.grid, 100)},
     }
     times = list(scene.wear.times)[:: len(scene.wear.times) // 20 + 1]
-    if step is not None:
+    if step is not None and times:
         times = [0.0, min(times[-1], 100 * step)]
     changes: dict[str, Any] = {"accuracy": accuracy, "wear__times": times, "output__radii": None}
     if problem.full_contact and len(rings.wear_coefficients) > 16:
