@@ -8,7 +8,7 @@ direct integration.
     compute a scene by every method it names: ``result = run(scene)``, then ``result.dataset``
     (xarray), ``result.answers``, ``result.verdict_in_words``, ``result.summary``
 `plan`
-    what a run will be made of and cost, without computing it: lines of text
+    what a run will be made of and cost, by a coarse probe of it: lines of text
 
 Examples
 --------

@@ -12,7 +12,7 @@ from ..problem.defaults import at_smallest, field_accuracy
 from ..problem.problem import Problem
 from ..problem.sections import DEGREES
 from ..progress import LOG, Stages
-from .scope import sizes_given
+from .sizes import sizes_given
 
 
 def solved_to_accuracy(

@@ -30,7 +30,7 @@ from ..methods.quantities import (
 )
 from ..problem.defaults import at_smallest, field_accuracy
 from ..problem.problem import Problem
-from .scope import sizes_given
+from .sizes import sizes_given
 
 # where contact ends within the face: resolved to a cell, whatever the accuracy asked for
 AT_EDGES = (

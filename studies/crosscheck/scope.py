@@ -5,7 +5,6 @@ summary.
 import numpy as np
 
 from ..methods.base import method
-from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..problem.time_scale import MOST_RINGS, slowest_relaxation_time
 from ..problem.unit_names import UnitNames
@@ -112,12 +111,6 @@ def refusals(scene: Scene) -> list[str]:
             "flat punches under a force only: leave it out"
         )
     return [reason for reason in refused if reason]
-
-
-def sizes_given(problem: Problem, name: str) -> bool:
-    """Whether the user has given the sizes of a method, which then stay as they are."""
-    sections = {"fem": problem.fem, "mdr": problem.mdr, "bem": problem.mdr}
-    return name in sections and sections[name].given
 
 
 def time_scale(scene: Scene) -> list[str]:

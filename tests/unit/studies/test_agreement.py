@@ -180,7 +180,7 @@ def test_a_method_that_is_in_no_table_is_compared(flat: Result) -> None:
     names = ["indentation", "pressure", "rms_slope"]
     errors = {"indentation": np.full(3, 1e-4), "pressure": np.full(3, 0.5)}
     solution = Solution(mdr.results[names], mdr.checked[names], errors, {})
-    method = SimpleNamespace(name="springs", solve_all=lambda problems, stages: [solution])
+    method = SimpleNamespace(name="springs", solve_all=lambda *_: [solution])
     (solved,) = solved_to_accuracy(method, [problem], Stages("springs"))  # type: ignore[arg-type]
     rows = agreements(problem, ("mdr", "springs"), (mdr, solved))
     assert {row.quantity: row.verdict for row in rows} == {
