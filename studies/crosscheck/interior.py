@@ -146,7 +146,8 @@ def refined(problem: Problem, half_space: "HalfSpace", degree: int) -> Iterator[
     enough = enough_poles(truncation(half_space.solid.mesh), accuracy)
     # a clamped boundary is judged by one that is not: the difference is the error itself, far
     # greater than any other
-    poles, fewer = (), enough
+    poles: tuple[int, ...] = ()
+    fewer = enough
     if half_space.poles:
         poles = half_space.poles if problem.fem.poles else enough
         fewer = poles[:-1]
