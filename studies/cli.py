@@ -40,7 +40,7 @@ class Status(IntEnum):
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return the exit status."""
     options = _parser().parse_args(arguments)
-    show_progress(of_stages=options.command not in ("study", "sweep"))
+    show_progress(of_stages=options.command not in ("plan", "study", "sweep"))
     try:
         with ending_on_signals():
             return COMMANDS[options.command].conduct(options)
@@ -75,13 +75,14 @@ def _run(options: argparse.Namespace) -> Status:
     files |= {picture.file for picture in pictures}
     # that the folder can be written to is known before the work
     with output_folder(_out(options), "run", files) as folder:
+        from .crosscheck.sizes import beyond_memory, machine_memory, predict_memory
+
+        if refusal := beyond_memory(predict_memory(scene), options.memory or machine_memory()):
+            raise SceneError(refusal)
         from .crosscheck.run import run
-        from .crosscheck.scope import beyond_memory, expected, machine_memory
         from .report.printed import print_account
         from .report.words import Account
 
-        if refusal := beyond_memory(expected(scene), options.memory or machine_memory()):
-            raise SceneError(refusal)
         result = run(scene)
         write_numbers(result, folder.hidden, options.csv)
         account = Account.of(result)
@@ -118,13 +119,15 @@ def _print_files(folder: Folder, failures: list[str]) -> None:
 
 
 def _plan(options: argparse.Namespace) -> Status:
+    from .crosscheck.plan import plan
     from .crosscheck.run import run
-    from .crosscheck.scope import left_out, modelled, plan, time_scale
+    from .crosscheck.scope import left_out, methods_of, modelled, time_scale
     from .report.printed import print_scope
 
     scene = Scene.load(options.scene)
     print(f"\n{scene.title or 'Untitled scene'}", *time_scale(scene), "", sep="\n")
-    print_scope(modelled(scene), left_out(scene))
+    methods = methods_of(scene.methods)
+    print_scope(modelled(scene, methods), left_out(scene, methods))
     print("\nBy method", *(f"  {line}" for line in plan(scene)), sep="\n")
     # the finite elements' multipliers against a compliance that resolves every pressure they have
     for pair in run(scene.changed(methods=["mdr", "fem"])).operators if options.check else ():

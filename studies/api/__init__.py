@@ -8,7 +8,7 @@ direct integration.
     compute a scene by every method it names: ``result = run(scene)``, then ``result.dataset``
     (xarray), ``result.answers``, ``result.verdict_in_words``, ``result.summary``
 `plan`
-    what a run will be made of and cost, without computing it: lines of text
+    what a run will be made of and cost, by a coarse probe of it: lines of text
 
 Examples
 --------
@@ -24,8 +24,8 @@ from typing import TYPE_CHECKING
 from ringwear.studies.problem.scene import Scene
 
 if TYPE_CHECKING:
+    from ringwear.studies.crosscheck.plan import plan
     from ringwear.studies.crosscheck.run import run
-    from ringwear.studies.crosscheck.scope import plan
     from ringwear.studies.sweep.conduct import sweep
 
 __all__ = ["Scene", "plan", "run", "sweep"]
@@ -33,7 +33,7 @@ __all__ = ["Scene", "plan", "run", "sweep"]
 # a scene alone does not need the numerics that these bring in
 LATER = {
     "run": "ringwear.studies.crosscheck.run",
-    "plan": "ringwear.studies.crosscheck.scope",
+    "plan": "ringwear.studies.crosscheck.plan",
     "sweep": "ringwear.studies.sweep.conduct",
 }
 

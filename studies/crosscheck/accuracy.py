@@ -12,81 +12,65 @@ from ..problem.defaults import at_smallest, field_accuracy
 from ..problem.problem import Problem
 from ..problem.sections import DEGREES
 from ..progress import LOG, Stages
-
-MOST_REFINEMENTS = 4
-# times finer that a refinement asks for at the most; times better that it has to make the result to
-# be followed by another
-FINER, WORTH = 10.0, 2.0
+from .sizes import sizes_given
 
 
-def solved_to_accuracy(one: Method, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
-    """Solve problems on the same ring edges.
-
-    Those whose own estimates fall short of the accuracy again, with finer sizes.
+def solved_to_accuracy(
+    method: Method, problems: Sequence[Problem], stages: Stages, refinements: int = 4
+) -> list[Solution]:
+    """Solve problems on the same ring edges, and those again whose estimates fall short.
 
     Sizes given by the user stay, and what finer sizes do not mend (roundoff, a time step, layers
-    thinner than coordinates can tell) is left to the verdict.
+    thinner than coordinates can tell) is left to the verdict. A refinement asks for sizes of at
+    most ten times the accuracy, and is followed by another if it has halved the error.
     """
-    solutions, working = one.solve_all(problems, stages), [problem.rtol for problem in problems]
-    short = [number for number, problem in enumerate(problems) if not _sizes_given(one, problem)]
-    for _ in range(MOST_REFINEMENTS):
-        short = [
-            number
-            for number in short
-            if _falls_short(problems[number], solutions[number], working[number])
-        ]
+    solutions = method.solve_all(problems, stages)
+    errors = [error_of_sizes(*pair) for pair in zip(problems, solutions, strict=True)]
+    working = [problem.rtol for problem in problems]
+    short = [at for at, problem in enumerate(problems) if not sizes_given(problem, method.name)]
+    for _ in range(refinements):
+        short = [at for at in short if working[at] > FINEST and errors[at] > problems[at].rtol]
         if not short:
             break
-        for number in short:
-            asked, estimate = (
-                problems[number].rtol,
-                error_of_sizes(problems[number], solutions[number]),
-            )
-            working[number] = max(FINEST, working[number] * max(0.5 * asked / estimate, 1 / FINER))
+        for at in short:
+            rtol = problems[at].rtol
+            working[at] = max(FINEST, working[at] * max(0.5 * rtol / errors[at], 0.1))
             LOG.info(
-                "%8s  its estimate %.1e is above %.1e: refining ...", one.name, estimate, asked
+                "%8s  its estimate %.1e is above %.1e: refining ...", method.name, errors[at], rtol
             )
-        finer = one.solve_all(
-            [replace(problems[number], rtol=working[number]) for number in short], stages
+        refined = method.solve_all(
+            [replace(problems[at], rtol=working[at]) for at in short], stages
         )
-        refined, short = short, []
-        for number, solution in zip(refined, finer, strict=True):
-            before = error_of_sizes(problems[number], solutions[number])
-            after = error_of_sizes(problems[number], solution)
-            if after < before:
-                asked = problems[number].rtol
+        halved = []
+        for at, solution in zip(short, refined, strict=True):
+            error = error_of_sizes(problems[at], solution)
+            if 2 * error <= errors[at]:
+                halved.append(at)
+            if error < errors[at]:
                 note = (
-                    f"{one.name}: refined from rtol {asked:.1e} to {working[number]:.1e}, for its "
-                    "estimates fell short"
+                    f"{method.name}: refined from rtol {problems[at].rtol:.1e} to "
+                    f"{working[at]:.1e}, for its estimates fell short"
                 )
-                solutions[number] = replace(solution, notes=(*solution.notes, note))
-            if WORTH * after <= before:
-                short.append(number)
+                solutions[at] = replace(solution, notes=(*solution.notes, note))
+                errors[at] = error
+        short = halved
     return solutions
 
 
-def _sizes_given(method: Method, problem: Problem) -> bool:
-    """Return whether the user has given its sizes, which then stay as they are."""
-    return (problem.fem if method.name == "fem" else problem.mdr).given
-
-
-def _falls_short(problem: Problem, solution: Solution, working: float) -> bool:
-    return working > FINEST and error_of_sizes(problem, solution) > problem.rtol
-
-
 def error_of_sizes(problem: Problem, solution: Solution) -> float:
-    """The greatest error of all quantities that finer sizes would mend."""
+    """Return the greatest error estimate of all quantities that finer sizes would mend."""
     if not problem.full_contact:
         # the cells of a march go by what was asked for
         return 0.0
     # closed forms and the uniform grid have no sizes that go by the accuracy asked for
-    if problem.march != "modal" or "discretisation" not in solution.parts:
-        return solution.error_of_sizes
+    discretisation = solution.parts.get("discretisation")
+    if problem.march != "modal" or discretisation is None:
+        return discretisation or 0.0
     # fields follow neither on triangles, whose degree is low, nor beyond the highest degree of
     # quadrilaterals, where more layers bring roundoff, nor with so many rings that they take too
     # many pressures
     mesher, degree = solution.settings.get("mesher"), solution.settings.get("degree", 0)
-    highest = mesher is not None and degree >= DEGREES[mesher][-1]
+    highest = mesher in DEGREES and degree >= DEGREES[mesher][-1]
     energies = highest or field_accuracy(problem) > problem.rtol
     thin = ("rms_slope", "pressure") if at_smallest(problem) else ()
     names = ENERGIES if energies else [name for name in solution.errors if name not in thin]

@@ -1,15 +1,16 @@
 """How far two methods agree, in three words.
 
-Every quantity that both give, in its norm, against what each says of itself.
+Every quantity that both give, in its norm, against what each says of itself. A method states an
+**error estimate**; a difference of two has an **uncertainty**, the sum of their estimates.
 
-They agree where their difference is within their combined uncertainty, or within the accuracy asked
-for, and that uncertainty within a few times this. They disagree where the difference is beyond
-both, and neither says of itself that it errs by more than was asked for. All else is undecided, and
-it is said what would decide it.
+They agree where their difference is within its uncertainty, or within the accuracy asked for, and
+that uncertainty within a few times this. They disagree where the difference is beyond both, and
+neither says of itself that it errs by more than was asked for. All else is undecided, and it is
+said what would decide it.
 """
 
-from collections.abc import Collection
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
 
@@ -17,9 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...meshes.radial import Array
-from ..methods.base import Solution, method
-
-FINEST_MEASURED = 1e-7
+from ..methods.base import Solution
 from ..methods.quantities import (
     A_FEW,
     COMPARED_MODES,
@@ -31,10 +30,9 @@ from ..methods.quantities import (
 )
 from ..problem.defaults import at_smallest, field_accuracy
 from ..problem.problem import Problem
+from .sizes import sizes_given
 
-# times as accurate that a method has to be to show what another's error is
-BETTER = 10.0
-# where contact ends within the face: known to a cell, whatever the accuracy asked for
+# where contact ends within the face: resolved to a cell, whatever the accuracy asked for
 AT_EDGES = (
     "pressure",
     "profile",
@@ -76,15 +74,61 @@ class Agreement:
         return self.verdict == AGREE
 
 
+class Difference(NamedTuple):
+    """Differences of two methods in one quantity, and the error estimates of each, (n,)."""
+
+    size: Array
+    first: Array
+    second: Array
+
+    @property
+    def uncertainty(self) -> Array:
+        return self.first + self.second
+
+    def over_bound(self, rtol: float) -> Array:
+        """Return the differences over the bound beyond which the methods disagree.
+
+        It is 0 where one of them says of itself that it errs by more than was asked for.
+        """
+        decisive = np.maximum(self.first, self.second) <= rtol
+        return np.where(decisive, self.size / np.maximum(self.uncertainty, rtol), 0.0)
+
+
+def compare(problem: Problem, solutions: Sequence[Solution]) -> dict[str, Difference]:
+    """Return the differences of two solutions in every quantity whose error both estimate."""
+    first, second = solutions
+    compared = {}
+    for name, difference in differences(first.checked, second.checked, problem.face).items():
+        if name in first.errors and name in second.errors:
+            parts = [difference, *(each.checked_error(problem, name) for each in solutions)]
+            if "mode" in QUANTITIES[name].dims:
+                parts = [part[:COMPARED_MODES] for part in parts]
+            shared = common(*(part.shape for part in parts))
+            compared[name] = Difference(*(np.atleast_1d(part[shared]) for part in parts))
+    return compared
+
+
 def agreements(
     problem: Problem, names: tuple[str, str], solutions: tuple[Solution, Solution]
 ) -> list[Agreement]:
     """Compare two methods in every quantity that both give, at the times that are checked."""
-    found = differences(solutions[0].checked, solutions[1].checked, problem.face)
-    return [
-        _agreement(problem, name, names, *_compared(problem, name, difference, solutions))
-        for name, difference in found.items()
-    ]
+    rtol, rows = problem.rtol, []
+    for quantity, difference in compare(problem, solutions).items():
+        size, first, second = difference
+        over, uncertainty = difference.over_bound(rtol), difference.uncertainty
+        doubtful = (uncertainty > A_FEW * rtol) | (size > np.maximum(uncertainty, rtol))
+        # where many are as uncertain, the one that differs most
+        worst = int(np.lexsort((size, uncertainty, doubtful))[-1])
+        verdict, remark, promised = AGREE, "", is_promised(problem, quantity)
+        if (over > 1).any():
+            worst, verdict, promised = int(np.argmax(over)), DISAGREE, True
+        elif doubtful.any():
+            loser, verdict = names[int(second[worst] > first[worst])], UNDECIDED
+            what = remedy(problem, quantity, loser, float(uncertainty[worst]))
+            remark = f"{_when(problem, quantity, doubtful)}{what}"
+        numbers = float(size[worst]), float(uncertainty[worst])
+        rows.append(Agreement(quantity, names, *numbers, verdict, remark, promised))
+    return rows
 
 
 class Worst(NamedTuple):
@@ -93,8 +137,8 @@ class Worst(NamedTuple):
     Parameters
     ----------
     disagreement : greatest difference over what would make them disagree: above 1 they do
-    effectivity : least stated error over the error that a method at least `BETTER` times as
-        accurate shows
+    effectivity : least error estimate over the error that a method at least ten times as accurate
+        shows
     """
 
     disagreement: float
@@ -102,148 +146,98 @@ class Worst(NamedTuple):
 
 
 def worst(problem: Problem, solutions: Collection[Solution], keep: Collection[str]) -> Worst:
-    """The worst of the quantities to keep."""
+    """Return the worst of the quantities to keep."""
     disagreement = effectivity = np.nan
-    for both in combinations(solutions, 2):
-        found = differences(both[0].checked, both[1].checked, problem.face)
-        for name in found.keys() & set(keep):
-            difference, first, second = _compared(problem, name, found[name], both)
-            disagreement = np.fmax(
-                disagreement, np.max(_over_bound(problem, difference, first, second), initial=0.0)
-            )
-            # estimates of errors far below the accuracy asked for may be of chance
-            counted = difference > problem.rtol / 20
-            for stated, other in ((first, second), (second, first)):
-                shown = counted & (stated > BETTER * other)
-                effectivity = np.fmin(
-                    effectivity, np.min(stated[shown] / difference[shown], initial=np.inf)
-                )
+    for pair in combinations(solutions, 2):
+        compared = compare(problem, pair)
+        for name in compared.keys() & set(keep):
+            size, first, second = compared[name]
+            over = compared[name].over_bound(problem.rtol)
+            disagreement = np.fmax(disagreement, np.max(over, initial=0.0))
+            for estimate, other in ((first, second), (second, first)):
+                # estimates of errors far below the accuracy asked for may be of chance
+                shown = (size > problem.rtol / 20) & (estimate > 10 * other)
+                ratio = np.min(estimate[shown] / size[shown], initial=np.inf)
+                effectivity = np.fmin(effectivity, ratio)
     return Worst(float(disagreement), float(effectivity) if np.isfinite(effectivity) else np.nan)
 
 
-def _over_bound(problem: Problem, difference: Array, first: Array, second: Array) -> Array:
-    """Return differences over the bound beyond which methods that state such errors disagree."""
-    rtol = problem.rtol
-    decisive = (first <= rtol) & (second <= rtol)
-    return np.where(decisive, difference / np.maximum(first + second, rtol), 0.0)
-
-
-def _compared(
-    problem: Problem, name: str, difference: Array, solutions: tuple[Solution, Solution]
-) -> tuple[Array, Array, Array]:
-    """The difference and both methods' own errors, where all are known."""
-    errors = [solution.checked_error(problem, name) for solution in solutions]
-    if "mode" in QUANTITIES[name].dims:
-        difference, *errors = (one[:COMPARED_MODES] for one in (difference, *errors))
-    known = common(difference.shape, *(error.shape for error in errors))
-    difference, first, second = (np.atleast_1d(one[known]) for one in (difference, *errors))
-    return difference, first, second
-
-
-def _agreement(
-    problem: Problem, name: str, of: tuple[str, str], difference: Array, first: Array, second: Array
-) -> Agreement:
-    over, rtol = _over_bound(problem, difference, first, second), problem.rtol
-    uncertainty = first + second
-    if (over > 1).any():
-        worst = int(np.argmax(over))
-        return Agreement(name, of, float(difference[worst]), float(uncertainty[worst]), DISAGREE)
-    # where many are as uncertain, the one that differs most
-    open_ = (uncertainty > A_FEW * rtol) | (difference > np.maximum(uncertainty, rtol))
-    worst = int(np.lexsort((difference, uncertainty, open_))[-1])
-    row = Agreement(
-        name,
-        of,
-        float(difference[worst]),
-        float(uncertainty[worst]),
-        AGREE,
-        promised=_promised(problem, name),
-    )
-    if not open_.any():
-        return row
-    loser = of[int(second[worst] > first[worst])]
-    when = _when(problem, name, open_)
-    return replace(
-        row,
-        verdict=UNDECIDED,
-        remark=f"{when}{remedy(problem, name, loser, float(uncertainty[worst]))}",
-    )
-
-
-def _promised(problem: Problem, name: str) -> bool:
-    """Whether the accuracy asked for is promised of a quantity.
-
-    Fields are not where they cannot be resolved.
-    """
+def is_promised(problem: Problem, quantity: str) -> bool:
+    """Whether the accuracy asked for is promised of a quantity; not of fields beyond resolution."""
     if not problem.full_contact:
-        return name not in AT_EDGES
-    if name in EARLY and at_smallest(problem):
+        return quantity not in AT_EDGES
+    if quantity in EARLY and at_smallest(problem):
         return False
-    return name in ENERGIES or field_accuracy(problem) <= problem.rtol
+    return quantity in ENERGIES or field_accuracy(problem) <= problem.rtol
 
 
-def _when(problem: Problem, name: str, undecided: NDArray[np.bool_]) -> str:
-    if QUANTITIES[name].dims[:1] != ("time",) or undecided.all():
+def _when(problem: Problem, quantity: str, undecided: NDArray[np.bool_]) -> str:
+    if QUANTITIES[quantity].dims[:1] != ("time",) or undecided.all():
         return ""
-    times, units = problem.times[problem.checked], problem.units.time
+    times = problem.times[problem.checked] * problem.units.time
     last = int(np.flatnonzero(undecided)[-1])
     if not undecided[: last + 1].all():
         return f"at {undecided.sum()} of {len(times)} times: "
-    return (
-        f"at t = {times[last] * units:.3g}: "
-        if last == 0
-        else f"up to t = {times[last] * units:.3g}: "
-    )
+    return f"{'up to' if last else 'at'} t = {times[last]:.3g}: "
 
 
-def remedy(problem: Problem, name: str, blamed: str, error: float) -> str:
-    """What would decide a quantity: an accuracy to ask for, with its cost, or other times."""
-    one = method(blamed)
-    if blamed == "fem" and problem.fem.far_field == "fixed":
-        return "the clamped boundary errs by 1.1 a/R; far_field = 'boussinesq' does not"
-    if not problem.full_contact and name not in ENERGIES:
-        where = "pressures may be infinite at edges"
-        if problem.earliest:
-            where = "pressures jump at edges of worn faces that move"
-        return f"{where}, and fields are known to a cell there; ask for a smaller rtol"
-    if name in EARLY and at_smallest(problem):
-        return (
-            f"the layers that wear makes by the first times are thinner than {blamed} can resolve; "
-            "ask for later times"
-        )
-    if (fields := field_accuracy(problem)) > problem.rtol and name not in ENERGIES:
-        return (
-            f"with so many rings fields are resolved to {fields:.0e} only; give degree and "
-            f"ring_size of {blamed} for more"
-        )
-    if one.own_march:
-        return f"{blamed} is of first order; give a finer accuracy.mdr.grid"
-    if one.sizes_given(problem):
-        return f"the sizes given for {blamed} are too coarse; leave them out"
-    if problem.march != "modal":
-        return "the step is too long; march = 'modal' has none"
+def remedy(problem: Problem, quantity: str, blamed: str, error: float) -> str:
+    """Return what would decide a quantity: an accuracy to ask for, other sizes, or other times."""
+    local, full, fields = quantity not in ENERGIES, problem.full_contact, field_accuracy(problem)
     rtol = problem.rtol**2 / error
-    if rtol < FINEST:
-        return f"{blamed} states {error:.1e}; no accuracy that can be asked for decides it"
-    seconds = one.cost(replace(problem, rtol=rtol)).seconds
-    known = np.isfinite(seconds) and rtol >= FINEST_MEASURED
-    cost = f", in about {seconds:.2g} s" if known else ""
-    return f"{blamed} states {error:.1e}; rtol = {rtol:.0e} would decide it{cost}"
+    edges = "pressures may be infinite at edges"
+    if problem.earliest:
+        edges = "pressures jump at edges of worn faces that move"
+    remedies = [
+        (
+            blamed == "fem" and problem.fem.far_field == "fixed",
+            "the clamped boundary errs by 1.1 a/R; far_field = 'boussinesq' does not",
+        ),
+        (
+            local and not full,
+            f"{edges}, and fields are known to a cell there; ask for a smaller rtol",
+        ),
+        (
+            quantity in EARLY and at_smallest(problem),
+            f"the layers that wear makes by the first times are thinner than {blamed} can resolve; "
+            "ask for later times",
+        ),
+        (
+            local and fields > problem.rtol,
+            f"with so many rings fields are resolved to {fields:.0e} only; give degree and "
+            f"ring_size of {blamed} for more",
+        ),
+        (
+            blamed == "mdr-grid",
+            f"{blamed} is of first order; give a finer accuracy.mdr.grid",
+        ),
+        (
+            sizes_given(problem, blamed),
+            f"the sizes given for {blamed} are too coarse; leave them out",
+        ),
+        (problem.march != "modal", "the step is too long; march = 'modal' has none"),
+        (
+            rtol < FINEST,
+            f"{blamed} states {error:.1e}; no accuracy that can be asked for decides it",
+        ),
+        (True, f"{blamed} states {error:.1e}; rtol = {rtol:.0e} would decide it"),
+    ]
+    return next(words for holds, words in remedies if holds)
 
 
-def worst_verdict(verdicts: list[str]) -> str:
-    """The least of some verdicts."""
-    return next((one for one in (DISAGREE, UNDECIDED) if one in verdicts), AGREE)
+def worst_verdict(verdicts: Collection[str]) -> str:
+    """Return the least of some verdicts."""
+    return next((verdict for verdict in (DISAGREE, UNDECIDED) if verdict in verdicts), AGREE)
 
 
-def overall(rows: tuple[Agreement, ...]) -> str:
-    """The least verdict of what is promised; what is not can still disagree."""
+def overall(rows: Sequence[Agreement]) -> str:
+    """Return the least verdict of what is promised; what is not can still disagree."""
     return worst_verdict([row.verdict for row in rows if row.promised or row.verdict == DISAGREE])
 
 
-def by_quantity(rows: list[Agreement] | tuple[Agreement, ...]) -> dict[str, str]:
-    """The least verdict on each quantity over all pairs of methods."""
-    names = dict.fromkeys(row.quantity for row in rows)
-    return {
-        name: worst_verdict([row.verdict for row in rows if row.quantity == name]) for name in names
-    }
+def by_quantity(rows: Sequence[Agreement]) -> dict[str, str]:
+    """Return the least verdict on each quantity over all pairs of methods."""
+    verdicts: dict[str, list[str]] = {}
+    for row in rows:
+        verdicts.setdefault(row.quantity, []).append(row.verdict)
+    return {quantity: worst_verdict(of) for quantity, of in verdicts.items()}

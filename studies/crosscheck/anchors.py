@@ -9,14 +9,14 @@ over the whole face stand beside it, of which the dataset has some radii.
 A flat start is closed form (Eqs. 10, 11), and so is the steady state (Eqs. 21 to 27). In between
 hold, with ``F = 1``,
 
-    F = int p dA                                     and the same on each ring F v0 t = int f / k dA
-    what is worn is what pressure has worn d = d0 + int f p0 dA
-    reciprocity with the flat punch, u0 = d0 d = int us p dA + int f ps dA
-    reciprocity with the steady pressures ps, of closed-form us d'(2 t) = int k p^2 dA
-    power; by the symmetry of compliance and wear, from a flat start
+    F = int p dA, on each ring too           the force
+    F v0 t = int f / k dA                    what is worn is what pressure has worn
+    d = d0 + int f p0 dA                     reciprocity with the flat punch, u0 = d0
+    d = int us p dA + int f ps dA            reciprocity with the steady pressures ps
+    d'(2 t) = int k p^2 dA                   power; by the symmetry of compliance and wear
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -27,26 +27,18 @@ from ...mdr import direct
 from ...meshes.radial import Array, ring_of
 from ..methods.base import Solution
 from ..methods.quantities import ANSWER, FIELDS, QUANTITIES, array, radial_weight
-from ..problem.problem import D0, P0, Problem
+from ..problem.problem import D0, P0
 from ..problem.scene import Scene
 from ..wear.time_scale import COARSE, FINE, slowest_relaxation_time
 from .known import energy_of_rings, natural_units, steady_state
 
 if TYPE_CHECKING:
-    from ..problem.face import Face
-    from ..wear.full_contact import History
+    from ..wear.full_contact import RunningIn
 
 # of sums and of closed forms to roundoff, where the accuracy asked for has no say
 EXACT = 1e-9
-# times at which the balance of power is looked at, and the step that d is differentiated by, over
-# the time
-POWER_TIMES, POWER_STEP = 6, 0.005
-# roundoff of d, which differences of it over short times have
-ROUNDOFF_OF_D = 1e-14
-# the difference of what is no number, which JSON cannot hold
-NO_NUMBER = 1e99
-# doubt of slopes on the face beyond which they tell nothing
-UNTOLD = 0.1
+# step that d is differentiated by, over the time
+POWER_STEP = 0.005
 # times the doubt of a quadrature or an interpolation on the face that its error may be
 DOUBT = 10.0
 
@@ -78,35 +70,86 @@ def anchors(scene: Scene, name: str, dataset: xarray.Dataset, solution: Solution
     dataset : what is written of it, in the scene's units
     solution : what the method said of the face, and of its own errors
     """
-    held = _Anchors(scene, dataset, solution)
-    return [Anchor(what, name, *worst) for what, worst in held.all() if np.isfinite(worst[1])]
-
-
-Worst = tuple[str, tuple[float, float]]
+    full, history = scene.problem.full_contact, len(scene.problem.times) > 0
+    of_method = _Anchors(scene, name, dataset, solution)
+    later, wear = (of_method.checked_times > 0).any(), solution.wear
+    groups: list[tuple[object, str, Callable[[], None]]] = [
+        (history, "ring_force pressure", of_method.hold_forces),
+        (history and full, "indentation pressure ring_force", of_method.hold_start),
+        (later and full, "indentation pressure profile", of_method.hold_wear),
+        (later and not full, "ring_worn_volume", of_method.hold_volume),
+        (
+            history and full,
+            "indentation profile displacement displacement_centre displacement_max",
+            of_method.hold_fields,
+        ),
+        (history and full, "profile rms_slope", of_method.hold_slopes),
+        (later and full, "pressure profile displacement", of_method.hold_output),
+        (later and full and wear, "pressure relaxation_time", of_method.hold_modes),
+        (
+            True,
+            "steady_pressure steady_profile steady_wear_rate steady_displacement_max "
+            "steady_rms_slope",
+            of_method.hold_steady_state,
+        ),
+        (full and wear, "", of_method.hold_compliance),
+    ]
+    for applies, quantities, hold in groups:
+        if applies and all(
+            quantity in solution.checked and quantity in solution.errors
+            for quantity in quantities.split()
+        ):
+            hold()
+    return of_method.anchors
 
 
 class _Anchors:
-    """The anchors of one method.
+    """The anchors of one method."""
 
-    Pairs of a name, and the difference and the tolerance where it is worst.
-    """
+    def __init__(
+        self, scene: Scene, name: str, dataset: xarray.Dataset, solution: Solution
+    ) -> None:
+        self.name, self.solution, self._dataset = name, solution, dataset
+        self.problem, self._units = scene.problem, natural_units(scene)
+        self.face, self.anchors = self.problem.face, list[Anchor]()
+        self.rtol = self.problem.rtol
+        self.times = dataset["time"].values / self._units.time
+        self.radii = dataset["radius"].values / self._units.length
+        self.checked_times = self.times[self.problem.checked]
 
-    def __init__(self, scene: Scene, dataset: xarray.Dataset, solution: Solution) -> None:
-        self.solution = solution
-        self.problem: Problem = scene.problem
-        self.face: Face = self.problem.face
-        units = natural_units(scene)
-        self.times = dataset["time"].values / units.time
-        self.radii = dataset["radius"].values / units.length
-        self._dataset, self._units = dataset, units
+    def hold(
+        self,
+        name: str,
+        value: Array | float,
+        reference: Array | float,
+        tolerance: Array | float,
+        scale: Array | float | None = None,
+    ) -> None:
+        """Add an anchor where the difference to a reference is the greatest part of what is
+        tolerated.
+
+        It is relative to the reference, or to a scale. Scale and tolerance may leave out last axes
+        of the values. What is no number holds to nothing, and what may be infinitely wrong is no
+        anchor.
+        """
+        differences = np.atleast_1d(value - reference)
+        scales, tolerances = (
+            np.reshape(part, np.shape(part) + (1,) * (differences.ndim - np.ndim(part)))
+            for part in (reference if scale is None else scale, tolerance)
+        )
+        differences = np.abs(differences / scales)
+        # JSON cannot hold what is no number
+        differences = np.where(np.isnan(differences), 1e99, differences)
+        tolerances = np.broadcast_to(tolerances, differences.shape)
+        worst = np.unravel_index(np.argmax(differences / tolerances), differences.shape)
+        if np.isfinite(tolerances[worst]):
+            numbers = float(differences[worst]), float(tolerances[worst])
+            self.anchors.append(Anchor(name, self.name, *numbers))
 
     def _reported(self, name: str) -> Array:
         """Return a variable of the dataset, non-dimensional."""
         kind = (QUANTITIES | ANSWER)[name].unit
         return np.asarray(self._dataset[name].values / getattr(self._units, kind))
-
-    def _gives(self, *names: str) -> bool:
-        return all(name in self.solution.checked for name in names)
 
     def _checked(self, name: str) -> Array:
         """Return a quantity at the times that are checked.
@@ -122,247 +165,207 @@ class _Anchors:
 
         Infinity where the method states more, and is held to nothing.
         """
-        rtol = max(self.problem.rtol, EXACT)
-        return np.where(self.solution.checked_error(self.problem, name) > rtol, np.inf, rtol)
-
-    def all(self) -> Iterator[Worst]:
-        history = len(self.times) > 0 and self._gives("indentation")
-        if history:
-            yield from self._of_forces()
-        if not self.problem.full_contact:
-            yield from self._of_profile() if history else ()
-        elif history:
-            yield from self._of_start()
-            yield from self._of_wear()
-            yield from self._of_fields()
-            yield from self._of_modes()
-        if self._gives("steady_wear_rate"):
-            yield from self._of_steady_state()
-        if self.solution.wear is not None and self.problem.full_contact:
-            yield from self._of_compliance()
-
-    def _of_forces(self) -> Iterator[Worst]:
-        forces, pressure = self._checked("ring_force"), self._checked("pressure")
-        whole = forces.sum(axis=1)
-        if self.problem.indentation is None:
-            tolerance = np.maximum(self.solution.checked_error(self.problem, "ring_force"), EXACT)
-            yield "ring forces add up to F", _worst(np.abs(whole - 1), tolerance)
-        rings = self.face.ring_sums(self.face.areas * pressure)
-        tolerance = self._tolerated("pressure") * whole + self._doubt(self.face.areas * pressure)
-        wrong = np.abs(rings - forces).max(axis=1)
-        yield "ring forces are integrals of the pressure", _worst(wrong, tolerance)
+        error = self.solution.checked_error(self.problem, name)
+        return np.where(error > self.rtol, np.inf, self.rtol)
 
     def _doubt(self, parts: Array) -> Array:
         """Return what a sum over the face may differ from its integral."""
         return DOUBT * self.face.integral_doubt(parts)
 
-    def _of_profile(self) -> Iterator[Worst]:
-        """Return what holds while contact opens, closes and spreads."""
-        later = self.times[self.problem.checked] > 0
-        if self.problem.indentation is None and later.any():
+    def hold_forces(self) -> None:
+        forces, parts = self._checked("ring_force"), self.face.areas * self._checked("pressure")
+        whole, sums = forces.sum(axis=1), self.face.ring_sums(parts)
+        if self.problem.indentation is None:
+            error = self.solution.checked_error(self.problem, "ring_force")
+            self.hold("ring forces add up to F", whole, 1.0, np.maximum(error, EXACT))
+        tolerance = self._tolerated("pressure") * whole + self._doubt(parts)
+        self.hold("ring forces are integrals of the pressure", sums, forces, tolerance, 1.0)
+
+    def hold_volume(self) -> None:
+        """Hold what is worn where contact opens, closes and spreads."""
+        if self.problem.indentation is None:
+            later = self.checked_times > 0
             worn = self._checked("ring_worn_volume")[later] @ (1 / self.problem.wear_coefficients)
-            wrong = np.abs(worn / self.times[self.problem.checked][later] - 1)
-            yield "worn volume over k, F v0 t", _worst(wrong, np.full(len(wrong), EXACT))
+            self.hold("worn volume over k, F v0 t", worn, self.checked_times[later], EXACT)
 
-    def _of_start(self) -> Iterator[Worst]:
-        edges = self.problem.ring_edges
+    def hold_start(self) -> None:
+        edges, inside = self.problem.ring_edges, self.radii < 1
+        flat = _flat_pressure(edges[:-1])
+        depth, pressure, force = (
+            self._tolerated(name) for name in ("indentation", "pressure", "ring_force")
+        )
         if self.times[0] == 0:
-            tolerance = self._tolerated("indentation")[:1]
-            wrong = np.abs(self._reported("indentation")[:1] / D0 - 1)
-            yield "flat start, d = F / (2 a E*)", _worst(wrong, tolerance)
-            tolerance = self._tolerated("pressure")[:1]
-            inside = self.radii < 1
-            known = _flat_pressure(self.radii[inside])
-            wrong = np.abs(self._reported("pressure")[0, inside] / known - 1).max(initial=0.0)
-            yield "flat start, p = p0 / sqrt(1 - r^2/a^2)", _worst(wrong, tolerance)
-            known = -np.diff(np.sqrt((1 - edges) * (1 + edges)))
-            wrong = np.abs(self._reported("ring_force")[0] - known).max()
-            tolerance = self._tolerated("ring_force")[:1]
-            yield "flat start, forces of the rings", _worst(wrong, tolerance)
-        if self.solution.wear is None:
-            return
-        wrong = np.abs(self._reported("indentation_start") / D0 - 1)
-        yield "flat start of the answer", _worst(wrong, self._tolerated("indentation").max())
-        known = _flat_pressure(edges[:-1])
-        wrong = np.abs(self._reported("pressure_min")[0] / known - 1).max()
-        wrong = np.maximum(
-            wrong, np.abs(self._reported("pressure_max")[0, :-1] / known[1:] - 1).max(initial=0.0)
-        )
-        yield (
-            "flat start of the answer, pressures",
-            _worst(wrong, self._tolerated("pressure").max()),
-        )
+            start = self._reported("indentation")[0]
+            self.hold("flat start, d = F / (2 a E*)", start, D0, depth[0])
+            name, reported = "flat start, p = p0 / sqrt(1 - r^2/a^2)", self._reported("pressure")
+            if inside.any():
+                reference = _flat_pressure(self.radii[inside])
+                self.hold(name, reported[0, inside], reference, pressure[0])
+            forces = -np.diff(np.sqrt((1 - edges) * (1 + edges)))
+            reported = self._reported("ring_force")[0]
+            self.hold("flat start, forces of the rings", reported, forces, force[0], 1.0)
+        if self.solution.wear is not None:
+            start = self._reported("indentation_start")
+            self.hold("flat start of the answer", start, D0, depth.max())
+            least, greatest = self._reported("pressure_min")[0], self._reported("pressure_max")[0]
+            by_rings, reference = np.append(least, greatest[:-1]), np.append(flat, flat[1:])
+            name = "flat start of the answer, pressures"
+            self.hold(name, by_rings, reference, pressure.max())
 
-    def _of_wear(self) -> Iterator[Worst]:
-        """Return what is worn, over all of the face."""
-        times, face = self.times[self.problem.checked], self.face
+    def hold_wear(self) -> None:
+        """Hold what is worn, over all of the face."""
+        times, face, later = self.checked_times, self.face, self.checked_times > 0
         profile, depth = self._checked("profile"), self._checked("indentation")
-        later = times > 0
-        if not later.any():
-            return
+        pressure, steady = self._checked("pressure"), steady_state(self.problem)
         by_wear = face.areas / face.wear
-        wrong = np.abs(profile[later] @ by_wear / times[later] - 1)
         # the profile is promised relative to the indentation
-        lost = (self._tolerated("profile") * depth)[later] * by_wear.sum()
-        lost += self._doubt(profile[later] * by_wear)
-        tolerance = np.maximum(lost / times[later], self.problem.rtol)
-        yield "worn volume over k, F v0 t", _worst(wrong, tolerance)
-        if np.isfinite(worn := self._reported("worn_volume")).all():
-            wrong = np.abs((worn / self.problem.wear_coefficients).sum() / self.times[-1] - 1)
-            yield "worn volume of the answer over k, F v0 t", _worst(wrong, tolerance[-1:])
-        flat = _flat_pressure(face.radii) * face.areas
-        steady = steady_state(self.problem)
-        by_flat = D0 + profile @ flat
-        stated = np.maximum(self._tolerated("indentation"), self._tolerated("profile"))
-        tolerance = stated + self._doubt(profile * flat) / depth
-        yield "reciprocity with the flat punch", _worst(np.abs(by_flat / depth - 1), tolerance)
-        pressure = self._checked("pressure")
-        moved = steady.displacement * face.areas
+        lost = self._tolerated("profile") * depth * by_wear.sum() + self._doubt(profile * by_wear)
+        tolerance = np.maximum(lost[later] / times[later], self.rtol)
+        self.hold("worn volume over k, F v0 t", profile[later] @ by_wear, times[later], tolerance)
+        worn = self._reported("worn_volume") / self.problem.wear_coefficients
+        if np.isfinite(worn).all():
+            name = "worn volume of the answer over k, F v0 t"
+            self.hold(name, worn.sum(), self.times[-1], tolerance[-1])
+        flat, moved = _flat_pressure(face.radii) * face.areas, steady.displacement * face.areas
+        tolerance = np.maximum(self._tolerated("indentation"), self._tolerated("profile"))
+        doubt = self._doubt(profile * flat) / depth
+        self.hold("reciprocity with the flat punch", D0 + profile @ flat, depth, tolerance + doubt)
         by_steady = pressure @ moved + profile @ (steady.pressure * face.areas)
-        tolerance = np.maximum(stated, self._tolerated("pressure"))
-        tolerance = tolerance + self._doubt(pressure * moved) / depth
-        yield "reciprocity with the steady state", _worst(np.abs(by_steady / depth - 1), tolerance)
+        tolerance = np.maximum(tolerance, self._tolerated("pressure"))
+        doubt = self._doubt(pressure * moved) / depth
+        self.hold("reciprocity with the steady state", by_steady, depth, tolerance + doubt)
 
-    def _of_fields(self) -> Iterator[Worst]:
-        """Return what is read off fields."""
-        face, depth = self.face, self._checked("indentation")
-        profile, moved = self._checked("profile"), self._checked("displacement")
-        wrong = np.abs(moved + profile - depth[:, None]).max(axis=1) / depth
-        yield (
-            "displacement, u = d - f",
-            _worst(wrong, np.full(len(wrong), max(self.problem.rtol, EXACT))),
-        )
-        centre, doubt = face.interpolate(moved, np.zeros(1))
-        wrong = np.abs(self._checked("displacement_centre") - centre[:, 0]) / depth
-        tolerance = self._tolerated("displacement_centre") + DOUBT * doubt[:, 0] / depth
-        yield "displacement at the centre", _worst(wrong, tolerance)
+    def hold_fields(self) -> None:
+        """Hold the numbers that are read off fields."""
+        depth, moved = self._checked("indentation"), self._checked("displacement")
+        whole = moved + self._checked("profile")
+        self.hold("displacement, u = d - f", whole, depth[:, None], self.rtol, depth)
+        centre, doubt = self.face.interpolate(moved, np.zeros(1))
         greatest, spread = _greatest(moved)
-        wrong = np.abs(self._checked("displacement_max") - greatest) / depth
-        tolerance = self._tolerated("displacement_max") + spread / depth
-        yield "greatest displacement", _worst(wrong, tolerance)
-        yield from self._of_slopes(profile)
+        for what, name, value, allowance in (
+            (
+                "displacement at the centre",
+                "displacement_centre",
+                centre[:, 0],
+                DOUBT * doubt[:, 0],
+            ),
+            ("greatest displacement", "displacement_max", greatest, spread),
+        ):
+            tolerance = self._tolerated(name) + allowance / depth
+            self.hold(what, self._checked(name), value, tolerance, depth)
+
+    def hold_slopes(self) -> None:
+        slope, face = self._checked("rms_slope"), self.face
+        resolved = np.isfinite(self._tolerated("rms_slope")) & (slope > 0)
+        if not resolved.any():
+            return
+        weights = radial_weight(face.radii, self.problem.gradient_average) * face.lengths
+        both = face.slopes(self._checked("profile")[resolved])
+        slopes, fewer = (np.sqrt(values**2 @ weights) for values in both)
+        # it crosses zero now and then in time
+        doubt = DOUBT * np.max(np.abs(slopes - fewer) / slope[resolved])
+        # slopes on the face that are as doubtful tell nothing
+        if doubt <= 0.1:
+            self.hold("RMS slope of the profile", slopes, slope[resolved], self.rtol + doubt)
+
+    def hold_output(self) -> None:
+        """Hold the fields at the radii of the output to those over the face."""
         # not at the rim, where pressures of the start are infinite
-        inside = self.radii < self.face.breakpoints[-2]
-        later = self.times[self.problem.checked] > 0
+        inside, later = self.radii < self.face.breakpoints[-2], self.checked_times > 0
+        if not inside.any():
+            return
         for name in ("pressure", "profile", "displacement"):
             values = self._checked(name)[later]
-            if not values.size:
-                continue
-            size = np.abs(values).max(axis=1) if name == "pressure" else depth[later]
-            found, doubt = face.interpolate(values, self.radii[inside])
+            size = self._checked("indentation")[later]
+            if name == "pressure":
+                size = np.abs(values).max(axis=1)
+            interpolated, doubt = self.face.interpolate(values, self.radii[inside])
             reported = self._reported(name)[self.problem.checked][later][:, inside]
             # in the mean: pressures of elements have kinks of their own
             wrong, doubt = (
-                np.sqrt((one**2).mean(axis=1)) / size for one in (found - reported, doubt)
+                np.sqrt((part**2).mean(axis=1)) / size for part in (interpolated - reported, doubt)
             )
             tolerance = self._tolerated(name)[later] + DOUBT * doubt
-            yield f"{name} at the radii reported", _worst(wrong, tolerance)
+            self.hold(f"{name} at the radii reported", wrong, 0.0, tolerance, 1.0)
 
-    def _of_slopes(self, profile: Array) -> Iterator[Worst]:
-        known = np.isfinite(self._tolerated("rms_slope")) & (self._checked("rms_slope") > 0)
-        if not known.any():
-            return
-        weights = radial_weight(self.face.radii, self.problem.gradient_average) * self.face.lengths
-        slopes, fewer = (np.sqrt(one**2 @ weights) for one in self.face.slopes(profile[known]))
-        reported = self._checked("rms_slope")[known]
-        # it crosses zero now and then in time
-        doubt = DOUBT * np.max(np.abs(slopes - fewer) / reported)
-        if doubt > UNTOLD:
-            return
-        wrong = np.abs(slopes / reported - 1)
-        yield "RMS slope of the profile", _worst(wrong, self.problem.rtol + doubt)
-
-    def _of_modes(self) -> Iterator[Worst]:
-        """Return what the law of wear asks of the running-in."""
-        wear, problem = self.solution.wear, self.problem
-        times = self.times[problem.checked]
-        later = np.flatnonzero(times > 0)
-        if wear is None or not len(later):
-            return
+    def hold_modes(self) -> None:
+        """Hold what the law of wear asks of the running-in."""
+        wear, problem, times = self.solution.wear, self.problem, self.checked_times
+        assert wear is not None
         slowest = self._reported("relaxation_time")[0]
-        coarse, known = (slowest_relaxation_time(problem.rings, sizes) for sizes in (COARSE, FINE))
-        tolerance = self._tolerated("relaxation_time")[0] + DOUBT * abs(coarse / known - 1)
-        yield (
+        coarse, fine = (slowest_relaxation_time(problem.rings, sizes) for sizes in (COARSE, FINE))
+        self.hold(
             "slowest relaxation time, by a small problem of its own",
-            _worst(abs(slowest / known - 1), tolerance),
+            slowest,
+            fine,
+            self._tolerated("relaxation_time")[0] + DOUBT * abs(coarse / fine - 1),
         )
-        yield "modes add up to the flat start", _worst(abs(wear.share_of_modes - 1), EXACT)
-        if problem.march != "modal":
+        self.hold("modes add up to the flat start", wear.share_of_modes, 1.0, EXACT)
+        tolerated = self._tolerated("pressure")
+        later = np.flatnonzero((times > 0) & np.isfinite(tolerated))
+        if problem.march != "modal" or not len(later):
             return
-        later = later[np.isfinite(self._tolerated("pressure")[later])]
-        if not len(later):
-            return
-        chosen = later[np.unique(np.linspace(0, len(later) - 1, POWER_TIMES).round().astype(int))]
-        pressure, stated = self._checked("pressure")[chosen], self._tolerated("pressure")[chosen]
-        yield "power, F d'(2t) = int k p^2 dA", self._power(times[chosen], pressure, stated, False)
+        some = later[np.unique(np.linspace(0, len(later) - 1, 6).round().astype(int))]
+        pressure = self._checked("pressure")[some]
+        self._hold_power("power, F d'(2t) = int k p^2 dA", times[some], pressure, tolerated[some])
         # what is left of the running-in is then most of it the slowest mode, and is looked at alone
         half = np.array([max(slowest / 2, problem.earliest)])
-        of_slowest = self._power(half, self._at(half), stated[-1:], True)
-        yield "power of the slowest mode", of_slowest
-
-    def _power(
-        self, times: Array, pressure: Array, stated: Array, alone: bool
-    ) -> tuple[float, float]:
-        """Return how far power is out of balance at times, over all of it or over what is not yet
-        steady alone.
-        """
-        wear, steady, face = self.solution.wear, steady_state(self.problem), self.face
-        assert wear is not None
-        parts = (pressure - steady.pressure) ** 2 * face.weights
-        spent = parts.sum(axis=1)
-        scale = spent if alone else spent + steady.wear_rate
-        risen = _slopes_of(wear.modal, 2 * times) - steady.wear_rate
-        tolerance = (
-            self.problem.rtol + 2 * stated * np.sqrt((spent + steady.wear_rate) * spent) / scale
-        )
-        tolerance += (self._doubt(parts) + ROUNDOFF_OF_D / POWER_STEP / times) / scale
-        return _worst(np.abs(risen - spent) / scale, tolerance)
-
-    def _at(self, times: Array) -> Array:
-        """Return the pressure over the face at times."""
-        wear = self.solution.wear
-        assert wear is not None
         at_radii = wear.compliance.space.matrix(self.face.radii)
-        return (at_radii @ wear.modal(times).pressure.T).T
+        pressure = (at_radii @ wear.modal(half).pressure.T).T
+        name = "power of the slowest mode"
+        self._hold_power(name, half, pressure, tolerated[some[-1:]], alone=True)
 
-    def _of_steady_state(self) -> Iterator[Worst]:
-        known, rtol = steady_state(self.problem), self.problem.rtol
-        ring = ring_of(self.problem.ring_edges, self.radii)
-        wrong = np.abs(self._reported("steady_pressure") / known.ring_pressures[ring] - 1).max()
-        yield "steady pressures of Eq. 24", _worst(wrong, max(rtol, EXACT))
-        by_rings = np.concatenate(
-            [self._reported(name)[1] for name in ("pressure_min", "pressure_max")]
-        )
-        wrong = np.abs(by_rings / np.tile(known.ring_pressures, 2) - 1).max()
-        yield "steady pressures of the answer", _worst(wrong, max(rtol, EXACT))
-        for name, value in (
-            ("steady_wear_rate", known.wear_rate),
-            ("steady_displacement_max", known.greatest),
-            ("steady_rms_slope", known.slope),
-        ):
-            wrong = np.abs(self._reported(name) / value - 1)
-            tolerance = EXACT if name == "steady_wear_rate" else self._tolerated(name)
-            yield f"{name} in closed form", _worst(wrong, tolerance)
-        edges = self.problem.merged.ring_edges
-        profile = known.greatest - direct.displacement(edges, known.merged_pressures, self.radii)
-        wrong = np.abs(self._reported("steady_profile") - profile).max() / known.greatest
-        yield "steady_profile in closed form", _worst(wrong, self._tolerated("steady_profile"))
-
-    def _of_compliance(self) -> Iterator[Worst]:
-        wear = self.solution.wear
+    def _hold_power(
+        self, name: str, times: Array, pressure: Array, tolerated: Array, alone: bool = False
+    ) -> None:
+        """Hold the balance of power at times, of all of it or of what is not yet steady alone."""
+        wear, steady = self.solution.wear, steady_state(self.problem)
         assert wear is not None
-        tolerated = max(self.problem.rtol, EXACT)
-        if self.solution.error_estimate > tolerated:
-            return
-        space, edges = wear.compliance.space, self.problem.merged.ring_edges
-        steady = direct.steady_pressures(*self.problem.merged)
-        for what, pressures, own in (
-            ("steady pressures", steady, wear.steady.pressure),
-            ("uniform pressure", np.ones_like(steady), np.where(space.order == 1, 1.0, 0.0)),
+        parts = (pressure - steady.pressure) ** 2 * self.face.weights
+        spent = parts.sum(axis=1)
+        whole = spent + steady.wear_rate
+        scale = spent if alone else whole
+        risen = _differentiate(wear, 2 * times) - steady.wear_rate
+        tolerance = self.rtol + 2 * tolerated * np.sqrt(whole * spent) / scale
+        # differences of d over short times have its roundoff
+        tolerance += (self._doubt(parts) + 1e-14 / POWER_STEP / times) / scale
+        self.hold(name, risen, spent, tolerance, scale)
+
+    def hold_steady_state(self) -> None:
+        steady, problem = steady_state(self.problem), self.problem
+        at_radii = steady.ring_pressures[ring_of(problem.ring_edges, self.radii)]
+        pressure, profile = self._reported("steady_pressure"), self._reported("steady_profile")
+        self.hold("steady pressures of Eq. 24", pressure, at_radii, self.rtol)
+        by_rings = [self._reported(name)[1] for name in ("pressure_min", "pressure_max")]
+        reference = np.tile(steady.ring_pressures, 2)
+        name = "steady pressures of the answer"
+        self.hold(name, np.concatenate(by_rings), reference, self.rtol)
+        for name, value in (
+            ("steady_wear_rate", steady.wear_rate),
+            ("steady_displacement_max", steady.greatest),
+            ("steady_rms_slope", steady.slope),
         ):
-            energy = float(np.sum((wear.compliance.factor @ own) ** 2))
-            wrong = abs(energy / energy_of_rings(edges, pressures) - 1)
-            yield f"energy of {what} in closed form", _worst(wrong, tolerated)
+            tolerance = EXACT if name == "steady_wear_rate" else self._tolerated(name)
+            self.hold(f"{name} in closed form", self._reported(name), value, tolerance)
+        edges, name = problem.merged.ring_edges, "steady_profile"
+        limit = steady.greatest - direct.displacement(edges, steady.merged_pressures, self.radii)
+        tolerance = self._tolerated(name)
+        self.hold(f"{name} in closed form", profile, limit, tolerance, steady.greatest)
+
+    def hold_compliance(self) -> None:
+        wear, edges = self.solution.wear, self.problem.merged.ring_edges
+        assert wear is not None
+        if self.solution.error_estimate > self.rtol:
+            return
+        steady = direct.steady_pressures(*self.problem.merged)
+        uniform = np.where(wear.compliance.space.order == 1, 1.0, 0.0)
+        for what, pressures, coefficients in (
+            ("steady pressures", steady, wear.steady.pressure),
+            ("uniform pressure", np.ones_like(steady), uniform),
+        ):
+            energy = np.sum((wear.compliance.factor @ coefficients) ** 2)
+            reference = energy_of_rings(edges, pressures)
+            self.hold(f"energy of {what} in closed form", energy, reference, self.rtol)
 
 
 def _flat_pressure(radii: Array) -> Array:
@@ -370,10 +373,10 @@ def _flat_pressure(radii: Array) -> Array:
     return P0 / np.sqrt((1 - radii) * (1 + radii))
 
 
-def _slopes_of(modal: "Callable[[Array], History]", times: Array) -> Array:
+def _differentiate(wear: "RunningIn", times: Array) -> Array:
     """Return d' at times (T,) by differences of fourth order."""
     steps = np.array([-2.0, -1.0, 1.0, 2.0])
-    depths = modal((times[:, None] * (1 + POWER_STEP * steps)).ravel()).indentation
+    depths = wear.modal((times[:, None] * (1 + POWER_STEP * steps)).ravel()).indentation
     return depths.reshape(-1, 4) @ np.array([1.0, -8.0, 8.0, -1.0]) / (12 * POWER_STEP * times)
 
 
@@ -383,12 +386,3 @@ def _greatest(values: Array) -> tuple[Array, Array]:
     beside = [values[rows, np.clip(at + way, 0, values.shape[1] - 1)] for way in (-1, 1)]
     greatest = values[rows, at]
     return greatest, greatest - np.minimum(*beside)
-
-
-def _worst(difference: "Array | float", tolerance: "Array | float") -> tuple[float, float]:
-    """Return both where the difference is the greatest part of what is tolerated."""
-    difference, tolerance = np.broadcast_arrays(np.atleast_1d(difference), np.atleast_1d(tolerance))
-    # what is no number holds to nothing
-    difference = np.where(np.isnan(difference), NO_NUMBER, difference)
-    worst = int(np.argmax(difference / tolerance))
-    return float(difference[worst]), float(tolerance[worst])

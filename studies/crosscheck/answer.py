@@ -5,6 +5,8 @@ holder shows: once it has run in, it rises in a straight line. What ``d(t) - w t
 falls as a sum of positive exponentials.
 """
 
+from typing import Any
+
 import numpy as np
 
 from ...meshes.radial import Array
@@ -12,74 +14,57 @@ from ..methods.base import Solution
 from ..methods.quantities import ANSWER, STATES, array
 from ..problem.problem import Problem
 
-# given with it, and kept as quantities of their own
+# quantities that are given with the answer
 ALSO = ("steady_wear_rate", "steady_rms_slope")
 
 
 def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
-    """Values of `ANSWER` by one method: NaN where it does not give them, or the scene does
-    not ask.
+    """Return the values of `ANSWER` by one method.
+
+    They are NaN where the method does not give them, or the scene does not ask for them.
     """
     sizes = {"state": len(STATES), "ring": len(problem.wear_coefficients)}
-    found = {
-        name: np.full([sizes[dim] for dim in one.dims], np.nan) for name, one in ANSWER.items()
+    values = {
+        name: np.full([sizes[dim] for dim in quantity.dims], np.nan)
+        for name, quantity in ANSWER.items()
     }
-    if len(problem.times):
-        _running_in(solution, found)
-        if problem.full_contact:
-            _start(problem, solution, found)
-            _wear(problem, solution, found)
-        else:
-            _with_profile(problem, solution, found)
-    if "steady_pressure" in solution.checked:
-        found["indentation_steady"][...] = array(solution.checked, "steady_displacement_max")
-        _steady(problem, solution, found)
-    return found
-
-
-def _running_in(solution: Solution, found: dict[str, Array]) -> None:
-    if solution.wear is not None:
-        found["running_in_time"][...] = solution.wear.relaxation_times[0]
-        found["time_to_90"][...] = solution.wear.time_to(0.9)
-        found["time_to_99"][...] = solution.wear.time_to(0.99)
-
-
-def _start(problem: Problem, solution: Solution, found: dict[str, Array]) -> None:
-    if solution.wear is None:
-        return
-    flat = solution.wear.flat
-    # continuous, and rising from the centre to the rim
-    at_edges = flat.pressure_at(problem.ring_edges[:-1])
-    found["indentation_start"][...] = flat.indentation
-    found["pressure_min"][0] = at_edges
-    found["pressure_max"][0] = [*at_edges[1:], np.inf]
-    found["force_share"][0] = flat.ring_forces(problem.ring_edges)
-
-
-def _steady(problem: Problem, solution: Solution, found: dict[str, Array]) -> None:
-    pressure, face = array(solution.checked, "steady_pressure"), problem.face
-    for number in range(len(problem.wear_coefficients)):
-        own = pressure[face.ring == number]
-        found["pressure_min"][1, number], found["pressure_max"][1, number] = own.min(), own.max()
-    found["force_share"][1] = face.ring_sums(face.areas * pressure)
-
-
-def _wear(problem: Problem, solution: Solution, found: dict[str, Array]) -> None:
-    if "profile" in solution.checked:
-        worn = problem.face.areas * array(solution.checked, "profile")[-1]
-        found["worn_volume"][:] = problem.face.ring_sums(worn)
-
-
-def _with_profile(problem: Problem, solution: Solution, found: dict[str, Array]) -> None:
-    """Where contact opens, closes and spreads.
-
-    Pressures at the start may be infinite, and have no closed form.
-    """
-    if "ring_worn_volume" not in solution.results:
-        return
-    found["worn_volume"][:] = array(solution.results, "ring_worn_volume")[-1]
-    if problem.times[0] == 0:
-        found["indentation_start"][...] = array(solution.results, "indentation")[0]
-        found["force_share"][0] = (
-            array(solution.results, "ring_force")[0] / array(solution.results, "normal_force")[0]
-        )
+    results, checked, face = solution.results, solution.checked, problem.face
+    start: dict[str, Any] = {}
+    steady: dict[str, Any] = {}
+    if len(problem.times) and solution.wear is not None:
+        wear, flat = solution.wear, solution.wear.flat
+        # continuous, and rising from the centre to the rim
+        pressures = flat.pressure_at(problem.ring_edges[:-1])
+        values |= {
+            "running_in_time": np.asarray(wear.relaxation_times[0]),
+            "time_to_90": np.asarray(wear.time_to(0.9)),
+            "time_to_99": np.asarray(wear.time_to(0.99)),
+            "indentation_start": np.asarray(flat.indentation),
+        }
+        start = {
+            "pressure_min": pressures,
+            "pressure_max": [*pressures[1:], np.inf],
+            "force_share": flat.ring_forces(problem.ring_edges),
+        }
+    if "ring_worn_volume" in results:
+        values["worn_volume"] = array(results, "ring_worn_volume")[-1]
+        # pressures at the start may be infinite, and have no closed form
+        if problem.times[0] == 0:
+            values["indentation_start"] = array(results, "indentation")[0]
+            force = array(results, "normal_force")[0]
+            start = {"force_share": array(results, "ring_force")[0] / force}
+    elif problem.full_contact and "profile" in checked:
+        values["worn_volume"] = face.ring_sums(face.areas * array(checked, "profile")[-1])
+    if "steady_pressure" in checked:
+        values["indentation_steady"] = array(checked, "steady_displacement_max")
+        pressure = array(checked, "steady_pressure")
+        first = np.flatnonzero(np.diff(face.ring, prepend=-1))
+        steady = {
+            "pressure_min": np.minimum.reduceat(pressure, first),
+            "pressure_max": np.maximum.reduceat(pressure, first),
+            "force_share": face.ring_sums(face.areas * pressure),
+        }
+    for row, of_state in enumerate((start, steady)):
+        for name, of_rings in of_state.items():
+            values[name][row] = of_rings
+    return values

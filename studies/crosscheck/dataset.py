@@ -3,6 +3,7 @@ units.
 """
 
 import json
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import Any
@@ -11,7 +12,7 @@ import numpy as np
 import xarray
 
 from ...meshes.radial import Array
-from ..methods.base import Solution
+from ..methods.base import Method, Solution
 from ..methods.quantities import (
     ANSWER,
     ERROR,
@@ -19,7 +20,6 @@ from ..methods.quantities import (
     OF_PROFILES,
     QUANTITIES,
     STATES,
-    array,
     common,
     error_name,
     values,
@@ -74,6 +74,7 @@ class Result:
     Parameters
     ----------
     scene : what was asked for
+    methods : by their names
     solutions : by method
     stages : seconds by method
     agreement : of every two methods, by quantity
@@ -81,6 +82,7 @@ class Result:
     """
 
     scene: Scene
+    methods: Mapping[str, Method]
     solutions: dict[str, Solution]
     stages: dict[str, Stages]
     agreement: tuple[Agreement, ...]
@@ -109,31 +111,22 @@ class Result:
     def verdict_in_words(self) -> str:
         """How many quantities agree."""
         verdicts = list(self.quantities.values())
-        words = [f"{verdicts.count(AGREE)} of {len(verdicts)} quantities agree"]
-        words += [
-            f"{count} {word}" for word in (UNDECIDED, DISAGREE) if (count := verdicts.count(word))
-        ]
-        agree = (
-            "The methods agree"
-            if set(verdicts) == {AGREE}
-            else "The methods agree in all that is promised"
-        )
-        final = {AGREE: agree, UNDECIDED: "Not all is decided", DISAGREE: "THE METHODS DISAGREE"}
-        return f"{final[self.verdict]}: {', '.join(words)}."
-
-    @property
-    def estimates(self) -> dict[str, float]:
-        """Each method's own estimate of its relative error, of the indentation over all times."""
-        return {name: solution.error_estimate for name, solution in self.solutions.items()}
+        counts = [f"{verdicts.count(AGREE)} of {len(verdicts)} quantities agree"]
+        counts += [f"{verdicts.count(of)} {of}" for of in (UNDECIDED, DISAGREE) if of in verdicts]
+        promised = "" if set(verdicts) == {AGREE} else " in all that is promised"
+        words = {
+            AGREE: f"The methods agree{promised}",
+            UNDECIDED: "Not all is decided",
+            DISAGREE: "THE METHODS DISAGREE",
+        }
+        return f"{words[self.verdict]}: {', '.join(counts)}."
 
     @property
     def short_of(self) -> dict[str, float]:
-        """Methods whose own estimate is above the accuracy asked for."""
-        return {
-            name: value
-            for name, value in self.estimates.items()
-            if value > self.scene.accuracy.rtol
-        }
+        """Error estimates of the indentation that are above the accuracy asked for, by method."""
+        estimates = {name: solution.error_estimate for name, solution in self.solutions.items()}
+        rtol = self.scene.accuracy.rtol
+        return {name: estimate for name, estimate in estimates.items() if estimate > rtol}
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -147,18 +140,15 @@ class Result:
 
         `answer.ANSWER`, and the steady wear rate and slope; scene's units.
         """
-        units, found = self.scene.problem.units, {}
+        problem, answers = self.scene.problem, {}
         for name, solution in self.solutions.items():
-            own = answer(self.scene.problem, solution)
-            found[name] = {
-                key: value * getattr(units, ANSWER[key].unit) for key, value in own.items()
+            given = answer(problem, solution)
+            given |= {key: np.asarray(solution.results.get(key, np.nan)) for key in ALSO}
+            answers[name] = {
+                key: value * getattr(problem.units, (ANSWER | QUANTITIES)[key].unit)
+                for key, value in given.items()
             }
-            for key in ALSO:
-                value = (
-                    array(solution.results, key) if key in solution.results else np.array(np.nan)
-                )
-                found[name][key] = value * getattr(units, QUANTITIES[key].unit)
-        return found
+        return answers
 
     def given(self, quantity: str) -> dict[str, xarray.Dataset]:
         """Return the non-dimensional results of the methods that give a quantity."""
@@ -205,99 +195,84 @@ class Result:
 
 
 def dataset(result: Result) -> xarray.Dataset:
-    """All results over dimensions solver, time, radius, ring and mode.
+    """Return all results over dimensions solver, time, radius, ring and mode.
 
     NaN where a method does not give a quantity.
     """
-    scene, solutions = result.scene, result.solutions
-    problem, names = scene.problem, UnitNames.of(scene.units)
+    scene, problem, solutions = result.scene, result.scene.problem, result.solutions
+    units, names = problem.units, UnitNames.of(scene.units)
+    results = [values(solution.results) for solution in solutions.values()]
+    errors = [solution.errors for solution in solutions.values()]
+    answers = list(result.answers.values())
+    edges = [given["contact_edge"].shape[1] for given in results if "contact_edge" in given]
     sizes = {
         "time": len(problem.times),
         "radius": len(problem.radii),
         "ring": len(problem.wear_coefficients),
         "mode": SHOWN,
+        "state": len(STATES),
+        "edge": max(edges, default=0),
     }
-    sizes["state"] = len(STATES)
-    every = [values(solution.results) for solution in solutions.values()]
-    errors = [solution.errors for solution in solutions.values()]
-    # a flat punch has no more to say
-    shown = [
-        name for name in QUANTITIES if name not in OF_PROFILES or any(name in one for one in every)
-    ]
-    sizes["edge"] = max(
-        (one["contact_edge"].shape[1] for one in every if "contact_edge" in one), default=0
-    )
+    variables: dict[str, Any] = {}
 
-    def about(definition: str, kind: str) -> dict[str, str]:
+    def about(definition: str, kind: str = "number") -> dict[str, str]:
         return {"long_name": definition, "units": names.name(kind) or scene.units or UNSTATED}
 
-    variables: dict[str, Any] = {}
-    for name, quantity in ((name, QUANTITIES[name]) for name in shown):
-        shape = tuple(sizes[dim] for dim in quantity.dims)
-        scaled = _gathered(every, name, shape)
-        scaled *= getattr(problem.units, quantity.unit)
-        variables[name] = (
-            ("solver", *quantity.dims),
-            scaled,
-            about(quantity.definition, quantity.unit),
-        )
-        if name in ("contact", "contact_edge"):
+    def add(
+        name: str,
+        given: Sequence[Mapping[str, Array]],
+        dims: tuple[str, ...],
+        scale: float,
+        attributes: dict[str, str],
+    ) -> None:
+        gathered = np.full((len(given), *(sizes[dim] for dim in dims)), np.nan)
+        for row, of_method in enumerate(given):
+            if name in of_method:
+                shared = common(of_method[name].shape, gathered.shape[1:])
+                gathered[row, ...][shared] = of_method[name][shared]
+        variables[name] = ("solver", *dims), scale * gathered, attributes
+
+    for name, quantity in QUANTITIES.items():
+        # a flat punch has no more to say
+        if name in OF_PROFILES and not any(name in given for given in results):
             continue
-        shape = tuple(sizes[dim] for dim in quantity.error_dims)
-        of_error = about(ERROR.format(name, NORMS[quantity.norm]), "share")
-        variables[error_name(name)] = (
-            ("solver", *quantity.error_dims),
-            _gathered(errors, name, shape),
-            of_error,
-        )
-    answers = list(result.answers.values())
+        scale = getattr(units, quantity.unit)
+        add(name, results, quantity.dims, scale, about(quantity.definition, quantity.unit))
+        if name not in ("contact", "contact_edge"):
+            estimates = [{error_name(of): error for of, error in given.items()} for given in errors]
+            attributes = about(ERROR.format(name, NORMS[quantity.norm]))
+            add(error_name(name), estimates, quantity.error_dims, 1.0, attributes)
     for name, quantity in ANSWER.items():
-        shape = tuple(sizes[dim] for dim in quantity.dims)
-        variables[name] = (
-            ("solver", *quantity.dims),
-            _gathered(answers, name, shape),
-            about(quantity.definition, quantity.unit),
-        )
-    edges, coefficients = (
-        problem.ring_edges * problem.units.length,
-        problem.wear_coefficients * problem.units.wear_coefficient,
-    )
+        add(name, answers, quantity.dims, 1.0, about(quantity.definition, quantity.unit))
     # as they were asked for: by way of the non-dimensional ones they would differ in the last digit
-    given = scene.output.radii
-    radius = problem.radii * problem.units.length if given is None else np.array(given, dtype=float)
-    coordinates = {
-        "solver": list(solutions),
-        "time": ("time", np.array(scene.wear.times), about("time of sliding", "time")),
-        "radius": ("radius", radius, about("distance from the axis", "length")),
-        "ring": (
-            "ring",
-            np.arange(1, sizes["ring"] + 1),
-            {"long_name": "ring, counted from the centre"},
-        ),
-        "ring_inner_radius": ("ring", edges[:-1], about("inner edge of the ring", "length")),
-        "ring_outer_radius": ("ring", edges[1:], about("outer edge of the ring", "length")),
-        "wear_coefficient": (
+    radius = problem.radii * units.length if scene.output.radii is None else scene.output.radii
+    ring_edges = problem.ring_edges * units.length
+    coefficients = problem.wear_coefficients * units.wear_coefficient
+    coordinates = [
+        ("time", "time", scene.wear.times, about("time of sliding", "time")),
+        ("radius", "radius", radius, about("distance from the axis", "length")),
+        ("ring_inner_radius", "ring", ring_edges[:-1], about("inner edge of the ring", "length")),
+        ("ring_outer_radius", "ring", ring_edges[1:], about("outer edge of the ring", "length")),
+        (
+            "wear_coefficient",
             "ring",
             coefficients,
             about("k of df/dt = k p v0 on the ring", "wear_coefficient"),
         ),
-        "mode": ("mode", np.arange(1, SHOWN + 1), {"long_name": "wear mode, slowest first"}),
-        "state": list(STATES),
+    ]
+    numbered = {
+        "ring": "ring, counted from the centre",
+        "mode": "wear mode, slowest first",
+        "edge": "edge of the contact: inner and outer of each part in turn, from the centre",
     }
-    if sizes["edge"]:
-        meaning = "edge of the contact: inner and outer of each part in turn, from the centre"
-        coordinates["edge"] = ("edge", np.arange(1, sizes["edge"] + 1), {"long_name": meaning})
-    return xarray.Dataset(variables, coordinates, _attributes(scene))
-
-
-def _gathered(every: list[dict[str, Array]], name: str, shape: tuple[int, ...]) -> Array:
-    """(methods, *shape) values, NaN where a method has none."""
-    out = np.full((len(every), *shape), np.nan)
-    for row, results in enumerate(every):
-        if name in results:
-            known = common(results[name].shape, shape)
-            out[row, ...][known] = results[name][known]
-    return out
+    coordinates += [
+        (dim, dim, np.arange(1, sizes[dim] + 1), {"long_name": meaning})
+        for dim, meaning in numbered.items()
+        if sizes[dim]
+    ]
+    labels = {name: (dim, np.asarray(given), of) for name, dim, given, of in coordinates}
+    states = {"solver": list(solutions), "state": list(STATES)}
+    return xarray.Dataset(variables, labels | states, _attributes(scene))
 
 
 def _attributes(scene: Scene) -> dict[str, str]:
@@ -315,7 +290,7 @@ def _attributes(scene: Scene) -> dict[str, str]:
 
 
 def summary(result: Result) -> dict[str, Any]:
-    """The run in a page.
+    """Return the run in a page.
 
     Verdict, cost, error estimates, agreement, what was modelled and what was left out.
     """
@@ -323,7 +298,7 @@ def summary(result: Result) -> dict[str, Any]:
     methods = {
         name: {
             "seconds": {
-                stage: round(value, 6) for stage, value in result.stages[name].seconds.items()
+                stage: round(seconds, 6) for stage, seconds in result.stages[name].seconds.items()
             },
             "unknowns": solution.unknowns,
             "settings": solution.settings,
@@ -335,36 +310,35 @@ def summary(result: Result) -> dict[str, Any]:
         }
         for name, solution in result.solutions.items()
     }
-    numbers = ("rings", "history", "space", "worst_radius", "stability", "residual")
+    numbers = ("methods", "rings", "history", "space", "worst_radius", "stability", "residual")
     return {
         "title": scene.title,
         "units": scene.units,
         "verdict": result.verdict,
         "quantities": result.quantities,
         "answer": {
-            name: {key: _json(value) for key, value in one.items()}
-            for name, one in result.answers.items()
+            name: {key: _without_infinity(value.tolist()) for key, value in given.items()}
+            for name, given in result.answers.items()
         },
         "methods": methods,
         "agreement": [asdict(row) | {"agrees": row.agrees} for row in result.agreement],
         "agrees": result.agrees,
         "anchors": [asdict(anchor) | {"holds": anchor.holds} for anchor in result.anchors],
         "operator_difference": [
-            {"methods": list(row.methods)} | {name: getattr(row, name) for name in numbers}
-            for row in result.operators
+            {name: getattr(row, name) for name in numbers} for row in result.operators
         ],
         "definitions": DEFINITIONS
         | {name: NORMS[quantity.norm] for name, quantity in QUANTITIES.items()}
         | {name: quantity.definition for name, quantity in ANSWER.items()},
-        "modelled": modelled(scene),
-        "left_out": left_out(scene),
+        "modelled": modelled(scene, result.methods),
+        "left_out": left_out(scene, result.methods),
         "notes": result.notes,
         "versions": versions(),
     }
 
 
-def _json(value: Array) -> Any:
-    """Numbers as JSON has them: null for what is infinite or unknown."""
-    if value.ndim:
-        return [_json(part) for part in value]
-    return float(value) if np.isfinite(value) else None
+def _without_infinity(value: Any) -> Any:
+    """Return numbers as JSON has them: null for what is infinite or not given."""
+    if isinstance(value, list):
+        return [_without_infinity(part) for part in value]
+    return value if np.isfinite(value) else None

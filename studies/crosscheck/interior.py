@@ -28,24 +28,33 @@ from ..wear.full_contact import RunningIn
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace
 
-# times that each element is refined to show what its polynomials say, and the highest degree worth
-# its cost
-REFINEMENTS = {"MeshQuad1": 3, "MeshTri1": 2}
-HIGHEST = {"MeshQuad1": 14, "MeshTri1": 4}
-# more pressures than this are not refined further for the sake of the inside: their matrices are
-# dense
-MOST_PRESSURES = 2000
 # error of stresses, over the mean pressure, that goes with a relative error of the indentation
 SHARE = 10
 # distance from the rim and from ring edges, in a, from which on the estimate holds
 NEAR = 0.2
-# share of the energy that the poles may leave to the truncation, where stresses feel its root: over
-# their accuracy squared
-NEGLIGIBLE = 1e-3
-# stands for Poisson's ratio 1/2: inside, its error shows, but triangles lock the more the closer it
-# is
-HIGHEST_RATIO = {"MeshQuad1": 0.499999, "MeshTri1": 0.49999}
 MEAN_PRESSURE = 2 * P0
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What goes with a kind of elements.
+
+    Parameters
+    ----------
+    refinements : times that each is refined to show what its polynomials say
+    degree : highest worth its cost
+    poisson_ratio : stands for 1/2: inside, its error shows, but triangles lock the more the closer
+        it is
+    """
+
+    refinements: int
+    degree: int
+    poisson_ratio: float
+
+    @classmethod
+    def of(cls, half_space: "HalfSpace") -> "Limits":
+        quads = type(half_space.solid.mesh).__name__ == "MeshQuad1"
+        return cls(3, 14, 0.499999) if quads else cls(2, 4, 0.49999)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,74 +102,67 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     Its degree is raised until the estimate of the stresses is `SHARE` times `rtol`, unless the user
     has given it, or poles.
     """
-    assert fem.half_space is not None
-    problem = scene.problem
-    times = scene.output.field_times
+    half_space, problem = fem.half_space, scene.problem
+    assert half_space is not None
+    limits = Limits.of(half_space)
+    times, steady = scene.output.field_times, ("steady",) if problem.steady else ()
     if times is None:
-        times = [0.0] if scene.wear.steady else [0.0, scene.wear.times[-1]]
-    labels = (*(f"t={time:g}" for time in times), *(("steady",) if scene.wear.steady else ()))
-    wanted = np.array(times) / problem.units.time
-    kind = type(fem.half_space.solid.mesh).__name__
+        times = [0.0] if steady else [0.0, scene.wear.times[-1]]
+    labels = (*(f"t={time:g}" for time in times), *steady)
     # of a lower degree there may be no stable pressures
-    degree = max(fem.half_space.solid.degree, 3)
+    degree = max(half_space.solid.degree, 3)
     # what the user has given stays, and no degree mends the truncation
-    given = problem.fem.degree or problem.fem.poles or not fem.half_space.poles
-    highest = degree if given else max(degree, HIGHEST[kind])
+    given = problem.fem.degree or problem.fem.poles or not half_space.poles
+    highest = degree if given else max(degree, limits.degree)
     with threadpool_limits(1):
         while True:
             fine, coarse = (
-                fields_of(problem, one, wanted) for one in refined(problem, fem.half_space, degree)
+                fields_of(problem, each, np.array(times) / problem.units.time)
+                for each in refined(problem, half_space, degree)
             )
-            errors = estimates(problem, fine, coarse, HIGHEST_RATIO[kind])
+            errors = estimates(problem, fine, coarse, limits.poisson_ratio)
             result = Interior(**vars(fine), labels=labels, degree=degree, errors=errors)
             excess = errors["stress"].max() / (SHARE * problem.rtol)
             if excess <= 1 or degree == highest:
                 return result
             # three times as accurate by each degree
             degree = min(degree + ceil(log(excess, 3)), highest)
-            if next(refined(problem, fem.half_space, degree)).space.size > MOST_PRESSURES:
+            # matrices of more pressures are dense, and not worth it for the sake of the inside
+            if next(refined(problem, half_space, degree)).space.size > 2000:
                 return result
 
 
 def refined(problem: Problem, half_space: "HalfSpace", degree: int) -> Iterator["HalfSpace"]:
-    """The half-space in another degree, with enough poles.
-
-    Then in one degree and with one pole less.
+    """Yield the half-space in another degree, with enough poles, then in one degree and with one
+    pole less.
     """
     from ...fem.far_field import enough_poles
     from ...fem.half_space import pressure_space
     from ...meshes.half_space import truncation
 
-    highest_ratio = HIGHEST_RATIO[type(half_space.solid.mesh).__name__]
-    factored = half_space.solid.degree, half_space.solid.poisson_ratio, half_space.poles
-
-    def with_degree(degree: int, poles: tuple[int, ...]) -> "HalfSpace":
-        solid = replace(half_space.solid, degree=degree, highest_ratio=highest_ratio)
-        if (degree, solid.poisson_ratio, poles) == factored:
-            return half_space
-        return replace(
-            half_space,
-            solid=solid,
-            space=pressure_space(solid, problem.merged.ring_edges),
-            poles=poles,
-        )
-
-    tied = enough_poles(
-        truncation(half_space.solid.mesh), NEGLIGIBLE * min(SHARE * problem.rtol, 1e-3) ** 2
-    )
+    highest_ratio = Limits.of(half_space).poisson_ratio
+    # what the poles leave to the truncation is of the energy, where stresses feel its root
+    accuracy = 1e-3 * min(SHARE * problem.rtol, 1e-3) ** 2
+    enough = enough_poles(truncation(half_space.solid.mesh), accuracy)
+    # a clamped boundary is judged by one that is not: the difference is the error itself, far
+    # greater than any other
+    poles: tuple[int, ...] = ()
+    fewer = enough
     if half_space.poles:
-        poles = half_space.poles if problem.fem.poles else tied
+        poles = half_space.poles if problem.fem.poles else enough
         fewer = poles[:-1]
-    else:
-        # a clamped boundary is judged by one that is not: the difference is the error itself, far
-        # greater than any other
-        poles, fewer = (), tied
-    yield with_degree(degree, poles)
-    yield with_degree(degree - 1, fewer)
+    for order, tied in ((degree, poles), (degree - 1, fewer)):
+        solid = replace(half_space.solid, degree=order, highest_ratio=highest_ratio)
+        before = half_space.solid.degree, half_space.solid.poisson_ratio, half_space.poles
+        if (order, solid.poisson_ratio, tied) == before:
+            yield half_space
+        else:
+            space = pressure_space(solid, problem.merged.ring_edges)
+            yield replace(half_space, solid=solid, space=space, poles=tied)
 
 
 def fields_of(problem: Problem, half_space: "HalfSpace", times: Array) -> Fields:
-    """The fields of a half-space at non-dimensional times, and when steady, all from its own
+    """Return the fields of a half-space at non-dimensional times, and when steady, all from its
     pressures.
     """
     from ...fem.stresses import sampled, von_mises
@@ -173,7 +175,7 @@ def fields_of(problem: Problem, half_space: "HalfSpace", times: Array) -> Fields
     )
     if problem.steady:
         pressures.append(wear.steady.pressure)
-    refinements = REFINEMENTS[type(half_space.solid.mesh).__name__]
+    refinements = Limits.of(half_space).refinements
     points, triangles, moved, stress = sampled(half_space, np.array(pressures), refinements)
     return Fields(points, triangles, moved, stress, von_mises(stress))
 
@@ -181,9 +183,9 @@ def fields_of(problem: Problem, half_space: "HalfSpace", times: Array) -> Fields
 def estimates(
     problem: Problem, fine: Fields, coarse: Fields, highest_ratio: float
 ) -> dict[str, Array]:
-    """Of each field, by its name, in each state.
+    """Return the error estimate of each field in each state, by its name.
 
-    The greatest difference, and what Poisson's ratio 1/2 adds to it.
+    It is the greatest difference, and what Poisson's ratio 1/2 adds to it.
     """
     from ...fem.stresses import von_mises
 
@@ -193,15 +195,12 @@ def estimates(
     modelled = 2 * max(0.0, problem.poisson_ratio - highest_ratio)
     stress = (fine.stress - coarse.stress)[:, far] / MEAN_PRESSURE
     differences = {
-        "displacement": np.abs(fine.displacement - coarse.displacement)[:, far] / D0,
-        "stress": np.abs(stress),
+        "displacement": (fine.displacement - coarse.displacement)[:, far] / D0,
+        "stress": stress,
         # a norm: that of the difference is at least the difference of two
-        "von_mises": von_mises(stress),
+        "von_mises": von_mises(stress)[..., None],
     }
-    return {
-        name: value.reshape(len(value), -1).max(axis=1) + modelled
-        for name, value in differences.items()
-    }
+    return {name: np.abs(of).max(axis=(1, 2)) + modelled for name, of in differences.items()}
 
 
 def write_half_space(fields: Interior, units: Units, path: Path) -> None:
@@ -212,16 +211,17 @@ def write_half_space(fields: Interior, units: Units, path: Path) -> None:
     import meshio
 
     data: dict[str, Array] = {}
+    r, z = fields.points * units.length
+    nothing = np.zeros_like(r)
+    signs = {"rr": 1, "zz": 1, "rz": -1, "hoop": 1}
     for state, label in enumerate(fields.labels):
         radial, down = fields.displacement[state].T
-        data[f"displacement {label}"] = (
-            np.stack([radial, -down, np.zeros_like(radial)], axis=1) * units.displacement
-        )
-        for column, (name, sign) in enumerate((("rr", 1), ("zz", 1), ("rz", -1), ("hoop", 1))):
-            data[f"stress_{name} {label}"] = sign * fields.stress[state, :, column] * units.pressure
+        moved = np.stack([radial, -down, nothing], axis=1)
+        data[f"displacement {label}"] = moved * units.displacement
+        for (name, sign), values in zip(signs.items(), fields.stress[state].T, strict=True):
+            data[f"stress_{name} {label}"] = sign * values * units.pressure
         data[f"von_mises {label}"] = fields.von_mises[state] * units.pressure
-    r, z = fields.points * units.length
-    upright = np.stack([r, -z, np.zeros_like(r)], axis=1)
+    upright = np.stack([r, -z, nothing], axis=1)
     meshio.Mesh(upright, [("triangle", fields.triangles.T)], point_data=data).write(
         path, file_format="vtu", compression=None
     )

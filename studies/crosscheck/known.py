@@ -1,10 +1,7 @@
-"""What is known of a scene without any method.
+"""What is known of a scene without any method: its natural units, its steady state, energies."""
 
-Its natural units, its steady state, energies. In closed form.
-"""
-
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,68 +16,52 @@ def natural_units(scene: Scene) -> Units:
 
     Not those that results are scaled by: what was scaled wrongly shows.
     """
-    load, length = scene.load_, scene.punch.radius
+    load, solid, punch = scene.load_, scene.half_space, scene.punch
     if load.indentation is not None:
         return scene.problem.units
-    force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * length**2
-    solid = scene.half_space
+    force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * punch.radius**2
     modulus = solid.plane_strain_modulus
     modulus = modulus or (solid.youngs_modulus or 0.0) / (1 - solid.poisson_ratio**2)
-    rings = scene.punch.rings or len(scene.punch.ring_edges or [])
-    greatest = max(scene.punch.coefficients[:rings])
-    time = length / (modulus * greatest * load.sliding_speed)
-    return Units(length, modulus, force, time, greatest)
+    rings = punch.rings or len(punch.ring_edges or [])
+    greatest = max(punch.coefficients[:rings])
+    time = punch.radius / (modulus * greatest * load.sliding_speed)
+    return Units(punch.radius, modulus, force, time, greatest)
 
 
-@dataclass(frozen=True, eq=False)
-class KnownSteadyState:
-    """The steady state of Eqs. 21 to 27; fields are over the face of the problem."""
+class SteadyState(NamedTuple):
+    """The steady state of Eqs. 21 to 27.
 
-    problem: Problem
+    Parameters
+    ----------
+    ring_pressures : (N,) of each ring of the scene
+    merged_pressures : (M,) of each ring that wears otherwise than its neighbours
+    wear_rate, greatest, slope : greatest displacement and root mean square slope
+    pressure, displacement : (R,) over the face of the problem
+    """
 
-    @cached_property
-    def merged_pressures(self) -> Array:
-        """Pressure of each ring that wears otherwise than its neighbours."""
-        return direct.steady_pressures(*self.problem.merged)
-
-    @cached_property
-    def ring_pressures(self) -> Array:
-        """(N,) pressure of each ring of the scene."""
-        return direct.steady_pressures(*self.problem.rings)
-
-    @property
-    def wear_rate(self) -> float:
-        return float(self.problem.wear_coefficients[0] * self.ring_pressures[0])
-
-    @cached_property
-    def greatest(self) -> float:
-        """Greatest displacement."""
-        return direct.greatest_displacement(self.problem.merged.ring_edges, self.merged_pressures)
-
-    @cached_property
-    def slope(self) -> float:
-        """Root mean square slope."""
-        rings = self.problem.merged
-        return direct.rms_slope(
-            rings.ring_edges, self.merged_pressures, self.problem.gradient_average
-        )
-
-    @cached_property
-    def pressure(self) -> Array:
-        """(R,) over the face."""
-        return self.ring_pressures[ring_of(self.problem.ring_edges, self.problem.face.radii)]
-
-    @cached_property
-    def displacement(self) -> Array:
-        """(R,) over the face."""
-        edges = self.problem.merged.ring_edges
-        return direct.displacement(edges, self.merged_pressures, self.problem.face.radii)
+    ring_pressures: Array
+    merged_pressures: Array
+    wear_rate: float
+    greatest: float
+    slope: float
+    pressure: Array
+    displacement: Array
 
 
 @lru_cache(maxsize=4)  # methods of a scene share it
-def steady_state(problem: Problem) -> KnownSteadyState:
+def steady_state(problem: Problem) -> SteadyState:
     """Return the steady state of a problem in closed form."""
-    return KnownSteadyState(problem)
+    edges, radii = problem.merged.ring_edges, problem.face.radii
+    rings, merged = (direct.steady_pressures(*each) for each in (problem.rings, problem.merged))
+    return SteadyState(
+        rings,
+        merged,
+        float(problem.wear_coefficients[0] * rings[0]),
+        direct.greatest_displacement(edges, merged),
+        direct.rms_slope(edges, merged, problem.gradient_average),
+        rings[ring_of(problem.ring_edges, radii)],
+        direct.displacement(edges, merged, radii),
+    )
 
 
 def energy_of_rings(ring_edges: Array, pressures: Array) -> float:

@@ -20,10 +20,6 @@ from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..wear.full_contact import RunningIn
 
-# below this share of the energy of a pressure, the multipliers no longer see the displacement: a
-# checkerboard
-LEAST_STABLE = 0.01
-
 
 @dataclass(frozen=True, eq=False)
 class OperatorDifference:
@@ -54,18 +50,18 @@ class OperatorDifference:
     differences: Array
 
     def check_multipliers(self) -> None:
-        """Refuse multipliers of the first method that no longer see the displacement.
+        """Refuse multipliers of the first method that no longer see the displacement: a
+        checkerboard has next to no energy.
 
         Raises
         ------
         SolverError
-            if pressures exist that it gives next to no energy
+            if pressures exist that it gives less than a hundredth of their energy
         """
-        if self.stability < LEAST_STABLE:
+        if self.stability < 0.01:
             raise SolverError(
                 f"the multipliers of {self.methods[0]} are unstable on this mesh: some pressures "
-                f"have {self.stability:.1e} "
-                "of their energy; choose another degree"
+                f"have {self.stability:.1e} of their energy; choose another degree"
             )
 
 
@@ -73,47 +69,52 @@ def difference(
     problem: Problem, methods: tuple[str, str], first: RunningIn, second: RunningIn
 ) -> OperatorDifference:
     """Compare two compliances, each with the running-in on it, on the same pressure space."""
-    one, other = first.compliance, second.compliance
-    ratios, shapes = _pencil(one.matrix, other.matrix)
-    worst = int(np.abs(ratios - 1).argmax())
-    fine = np.linspace(0, 1, 2001)
-    pressure = one.space.matrix(fine) @ shapes[:, worst]
-    wavelengths, by_mode = _spectrum(one, other)
-    return OperatorDifference(
-        methods=methods,
-        rings=_greatest(one, other, one.space.ring_indicator()),
-        history=_along_history(problem.times[problem.checked], first, second),
-        space=float(np.abs(ratios[worst] - 1)),
-        worst_radius=float(fine[np.abs(pressure).argmax()]) * problem.units.length,
-        stability=float(ratios.min()),
-        residual=_residual(problem.times[problem.checked], first, other),
-        wavelengths=wavelengths * problem.units.length,
-        differences=by_mode,
-    )
-
-
-def _pencil(first: Array, second: Array) -> tuple[Array, Array]:
+    compliance, other = first.compliance, second.compliance
+    space, times = compliance.space, problem.times[problem.checked]
     try:
-        return eigh(first, second)
+        ratios, shapes = eigh(compliance.matrix, other.matrix)
     except np.linalg.LinAlgError as error:
         raise SolverError(
             f"two compliances cannot be compared: one is not positive definite ({error})"
         ) from error
-
-
-def _greatest(first: Compliance, second: Compliance, pressures: Array) -> float:
-    """max |ratio - 1| over the span of some pressures (size, m)."""
-    # an orthonormal basis in the second energy: ratios of nearly dependent pressures would be lost
-    # to roundoff
-    basis, triangle = np.linalg.qr(second.factor @ pressures)
-    image = solve_triangular(triangle, (first.factor @ pressures).T, trans="T").T
-    return (
-        float(np.abs(np.linalg.svd(image, compute_uv=False) ** 2 - 1).max()) if basis.size else 0.0
+    worst = int(np.abs(ratios - 1).argmax())
+    radii = np.linspace(0, 1, 2001)
+    pressure = space.matrix(radii) @ shapes[:, worst]
+    # on a long wave of length L a half-space gives u = p L / pi: the length of any mode
+    values, modes = eigh(other.matrix, space.mass().toarray())
+    return OperatorDifference(
+        methods=methods,
+        rings=_over_rings(compliance, other),
+        history=_along_history(times, first, second),
+        space=float(np.abs(ratios[worst] - 1)),
+        worst_radius=float(radii[np.abs(pressure).argmax()]) * problem.units.length,
+        stability=float(ratios.min()),
+        residual=_residual(times[times > 0], first, other),
+        wavelengths=np.pi * np.abs(values[::-1]) * problem.units.length,
+        differences=_energy_differences(compliance, other, modes.T)[::-1],
     )
 
 
+def _energy_differences(first: Compliance, second: Compliance, pressures: Array) -> Array:
+    """Return (m,) relative differences of the energies of pressures (m, n)."""
+    energies = [
+        np.sum((pressures @ compliance.factor.T) ** 2, axis=1) for compliance in (first, second)
+    ]
+    return np.asarray(np.abs(energies[0] / energies[1] - 1))
+
+
+def _over_rings(first: Compliance, second: Compliance) -> float:
+    """Return the greatest relative difference over all ring-wise constant pressures."""
+    pressures = first.space.ring_indicator()
+    # an orthonormal basis in the second energy: ratios of nearly dependent pressures would be lost
+    # to roundoff
+    triangle = np.linalg.qr(second.factor @ pressures, mode="r")
+    image = solve_triangular(triangle, (first.factor @ pressures).T, trans="T").T
+    return float(np.abs(np.linalg.svd(image, compute_uv=False) ** 2 - 1).max())
+
+
 def _along_history(times: Array, first: RunningIn, second: RunningIn) -> float:
-    """Energies of the same pressures by both methods, along the histories of both.
+    """Return the difference along the histories of both.
 
     The span of the modes would not do: it holds short waves that the history hardly touches, and no
     method resolves.
@@ -121,34 +122,17 @@ def _along_history(times: Array, first: RunningIn, second: RunningIn) -> float:
     total = np.zeros(len(times) + 1)
     for wear in (first, second):
         pressures = np.concatenate([wear.modal(times).pressure, wear.steady.pressure[None]])
-        own = np.sum((pressures @ first.compliance.factor.T) ** 2, axis=1)
-        total += np.abs(own / np.sum((pressures @ second.compliance.factor.T) ** 2, axis=1) - 1)
+        total += _energy_differences(first.compliance, second.compliance, pressures)
     return float(total.max())
 
 
-def _spectrum(first: Compliance, second: Compliance) -> tuple[Array, Array]:
-    """Wavelengths of the modes of the second compliance, and relative differences of their
-    energies.
-
-    On a long wave of length L a half-space gives ``u = p L / pi``, which defines the length of any
-    mode.
-    """
-    values, shapes = eigh(second.matrix, second.space.mass().toarray())
-    own = np.sum((first.factor @ shapes) ** 2, axis=0)
-    other = np.sum((second.factor @ shapes) ** 2, axis=0)
-    return np.pi * np.abs(values[::-1]), np.abs(own / other - 1)[::-1]
-
-
 def _residual(times: Array, first: RunningIn, second: Compliance) -> float:
-    """Energy norm of ``u_second[p_first] + f - d`` over that of the pressure.
-
-    The greatest over the times.
+    """Return the energy norm of ``u_second[p_first] + f - d`` over that of the pressure, the
+    greatest over the times.
     """
-    later = times[times > 0]
-    if not len(later):
+    if not len(times):
         return 0.0
-    history = first.modal(later)
-    space = second.space
+    history, space = first.modal(times), second.space
     gap = history.indentation[:, None] * space.weights - history.profile @ space.mass()
     # tested with the pressures that the history lives in
     test = space.joined(first.wear_coefficients)

@@ -7,7 +7,7 @@ from itertools import combinations
 from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import SceneError
-from ..methods.base import Method, Solution, method
+from ..methods.base import Method, Solution
 from ..methods.mdr import AnySpaceMethod
 from ..problem.problem import Problem
 from ..problem.scene import Scene
@@ -16,7 +16,7 @@ from .accuracy import solved_to_accuracy
 from .agreement import agreements
 from .dataset import Result
 from .operators import OperatorDifference, difference
-from .scope import refusals
+from .scope import methods_of, refusals
 
 
 def run(scene: Scene, methods: Sequence[str | Method] | None = None) -> Result:
@@ -41,11 +41,7 @@ def run(scene: Scene, methods: Sequence[str | Method] | None = None) -> Result:
         if a method cannot solve the scene, or a mesh or a system fails; the message names the
         remedy
     """
-    chosen = [
-        method(entry) if isinstance(entry, str) else entry for entry in methods or scene.methods
-    ]
-    by_name = {entry.name: entry for entry in chosen}
-    problem = scene.problem
+    by_name, problem = methods_of(methods or scene.methods), scene.problem
     if refused := refusals(scene, by_name):
         raise SceneError(refused[0])
     stages = {name: Stages(name) for name in by_name}
@@ -62,7 +58,7 @@ def run(scene: Scene, methods: Sequence[str | Method] | None = None) -> Result:
         for a, b in combinations(solutions, 2)
         for row in agreements(problem, (a, b), (solutions[a], solutions[b]))
     )
-    return Result(scene, solutions, stages, agreement, operators)
+    return Result(scene, by_name, solutions, stages, agreement, operators)
 
 
 def compare_operators(

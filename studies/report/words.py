@@ -82,7 +82,7 @@ class Account:
             sentences=[*_tell_wear(numbers), *_tell_differences(result)],
             defaults=defaults_taken(scene),
             answers=answer_lines(numbers),
-            answered_by=next(timed, scene.methods[0]),
+            answered_by=next(timed, next(iter(result.methods))),
             rings=ring_rows(numbers),
             verdict=result.verdict if result.agreement else "one method",
             verdict_line=_verdict_line(result),
@@ -90,8 +90,8 @@ class Account:
             agreement=_agreement_rows(result),
             anchors=_anchor_rows(result),
             remarks=_remarks(result),
-            modelled=modelled(scene),
-            left_out=left_out(scene),
+            modelled=modelled(scene, result.methods),
+            left_out=left_out(scene, result.methods),
         )
 
 

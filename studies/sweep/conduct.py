@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ..crosscheck.scope import machine_memory
+from ..crosscheck.sizes import machine_memory
 from ..problem.scene import Scene
 from ..progress import LOG
 from .axes import Sweep

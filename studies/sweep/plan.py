@@ -9,7 +9,7 @@ from math import ceil, prod
 import numpy as np
 
 from ...meshes.errors import SceneError
-from ..crosscheck.scope import beyond_memory, expected
+from ..crosscheck.sizes import beyond_memory, predict_memory
 from ..methods.base import method
 from ..methods.costs import DISCRETISING, by_terms
 from ..methods.estimate import solved_whole
@@ -105,10 +105,10 @@ def planned(sweep: Sweep, memory: float, workers: int) -> Plan:
                 # the sharpest scene of a discretisation, and that of most numbers
                 of_group = [scenes[name][number] for number in numbers]
                 for scene in (of_group[0], max(of_group, key=_fields)):
-                    whole = expected(scene)
-                    if refusal := beyond_memory(whole, memory / workers):
+                    gib = predict_memory(scene)
+                    if refusal := beyond_memory(gib, memory / workers):
                         raise SceneError(refusal)
-                    most = max(most, whole.gib)
+                    most = max(most, sum(gib.values()))
                 once, each = _seconds(name, Shared.of([of_method[number] for number in numbers]))
                 shared += once
                 seconds += once + each * len(numbers)

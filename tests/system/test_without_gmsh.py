@@ -5,7 +5,6 @@ result after the run.
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,7 +14,6 @@ from ringwear.meshes import triangles
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.sizes import SizeField
 from ringwear.studies.cli import main
-from ringwear.studies.methods.base import method
 
 PACKAGES = [
     "libgl1",
@@ -70,20 +68,13 @@ def _broken_gmsh(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.delitem(sys.modules, "gmsh", raising=False)
 
 
-def of_elements(lines: list[str]) -> list[str]:
-    """What a plan says of the finite elements: what they are made of, and what they will cost."""
-    (at,) = (number for number, line in enumerate(lines) if line.startswith("fem: "))
-    return lines[at : at + 2]
-
-
 @pytest.mark.parametrize("mesher", ["quads", "gmsh", "bisection"])
 def test_the_plan_is_of_what_will_run(
     mesher: str, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     scene = Scene.load("flat_punch").changed(
-        methods=["mdr", "fem"], accuracy__rtol=1e-2, accuracy__fem__mesher=mesher
+        methods=["mdr", "fem"], accuracy__rtol=1e-3, accuracy__fem__mesher=mesher
     )
-    replacement = plan(scene.changed(accuracy__fem__mesher="bisection"))
     request.getfixturevalue("_broken_gmsh")
     monkeypatch.setitem(sys.modules, "kvxopt", None)
     lines, result = plan(scene), run(scene)
@@ -91,29 +82,7 @@ def test_the_plan_is_of_what_will_run(
     assert notes == [note for note in result.notes if "refined" not in note]
     assert bool(notes) == (mesher != "bisection")
     assert all("libGL.so.1" in note and "apt-get install" in note for note in notes)
-    solution = result.solutions["fem"]
-    described, costs = of_elements(lines)
-    assert (
-        f"triangles by {solution.settings['mesher']}, degree {solution.settings['degree']},"
-        in described
-    )
-    assert described.endswith(f"by {solution.settings['solver']}")
-    assert solution.settings["solver"] == "superlu"
-    # the same elements and so the same counts as where bisection is asked for
-    assert costs.split(" pressures, ")[0] == of_elements(replacement)[1].split(" pressures, ")[0]
-    assert 0.5 <= method("fem").cost(scene.problem).unknowns / solution.unknowns <= 2
-
-
-@pytest.mark.parametrize("mesher", ["quads", "gmsh", "bisection"])
-def test_seconds_are_those_of_the_solver(mesher: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The two factorisations were measured apart, and nothing else of the cost depends on them."""
-    problem = Scene.load("many_rings").changed(accuracy__fem__mesher=mesher).problem
-    monkeypatch.setattr("ringwear.studies.methods.fem.unavailable", lambda: "")
-    costs = {}
-    for solver in ("cholmod", "superlu"):
-        monkeypatch.setattr("ringwear.studies.methods.fem.solver", lambda solver=solver: solver)
-        costs[solver] = method("fem").cost(problem)
-    one, other = costs["cholmod"], costs["superlu"]
-    assert 0 < one.seconds != other.seconds > 0
-    assert replace(one, seconds=0.0, error=0.0) == replace(other, seconds=0.0, error=0.0)
-    assert one.error == pytest.approx(other.error, rel=1e-3)
+    settings = result.solutions["fem"].settings
+    assert settings["solver"] == "superlu"
+    described = f"fem: triangles by {settings['mesher']} of degree {settings['degree']},"
+    assert any(line.startswith(described) for line in lines)

@@ -170,16 +170,7 @@ def test_help_is_light(arguments: list[str]) -> None:
     assert not loaded(code) & (HEAVY | {"scipy", "xarray", "netCDF4", "threadpoolctl"})
 
 
-@pytest.mark.parametrize(
-    ("changes", "needed"),
-    [
-        ("", {"gmsh"}),  # whether it loads decides what will be meshed
-        ("methods=['mdr', 'direct']", set()),
-        ("accuracy__fem__mesher='bisection'", set()),
-    ],
-)
-def test_a_plan_computes_nothing(changes: str, needed: set[str]) -> None:
-    found = loaded(
-        f"from ringwear import Scene, plan\nplan(Scene.load('five_rings').changed({changes}))"
-    )
-    assert found & HEAVY <= needed
+def test_a_refusal_by_memory_computes_nothing(tmp_path: Path) -> None:
+    arguments = ["run", "five_rings", "--memory", "0.1", "--out", str(tmp_path / "out")]
+    code = f"from ringwear.studies.cli import main\nassert main({arguments}) == 2"
+    assert not loaded(code) & (HEAVY | {"xarray", "netCDF4", "threadpoolctl"})
