@@ -97,7 +97,7 @@ def prepare() -> Prepare:
         }
         problem, one = Scene.load(scene).changed(**own, **listed).problem, named(method)
         assert isinstance(one, ComplianceMethod)
-        made = one.discretised(problem, Stages(method))
+        made = one.discretise(problem, Stages(method))
         return Prepared(problem, made, RunningIn(made.compliance, problem.merged.wear_coefficients))
 
     return lambda scene, name, **changes: make(scene, name, tuple(changes.items()))
