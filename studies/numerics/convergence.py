@@ -1,0 +1,353 @@
+"""Orders of convergence in the element size and the degree.
+
+Finite elements and MDR, graded and uniform meshes. For finite elements one base mesh is subdivided:
+an order is only as clean as its sequence of meshes.
+
+Theory, for displacements of degree k and pressures of degree q: energies (d0, displacements,
+relaxation times) are of order 2k on graded meshes and of order 1, set by the singular rim, on
+uniform ones. By MDR the energy norm of a pressure is half an order weaker than the mean square: d0
+is of order 2q+3, a history with its mean squares of order 2q+2, the RMS gradient of order 2q. Even
+degrees come up to 2q+3, odd ones down: plane waves ``exp(ikx)`` at kh = 0.7 give 5.34, 6.60, 9.21,
+10.77 (Fourier analysis, in the tests). Under a smooth pressure twelve elements see the limit;
+graded to the rim, degree 4 meets roundoff before.
+
+On quadrilaterals whose layers shrink by ``q``, the degree k itself is raised (hp). A layer ends one
+layer off the singular point: polynomials converge there as ``r^k`` with ``r = (1-sqrt q)/(1+sqrt
+q)``, by Bernstein's ellipse (Gui & Babuška 1986), and energies as ``r^2k``: a factor of 9 per
+degree for q = 1/4. Layers further in have lower degrees, but ever less energy: they take some of
+the factor, and powers of k make it greater at first. The size of a raised degree is ``10^-degree``,
+so that its order is the digits that a degree gains.
+"""
+
+import argparse
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from skfem import Mesh
+
+from ...fem.elasticity import AxisymmetricElasticity
+from ...fem.half_space import HalfSpace, pressure_space
+from ...mdr import direct, energy
+from ...meshes.compliance import Compliance
+from ...meshes.pressure_space import PressureSpace
+from ...meshes.quads import graded
+from ...meshes.radial import Array, graded_breakpoints
+from ...meshes.sizes import SizeField
+from ..figures.style import legend_below, new_figure
+from ..problem.defaults import FACTOR, GROWTH
+from ..problem.problem import D0, Problem
+from ..problem.scene import Scene
+from ..tables import Row, Table
+from ..wear.contact import press_flat
+from .core import evaluate, run_in
+from .sequences import (
+    LEVEL_FIELDS,
+    Family,
+    Sequence,
+    Theory,
+    draw_errors,
+    draw_orders,
+    judge_orders,
+    levels,
+    orders_table,
+    publish,
+    solve_all,
+)
+from .subdivision import subdivided, triangulated
+
+Values = Mapping[str, float]
+Discretised = tuple[Compliance, int]
+"""A compliance, and the number of unknowns behind it."""
+
+FLAT = np.array([0.0, 1.0])
+SMOOTH, SLOPE, STEADY = "energy of a smooth pressure", "RMS gradient", "mean steady displacement"
+RINGS = ("d(1)", "slowest relaxation time", "force on the outer ring at 1", STEADY, SLOPE)
+DIGITS = ", digits per degree"
+"""Ends the names of what is raised in degree."""
+PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
+"""Sizes of the smallest elements: by MDR at the rim of the flat punch; at edges and rim of rings."""
+PUNCH_MESH = SizeField((0.0, 1.0), 4e-9, 4e-9, growth=0.7, truncation=1e4, centre_size=1e4)
+UNIFORM_MESH = SizeField((0.0, 1.0), 0.35, 0.35, growth=0.0, truncation=4.0, centre_size=4.0)
+ELEMENTS = (12, 16, 24, 32)
+"""MDR: counts of elements under a smooth pressure."""
+GRADINGS = {
+    1: (0.5, 0.6, 0.7, 0.8),
+    2: (0.7, 0.78, 0.84, 0.88),
+    3: (0.3, 0.4, 0.5, 0.6),
+    4: (0.4, 0.5, 0.6, 0.65),
+}
+"""MDR: by degree, ratios of neighbouring sizes of the mesh graded to the rim."""
+QUAD_DEGREES = range(4, 12)
+GAIN = ((1 + FACTOR**0.5) / (1 - FACTOR**0.5)) ** 2
+"""Factor per degree on quadrilaterals, by theory."""
+
+
+def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
+    """Refine everything; writes `convergence` and `orders`."""
+    conclusions: list[str] = []
+    table = Table(out / "convergence.csv", (*LEVEL_FIELDS, "d0", *RINGS, SMOOTH, "remark"))
+    sequences = solve_all(families(scene.problem, options.quick), table, conclusions)
+    orders = orders_table(sequences, out / "orders.csv")
+    draw(sequences, out / "convergence.png")
+    conclusions[:0] = conclude(sequences)
+    return publish(
+        out / "convergence.md", "Orders of convergence", conclusions, {"Orders": orders}
+    )
+
+
+def families(problem: Problem, quick: bool) -> Iterator[Family]:
+    """Yield MDR and finite elements, on the flat start and on rings, by size and by degree."""
+    edges, ratio = problem.merged.ring_edges, problem.poisson_ratio
+    rings = partial(ring_quantities, problem)
+    # exact values: of rings by a fine MDR, and their gradient in closed form
+    flat, worn = {"d0": D0}, rings(by_mdr(edges, RING_EDGE, 10, 0.15)[0])
+    worn[SLOPE] = direct.rms_slope(edges, direct.steady_pressures(*problem.merged))
+    # relative errors below which roundoff or the innermost elements count: their part of d0 is 0.06
+    # of their size
+    roundoff, rim_floor, ring_floor = 1e-13, 0.06 * PUNCH_MESH.rim_size, 2e-10
+
+    def refine(
+        name: str,
+        sizes: Mapping[Any, float],
+        discretise: Callable[[Any], Discretised],
+        exact: Values,
+        order: float = np.nan,
+        floor: float = 0.0,
+    ) -> Family:
+        def solve(setting: Any) -> Row:
+            compliance, unknowns = discretise(setting)
+            values = flat_d0(compliance) if exact is flat else rings(compliance)
+            errors = {quantity: values[quantity] / exact[quantity] - 1 for quantity in exact}
+            return {"unknowns": unknowns} | errors
+
+        theory = dict.fromkeys(exact, Theory(order, floor))
+        if SLOPE in exact:  # of two orders less, and it feels the smallest elements more
+            theory[SLOPE] = Theory(order - 2, RING_EDGE)
+        return Family(name, levels(sizes, solve), theory)
+
+    for degree in (1, 2) if quick else (1, 2, 3, 4):
+        order = 2 * degree + 3
+        yield Family(
+            f"MDR degree {degree}, uniform",
+            levels(inverse(ELEMENTS), partial(lost_energy, degree)),
+            {SMOOTH: Theory(order)},
+        )
+        discretise = partial(by_mdr, FLAT, PUNCH_RIM, degree)
+        sizes = ellipses(GRADINGS[degree])
+        yield refine(f"MDR degree {degree}, graded", sizes, discretise, flat, order, roundoff)
+    # by MDR the energy of the exact steady pressures has no error; degrees above 1 meet zeros or
+    # roundoff too early
+    history = {quantity: worn[quantity] for quantity in worn if quantity != STEADY}
+    sizes = ellipses((0.6, 0.7, 0.78) if quick else (0.6, 0.7, 0.78, 0.84))
+    discretise = partial(by_mdr, edges, RING_EDGE, 1)
+    yield refine("MDR degree 1, rings", sizes, discretise, history, 4, ring_floor)
+
+    smallest = {"rim_size": RING_EDGE, "ring_size": RING_EDGE}
+    ring_mesh = replace(PUNCH_MESH, ring_edges=tuple(edges.tolist()), **smallest)
+    few = {2: (2, 3, 4), 3: (2, 3), 4: (2, 3)}
+    punch = few if quick else {2: (2, 3, 4, 6, 8), 3: (2, 3, 4, 5), 4: (1, 2, 3, 4)}
+    uniform = few if quick else {2: (3, 4, 6, 8, 12), 3: (2, 3, 4, 6), 4: (2, 3, 4)}
+    divided = {} if quick else {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}
+    for name, field, counts, exact, floor in (
+        ("graded", PUNCH_MESH, punch, flat, rim_floor),
+        ("uniform", UNIFORM_MESH, uniform, flat, rim_floor),
+        ("rings, graded", ring_mesh, divided, worn, ring_floor),
+    ):
+        for degree in counts:
+            discretise = partial(by_triangles, field, degree, ratio)
+            order = 2 * degree if field.growth else 1
+            sizes = inverse(counts[degree])
+            yield refine(f"FEM P{degree}, {name}", sizes, discretise, exact, order, floor)
+
+    raised = {degree: 0.1**degree for degree in range(1, 7)}
+    yield refine(f"MDR{DIGITS}", raised, lambda k: by_mdr(FLAT, PUNCH_RIM, k, 0.2), flat)
+    raised = {degree: 0.1**degree for degree in QUAD_DEGREES}
+    by_degree = partial(by_quads, FLAT, 0.0, ratio)
+    yield refine(f"FEM quads{DIGITS}", raised, by_degree, flat, floor=roundoff)
+    if not quick:
+        by_degree = partial(by_quads, edges, RING_EDGE, ratio)
+        yield refine(f"FEM quads, rings{DIGITS}", raised, by_degree, worn, floor=roundoff)
+
+
+def inverse(counts: Iterable[int]) -> dict[Any, float]:
+    """Return sizes by the count of elements, or of subdivisions."""
+    return {count: 1 / count for count in counts}
+
+
+def ellipses(gradings: Iterable[float]) -> dict[Any, float]:
+    """Return, by the ratio of neighbouring sizes, how fast polynomials converge that are singular
+    one element away (Bernstein).
+    """
+    return {ratio: (1 - ratio**0.5) / (1 + ratio**0.5) for ratio in gradings}
+
+
+def by_mdr(ring_edges: Array, smallest: float, degree: int, grading: float) -> Discretised:
+    """Discretise by one degree on a radial mesh graded to one size at ring edges and rim."""
+    breakpoints = graded_breakpoints(ring_edges, smallest, smallest, grading)
+    space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), ring_edges)
+    return energy.compliance(space), space.size
+
+
+def by_triangles(field: SizeField, degree: int, poisson_ratio: float, count: int) -> Discretised:
+    """Discretise by triangles subdivided in log-polar coordinates about the ring edges that they are
+    graded to.
+    """
+    edges = np.array(field.ring_edges)
+    mesh = subdivided(triangulated(field), count, edges[1:] if field.growth else edges[:0])
+    return condense(mesh, edges, degree, poisson_ratio, poles=3)
+
+
+def by_quads(ring_edges: Array, least: float, poisson_ratio: float, degree: int) -> Discretised:
+    """Discretise by quadrilaterals, the smallest shrinking tenfold with each degree down to `least`.
+
+    Of d0 they cost about 0.06 of their size, some per cent of what the degree does. What is worn is
+    blunt: there they cost the square of their size, and still smaller ones would have gradients of
+    roundoff.
+    """
+    smallest = max(0.1 ** (degree + 1), least)
+    mesh = graded(ring_edges, smallest, smallest, FACTOR, GROWTH, outer=2.5).mesh
+    return condense(mesh, ring_edges, degree, poisson_ratio, poles=8)
+
+
+def condense(
+    mesh: Mesh, ring_edges: Array, degree: int, poisson_ratio: float, poles: int
+) -> Discretised:
+    """Condense the finite-element half-space on a mesh, with so many poles as its far field."""
+    solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)
+    orders = tuple(range(0, 2 * poles, 2))
+    half_space = HalfSpace(solid, pressure_space(solid, ring_edges), orders)
+    return half_space.compliance(), half_space.unknowns
+
+
+def flat_d0(compliance: Compliance) -> dict[str, float]:
+    """Return the indentation of the flat start, singular at the rim."""
+    return {"d0": press_flat(compliance).indentation}
+
+
+def lost_energy(degree: int, count: int) -> dict[str, float]:
+    """Return what fraction of the energy of the pressure ``exp(-2 r^2)`` a degree cannot hold.
+
+    By MDR on equal elements. Galerkin's error is at right angles to what the space holds, so it is a
+    sum of squares and meets no roundoff.
+    """
+    breakpoints = np.linspace(0, 1, count + 1)
+    space = PressureSpace(breakpoints, np.full(count, degree + 6), FLAT)
+    radii = (np.arange(16 * count) + 0.5) / (16 * count)
+    pressure = np.linalg.lstsq(space.matrix(radii).toarray(), np.exp(-2 * radii**2))[0]
+    factor = energy.compliance(space).factor
+    whole, lower = factor @ pressure, factor[:, space.order <= degree]
+    lost = whole - lower @ np.linalg.lstsq(lower, whole)[0]
+    return {"unknowns": count * degree + 1, SMOOTH: float(lost @ lost / (whole @ whole))}
+
+
+def ring_quantities(problem: Problem, compliance: Compliance) -> dict[str, float]:
+    """Return the quantities `RINGS` of the scene's rings."""
+    problem = replace(problem, times=np.array([1.0]))
+    results = evaluate(problem, compliance)
+    steady = compliance.factor @ run_in(problem, compliance).steady.pressure
+    values = (
+        results["indentation"][0],
+        results["relaxation_time"][0],
+        results["ring_force"][0, -1],
+        steady @ steady,
+        results["steady_rms_slope"],
+    )
+    return {quantity: float(value) for quantity, value in zip(RINGS, values, strict=True)}
+
+
+def select(sequences: list[Sequence], name: str, quantity: str = "d0") -> list[Sequence]:
+    """Return the sequences of a quantity whose name begins so."""
+    return [
+        sequence
+        for sequence in sequences
+        if sequence.quantity == quantity and sequence.name.startswith(name)
+    ]
+
+
+def conclude(sequences: list[Sequence]) -> list[str]:
+    """Say the orders of d0, how all orders agree with theory, and what a degree gains on
+    quadrilaterals.
+    """
+    graded_orders, uniform_orders = (
+        ", ".join(
+            f"{sequence.name[4:6]} {sequence.order:.2f}"
+            for sequence in select(sequences, "FEM P")
+            if sequence.name.endswith(mesh)
+        )
+        for mesh in ("graded", "uniform")
+    )
+    return [
+        f"d0 converges with order {graded_orders} on graded meshes (theory 4, 6, 8), but "
+        f"{uniform_orders} on uniform ones (1).",
+        judge_orders(sequences),
+        *(
+            f"On quadrilaterals each degree takes the error of d0 down by {10**raised.order:.1f} "
+            f"(theory: in the end {GAIN:.0f}), to {raised.errors[-1]:.0e} at degree "
+            f"{-np.log10(raised.sizes[-1]):.0f}."
+            for raised in select(sequences, "FEM quads")
+        ),
+    ]
+
+
+def draw(sequences: list[Sequence], path: Path) -> None:
+    """Draw finite elements by size and by unknowns, MDR under a singular and a smooth pressure, and
+    errors by degree.
+    """
+    figure = new_figure(9, 14)
+    (elements, unknowns), (singular, smooth), (punch, rings) = figure.subplots(3, 2)
+    error = r"relative error of the flat start, $|d_0 / (F/2aE^*) - 1|$"
+    ellipse = r"$(1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of neighbouring sizes"
+    for axes, chosen, size, label, title in (
+        (
+            elements,
+            select(sequences, "FEM P"),
+            r"element size over the base mesh's, $h/h_0 = 1/n$",
+            error,
+            "finite elements, by size",
+        ),
+        (
+            singular,
+            select(sequences, "MDR degree"),
+            ellipse,
+            error,
+            "MDR, elements graded to the rim",
+        ),
+        (
+            smooth,
+            select(sequences, "MDR", SMOOTH),
+            "element size over the punch radius, $h/a$",
+            "fraction of energy lost",
+            r"MDR, smooth pressure $\exp(-2r^2/a^2)$",
+        ),
+    ):
+        draw_orders(axes, chosen, xlabel=size, ylabel=label, title=title)
+    curves = {
+        sequence.name.removesuffix(DIGITS): (sequence.unknowns, sequence.errors)
+        for sequence in select(sequences, "FEM")
+    }
+    title = "finite elements, by unknowns"
+    draw_errors(unknowns, curves, xlabel="unknowns", ylabel=error, title=title)
+    unknowns.set_xscale("log")
+    legend_below(unknowns, ncols=2)
+    for axes, what in ((punch, "flat start"), (rings, "rings on quadrilaterals")):
+        curves = {
+            f"{raised.name.split(',')[0]}, {raised.quantity}: {10**raised.order:.1f} per degree": (
+                -np.log10(raised.sizes),
+                raised.errors,
+            )
+            for raised in sequences
+            if raised.name.endswith(DIGITS) and (raised.quantity == "d0") == (axes is punch)
+        }
+        # the quick study has no rings
+        axes.set_visible(bool(curves))
+        labels = {"xlabel": "polynomial degree $k$", "ylabel": "relative error"}
+        draw_errors(axes, curves, title=f"degree raised, {what}", **labels)
+        theory = 1e-5 * GAIN ** (4.0 - np.array(QUAD_DEGREES))
+        label = f"theory for quads: {GAIN:.0f} per degree"
+        axes.semilogy(QUAD_DEGREES, theory, color="0.8", linewidth=4, zorder=0, label=label)
+        legend_below(axes)
+    figure.savefig(path)
