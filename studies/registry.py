@@ -72,12 +72,16 @@ STUDIES: dict[str, Study] = {
         ),
     ),
     "convergence": Study(
-        "numerics.convergence", "orders of convergence in element size and degree, graded and uniform"
+        "numerics.convergence",
+        "orders of convergence in element size and degree, graded and uniform",
     ),
     "truncation": Study(
-        "numerics.truncation", "what the outer boundary costs, for every far field and Poisson's ratio"
+        "numerics.truncation",
+        "what the outer boundary costs, for every far field and Poisson's ratio",
     ),
-    "march": Study("numerics.march", "orders of the time marches, and where the explicit one blows up"),
+    "march": Study(
+        "numerics.march", "orders of the time marches, and where the explicit one blows up"
+    ),
     "refinement": Study(
         "numerics.refinement",
         "uniform, graded and self-refining meshes, and a mesh file of your own, against what is "
@@ -97,5 +101,7 @@ STUDIES: dict[str, Study] = {
         "numerics.extremes",
         "a map of the limits: every method at extreme parameters against closed forms",
     ),
-    "tradeoff": Study("numerics.tradeoff", "error against seconds for every method and family of settings"),
+    "tradeoff": Study(
+        "numerics.tradeoff", "error against seconds for every method and family of settings"
+    ),
 }

@@ -69,7 +69,7 @@ RINGS = ("d(1)", "slowest relaxation time", "force on the outer ring at 1", STEA
 DIGITS = ", digits per degree"
 """Ends the names of what is raised in degree."""
 PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
-"""Sizes of the smallest elements: by MDR at the rim of the flat punch; at edges and rim of rings."""
+"""Sizes of the smallest elements: by MDR at the rim of the flat punch; of rings."""
 PUNCH_MESH = SizeField((0.0, 1.0), 4e-9, 4e-9, growth=0.7, truncation=1e4, centre_size=1e4)
 UNIFORM_MESH = SizeField((0.0, 1.0), 0.35, 0.35, growth=0.0, truncation=4.0, centre_size=4.0)
 ELEMENTS = (12, 16, 24, 32)
@@ -94,9 +94,7 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     orders = orders_table(sequences, out / "orders.csv")
     draw(sequences, out / "convergence.png")
     conclusions[:0] = conclude(sequences)
-    return publish(
-        out / "convergence.md", "Orders of convergence", conclusions, {"Orders": orders}
-    )
+    return publish(out / "convergence.md", "Orders of convergence", conclusions, {"Orders": orders})
 
 
 def families(problem: Problem, quick: bool) -> Iterator[Family]:
@@ -193,8 +191,8 @@ def by_mdr(ring_edges: Array, smallest: float, degree: int, grading: float) -> D
 
 
 def by_triangles(field: SizeField, degree: int, poisson_ratio: float, count: int) -> Discretised:
-    """Discretise by triangles subdivided in log-polar coordinates about the ring edges that they are
-    graded to.
+    """Discretise by triangles subdivided in log-polar coordinates about the ring edges that they
+    are graded to.
     """
     edges = np.array(field.ring_edges)
     mesh = subdivided(triangulated(field), count, edges[1:] if field.growth else edges[:0])
@@ -202,7 +200,7 @@ def by_triangles(field: SizeField, degree: int, poisson_ratio: float, count: int
 
 
 def by_quads(ring_edges: Array, least: float, poisson_ratio: float, degree: int) -> Discretised:
-    """Discretise by quadrilaterals, the smallest shrinking tenfold with each degree down to `least`.
+    """Discretise by quadrilaterals, the smallest a tenth with each degree, down to `least`.
 
     Of d0 they cost about 0.06 of their size, some per cent of what the degree does. What is worn is
     blunt: there they cost the square of their size, and still smaller ones would have gradients of
@@ -231,8 +229,8 @@ def flat_d0(compliance: Compliance) -> dict[str, float]:
 def lost_energy(degree: int, count: int) -> dict[str, float]:
     """Return what fraction of the energy of the pressure ``exp(-2 r^2)`` a degree cannot hold.
 
-    By MDR on equal elements. Galerkin's error is at right angles to what the space holds, so it is a
-    sum of squares and meets no roundoff.
+    By MDR on equal elements. Galerkin's error is at right angles to what the space holds, so it is
+    a sum of squares and meets no roundoff.
     """
     breakpoints = np.linspace(0, 1, count + 1)
     space = PressureSpace(breakpoints, np.full(count, degree + 6), FLAT)

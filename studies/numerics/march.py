@@ -1,6 +1,6 @@
-"""Steps in time: orders of the explicit and the implicit march, and where the explicit one blows up.
+"""Steps in time: orders of the explicit and the implicit march, and where the former blows up.
 
-Both march the compliance on which the modes are exact, so that their difference is the step's alone.
+Both march the compliance on which the modes are exact: their difference is the step's alone.
 The limit of stability is bisected on whether a march blows up, and stands beside theory: two over
 the greatest rate of relaxation, which on the uniform grid of the paper with n springs is about
 ``4/(pi n k)``.
@@ -141,7 +141,7 @@ def tabulate_limits(
 
 
 def draw(problem: Problem, sequences: list[Sequence], path: Path) -> None:
-    """Draw errors against the step, and what a step near the limit looks like on the paper's grid."""
+    """Draw errors against the step, and what steps near the limit do on the paper's grid."""
     figure = new_figure(13, 5.2)
     errors, growth, pattern = figure.subplots(1, 3)
     draw_orders(

@@ -1,24 +1,20 @@
-"""Refining the mesh, each way against what is known.
+"""Refining the mesh, each way against closed forms and a far finer MDR.
 
-Uniformly, graded by default sizes, in the degree, and by an indicator.
-
-Errors are those of the flat punch's indentation (Eq. 10), of the indentation over the whole history
-against a far finer MDR, and of the steady displacement in closed form. A mesh file of the user's is
-one more row, tested the same way.
-
-On uniformly refined meshes d0 is of order 1 whatever the degree, set by the singular rim; `ringwear
-study convergence` has the orders of graded meshes and degrees beside theory.
+Uniformly, graded by default sizes, in the degree, and by an indicator. A mesh file of the user's is
+one more row, tested the same way. On uniformly refined meshes d0 is of order 1 whatever the degree,
+set by the singular rim; `ringwear study convergence` has the orders of graded meshes and degrees
+beside theory.
 """
 
 import argparse
-from collections.abc import Iterable
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from skfem import Mesh, MeshQuad
-from threadpoolctl import threadpool_limits
 
 from ...mdr.direct import greatest_displacement, steady_pressures
 from ...meshes import files
@@ -26,251 +22,249 @@ from ...meshes.errors import MeshError, SceneError
 from ...meshes.half_space import quality, truncation
 from ...meshes.radial import Array
 from ..figures.mesh import mesh_panel
-from ..figures.style import FAINT, RED, curve, new_figure
-from ..measured import exact
+from ..figures.style import FAINT, new_figure
 from ..methods.fem import half_space_mesh
-from ..methods.quantities import array
-from ..methods.sampler import Sampler
 from ..problem.defaults import WIDER_TRUNCATION, triangle_degree
 from ..problem.problem import D0, Problem, Rings
 from ..problem.scene import Scene
 from ..problem.sections import FemAccuracy
-from ..progress import LOG
-from ..tables import Row, Table, keeping_rows, write_page
+from ..tables import Row, Table, write_page
 from ..wear.contact import press_flat
-from .adaptive import DEGREE, Solved, adapted, solved, uniform
+from .adaptive import DEGREE, SolvedMesh, refine_adaptively, solve_on, uniform_mesh
+from .core import evaluate, exact_indentation
+from .sequences import Family, Level, Sequence, Theory, draw_errors, solve_all
 
 GOAL = 1e-5
+"""Error in every quantity for which the unknowns of each way are told."""
 TIMES = np.geomspace(1e-3, 20, 12)
+"""When the history is looked at."""
 ERRORS = {"d0": "of $d_0$", "history": "of $d(t)$, greatest", "steady": "of steady $u_{z,max}$"}
-FIELDS = (
-    "case",
-    "mesh",
-    "refined",
-    "degree",
-    "unknowns",
-    "elements",
-    "multipliers",
-    *ERRORS,
-    "greatest",
-    "estimate",
-    "least quality",
-    "median quality",
-)
-
-Family = Iterable[tuple[str, Solved]]  # how far each mesh is refined, and what it gives
-Results = dict[
-    str, list[Row]
-]  # of a case: rows by the kind of mesh, each also with the mesh itself as `geometry`
-
-
-def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Refine each way on each case; writes `refinement.csv`, `refinement.md` and the figures."""
-    table, every = Table(out / "refinement.csv", FIELDS), cases(scene.problem)
-    conclusions, results = list[str](), dict[Case, Results]()
-    with threadpool_limits(1), keeping_rows(conclusions):
-        for case in every[::2] if options.quick and not options.mesh else every:
-            own = {}
-            if options.mesh:
-                try:
-                    own["file"] = [own_mesh(case.problem, options.mesh)]
-                except MeshError as error:
-                    if case is every[0]:  # what does not fit the flat punch fits nothing
-                        raise SceneError(f"--mesh {error}") from error
-                    conclusions.append(f"{case.name}: refused: {error}")
-            ways = families(case.problem, options.quick) | own
-            for name, family in ways.items():
-                LOG.info("refinement  %s: %s ...", case.name, name)
-                for refined, one in family:
-                    row = {"case": case.name, "mesh": name, "refined": refined, **case.row(one)}
-                    table.add(**row)
-                    results.setdefault(case, {}).setdefault(name, []).append(row)
-            conclusions += [f"{case.name}: {line}" for line in concluded(results[case])]
-    LOG.info("refinement  figures ...")
-    if results:
-        draw(results, out / "error_against_unknowns.png")
-    for case, rows in results.items():
-        draw_meshes(case, rows, out / f"meshes_{case.name.replace(' ', '_')}.png")
-    write_page(out / "refinement.md", "Refinement of the mesh", conclusions, {"Rows": table})
-    return conclusions
+"""Errors of each mesh, and how figures call them."""
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A problem with what is known of it."""
+    """A problem, with its exact indentation at `TIMES`."""
 
     name: str
     problem: Problem
 
     @cached_property
-    def history(self) -> Array:
-        """Indentation at `TIMES`."""
-        return array(exact(replace(self.problem, times=TIMES)), "indentation")
+    def watched(self) -> Problem:
+        """The problem at `TIMES`; meshes suit the times of the scene."""
+        return replace(self.problem, times=TIMES)
 
-    def row(self, one: Solved) -> Row:
-        """What a mesh costs and gives.
+    @cached_property
+    def exact(self) -> Array:
+        return exact_indentation(self.watched)
 
-        Relative errors by the name of the quantity, and their estimate.
+    def row(self, solved: SolvedMesh) -> Row:
+        """Return what a mesh costs, relative errors by the name of the quantity, their estimate,
+        and the mesh itself.
         """
-        rings, wear, solid = self.problem.merged, one.wear, one.half_space.solid
-        space, shape = wear.compliance.space, quality(solid.mesh)
-        steady = float(Sampler(self.problem, space).steady(wear.steady)["steady_displacement_max"])
+        rings, solid = self.problem.merged, solved.half_space.solid
+        compliance, shape = solved.wear.compliance, quality(solid.mesh)
+        results = evaluate(self.watched, compliance)
+        greatest = greatest_displacement(rings.ring_edges, steady_pressures(*rings))
         errors = {
-            "d0": abs(press_flat(wear.compliance).indentation / D0 - 1),
-            "history": float(np.abs(wear.modal(TIMES).indentation / self.history - 1).max()),
-            "steady": abs(
-                steady / greatest_displacement(rings.ring_edges, steady_pressures(*rings)) - 1
-            ),
+            "d0": abs(press_flat(compliance).indentation / D0 - 1),
+            "history": float(np.abs(results["indentation"] / self.exact - 1).max()),
+            "steady": abs(float(results["steady_displacement_max"]) / greatest - 1),
         }
         return errors | {
+            "case": self.name,
             "degree": solid.degree,
-            "unknowns": one.half_space.unknowns,
+            "unknowns": solved.half_space.unknowns,
             "elements": solid.mesh.nelements,
-            "multipliers": space.size,
+            "multipliers": compliance.space.size,
             "greatest": max(errors.values()),
-            "estimate": one.estimate,
+            "estimate": solved.estimate,
             "least quality": float(shape.min()),
             "median quality": float(np.median(shape)),
-            "geometry": solid.mesh,
+            "mesh": solid.mesh,
         }
 
 
-def cases(problem: Problem) -> list[Case]:
-    """The flat punch, the problem, and the problem with its middle ring narrow."""
+def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
+    """Refine each way on each case; writes `refinement` and the figures."""
+    columns = ("degree", "unknowns", "elements", "multipliers", *ERRORS, "greatest", "estimate")
+    qualities = ("least quality", "median quality")
+    fields = ("case", "family", "setting", *columns, *qualities, "remark")
+    table, conclusions = Table(out / "refinement.csv", fields), list[str]()
+    cases = list_cases(scene.problem)
+    if options.mesh:
+        try:
+            own_mesh(cases[0].problem, options.mesh)
+        except MeshError as error:  # what does not fit the flat punch fits nothing
+            raise SceneError(f"--mesh {error}") from error
+    elif options.quick:
+        cases = cases[::2]
+    ways = (family for case in cases for family in families(case, options.quick, options.mesh))
+    sequences = solve_all(ways, table, conclusions)
+    rows = [row for row in table.rows if "greatest" in row]
+    conclusions[:0] = conclude(rows, sequences)
+    if rows:
+        draw(rows, out / "error_against_unknowns.png")
+    for case in cases:
+        if finest := {way_of(row): row["mesh"] for row in rows if row["case"] == case.name}:
+            path = out / f"meshes_{case.name.replace(' ', '_')}.png"
+            draw_meshes(case, finest, path)
+    write_page(out / "refinement.md", "Refinement of the mesh", conclusions, {"Rows": table})
+    return conclusions
+
+
+def list_cases(problem: Problem) -> list[Case]:
+    """Return the flat punch, the problem, and the problem with its middle ring narrow."""
     flat = Case("flat punch", replace(problem, rings=Rings(np.array([0.0, 1.0]), np.ones(1))))
     ring_edges, wear_coefficients = problem.rings
     if len(wear_coefficients) == 1:
         return [flat]
     narrow, middle = ring_edges.copy(), (len(wear_coefficients) - 1) // 2
     narrow[middle + 1] = min(narrow[middle + 1], narrow[middle] + 1e-3)
-    return [
-        flat,
-        Case("scene", problem),
-        Case("narrow ring", replace(problem, rings=Rings(narrow, wear_coefficients))),
-    ]
+    narrow_ring = replace(problem, rings=Rings(narrow, wear_coefficients))
+    return [flat, Case("scene", problem), Case("narrow ring", narrow_ring)]
 
 
-def families(problem: Problem, quick: bool) -> dict[str, Family]:
-    """Each way to refine a mesh, from coarse to fine; solved one by one as they are asked for."""
+def families(case: Case, quick: bool, own: str | None = None) -> Iterator[Family]:
+    """Yield each way to refine a mesh of a case, from coarse to fine; last a mesh file."""
+    problem = case.problem
 
-    def meshed(rtol: float, fem: FemAccuracy) -> Mesh:
+    def mesh_at(rtol: float, **settings: Any) -> Mesh:
+        fem = FemAccuracy.model_validate(settings)
         return half_space_mesh(replace(problem, rtol=rtol, fem=fem)).mesh
 
-    def in_size(mesh: Mesh) -> Family:
-        return (
-            (f"{times} times", solved(problem, mesh.refined(times), DEGREE))
-            for times in range(3 if quick else 4)
+    def level(setting: str, mesh: Mesh, degree: int, size: float = np.nan) -> Level:
+        return Level(setting, lambda: case.row(solve_on(problem, mesh, degree)), size)
+
+    def halved(way: str, mesh: Mesh) -> Family:
+        sizes = {times: 0.5**times for times in range(3 if quick else 4)}
+        refined = (
+            level(f"{times} times", mesh.refined(times), DEGREE, size)
+            for times, size in sizes.items()
         )
+        return Family(f"{case.name}: {way}", refined, {"d0": Theory(1.0)})
 
-    def in_degree(mesh: Mesh, degrees: range) -> Family:
-        return ((f"degree {degree}", solved(problem, mesh, degree)) for degree in degrees)
+    def raised(way: str, mesh: Mesh, degrees: range) -> Family:
+        by_degree = [level(f"degree {degree}", mesh, degree) for degree in degrees]
+        return Family(f"{case.name}: {way}", by_degree)
 
-    triangles, quads = FemAccuracy(mesher="gmsh"), FemAccuracy(mesher="quads")
-    few = FemAccuracy(mesher="quads", rim_size=0.5, ring_size=0.5, truncation=WIDER_TRUNCATION)
+    coarse = uniform_mesh(problem.merged.ring_edges)
+    yield halved("h, triangles", coarse)
+    yield raised("p, triangles", mesh_at(GOAL, mesher="gmsh"), range(2, 5))
     tolerances = (1e-2, GOAL) if quick else (1e-1, 1e-2, 1e-3, 1e-4, GOAL, 1e-6)
-    coarse = uniform(problem.merged.ring_edges)
-    rounds = enumerate(adapted(problem, coarse, GOAL / 2 if quick else GOAL / 10))
-    out: dict[str, Family] = {
-        "h, triangles": in_size(coarse),
-        "p, triangles": in_degree(meshed(GOAL, triangles), range(2, 5)),
-        "graded triangles": (
-            (f"rtol {rtol:g}", solved(problem, meshed(rtol, triangles), DEGREE))
-            for rtol in tolerances
-        ),
-        "adaptive triangles": ((f"round {number}", one) for number, one in rounds),
-    }
-    layered = meshed(1e-7, quads)
+    graded = (level(f"rtol {rtol:g}", mesh_at(rtol, mesher="gmsh"), DEGREE) for rtol in tolerances)
+    yield Family(f"{case.name}: graded triangles", graded)
+    rounds = enumerate(refine_adaptively(problem, coarse, GOAL / 2 if quick else GOAL / 10))
+    adapted = (Level(f"round {number}", partial(case.row, solved)) for number, solved in rounds)
+    yield Family(f"{case.name}: adaptive triangles", adapted)
+    layered = mesh_at(1e-7, mesher="quads")
     if isinstance(layered, MeshQuad):  # triangles take their place where gmsh cannot be used
+        few = {"rim_size": 0.5, "ring_size": 0.5, "truncation": WIDER_TRUNCATION}
         # without subdomains of lower degree
-        out["h, quadrilaterals"] = in_size(replace(meshed(GOAL, few), _subdomains=None))
-        out["p, quadrilaterals"] = in_degree(layered, range(4, 8 if quick else 10))
-    return out
+        plain = replace(mesh_at(GOAL, mesher="quads", **few), _subdomains=None)
+        yield halved("h, quadrilaterals", plain)
+        yield raised("p, quadrilaterals", layered, range(4, 8 if quick else 10))
+    if own:
+
+        def solve_own() -> Row:
+            mesh, remark = own_mesh(problem, own)
+            quads = isinstance(mesh, MeshQuad)
+            degree = (problem.fem.degree or 6) if quads else triangle_degree(problem)
+            return case.row(solve_on(problem, mesh, degree)) | {"remark": remark}
+
+        yield Family(f"{case.name}: file", [Level(Path(own).name, solve_own)])
 
 
-def own_mesh(problem: Problem, path: str) -> tuple[str, Solved]:
-    """The user's mesh.
+def own_mesh(problem: Problem, path: str) -> tuple[Mesh, str]:
+    """Read the user's mesh, with a remark on how it was taken.
 
-    Refused if a ring edge is not a vertex of it, or if it is no mesh of a half-space.
+    Raises
+    ------
+    MeshError
+        if a ring edge is not a vertex of it, or if it is no mesh of a half-space
     """
-    mesh, remark = files.read(path, problem.merged.ring_edges, problem.units.length)
-    degree = (problem.fem.degree or 6) if isinstance(mesh, MeshQuad) else triangle_degree(problem)
-    return Path(path).name + (f" ({remark})" if remark else ""), solved(problem, mesh, degree)
+    return files.read(path, problem.merged.ring_edges, problem.units.length)
 
 
-def concluded(rows: Results) -> list[str]:
-    """The errors on the user's mesh, if there is one, orders, and the unknowns with which each way
-    reaches the goal.
+def way_of(row: Row) -> str:
+    """Return how the mesh of a row was refined."""
+    return str(row["family"].removeprefix(f"{row['case']}: "))
+
+
+def conclude(rows: list[Row], sequences: list[Sequence]) -> list[str]:
+    """Say the errors on the user's mesh, orders, and the unknowns with which each way reaches the
+    goal.
     """
-    lines, unknowns = list[str](), list[str]()
-    for row in rows.get("file", ()):
-        errors = ", ".join(f"{quantity} {row[quantity]:.1e}" for quantity in (*ERRORS, "estimate"))
-        lines.append(
-            f"{row['refined']}, {row['elements']} elements of degree {row['degree']}, errors: "
-            f"{errors}"
-        )
-    for name, own in rows.items():
-        reaching = [
-            f"{row['unknowns']} ({row['refined']})" for row in own if row["greatest"] <= GOAL
-        ]
-        unknowns.append(f"{name} {reaching[0] if reaching else 'do not reach it'}")
-        if name.startswith("h, ") and len(own) > 1:  # sizes are halved
-            order = np.log2(own[-2]["d0"] / own[-1]["d0"])
-            lines.append(f"{name}: d0 is of order {order:.2f} between the finest, by theory 1")
-    return [*lines, f"unknowns to {GOAL:g} in every quantity: {'; '.join(unknowns)}"]
+    lines = []
+    for row in rows:
+        if way_of(row) == "file":
+            errors = ", ".join(f"{name} {row[name]:.1e}" for name in (*ERRORS, "estimate"))
+            lines.append(
+                f"{row['case']}: {row['setting']}, {row['elements']} elements of degree "
+                f"{row['degree']}, errors: {errors}"
+            )
+    lines += [
+        f"{halved.name}: d0 is of order {halved.last_order:.2f} between the finest, by theory 1"
+        for halved in sequences
+    ]
+    for case in dict.fromkeys(row["case"] for row in rows):
+        unknowns = {way_of(row): "do not reach it" for row in rows if row["case"] == case}
+        for row in reversed(rows):
+            if row["case"] == case and row["greatest"] <= GOAL:
+                unknowns[way_of(row)] = f"{row['unknowns']} ({row['setting']})"
+        reached = "; ".join(f"{way} {count}" for way, count in unknowns.items())
+        lines.append(f"{case}: unknowns to {GOAL:g} in every quantity: {reached}")
+    return lines
 
 
-def draw(results: dict[Case, Results], path: Path) -> None:
-    """Errors against unknowns: a column for each case, a row for each quantity."""
-    figure = new_figure(0.6 + 3.2 * len(results), 8.2)
-    panels = figure.subplots(len(ERRORS), len(results), sharex="col", sharey=True, squeeze=False)
+def draw(rows: list[Row], path: Path) -> None:
+    """Draw errors against unknowns: a column for each case, a row for each quantity."""
+    cases = list(dict.fromkeys(row["case"] for row in rows))
+    ways = list(dict.fromkeys(way_of(row) for row in rows))
+    figure = new_figure(0.6 + 3.2 * len(cases), 8.2)
+    panels = figure.subplots(len(ERRORS), len(cases), sharex="col", sharey=True, squeeze=False)
     for line, (quantity, label) in zip(panels, ERRORS.items(), strict=True):
-        for axes, (case, rows) in zip(line, results.items(), strict=True):
-            for number, (kind, own) in enumerate(rows.items()):
-                unknowns, errors = ([row[name] for row in own] for name in ("unknowns", quantity))
-                axes.loglog(
-                    unknowns,
-                    errors,
-                    label=kind,
-                    **curve(number) | ({"color": RED} if kind == "file" else {}),
-                )
-            axes.set(title=case.name, xlabel="unknowns", ylabel=f"relative error\n{label}")
-            axes.grid(True, color="0.9", linewidth=0.6)
+        for axes, case in zip(line, cases, strict=True):
+            points = {
+                way: [
+                    (row["unknowns"], row[quantity])
+                    for row in rows
+                    if (row["case"], way_of(row)) == (case, way)
+                ]
+                for way in ways
+            }
+            curves = {way: np.array(points[way]).reshape(-1, 2).T for way in ways}
+            ylabel = f"relative error\n{label}"
+            draw_errors(axes, curves, title=case, xlabel="unknowns", ylabel=ylabel)
+            axes.set_xscale("log")
             axes.axhline(GOAL, **FAINT)
             axes.label_outer()
-    known = panels[0, 0].get_legend_handles_labels()
-    figure.legend(
-        *known, loc="outside lower center", ncols=1 + len(results), frameon=False, fontsize=9
-    )
-    figure.suptitle(
-        f"refinement in size (h), in degree (p),\ngraded and adaptive (goal {GOAL:g}: dotted)",
-        fontsize=10,
-    )
+    place = {"loc": "outside lower center", "ncols": 1 + len(cases), "frameon": False}
+    figure.legend(*panels[0, 0].get_legend_handles_labels(), fontsize=9, **place)
+    title = f"refinement in size (h), in degree (p),\ngraded and adaptive (goal {GOAL:g}: dotted)"
+    figure.suptitle(title, fontsize=10)
     figure.savefig(path)
 
 
-def draw_meshes(case: Case, rows: Results, path: Path) -> None:
-    """The finest mesh of each kind: whole, under the punch, at the narrowest ring, at the rim."""
+def draw_meshes(case: Case, meshes: dict[str, Mesh], path: Path) -> None:
+    """Draw the finest mesh of each way, whole and at three places."""
     rings = case.problem.merged
-    views = [
-        ("under the punch", (0.0, 1.15), 0.0, "$r/a$"),
-        ("at the rim", (-2e-2, 2e-2), 1.0, "$(r-a)/a$"),
-    ]
+    views = {
+        "under the punch": ((0.0, 1.15), 0.0, "$r/a$"),
+        "at the rim": ((-2e-2, 2e-2), 1.0, "$(r-a)/a$"),
+    }
     if len(rings.widths) > 1:
         narrowest = int(rings.widths.argmin())
-        reach, middle = (
-            min(2 * rings.widths.min(), 0.4),
-            float(rings.ring_edges[narrowest : narrowest + 2].mean()),
-        )
-        views.insert(1, ("narrowest ring", (-reach, reach), middle, rf"$r/a - {middle:.4g}$"))
-    figure = new_figure(3.2 * (1 + len(views)), 3.5 * len(rows))
-    panels = figure.subplots(len(rows), 1 + len(views), squeeze=False)
-    for line, (kind, (*_, finest)) in zip(panels, rows.items(), strict=True):
-        mesh = finest["geometry"]
-        mesh_panel(line[0], mesh, (0, truncation(mesh)), "whole", "$r/a$")
-        for axes, (name, view, centre, label) in zip(line[1:], views, strict=True):
+        reach = min(2 * rings.widths.min(), 0.4)
+        middle = float(rings.ring_edges[narrowest : narrowest + 2].mean())
+        views["narrowest ring"] = ((-reach, reach), middle, rf"$r/a - {middle:.4g}$")
+    figure = new_figure(3.2 * (1 + len(views)), 3.5 * len(meshes))
+    panels = figure.subplots(len(meshes), 1 + len(views), squeeze=False)
+    for (whole, *line), (way, mesh) in zip(panels, meshes.items(), strict=True):
+        mesh_panel(whole, mesh, (0, truncation(mesh)), "whole", "$r/a$")
+        whole.set_ylabel(f"{way}: depth $z/a$")
+        for axes, (name, (view, centre, label)) in zip(line, views.items(), strict=True):
             mesh_panel(axes, mesh, view, name, label, centre)
-        line[0].set_ylabel(f"{kind}: depth $z/a$")
-    figure.suptitle(
-        f"{case.name}: the finest mesh of each kind; the bar above is the punch", fontsize=10
-    )
+    title = f"{case.name}: the finest mesh of each way; the bar above is the punch"
+    figure.suptitle(title, fontsize=10)
     figure.savefig(path)

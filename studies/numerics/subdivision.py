@@ -18,12 +18,11 @@ from ...meshes.radial import Array, Indices
 from ...meshes.sizes import SizeField
 
 Points = NDArray[np.complex128]
-FAR = 1.6  # radius beyond which subdivision is in log-polar coordinates about the origin
 
 
 @cache
 def triangulated(field: SizeField) -> MeshTri:
-    """The quarter disc by gmsh.
+    """Mesh the quarter disc by gmsh.
 
     By bisection where that cannot be loaded or fails at such sizes, or if sizes do not grow.
     """
@@ -34,27 +33,25 @@ def triangulated(field: SizeField) -> MeshTri:
 
 
 def subdivided(mesh: MeshTri, count: int, tips: Array) -> MeshTri:
-    """Every triangle into ``count^2``.
+    """Divide every triangle into ``count^2``.
 
-    In log-polar coordinates about `tips` (radii) and far away, else in plain ones.
-
-    Neighbours compute the points between them from the same numbers in the same order, and so agree
-    on every digit.
+    In log-polar coordinates about `tips` (radii) and far away, else in plain ones. Neighbours
+    compute the points between them from the same numbers in the same order, and so agree on every
+    digit.
     """
     square = MeshTri.init_tensor(*2 * [np.arange(count + 1.0)])
     half = square.restrict(np.subtract(*square.p[:, square.t].mean(axis=1)) > 0)
     weight = np.stack([count - half.p[0], half.p[0] - half.p[1], half.p[1]], axis=1) / count
-    points = _interpolated(
-        mesh.p[0] + 1j * mesh.p[1], np.sort(mesh.t, axis=0).T[:, None], weight, tips
-    )
+    vertices, corners = mesh.p[0] + 1j * mesh.p[1], np.sort(mesh.t, axis=0).T[:, None]
+    points = interpolate(vertices, corners, weight, tips)
     unique, number = np.unique(points, return_inverse=True)
-    corners = number.reshape(points.shape)[:, half.t.T].reshape(-1, 3)
-    fine = MeshTri(np.stack([unique.real, unique.imag]), np.ascontiguousarray(corners.T))
-    return half_space(fine, contact_radii(mesh)[[0, -1]])
+    fine = number.reshape(points.shape)[:, half.t.T].reshape(-1, 3)
+    divided = MeshTri(np.stack([unique.real, unique.imag]), np.ascontiguousarray(fine.T))
+    return half_space(divided, contact_radii(mesh)[[0, -1]])
 
 
-def _interpolated(vertices: Points, corners: Indices, weight: Array, tips: Array) -> Points:
-    """(m, l) points by (m, 1, 3) corners and (l, 3) weights.
+def interpolate(vertices: Points, corners: Indices, weight: Array, tips: Array) -> Points:
+    """Return points (m, l) by corners (m, 1, 3) and weights (l, 3).
 
     Where a point lies depends on corners of some weight alone.
     """
@@ -62,26 +59,19 @@ def _interpolated(vertices: Points, corners: Indices, weight: Array, tips: Array
     distance = np.abs(vertices[:, None] - centres)
     # the centre of each vertex, or -1: well inside half the distance to the next singular point, or
     # to the axis
-    reach = np.append(
-        0.6 * np.minimum(np.diff(tips, prepend=0.0), np.diff(tips, append=np.inf)), 0.0
-    )
-    chart = np.where(
-        (distance < reach).any(axis=1),
-        np.where(distance < reach, distance, np.inf).argmin(axis=1),
-        -1,
-    )
-    chart[distance[:, -1] > FAR] = len(tips)
+    inner, outer = np.diff(tips, prepend=0.0), np.diff(tips, append=np.inf)
+    near = np.where(distance < np.append(0.6 * np.minimum(inner, outer), 0.0), distance, np.inf)
+    chart = np.where(np.isfinite(near).any(axis=1), near.argmin(axis=1), -1)
+    chart[distance[:, -1] > 1.6] = len(tips)
     plain = np.sum(weight * vertices[corners], axis=-1)
-    out, rest = np.zeros_like(plain), np.ones(plain.shape)
+    points = plain.copy()
     for number, centre in enumerate(centres):
         # a centre has no logarithm: the triangles at it are subdivided plainly
         regular = ((distance[corners, number] > 0) | (weight == 0)).all(axis=-1)
         part = regular * np.sum(weight * (chart[corners] == number), axis=-1)
         log = np.log(np.where(distance[:, number] > 0, vertices - centre, 1.0))
-        out += part * (centre + np.exp(np.sum(weight * log[corners], axis=-1)))
-        rest -= part
-    out += rest * plain
+        points += part * (centre + np.exp(np.sum(weight * log[corners], axis=-1)) - plain)
     # coordinates on the axis and the surface are exact zeros, and vertices stay where they are
-    out.real[plain.real == 0] = 0.0
-    out.imag[plain.imag == 0] = 0.0
-    return np.where(weight.max(axis=1) == 1, plain, out)
+    points.real[plain.real == 0] = 0.0
+    points.imag[plain.imag == 0] = 0.0
+    return np.where(weight.max(axis=1) == 1, plain, points)

@@ -95,7 +95,7 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
 
 
 def measure(name: str, problem: Problem, exact: Array, quick: bool) -> Row:
-    """Measure seconds, error and the method's own estimate: the least of five repeats, or of one."""
+    """Measure seconds (the least of five repeats, or one), error and the method's estimate."""
     seconds = []
     for _ in range(2 if quick else 6):
         start = time.perf_counter()
@@ -134,7 +134,7 @@ def draw(rows: list[Row], front: list[Row], title: str, path: Path) -> None:
     }
     draw_errors(
         axes,
-        {family: (seconds, errors) for family, (seconds, errors) in curves.items()},
+        curves,
         xlabel="seconds for the whole history, one thread",
         ylabel="relative error of the indentation over all times",
     )

@@ -56,7 +56,8 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     conclusions: list[str] = []
     table = Table(out / "truncation.csv", (*LEVEL_FIELDS, *FAR_FIELDS, DISCRETISATION, "remark"))
     sequences = solve_all(outward, table, conclusions)
-    orders = orders_table(sequences, out / "orders.csv")
+    of_far_fields = [fitted for fitted in sequences if fitted.quantity in FAR_FIELDS]
+    orders = orders_table(of_far_fields, out / "orders.csv")
     draw(sequences, [family.name for family in outward], out / "truncation.png")
     conclusions[:0] = conclude(sequences)
     tables = {"Orders in a/R": orders}
