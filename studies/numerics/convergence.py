@@ -8,8 +8,7 @@ relaxation times) are of order 2k on graded meshes and of order 1, set by the si
 uniform ones. By MDR the energy norm of a pressure is half an order weaker than the mean square: d0
 is of order 2q+3, a history with its mean squares of order 2q+2, the RMS gradient of order 2q. Even
 degrees come up to 2q+3, odd ones down: plane waves ``exp(ikx)`` at kh = 0.7 give 5.34, 6.60, 9.21,
-10.77 (Fourier analysis, in the tests). Under a smooth pressure twelve elements see the limit;
-graded to the rim, degree 4 meets roundoff before.
+10.77 (Fourier analysis, in the tests); degree 4 meets roundoff before.
 
 On quadrilaterals whose layers shrink by ``q``, the degree k itself is raised (hp). A layer ends one
 layer off the singular point: polynomials converge there as ``r^k`` with ``r = (1-sqrt q)/(1+sqrt
@@ -37,43 +36,26 @@ from ...meshes.pressure_space import PressureSpace
 from ...meshes.quads import graded
 from ...meshes.radial import Array, graded_breakpoints
 from ...meshes.sizes import SizeField
-from ..figures.style import legend_below, new_figure
+from ..figures.style import new_figure
 from ..problem.defaults import FACTOR, GROWTH
 from ..problem.problem import D0, Problem
 from ..problem.scene import Scene
-from ..tables import Row, Table
+from ..tables import Row
 from ..wear.contact import press_flat
-from .core import evaluate, run_in
-from .sequences import (
-    LEVEL_FIELDS,
-    Family,
-    Sequence,
-    Theory,
-    draw_errors,
-    draw_orders,
-    judge_orders,
-    levels,
-    orders_table,
-    publish,
-    solve_all,
-)
+from .core import evaluate
+from .sequences import Family, Sequence, Theory, draw_orders, levels, publish, study_orders
 from .subdivision import subdivided, triangulated
 
-Values = Mapping[str, float]
 Discretised = tuple[Compliance, int]
 """A compliance, and the number of unknowns behind it."""
 
 FLAT = np.array([0.0, 1.0])
-SMOOTH, SLOPE, STEADY = "energy of a smooth pressure", "RMS gradient", "mean steady displacement"
-RINGS = ("d(1)", "slowest relaxation time", "force on the outer ring at 1", STEADY, SLOPE)
-DIGITS = ", digits per degree"
-"""Ends the names of what is raised in degree."""
+"""Edges of a punch of one ring."""
+SLOPE = "RMS gradient"
 PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
 """Sizes of the smallest elements: by MDR at the rim of the flat punch; of rings."""
 PUNCH_MESH = SizeField((0.0, 1.0), 4e-9, 4e-9, growth=0.7, truncation=1e4, centre_size=1e4)
 UNIFORM_MESH = SizeField((0.0, 1.0), 0.35, 0.35, growth=0.0, truncation=4.0, centre_size=4.0)
-ELEMENTS = (12, 16, 24, 32)
-"""MDR: counts of elements under a smooth pressure."""
 GRADINGS = {
     1: (0.5, 0.6, 0.7, 0.8),
     2: (0.7, 0.78, 0.84, 0.88),
@@ -89,12 +71,12 @@ GAIN = ((1 + FACTOR**0.5) / (1 - FACTOR**0.5)) ** 2
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     """Refine everything; writes `convergence` and `orders`."""
     conclusions: list[str] = []
-    table = Table(out / "convergence.csv", (*LEVEL_FIELDS, "d0", *RINGS, SMOOTH, "remark"))
-    sequences = solve_all(families(scene.problem, options.quick), table, conclusions)
-    orders = orders_table(sequences, out / "orders.csv")
+    refined = families(scene.problem, options.quick)
+    sequences, orders = study_orders(refined, out, "convergence", conclusions)
     draw(sequences, out / "convergence.png")
     conclusions[:0] = conclude(sequences)
-    return publish(out / "convergence.md", "Orders of convergence", conclusions, {"Orders": orders})
+    page = out / "convergence.md"
+    return publish(page, "Orders of convergence", conclusions, {"Orders": orders})
 
 
 def families(problem: Problem, quick: bool) -> Iterator[Family]:
@@ -110,9 +92,9 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
 
     def refine(
         name: str,
-        sizes: Mapping[Any, float],
         discretise: Callable[[Any], Discretised],
-        exact: Values,
+        sizes: Mapping[Any, float],
+        exact: Mapping[str, float],
         order: float = np.nan,
         floor: float = 0.0,
     ) -> Family:
@@ -128,24 +110,17 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
         return Family(name, levels(sizes, solve), theory)
 
     for degree in (1, 2) if quick else (1, 2, 3, 4):
+        by_grading, sizes = partial(by_mdr, FLAT, PUNCH_RIM, degree), ellipses(GRADINGS[degree])
         order = 2 * degree + 3
-        yield Family(
-            f"MDR degree {degree}, uniform",
-            levels(inverse(ELEMENTS), partial(lost_energy, degree)),
-            {SMOOTH: Theory(order)},
-        )
-        discretise = partial(by_mdr, FLAT, PUNCH_RIM, degree)
-        sizes = ellipses(GRADINGS[degree])
-        yield refine(f"MDR degree {degree}, graded", sizes, discretise, flat, order, roundoff)
-    # by MDR the energy of the exact steady pressures has no error; degrees above 1 meet zeros or
-    # roundoff too early
-    history = {quantity: worn[quantity] for quantity in worn if quantity != STEADY}
+        yield refine(f"MDR degree {degree}, graded", by_grading, sizes, flat, order, roundoff)
+    # degrees above 1 meet zeros or roundoff too early
     sizes = ellipses((0.6, 0.7, 0.78) if quick else (0.6, 0.7, 0.78, 0.84))
-    discretise = partial(by_mdr, edges, RING_EDGE, 1)
-    yield refine("MDR degree 1, rings", sizes, discretise, history, 4, ring_floor)
+    by_grading = partial(by_mdr, edges, RING_EDGE, 1)
+    yield refine("MDR degree 1, rings", by_grading, sizes, worn, 4, ring_floor)
 
-    smallest = {"rim_size": RING_EDGE, "ring_size": RING_EDGE}
-    ring_mesh = replace(PUNCH_MESH, ring_edges=tuple(edges.tolist()), **smallest)
+    ring_mesh = replace(
+        PUNCH_MESH, ring_edges=tuple(edges.tolist()), rim_size=RING_EDGE, ring_size=RING_EDGE
+    )
     few = {2: (2, 3, 4), 3: (2, 3), 4: (2, 3)}
     punch = few if quick else {2: (2, 3, 4, 6, 8), 3: (2, 3, 4, 5), 4: (1, 2, 3, 4)}
     uniform = few if quick else {2: (3, 4, 6, 8, 12), 3: (2, 3, 4, 6), 4: (2, 3, 4)}
@@ -156,24 +131,17 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
         ("rings, graded", ring_mesh, divided, worn, ring_floor),
     ):
         for degree in counts:
-            discretise = partial(by_triangles, field, degree, ratio)
+            by_count = partial(by_triangles, field, degree, ratio)
             order = 2 * degree if field.growth else 1
-            sizes = inverse(counts[degree])
-            yield refine(f"FEM P{degree}, {name}", sizes, discretise, exact, order, floor)
+            sizes = {count: 1 / count for count in counts[degree]}
+            yield refine(f"FEM P{degree}, {name}", by_count, sizes, exact, order, floor)
 
-    raised = {degree: 0.1**degree for degree in range(1, 7)}
-    yield refine(f"MDR{DIGITS}", raised, lambda k: by_mdr(FLAT, PUNCH_RIM, k, 0.2), flat)
     raised = {degree: 0.1**degree for degree in QUAD_DEGREES}
     by_degree = partial(by_quads, FLAT, 0.0, ratio)
-    yield refine(f"FEM quads{DIGITS}", raised, by_degree, flat, floor=roundoff)
+    yield refine("FEM quads, digits per degree", by_degree, raised, flat, floor=roundoff)
     if not quick:
         by_degree = partial(by_quads, edges, RING_EDGE, ratio)
-        yield refine(f"FEM quads, rings{DIGITS}", raised, by_degree, worn, floor=roundoff)
-
-
-def inverse(counts: Iterable[int]) -> dict[Any, float]:
-    """Return sizes by the count of elements, or of subdivisions."""
-    return {count: 1 / count for count in counts}
+        yield refine("FEM quads, rings, digits per degree", by_degree, raised, worn, floor=roundoff)
 
 
 def ellipses(gradings: Iterable[float]) -> dict[Any, float]:
@@ -226,126 +194,56 @@ def flat_d0(compliance: Compliance) -> dict[str, float]:
     return {"d0": press_flat(compliance).indentation}
 
 
-def lost_energy(degree: int, count: int) -> dict[str, float]:
-    """Return what fraction of the energy of the pressure ``exp(-2 r^2)`` a degree cannot hold.
-
-    By MDR on equal elements. Galerkin's error is at right angles to what the space holds, so it is
-    a sum of squares and meets no roundoff.
-    """
-    breakpoints = np.linspace(0, 1, count + 1)
-    space = PressureSpace(breakpoints, np.full(count, degree + 6), FLAT)
-    radii = (np.arange(16 * count) + 0.5) / (16 * count)
-    pressure = np.linalg.lstsq(space.matrix(radii).toarray(), np.exp(-2 * radii**2))[0]
-    factor = energy.compliance(space).factor
-    whole, lower = factor @ pressure, factor[:, space.order <= degree]
-    lost = whole - lower @ np.linalg.lstsq(lower, whole)[0]
-    return {"unknowns": count * degree + 1, SMOOTH: float(lost @ lost / (whole @ whole))}
-
-
 def ring_quantities(problem: Problem, compliance: Compliance) -> dict[str, float]:
-    """Return the quantities `RINGS` of the scene's rings."""
-    problem = replace(problem, times=np.array([1.0]))
-    results = evaluate(problem, compliance)
-    steady = compliance.factor @ run_in(problem, compliance).steady.pressure
-    values = (
-        results["indentation"][0],
-        results["relaxation_time"][0],
-        results["ring_force"][0, -1],
-        steady @ steady,
-        results["steady_rms_slope"],
-    )
-    return {quantity: float(value) for quantity, value in zip(RINGS, values, strict=True)}
+    """Return the approach, the slowest relaxation time and the steady gradient of the rings."""
+    results = evaluate(replace(problem, times=np.array([1.0])), compliance)
+    return {
+        "d(1)": float(results["indentation"][0]),
+        "slowest relaxation time": float(results["relaxation_time"][0]),
+        SLOPE: float(results["steady_rms_slope"]),
+    }
 
 
-def select(sequences: list[Sequence], name: str, quantity: str = "d0") -> list[Sequence]:
-    """Return the sequences of a quantity whose name begins so."""
+def select(sequences: Iterable[Sequence], begin: str, end: str = "") -> list[Sequence]:
+    """Return the sequences of families whose names begin and end so."""
     return [
         sequence
         for sequence in sequences
-        if sequence.quantity == quantity and sequence.name.startswith(name)
+        if sequence.name.startswith(begin) and sequence.name.endswith(end)
     ]
 
 
 def conclude(sequences: list[Sequence]) -> list[str]:
-    """Say the orders of d0, how all orders agree with theory, and what a degree gains on
-    quadrilaterals.
-    """
-    graded_orders, uniform_orders = (
-        ", ".join(
-            f"{sequence.name[4:6]} {sequence.order:.2f}"
-            for sequence in select(sequences, "FEM P")
-            if sequence.name.endswith(mesh)
-        )
+    """Say the orders of d0, and what a degree gains on quadrilaterals."""
+    punch = [sequence for sequence in sequences if sequence.quantity == "d0"]
+    on_graded, on_uniform = (
+        ", ".join(f"{fem.name[4:6]} {fem.order:.2f}" for fem in select(punch, "FEM P", mesh))
         for mesh in ("graded", "uniform")
     )
     return [
-        f"d0 converges with order {graded_orders} on graded meshes (theory 4, 6, 8), but "
-        f"{uniform_orders} on uniform ones (1).",
-        judge_orders(sequences),
+        f"d0 converges with order {on_graded} on graded meshes (theory 4, 6, 8), but {on_uniform} "
+        "on uniform ones (1).",
         *(
             f"On quadrilaterals each degree takes the error of d0 down by {10**raised.order:.1f} "
             f"(theory: in the end {GAIN:.0f}), to {raised.errors[-1]:.0e} at degree "
             f"{-np.log10(raised.sizes[-1]):.0f}."
-            for raised in select(sequences, "FEM quads")
+            for raised in select(punch, "FEM quads")
         ),
     ]
 
 
 def draw(sequences: list[Sequence], path: Path) -> None:
-    """Draw finite elements by size and by unknowns, MDR under a singular and a smooth pressure, and
-    errors by degree.
-    """
-    figure = new_figure(9, 14)
-    (elements, unknowns), (singular, smooth), (punch, rings) = figure.subplots(3, 2)
-    error = r"relative error of the flat start, $|d_0 / (F/2aE^*) - 1|$"
-    ellipse = r"$(1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of neighbouring sizes"
-    for axes, chosen, size, label, title in (
+    """Draw finite elements by size and by degree, and MDR."""
+    figure = new_figure(13, 6)
+    for axes, begin, size in zip(
+        figure.subplots(1, 3, sharey=True),
+        ("FEM P", "FEM quads", "MDR"),
         (
-            elements,
-            select(sequences, "FEM P"),
-            r"element size over the base mesh's, $h/h_0 = 1/n$",
-            error,
-            "finite elements, by size",
+            "element size over the base mesh's, $1/n$",
+            "$10^{-k}$, $k$ the degree on quadrilaterals",
+            r"$(1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of neighbouring sizes",
         ),
-        (
-            singular,
-            select(sequences, "MDR degree"),
-            ellipse,
-            error,
-            "MDR, elements graded to the rim",
-        ),
-        (
-            smooth,
-            select(sequences, "MDR", SMOOTH),
-            "element size over the punch radius, $h/a$",
-            "fraction of energy lost",
-            r"MDR, smooth pressure $\exp(-2r^2/a^2)$",
-        ),
+        strict=True,
     ):
-        draw_orders(axes, chosen, xlabel=size, ylabel=label, title=title)
-    curves = {
-        sequence.name.removesuffix(DIGITS): (sequence.unknowns, sequence.errors)
-        for sequence in select(sequences, "FEM")
-    }
-    title = "finite elements, by unknowns"
-    draw_errors(unknowns, curves, xlabel="unknowns", ylabel=error, title=title)
-    unknowns.set_xscale("log")
-    legend_below(unknowns, ncols=2)
-    for axes, what in ((punch, "flat start"), (rings, "rings on quadrilaterals")):
-        curves = {
-            f"{raised.name.split(',')[0]}, {raised.quantity}: {10**raised.order:.1f} per degree": (
-                -np.log10(raised.sizes),
-                raised.errors,
-            )
-            for raised in sequences
-            if raised.name.endswith(DIGITS) and (raised.quantity == "d0") == (axes is punch)
-        }
-        # the quick study has no rings
-        axes.set_visible(bool(curves))
-        labels = {"xlabel": "polynomial degree $k$", "ylabel": "relative error"}
-        draw_errors(axes, curves, title=f"degree raised, {what}", **labels)
-        theory = 1e-5 * GAIN ** (4.0 - np.array(QUAD_DEGREES))
-        label = f"theory for quads: {GAIN:.0f} per degree"
-        axes.semilogy(QUAD_DEGREES, theory, color="0.8", linewidth=4, zorder=0, label=label)
-        legend_below(axes)
+        draw_orders(axes, select(sequences, begin), xlabel=size, ylabel="relative error")
     figure.savefig(path)

@@ -21,21 +21,11 @@ from ..figures.style import curve, legend_below, new_figure
 from ..problem.problem import P0, Problem
 from ..problem.scene import Scene
 from ..progress import LOG
+from ..registry import INTERRUPTED
 from ..tables import Row, Table, keeping_rows
 from ..wear.archard import RunningIn
 from .core import graded_space, run_in
-from .sequences import (
-    LEVEL_FIELDS,
-    Family,
-    Sequence,
-    Theory,
-    draw_orders,
-    judge_orders,
-    levels,
-    orders_table,
-    publish,
-    solve_all,
-)
+from .sequences import Family, Sequence, Theory, draw_orders, levels, publish, study_orders
 
 TIME = 0.5
 """When errors are taken, non-dimensional."""
@@ -45,7 +35,6 @@ ERRORS = ("indentation error", "profile error")
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     """Vary the step; writes `march`, `orders` and `limits`."""
     problem, conclusions = replace(scene.problem, times=np.array([])), list[str]()
-    table = Table(out / "march.csv", (*LEVEL_FIELDS, *ERRORS, "remark"))
     columns = ("march", "unknowns", "theory", "limit by theory", "by bisection", "ratio")
     limits = Table(out / "limits.csv", columns)
     # so coarse that the explicit march is stable in a few thousand steps
@@ -54,12 +43,13 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     marches = (
         refine_step(wear, march, 4 if options.quick else 7) for march in ("explicit", "implicit")
     )
-    sequences = solve_all(marches, table, conclusions)
+    sequences, orders = study_orders(marches, out, "march", conclusions)
+    springs = (25, 50) if options.quick else (25, 50, 100, 200, 400)
     with keeping_rows(conclusions):
-        find_limits(wear, problem, (25, 50) if options.quick else (25, 50, 100, 200, 400), limits)
-    orders = orders_table(sequences, out / "orders.csv")
+        if INTERRUPTED not in conclusions:
+            find_limits(wear, problem, springs, limits)
     draw(problem, sequences, out / "march.png")
-    conclusions[:0] = [f"{judge_orders(sequences)} The modal march has no step."]
+    conclusions[0] += " The modal march has no step."
     for theory in dict.fromkeys(row["theory"] for row in limits.rows):
         ratios = [row["ratio"] for row in limits.rows if row["theory"] == theory]
         conclusions.append(
@@ -118,58 +108,54 @@ def find_limits(wear: RunningIn, problem: Problem, springs: tuple[int, ...], lim
 def tabulate_limits(
     limits: Table, march: str, rate: Array, start: Array, theories: dict[str, float]
 ) -> None:
-    """Bisect the greatest step, to 0.1 %, at which the march ``x' = rate x`` stays bounded.
+    """Bisect the greatest step, to 0.1 %, at which a march stays bounded.
+
+    Over steps enough for one 1 % above the limit to grow by 1e13.
 
     Parameters
     ----------
-    rate : (n, n) of wear rates, which begin at `start` (n,)
+    march, rate, start : as `wear_rates` takes them
     theories : the limit by each theory
     """
     LOG.info("   march  limit of the explicit one %s, %d unknowns ...", march, len(start) - 1)
-    # steps enough for one 1 % above the limit to grow by 1e13
-    steps, bound, guess = 1500, 1e3 / np.pi, next(iter(theories.values()))
+    guess = np.log(next(iter(theories.values())))
 
     def excess(log_step: float) -> float:
         with np.errstate(all="ignore"):
-            each = np.eye(len(start)) + np.exp(log_step) * rate
-            last = np.abs(np.linalg.matrix_power(each, steps) @ start).max()
-        return -1.0 if last < bound else 1.0
+            last = wear_rates(rate, start, np.exp(log_step), 1500)[-1]
+        return -1.0 if np.abs(last).max() < 1e3 / np.pi else 1.0
 
-    limit = np.exp(bisect(excess, np.log(guess / 4), np.log(guess * 4), xtol=1e-3))
+    limit = np.exp(bisect(excess, guess - np.log(4), guess + np.log(4), xtol=1e-3))
     for theory, expected in theories.items():
         limits.add(march, len(start) - 1, theory, expected, limit, limit / expected)
 
 
+def wear_rates(rate: Array, start: Array, step: float, steps: int) -> Array:
+    """Return the wear rates (steps+1, n) of ``x' = rate x`` by an explicit march from `start`."""
+    rates = [start]
+    for _ in range(steps):
+        rates.append(rates[-1] + step * (rate @ rates[-1]))
+    return np.array(rates)
+
+
 def draw(problem: Problem, sequences: list[Sequence], path: Path) -> None:
     """Draw errors against the step, and what steps near the limit do on the paper's grid."""
-    figure = new_figure(13, 5.2)
-    errors, growth, pattern = figure.subplots(1, 3)
-    draw_orders(
-        errors,
-        [replace(drawn, name=f"{drawn.name}, {drawn.quantity}") for drawn in sequences],
-        xlabel=r"step $\Delta t$ over $a/(E^*k_{max}v_0)$",
-        ylabel=f"relative error at $t$ = {TIME:g}",
-        title="against the modal march on the same compliance",
-    )
-    springs = 100
-    grid = UniformGrid(*problem.merged, springs)
+    figure = new_figure(10, 5.2)
+    errors, growth = figure.subplots(1, 2)
+    size = r"step $\Delta t$ over $a/(E^*k_{max}v_0)$"
+    draw_orders(errors, sequences, xlabel=size, ylabel=f"relative error at $t$ = {TIME:g}")
+    errors.set_title("against the modal march on the same compliance", fontsize=9)
+    grid = UniformGrid(*problem.merged, 100)
+    limit, start = grid.stability_limit(), grid.coefficients * grid.contact(np.zeros(101))[0]
     for number, ratio in enumerate((0.5, 1.06, 1.15)):
-        profile, pressures = np.zeros(springs + 1), []
-        for _ in range(int(120 / ratio)):
-            pressures.append(grid.contact(profile)[0] / P0)
-            step = ratio * grid.stability_limit()
-            profile = profile + step * grid.coefficients * pressures[-1] * P0
+        rates = wear_rates(grid.rate_matrix(), start, ratio * limit, int(120 / ratio))
+        pressures = np.abs(rates / grid.coefficients / P0)[:, :50].max(axis=1)
         look = curve(number) | {"markevery": 8, "label": rf"$\Delta t$ = {ratio:g} of the limit"}
-        within = np.abs(np.array(pressures)[:, : springs // 2]).max(axis=1)
-        growth.semilogy(ratio * np.arange(len(within)), within, **look)
-        pattern.plot(grid.radii[:-2], pressures[len(pressures) // 2][:-2], **look)
+        growth.semilogy(ratio * np.arange(len(pressures)), pressures, **look)
     growth.set(
         xlabel=r"time over the limit $4a/(\pi n E^* k_{max} v_0)$",
         ylabel="greatest $|p|/p_0$ within $r < a/2$",
     )
-    growth.set_title(f"the paper's grid, $n$ = {springs}", fontsize=9)
-    pattern.set(xlabel="radius $r/a$", ylabel="pressure $p/p_0$", ylim=(-6, 10))
-    pattern.set_title("its pressure halfway", fontsize=9)
+    growth.set_title("the paper's grid, $n$ = 100", fontsize=9)
     legend_below(growth)
-    legend_below(pattern)
     figure.savefig(path)

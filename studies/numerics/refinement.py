@@ -19,10 +19,10 @@ from skfem import Mesh, MeshQuad
 from ...mdr.direct import greatest_displacement, steady_pressures
 from ...meshes import files
 from ...meshes.errors import MeshError, SceneError
-from ...meshes.half_space import quality, truncation
+from ...meshes.half_space import quality
 from ...meshes.radial import Array
-from ..figures.mesh import mesh_panel
-from ..figures.style import FAINT, new_figure
+from ..figures.mesh import draw_mesh
+from ..figures.style import FAINT, legend_of, new_figure
 from ..methods.fem import half_space_mesh
 from ..problem.defaults import WIDER_TRUNCATION, triangle_degree
 from ..problem.problem import D0, Problem, Rings
@@ -32,12 +32,14 @@ from ..tables import Row, Table, write_page
 from ..wear.contact import press_flat
 from .adaptive import DEGREE, SolvedMesh, refine_adaptively, solve_on, uniform_mesh
 from .core import evaluate, exact_indentation
-from .sequences import Family, Level, Sequence, Theory, draw_errors, solve_all
+from .sequences import Family, Level, draw_errors, solve_all
 
 GOAL = 1e-5
 """Error in every quantity for which the unknowns of each way are told."""
 TIMES = np.geomspace(1e-3, 20, 12)
 """When the history is looked at."""
+ADAPTIVE, OWN = "adaptive triangles", "file"
+"""Ways whose finest meshes are drawn: by the indicator, and a file of the user's."""
 ERRORS = {"d0": "of $d_0$", "history": "of $d(t)$, greatest", "steady": "of steady $u_{z,max}$"}
 """Errors of each mesh, and how figures call them."""
 
@@ -86,10 +88,9 @@ class Case:
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Refine each way on each case; writes `refinement` and the figures."""
+    """Refine each way on each case; writes `refinement`, and figures of errors and meshes."""
     columns = ("degree", "unknowns", "elements", "multipliers", *ERRORS, "greatest", "estimate")
-    qualities = ("least quality", "median quality")
-    fields = ("case", "family", "setting", *columns, *qualities, "remark")
+    fields = ("case", "family", "setting", *columns, "least quality", "median quality", "remark")
     table, conclusions = Table(out / "refinement.csv", fields), list[str]()
     cases = list_cases(scene.problem)
     if options.mesh:
@@ -100,15 +101,19 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     elif options.quick:
         cases = cases[::2]
     ways = (family for case in cases for family in families(case, options.quick, options.mesh))
-    sequences = solve_all(ways, table, conclusions)
-    rows = [row for row in table.rows if "greatest" in row]
-    conclusions[:0] = conclude(rows, sequences)
-    if rows:
-        draw(rows, out / "error_against_unknowns.png")
+    solve_all(ways, table, conclusions)
+    by_case: dict[str, dict[str, list[Row]]] = {}
+    for row in table.rows:
+        if "greatest" in row:
+            by_case.setdefault(row["case"], {}).setdefault(row["family"], []).append(row)
+    conclusions[:0] = [line for case, ways in by_case.items() for line in conclude(case, ways)]
+    if by_case:
+        draw(by_case, out / "error_against_unknowns.png")
     for case in cases:
-        if finest := {way_of(row): row["mesh"] for row in rows if row["case"] == case.name}:
-            path = out / f"meshes_{case.name.replace(' ', '_')}.png"
-            draw_meshes(case, finest, path)
+        for way in {ADAPTIVE, OWN} & by_case.get(case.name, {}).keys():
+            path = out / f"{way} of {case.name}.png".replace(" ", "_")
+            finest = by_case[case.name][way][-1]["mesh"]
+            draw_mesh(finest, way, case.problem.merged.ring_edges, path)
     write_page(out / "refinement.md", "Refinement of the mesh", conclusions, {"Rows": table})
     return conclusions
 
@@ -133,37 +138,27 @@ def families(case: Case, quick: bool, own: str | None = None) -> Iterator[Family
         fem = FemAccuracy.model_validate(settings)
         return half_space_mesh(replace(problem, rtol=rtol, fem=fem)).mesh
 
-    def level(setting: str, mesh: Mesh, degree: int, size: float = np.nan) -> Level:
-        return Level(setting, lambda: case.row(solve_on(problem, mesh, degree)), size)
+    def level(setting: str, mesh: Mesh, degree: int = DEGREE) -> Level:
+        return Level(setting, lambda: case.row(solve_on(problem, mesh, degree)))
 
-    def halved(way: str, mesh: Mesh) -> Family:
-        sizes = {times: 0.5**times for times in range(3 if quick else 4)}
-        refined = (
-            level(f"{times} times", mesh.refined(times), DEGREE, size)
-            for times, size in sizes.items()
-        )
-        return Family(f"{case.name}: {way}", refined, {"d0": Theory(1.0)})
-
-    def raised(way: str, mesh: Mesh, degrees: range) -> Family:
-        by_degree = [level(f"degree {degree}", mesh, degree) for degree in degrees]
-        return Family(f"{case.name}: {way}", by_degree)
-
-    coarse = uniform_mesh(problem.merged.ring_edges)
-    yield halved("h, triangles", coarse)
-    yield raised("p, triangles", mesh_at(GOAL, mesher="gmsh"), range(2, 5))
+    times = range(3 if quick else 4)
+    coarse, graded = uniform_mesh(problem.merged.ring_edges), mesh_at(GOAL, mesher="gmsh")
+    yield Family("h, triangles", (level(f"{n} times", coarse.refined(n)) for n in times))
+    yield Family("p, triangles", (level(f"degree {k}", graded, k) for k in range(2, 5)))
     tolerances = (1e-2, GOAL) if quick else (1e-1, 1e-2, 1e-3, 1e-4, GOAL, 1e-6)
-    graded = (level(f"rtol {rtol:g}", mesh_at(rtol, mesher="gmsh"), DEGREE) for rtol in tolerances)
-    yield Family(f"{case.name}: graded triangles", graded)
+    graded = (level(f"rtol {rtol:g}", mesh_at(rtol, mesher="gmsh")) for rtol in tolerances)
+    yield Family("graded triangles", graded)
     rounds = enumerate(refine_adaptively(problem, coarse, GOAL / 2 if quick else GOAL / 10))
     adapted = (Level(f"round {number}", partial(case.row, solved)) for number, solved in rounds)
-    yield Family(f"{case.name}: adaptive triangles", adapted)
+    yield Family(ADAPTIVE, adapted)
     layered = mesh_at(1e-7, mesher="quads")
     if isinstance(layered, MeshQuad):  # triangles take their place where gmsh cannot be used
         few = {"rim_size": 0.5, "ring_size": 0.5, "truncation": WIDER_TRUNCATION}
         # without subdomains of lower degree
         plain = replace(mesh_at(GOAL, mesher="quads", **few), _subdomains=None)
-        yield halved("h, quadrilaterals", plain)
-        yield raised("p, quadrilaterals", layered, range(4, 8 if quick else 10))
+        yield Family("h, quadrilaterals", (level(f"{n} times", plain.refined(n)) for n in times))
+        degrees = range(4, 8 if quick else 10)
+        yield Family("p, quadrilaterals", (level(f"degree {k}", layered, k) for k in degrees))
     if own:
 
         def solve_own() -> Row:
@@ -172,7 +167,7 @@ def families(case: Case, quick: bool, own: str | None = None) -> Iterator[Family
             degree = (problem.fem.degree or 6) if quads else triangle_degree(problem)
             return case.row(solve_on(problem, mesh, degree)) | {"remark": remark}
 
-        yield Family(f"{case.name}: file", [Level(Path(own).name, solve_own)])
+        yield Family(OWN, [Level(Path(own).name, solve_own)])
 
 
 def own_mesh(problem: Problem, path: str) -> tuple[Mesh, str]:
@@ -186,85 +181,43 @@ def own_mesh(problem: Problem, path: str) -> tuple[Mesh, str]:
     return files.read(path, problem.merged.ring_edges, problem.units.length)
 
 
-def way_of(row: Row) -> str:
-    """Return how the mesh of a row was refined."""
-    return str(row["family"].removeprefix(f"{row['case']}: "))
-
-
-def conclude(rows: list[Row], sequences: list[Sequence]) -> list[str]:
+def conclude(case: str, ways: dict[str, list[Row]]) -> list[str]:
     """Say the errors on the user's mesh, orders, and the unknowns with which each way reaches the
     goal.
     """
-    lines = []
-    for row in rows:
-        if way_of(row) == "file":
-            errors = ", ".join(f"{name} {row[name]:.1e}" for name in (*ERRORS, "estimate"))
+    lines, unknowns = [], []
+    for row in ways.get(OWN, ()):
+        errors = ", ".join(f"{name} {row[name]:.1e}" for name in (*ERRORS, "estimate"))
+        elements = f"{row['elements']} elements of degree {row['degree']}"
+        lines.append(f"{case}: {row['setting']}, {elements}, errors: {errors}")
+    for way, rows in ways.items():
+        if way.startswith("h, ") and len(rows) > 1:  # sizes are halved
+            order = np.log2(rows[-2]["d0"] / rows[-1]["d0"])
             lines.append(
-                f"{row['case']}: {row['setting']}, {row['elements']} elements of degree "
-                f"{row['degree']}, errors: {errors}"
+                f"{case}: {way}: d0 is of order {order:.2f} between the finest, by theory 1"
             )
-    lines += [
-        f"{halved.name}: d0 is of order {halved.last_order:.2f} between the finest, by theory 1"
-        for halved in sequences
-    ]
-    for case in dict.fromkeys(row["case"] for row in rows):
-        unknowns = {way_of(row): "do not reach it" for row in rows if row["case"] == case}
-        for row in reversed(rows):
-            if row["case"] == case and row["greatest"] <= GOAL:
-                unknowns[way_of(row)] = f"{row['unknowns']} ({row['setting']})"
-        reached = "; ".join(f"{way} {count}" for way, count in unknowns.items())
-        lines.append(f"{case}: unknowns to {GOAL:g} in every quantity: {reached}")
-    return lines
+        reached = [
+            f"{row['unknowns']} ({row['setting']})" for row in rows if row["greatest"] <= GOAL
+        ]
+        unknowns.append(f"{way} {reached[0] if reached else 'do not reach it'}")
+    return [*lines, f"{case}: unknowns to {GOAL:g} in every quantity: {'; '.join(unknowns)}"]
 
 
-def draw(rows: list[Row], path: Path) -> None:
+def draw(by_case: dict[str, dict[str, list[Row]]], path: Path) -> None:
     """Draw errors against unknowns: a column for each case, a row for each quantity."""
-    cases = list(dict.fromkeys(row["case"] for row in rows))
-    ways = list(dict.fromkeys(way_of(row) for row in rows))
-    figure = new_figure(0.6 + 3.2 * len(cases), 8.2)
-    panels = figure.subplots(len(ERRORS), len(cases), sharex="col", sharey=True, squeeze=False)
+    figure = new_figure(0.6 + 3.2 * len(by_case), 8.2)
+    panels = figure.subplots(len(ERRORS), len(by_case), sharex="col", sharey=True, squeeze=False)
     for line, (quantity, label) in zip(panels, ERRORS.items(), strict=True):
-        for axes, case in zip(line, cases, strict=True):
-            points = {
-                way: [
-                    (row["unknowns"], row[quantity])
-                    for row in rows
-                    if (row["case"], way_of(row)) == (case, way)
-                ]
-                for way in ways
+        for axes, (case, ways) in zip(line, by_case.items(), strict=True):
+            curves = {
+                way: np.array([(row["unknowns"], row[quantity]) for row in rows]).T
+                for way, rows in ways.items()
             }
-            curves = {way: np.array(points[way]).reshape(-1, 2).T for way in ways}
             ylabel = f"relative error\n{label}"
             draw_errors(axes, curves, title=case, xlabel="unknowns", ylabel=ylabel)
-            axes.set_xscale("log")
             axes.axhline(GOAL, **FAINT)
             axes.label_outer()
-    place = {"loc": "outside lower center", "ncols": 1 + len(cases), "frameon": False}
-    figure.legend(*panels[0, 0].get_legend_handles_labels(), fontsize=9, **place)
+    legend_of(figure, panels[:1, 0])
     title = f"refinement in size (h), in degree (p),\ngraded and adaptive (goal {GOAL:g}: dotted)"
-    figure.suptitle(title, fontsize=10)
-    figure.savefig(path)
-
-
-def draw_meshes(case: Case, meshes: dict[str, Mesh], path: Path) -> None:
-    """Draw the finest mesh of each way, whole and at three places."""
-    rings = case.problem.merged
-    views = {
-        "under the punch": ((0.0, 1.15), 0.0, "$r/a$"),
-        "at the rim": ((-2e-2, 2e-2), 1.0, "$(r-a)/a$"),
-    }
-    if len(rings.widths) > 1:
-        narrowest = int(rings.widths.argmin())
-        reach = min(2 * rings.widths.min(), 0.4)
-        middle = float(rings.ring_edges[narrowest : narrowest + 2].mean())
-        views["narrowest ring"] = ((-reach, reach), middle, rf"$r/a - {middle:.4g}$")
-    figure = new_figure(3.2 * (1 + len(views)), 3.5 * len(meshes))
-    panels = figure.subplots(len(meshes), 1 + len(views), squeeze=False)
-    for (whole, *line), (way, mesh) in zip(panels, meshes.items(), strict=True):
-        mesh_panel(whole, mesh, (0, truncation(mesh)), "whole", "$r/a$")
-        whole.set_ylabel(f"{way}: depth $z/a$")
-        for axes, (name, (view, centre, label)) in zip(line, views.items(), strict=True):
-            mesh_panel(axes, mesh, view, name, label, centre)
-    title = f"{case.name}: the finest mesh of each way; the bar above is the punch"
     figure.suptitle(title, fontsize=10)
     figure.savefig(path)

@@ -13,13 +13,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import RingwearError
 from ...meshes.radial import Array
-from ..figures.style import curve, legend_below, plain_numbers
+from ..figures.style import curve, legend_below
 from ..progress import LOG
 from ..tables import Row, Table, keeping_rows, write_page
 
@@ -27,8 +26,6 @@ WITHIN = 0.15
 """How far an observed order may be from theory's, by least squares and between the last levels."""
 VERDICT = f"within {WITHIN}"
 """The column of the table of orders that says so."""
-LEVEL_FIELDS = ("family", "setting", "size", "unknowns")
-"""The columns that every table of levels begins with."""
 
 
 class Theory(NamedTuple):
@@ -77,7 +74,7 @@ class Sequence:
     name : of the family
     quantity : what was computed
     theory : what is expected of it
-    sizes, errors, unknowns : (n,) of the levels; errors relative and signed
+    sizes, signed : (n,) of the levels; errors relative and signed
     """
 
     name: str
@@ -85,7 +82,6 @@ class Sequence:
     theory: Theory
     sizes: Array
     signed: Array
-    unknowns: Array
 
     @property
     def errors(self) -> Array:
@@ -149,14 +145,14 @@ class Sequence:
         }
 
 
-def solve_all(families: Iterable[Family], table: Table, conclusions: list[str]) -> list[Sequence]:
+def solve_all(families: Iterable[Family], table: Table, conclusions: list[str]) -> list[Family]:
     """Solve every level of every family, each a row that is on disk as soon as it is solved.
 
     A level that fails is a row, too, and a conclusion. Ctrl-C keeps those before it.
 
     Returns
     -------
-    a sequence for each quantity of a family that has a theory, if any of its levels was solved
+    the families that were begun
     """
     begun = []
     with threadpool_limits(1), keeping_rows(conclusions):
@@ -171,38 +167,49 @@ def solve_all(families: Iterable[Family], table: Table, conclusions: list[str]) 
                     row["remark"] = f"failed: {error}"
                     conclusions.append(f"{family.name}, {level.setting} failed: {error}")
                 table.add(**row)
-    return [
-        Sequence(family.name, quantity, theory, *np.array(values, float).T)
-        for family in begun
-        for quantity, theory in family.theory.items()
-        if (
-            values := [
-                (row["size"], row[quantity], row.get("unknowns", np.nan))
-                for row in table.rows
-                if row["family"] == family.name and quantity in row
-            ]
-        )
-    ]
+    return begun
 
 
-def orders_table(sequences: Iterable[Sequence], path: Path) -> Table:
-    """Write the table of orders."""
+def fit(families: Iterable[Family], rows: Iterable[Row]) -> list[Sequence]:
+    """Return a sequence for each quantity of a family that has a theory, if rows tell of it."""
+    rows, sequences = list(rows), []
+    for family in families:
+        for quantity, theory in family.theory.items():
+            levels = [row for row in rows if row["family"] == family.name and quantity in row]
+            if levels:
+                sizes, signed = np.array([(row["size"], row[quantity]) for row in levels]).T
+                sequences.append(Sequence(family.name, quantity, theory, sizes, signed))
+    return sequences
+
+
+def study_orders(
+    families: Iterable[Family], out: Path, name: str, conclusions: list[str]
+) -> tuple[list[Sequence], Table]:
+    """Solve families and fit their orders; writes `orders` and a table of the study's name.
+
+    Returns
+    -------
+    the sequences, and the table of their orders; how they agree with theory becomes the first of
+    the conclusions
+    """
+    families = list(families)
+    quantities = dict.fromkeys(quantity for family in families for quantity in family.theory)
+    fields = ("family", "setting", "size", "unknowns", *quantities, "remark")
+    table = Table(out / f"{name}.csv", fields)
+    sequences = fit(solve_all(families, table, conclusions), table.rows)
     columns = ("refined", "quantity", "levels", "expected order", "least squares", "last levels")
+    columns = (*columns, VERDICT, "between levels", "finest error")
     rows = (sequence.summary() for sequence in sequences)
-    return Table(path, (*columns, VERDICT, "between levels", "finest error"), rows)
-
-
-def judge_orders(sequences: Iterable[Sequence]) -> str:
-    """Say how many observed orders are those of theory, and which are not."""
     judged = [sequence for sequence in sequences if sequence.verdict]
     off = [
         f"{sequence.name}, {sequence.quantity} ({sequence.verdict})"
         for sequence in judged
         if sequence.verdict != "yes"
     ]
-    agree = f"{len(judged) - len(off)} of {len(judged)} orders are within {WITHIN} of theory"
-    line = f"{agree}, fitted and between the last levels"
-    return f"{line}; but {'; '.join(off)}." if off else f"{line}."
+    line = f"{len(judged) - len(off)} of {len(judged)} orders are within {WITHIN} of theory"
+    line = f"{line}, fitted and between the last levels"
+    conclusions.insert(0, f"{line}; but {'; '.join(off)}." if off else f"{line}.")
+    return sequences, Table(out / "orders.csv", columns, rows)
 
 
 def publish(
@@ -214,10 +221,10 @@ def publish(
 
 
 def draw_errors(axes: Any, curves: Mapping[str, Any], **labels: str) -> None:
-    """Draw errors, logarithmic, over anything: a curve for each label."""
+    """Draw errors over sizes, unknowns or seconds, logarithmic: a curve (2, n) for each label."""
     for number, (label, (places, errors)) in enumerate(curves.items()):
-        shown = np.where(np.asarray(errors) > 0, errors, np.nan)
-        axes.semilogy(places, shown, label=label, **curve(number))
+        shown = np.where(errors > 0, errors, np.nan)
+        axes.loglog(places, shown, label=label, **curve(number))
     axes.set(**labels)
     axes.title.set_fontsize(9)
     axes.grid(True, which="major", color="0.88", linewidth=0.6)
@@ -225,18 +232,11 @@ def draw_errors(axes: Any, curves: Mapping[str, Any], **labels: str) -> None:
 
 def draw_orders(axes: Any, sequences: Iterable[Sequence], **labels: str) -> None:
     """Draw errors over sizes, with the observed order of each sequence in the legend."""
-    curves = {
-        f"{sequence.name}: {sequence.order:.2f} (theory {sequence.theory.order:g})": (
-            sequence.sizes,
-            sequence.errors,
-        )
-        for sequence in sequences
-    }
+    curves = {}
+    for sequence in sequences:
+        label = f"{sequence.name}, {sequence.quantity}: {sequence.order:.2f}"
+        if np.isfinite(sequence.theory.order):
+            label += f" (theory {sequence.theory.order:g})"
+        curves[label] = sequence.sizes, sequence.errors
     draw_errors(axes, curves, **labels)
-    axes.set_xscale("log")
-    if curves:  # there are none after an early interruption
-        low, high = axes.get_xlim()
-        ticks = LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,))
-        axes.xaxis.set(major_locator=ticks, minor_formatter=NullFormatter())
-        plain_numbers(axes.xaxis)
-        legend_below(axes, title="observed order")
+    legend_below(axes, title="observed order")

@@ -29,7 +29,7 @@ from .sequences import Family, Level, draw_errors, publish, solve_all
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Measure every family; writes `tradeoff`, `dial` and `front`."""
+    """Measure every family; writes `tradeoff` and `front`."""
     problem, conclusions = replace(scene.problem, march="modal", step=None), list[str]()
     if not problem.earliest:
         problem = replace(problem, times=np.array([0.01, 0.1, 1.0]))
@@ -37,20 +37,10 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     table = Table(out / "tradeoff.csv", fields)
     solve_all(families(problem, options.quick), table, conclusions)
     rows = [row for row in table.rows if "error" in row]
-    fronts = {
-        "Pareto front": find_front(rows),
-        "Pareto front of finite elements": find_front(
-            row for row in rows if row["family"].startswith("fem")
-        ),
-    }
-    by_dial = [row for row in rows if row["family"] in ("fem quads", "mdr")]
-    tables = {"By the accuracy asked for": Table(out / "dial.csv", fields, by_dial)} | {
-        heading: Table(out / f"{name}.csv", fields, front)
-        for name, (heading, front) in zip(("front", "front_fem"), fronts.items(), strict=True)
-    }
-    title = f"{scene.title}: what accuracy costs"
-    draw(rows, fronts["Pareto front"], title, out / "tradeoff.png")
+    front = Table(out / "front.csv", fields, find_front(rows))
+    draw(rows, front.rows, f"{scene.title}: what accuracy costs", out / "tradeoff.png")
     conclusions.append(f"Measured on {platform.platform()}, one thread of {os.cpu_count()}.")
+    tables = {"Pareto front": front, "All settings": table}
     return publish(out / "tradeoff.md", "What accuracy costs", conclusions, tables)
 
 
@@ -138,7 +128,6 @@ def draw(rows: list[Row], front: list[Row], title: str, path: Path) -> None:
         xlabel="seconds for the whole history, one thread",
         ylabel="relative error of the indentation over all times",
     )
-    axes.set_xscale("log")
     legend_below(axes, ncols=4)
     figure.suptitle(title, fontsize=10)
     figure.savefig(path)

@@ -19,23 +19,12 @@ import numpy as np
 
 from ...meshes.compliance import Compliance
 from ...meshes.sizes import SizeField
-from ..figures.style import FAINT, legend_below, new_figure
+from ..figures.style import new_figure
 from ..problem.problem import D0
 from ..problem.scene import Scene
-from ..tables import Row, Table
+from ..tables import Row
 from .convergence import FLAT, condense, flat_d0
-from .sequences import (
-    LEVEL_FIELDS,
-    Family,
-    Sequence,
-    Theory,
-    draw_orders,
-    judge_orders,
-    levels,
-    orders_table,
-    publish,
-    solve_all,
-)
+from .sequences import Family, Sequence, Theory, draw_orders, levels, publish, study_orders
 from .subdivision import triangulated
 
 FAR_FIELDS = {"fixed": 1.0, "1 pole": 5.0, "2 poles": 9.0, "3 poles": 13.0}
@@ -49,19 +38,16 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     """Vary R, the far field and Poisson's ratio; writes `truncation` and `orders`."""
     radii = (2, 2.5, 3, 3.5, 4, 5, 6, 7, 8, 11, 16, 32, 128, 1024)
     ratios = {0.3} if options.quick else {0.0, 0.3, 0.4999, 0.5}
-    outward = [
+    families = [
         move_outwards((2, 3, 4, 5, 6, 7, 8) if options.quick else radii, ratio)
         for ratio in sorted(ratios | {scene.problem.poisson_ratio})
     ]
     conclusions: list[str] = []
-    table = Table(out / "truncation.csv", (*LEVEL_FIELDS, *FAR_FIELDS, DISCRETISATION, "remark"))
-    sequences = solve_all(outward, table, conclusions)
-    of_far_fields = [fitted for fitted in sequences if fitted.quantity in FAR_FIELDS]
-    orders = orders_table(of_far_fields, out / "orders.csv")
-    draw(sequences, [family.name for family in outward], out / "truncation.png")
-    conclusions[:0] = conclude(sequences)
-    tables = {"Orders in a/R": orders}
-    return publish(out / "truncation.md", "Truncation of the half-space", conclusions, tables)
+    sequences, orders = study_orders(families, out, "truncation", conclusions)
+    draw(sequences, [family.name for family in families], out / "truncation.png")
+    conclusions.insert(0, conclude(sequences))
+    page, title = out / "truncation.md", "Truncation of the half-space"
+    return publish(page, title, conclusions, {"Orders in a/R": orders})
 
 
 def move_outwards(radii: tuple[float, ...], poisson_ratio: float) -> Family:
@@ -92,7 +78,7 @@ def far_field_errors(compliance: Compliance, poles: int) -> dict[str, float]:
     return errors | {DISCRETISATION: starts[-1] / D0 - 1}
 
 
-def conclude(sequences: list[Sequence]) -> list[str]:
+def conclude(sequences: list[Sequence]) -> str:
     """Say the order of each far field over Poisson's ratios."""
     ranges = []
     for far, theory in FAR_FIELDS.items():
@@ -100,28 +86,19 @@ def conclude(sequences: list[Sequence]) -> list[str]:
         if np.isfinite(orders).any():
             ranges.append(f"{far} {np.nanmin(orders):.2f} to {np.nanmax(orders):.2f} ({theory:g})")
     line = "Order of the truncation error in a/R, over Poisson's ratios (theory): "
-    return [f"{line}{', '.join(ranges)}.", judge_orders(sequences)]
+    return f"{line}{', '.join(ranges)}."
 
 
 def draw(sequences: list[Sequence], names: list[str], path: Path) -> None:
     """Draw a panel for each Poisson's ratio."""
     figure = new_figure(4.4 * len(names), 5.4)
     panels = figure.subplots(1, len(names), sharey=True, squeeze=False)
+    labels = {
+        "xlabel": "punch radius over the half-space's, $a/R$",
+        "ylabel": r"truncation part of the relative error of $d_0$",
+    }
     for axes, name in zip(panels.flat, names, strict=True):
-        by_quantity = {
-            sequence.quantity: sequence for sequence in sequences if sequence.name == name
-        }
-        discretisation = by_quantity.pop(DISCRETISATION, None)
-        draw_orders(
-            axes,
-            [replace(sequence, name=far) for far, sequence in by_quantity.items()],
-            xlabel="punch radius over the half-space's, $a/R$",
-            ylabel=r"truncation part of the relative error of $d_0$",
-            title=rf"$\nu$ = {name.removeprefix('nu = ')}",
-        )
-        axes.label_outer()
-        if discretisation:
-            axes.plot(discretisation.sizes, discretisation.errors, **FAINT, label=DISCRETISATION)
+        draw_orders(axes, [fitted for fitted in sequences if fitted.name == name], **labels)
         axes.set_ylim(bottom=ROUNDOFF)
-        legend_below(axes, title="observed order")
+        axes.label_outer()
     figure.savefig(path)
