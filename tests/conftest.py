@@ -28,6 +28,12 @@ from ringwear.studies.progress import Stages
 from ringwear.studies.wear.archard import RunningIn
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Options of `tests/physics/test_estimates.py`: the scenes that it draws at random."""
+    for name, default in (("seed", 3), ("scenes", 20), ("rings", 3)):
+        parser.addoption(f"--{name}", type=int, default=default, help="of scenes drawn at random")
+
+
 @dataclass(frozen=True, eq=False)
 class Prepared:
     """One method, ready for a scene."""

@@ -246,4 +246,5 @@ def draw(sequences: list[Sequence], path: Path) -> None:
         strict=True,
     ):
         draw_orders(axes, select(sequences, begin), xlabel=size, ylabel="relative error")
+        axes.label_outer()
     figure.savefig(path)

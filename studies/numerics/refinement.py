@@ -22,7 +22,7 @@ from ...meshes.errors import MeshError, SceneError
 from ...meshes.half_space import quality
 from ...meshes.radial import Array
 from ..figures.mesh import draw_mesh
-from ..figures.style import FAINT, legend_of, new_figure
+from ..figures.style import FAINT, new_figure
 from ..methods.fem import half_space_mesh
 from ..problem.defaults import WIDER_TRUNCATION, triangle_degree
 from ..problem.problem import D0, Problem, Rings
@@ -217,7 +217,8 @@ def draw(by_case: dict[str, dict[str, list[Row]]], path: Path) -> None:
             draw_errors(axes, curves, title=case, xlabel="unknowns", ylabel=ylabel)
             axes.axhline(GOAL, **FAINT)
             axes.label_outer()
-    legend_of(figure, panels[:1, 0])
+    place = {"loc": "outside lower center", "ncols": 1 + len(by_case), "frameon": False}
+    figure.legend(*panels[0, 0].get_legend_handles_labels(), **place)
     title = f"refinement in size (h), in degree (p),\ngraded and adaptive (goal {GOAL:g}: dotted)"
     figure.suptitle(title, fontsize=10)
     figure.savefig(path)
