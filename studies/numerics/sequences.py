@@ -227,9 +227,10 @@ def draw_errors(axes: Any, curves: Mapping[str, Any], **labels: str) -> None:
         shown = np.where(errors > 0, errors, np.nan)
         axes.loglog(places, shown, label=label, **curve(number))
     axes.set(**labels)
-    low, high = axes.get_xlim()
-    ticks = LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,))
-    axes.xaxis.set(major_locator=ticks, minor_formatter=NullFormatter())
+    if curves:  # there are none after an early interruption
+        low, high = axes.get_xlim()
+        ticks = LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,))
+        axes.xaxis.set(major_locator=ticks, minor_formatter=NullFormatter())
     axes.title.set_fontsize(9)
     axes.grid(True, which="major", color="0.88", linewidth=0.6)
 

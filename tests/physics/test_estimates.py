@@ -78,7 +78,9 @@ def test_random_scenes(mesher: str, pytestconfig: pytest.Config) -> None:
                 )
                 counted = error > 3e-13  # above roundoff
                 if counted.any():
-                    effectivities[quantity].append(float(np.median((estimate / error)[counted])))
+                    effectivities[quantity].append(
+                        float(np.median(estimate[counted] / error[counted]))
+                    )
     print(f"\n{dict(verdicts)}")
     for quantity, ratios in effectivities.items():
         told = f"{below[quantity]} of {values[quantity]} errors above their estimate"
