@@ -75,7 +75,7 @@ def test_a_study_stopped_early_keeps_its_tables(name: str, line: int, tmp_path: 
 def test_ctrl_c_outside_of_a_studys_rows_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
+    def conduct(_: Scene, out: Path, __: argparse.Namespace) -> list[str]:
         Table(out / "rows.csv", ("a",))
         raise KeyboardInterrupt
 
