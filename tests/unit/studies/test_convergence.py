@@ -1,191 +1,108 @@
-"""Orders that the studies state, each with an absolute cap, and what stands behind them.
-
-Plane waves, exact exteriors.
-"""
+"""Observed orders, each with an absolute cap: in the radial mesh and in time."""
 
 from __future__ import annotations
 
-import itertools
+from typing import Any
 
 import numpy as np
 import pytest
-from scipy.special import spherical_jn
+from scipy.linalg import expm
 
-from ringwear import Scene
-from ringwear.fem.far_field import exterior_stiffness, poles
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.radial import Array
-from ringwear.studies.numerics.convergence import (
-    FLAT,
-    GAIN,
-    GRADINGS,
-    PUNCH_MESH,
-    PUNCH_RIM,
-    QUAD_DEGREES,
-    RING_EDGE,
-    UNIFORM_MESH,
-    by_mdr,
-    by_quads,
-    by_triangles,
-    ellipses,
-    flat_d0,
-    ring_quantities,
-)
-from ringwear.studies.numerics.sequences import WITHIN, Sequence, Theory, fit
-from ringwear.studies.numerics.truncation import DISCRETISATION, move_outwards
+from ringwear.mdr.energy import compliance
+from ringwear.mdr.uniform_grid import UniformGrid
+from ringwear.meshes.errors import SceneError
+from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.meshes.radial import Array, alternating_edges
+from ringwear.studies.wear.contact import press_flat
 
 
-def assert_order(fitted: Sequence, cap: float) -> None:
-    """By least squares and between the last levels, as the tables of the studies have it."""
-    assert fitted.order == pytest.approx(fitted.theory.order, abs=WITHIN)
-    assert fitted.last_order == pytest.approx(fitted.theory.order, abs=WITHIN)
-    assert fitted.errors[-1] <= cap
+def order(sizes: Array, errors: Any) -> float:
+    """Between the two finest."""
+    return float(np.log(errors[-2] / errors[-1]) / np.log(sizes[-2] / sizes[-1]))
 
 
-def d0_error(discretised: tuple[Compliance, int]) -> float:
-    """Relative error of the flat start."""
-    return flat_d0(discretised[0])["d0"] / 0.5 - 1
-
-
-def lost_of_a_wave(degree: int, wave: float) -> float:
-    """Fraction of the energy, of symbol 1/|k|, of ``exp(ikx)`` that continuous polynomials on unit
-    elements lose.
+@pytest.mark.parametrize(("exponent", "cap"), [(1, 2e-3), (3, 2e-6)])
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_indentation_by_graded_radii(degree: int, exponent: int, cap: float) -> None:
+    """With the pressure's root at the rim, radii ``1 - (1 - i/n)^m`` make the energy converge as
+    ``n^-m``, from above.
     """
-    aliases = wave + 2 * np.pi * np.arange(-400, 401)
-    # Legendre polynomials on an element in Fourier space, and from them hats and bubbles
-    bessel = [
-        spherical_jn(n, np.abs(aliases) / 2) * np.sign(aliases) ** n for n in range(degree + 1)
-    ]
-    legendre = [np.exp(-0.5j * aliases) * (-1j) ** n * values for n, values in enumerate(bessel)]
-    hat = (legendre[0] + legendre[1] + (legendre[0] - legendre[1]) * np.exp(-1j * aliases)) / 2
-    basis = np.array([hat, *(legendre[n] - legendre[n - 2] for n in range(2, degree + 1))])
-    gram, load = (basis / np.abs(aliases)) @ basis.conj().T, basis[:, 400] / wave
-    return float(1 - wave * np.vdot(load, np.linalg.solve(gram, load)).real)
-
-
-@pytest.mark.parametrize(("degree", "observed"), [(1, 5.34), (2, 6.60), (3, 9.21), (4, 10.30)])
-def test_order_of_a_compliance_by_fourier_analysis(degree: int, observed: float) -> None:
-    """Twice the degree and 3: even degrees come up to it as waves get long, odd ones down."""
-    # shorter waves for higher degrees: what long ones lose is not far from roundoff
-    waves = np.array({3: [0.8, 0.6], 4: [1.6, 1.2]}.get(degree, [0.8, 0.6, 0.3, 0.2]))
-    errors = np.array([lost_of_a_wave(degree, wave) for wave in waves])
-    orders, theory = Sequence("", "", Theory(), waves, errors).orders, 2 * degree + 3
-    assert orders[0] == pytest.approx(observed, abs=0.01)
-    assert np.sign(observed - theory) == (-1) ** (degree + 1)
-    if degree <= 2:
-        assert orders[-1] == pytest.approx(theory, abs=0.1)
-
-
-@pytest.mark.parametrize(("degree", "cap"), [(1, 2e-8), (2, 2e-12), (3, 5e-11), (4, 2e-13)])
-def test_indentation_by_mdr_on_meshes_graded_to_the_rim(degree: int, cap: float) -> None:
-    """Degree 4 is on its way to 11 when roundoff ends it."""
-    sizes = ellipses(GRADINGS[degree])
-    errors = [d0_error(by_mdr(FLAT, PUNCH_RIM, degree, grading)) for grading in sizes]
-    theory = Theory(2 * degree + 3)
-    fitted = Sequence("", "", theory, np.array(list(sizes.values())), np.array(errors))
+    counts, errors = np.array([8, 16, 32]), []
+    for count in counts:
+        radii = 1 - (1 - np.arange(count + 1) / count) ** exponent
+        space = PressureSpace(radii, np.full(count, degree), np.array([0.0, 1.0]))
+        errors.append(press_flat(compliance(space)).indentation / 0.5 - 1)
     assert min(errors) > 0
-    if degree < 4:
-        assert_order(fitted, cap)
-    else:
-        orders = fitted.orders
-        assert 10.5 < orders[0] < orders[1] < orders[2] < 11
-        assert errors[-1] <= cap
-
-
-@pytest.mark.parametrize(
-    ("degree", "graded", "counts", "cap"),
-    [
-        (2, True, (2, 3, 4, 6), 6e-6),
-        (3, True, (2, 3, 4), 7e-8),
-        (4, True, (1, 2, 3), 2e-9),
-        (2, False, (3, 4, 6, 8), 5e-4),
-        (3, False, (2, 3, 4), 3e-3),
-        (4, False, (2, 3, 4), 8e-4),
-    ],
-)
-def test_indentation_by_subdivided_elements(
-    degree: int, graded: bool, counts: tuple[int, ...], cap: float
-) -> None:
-    field, theory = (PUNCH_MESH, 2 * degree) if graded else (UNIFORM_MESH, 1)
-    errors = np.array([d0_error(by_triangles(field, degree, 0.3, count)) for count in counts])
-    assert_order(Sequence("", "", Theory(theory), 1 / np.array(counts), errors), cap)
-
-
-def assert_factor(errors: Array, cap: float) -> None:
-    """Exponential.
-
-    With every two degrees, and over all of them nearly as much as theory has for one degree
-    everywhere.
-    """
-    assert (errors[:-2] / errors[2:]).min() >= 20
-    assert (errors[0] / errors[-1]) ** (1 / (len(errors) - 1)) >= 0.7 * GAIN
+    assert order(1 / counts, errors) == pytest.approx(exponent, abs=0.05)
     assert errors[-1] <= cap
 
 
-@pytest.mark.gmsh
-@pytest.mark.parametrize(("ratio", "cap"), [(0.0, 3e-12), (0.3, 3e-12), (0.45, 5e-12)])
-def test_indentation_on_quadrilaterals_by_the_degree(ratio: float, cap: float) -> None:
-    errors = [d0_error(by_quads(FLAT, 0.0, ratio, degree)) for degree in QUAD_DEGREES if degree > 4]
-    # too stiff a solid, always
-    assert max(errors) < 0
-    assert_factor(np.abs(errors), cap)
+@pytest.mark.parametrize("march", ["implicit", "explicit"])
+def test_marches_tend_to_the_modes(prepare: Any, march: str) -> None:
+    """First order in the step, over a history long enough for many of them."""
+    # few unknowns: the explicit march is stable at these steps
+    sizes = {f"accuracy__mdr__{size}": 0.05 for size in ("rim_size", "ring_size")}
+    wear = prepare("five_rings", "mdr", accuracy__mdr__degree=1, **sizes).wear
+    times, steps = np.array([0.5, 1.0, 5.0]), np.array([4e-3, 2e-3, 1e-3])
+    exact = wear.modal(times)
+    errors = []
+    for step in steps:
+        marched = wear.history(times, march, step)
+        errors.append(np.abs(marched.indentation - exact.indentation))
+        # Euler's sums leave the balance of forces alone
+        assert np.abs(marched.pressure @ wear.compliance.space.weights - 1).max() <= 1e-12
+    for of_time in np.array(errors).T:
+        assert order(steps, of_time) == pytest.approx(1, abs=0.05)
+    assert errors[-1].max() <= 1e-5
 
 
-@pytest.mark.gmsh
-def test_rings_on_quadrilaterals_by_the_degree() -> None:
-    """The finer degrees, up to roundoff, are for the study."""
-    problem = Scene.load("five_rings").problem
-    edges = problem.ring_edges
-    exact = ring_quantities(problem, by_mdr(edges, RING_EDGE, 10, 0.15)[0])
-    degrees = [
-        ring_quantities(problem, by_quads(edges, RING_EDGE, 0.3, degree)[0])
-        for degree in range(4, 9)
-    ]
-    for name in ("d(1)", "slowest relaxation time"):
-        assert_factor(np.array([abs(values[name] / exact[name] - 1) for values in degrees]), 2e-9)
+def paper_grid(count: int) -> UniformGrid:
+    return UniformGrid(alternating_edges(5), np.array([0.1, 1, 0.1, 1, 0.1]), count)
 
 
-@pytest.mark.parametrize("ratio", [0.0, 0.3, 0.5])
-def test_truncation_by_every_far_field(ratio: float) -> None:
-    """From R = 4 a on, against six poles on the same mesh."""
-    family = move_outwards((4, 5, 6, 7), ratio)
-    rows = [{"family": family.name, "size": level.size} | level.solve() for level in family.levels]
-    fitted = {sequence.quantity: sequence for sequence in fit([family], rows)}
-    del fitted[DISCRETISATION]
-    caps = {"fixed": 0.3, "1 pole": 7e-5, "2 poles": 3e-8, "3 poles": 2e-11}
-    for far_field, cap in caps.items():
-        assert_order(fitted.pop(far_field), cap)
-    assert not fitted
+def test_the_papers_march_is_first_order_in_time() -> None:
+    """Against the exact solution of the same grid, by its matrix exponential."""
+    grid, time = paper_grid(40), 1.0
+    count = len(grid.radii)
+    # df/dt = M f + c as one homogeneous system
+    system = np.zeros((count + 1, count + 1))
+    system[:-1, :-1] = grid.rate_matrix()
+    system[:-1, -1] = grid.coefficients * grid.contact(np.zeros(count))[0]
+    profile = expm(system * time)[:-1, -1]
+    steps = grid.stability_limit() * np.array([0.4, 0.2, 0.1])
+    marched = [grid.march(np.array([time]), step) for step in steps]
+    heights = [abs(indentation[0] - grid.contact(profile)[1]) for *_, indentation in marched]
+    profiles = [np.abs(worn[0] - profile).max() for _, worn, _ in marched]
+    for errors, cap in ((heights, 1e-5), (profiles, 1e-4)):
+        assert order(steps, errors) == pytest.approx(1, abs=0.05)
+        assert errors[-1] <= cap
 
 
-@pytest.mark.parametrize("ratio", [0.0, 0.3, 0.5])
-def test_exterior_energy_of_a_box_is_that_of_a_disc_without_what_lies_between(ratio: float) -> None:
-    """The energy density of the poles themselves, integrated from the arc to the square."""
-    orders, shear = (0, 2, 4), 0.7
-    angles = np.linspace(0, np.pi / 2, 200 + 1)
-    arc = 3.0 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    box = np.array([[3.0, 0.0], [3.0, 1.3], [3.0, 3.0], [0.8, 3.0], [0.0, 3.0]])
-    outside = [
-        exterior_stiffness(np.stack([p[:-1], p[1:]], axis=1), orders, ratio, shear)
-        for p in (arc, box)
-    ]
-    node, weight = np.polynomial.legendre.leggauss(24)
-    between = np.zeros((3, 3))
-    for low, high in itertools.pairwise(angles):
-        turn = (low + high) / 2 + (high - low) / 2 * node
-        # the side of the polygon, and the square
-        inner = 3.0 * np.cos((high - low) / 2) / np.cos(turn - (low + high) / 2)
-        outer = 3.0 / np.maximum(np.cos(turn), np.sin(turn))
-        rho = (inner + outer)[:, None] / 2 + (outer - inner)[:, None] / 2 * node
-        points = np.stack(
-            [rho * np.cos(turn)[:, None], rho * np.sin(turn)[:, None]], axis=-1
-        ).reshape(-1, 2)
-        weights = np.outer(weight * (high - low) / 2 * (outer - inner) / 2, weight).ravel()
-        _, stress = poles(points, orders, ratio, shear)
-        trace = stress[..., [0, 1, 3]].sum(axis=-1)
-        volume = 2 * np.pi * points[:, 0] * rho.ravel() * weights
-        squares = np.einsum("ipc,jpc,c,p->ij", stress, stress, [1, 1, 2, 1], volume)
-        between += (
-            squares - ratio / (1 + ratio) * np.einsum("ip,jp,p->ij", trace, trace, volume)
-        ) / (2 * shear)
-    np.testing.assert_allclose(outside[0] - outside[1], between, rtol=1e-9, atol=1e-12)
+@pytest.mark.parametrize("count", [50, 100, 200])
+def test_the_papers_march_blows_up_above_its_limit_only(count: int) -> None:
+    """Where theory puts it: twice the fastest relaxation of the grid, which a wave of two cells
+    sets.
+    """
+    grid = paper_grid(count)
+    rates = np.linalg.eigvals(grid.rate_matrix())
+    limit = 2 / np.abs(rates).max()
+    assert rates.real.max() <= 1e-6
+    assert limit == pytest.approx(grid.stability_limit(), rel=0.1)
+    until = np.array([1000 * limit])
+    pressures, *_ = grid.march(until, 0.95 * limit)
+    assert 0 < pressures.min() < pressures.max() < 1
+    with pytest.raises(SceneError, match=r"wear\.step"):
+        grid.march(until, 1.05 * limit)
+
+
+def test_the_papers_grid_is_first_order(reference: dict[str, Any]) -> None:
+    """Its error at t = 0.1, where the ring edges are sharp, against the independent reference."""
+    (state,) = [state for state in reference["states"] if state["time"] == 0.1]
+    edges, wear = (np.array(reference[name]) for name in ("ring_edges", "wear_coefficients"))
+    counts, errors = np.array([50, 100, 200]), []
+    for count in counts:
+        grid = UniformGrid(edges, wear / 10, count)
+        _, profile, indentation = grid.march(np.array([1.0]), 0.5 * grid.stability_limit())
+        errors.append(abs(2 * (indentation[0] - profile[0, 0]) / state["displacement_centre"] - 1))
+    assert order(1 / counts, errors) >= 0.7
+    assert errors[-1] <= 5e-3
