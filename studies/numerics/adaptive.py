@@ -26,7 +26,6 @@ from ..problem.defaults import WIDER_TRUNCATION, pole_orders
 from ..problem.problem import Problem
 from ..wear.archard import RunningIn
 from ..wear.contact import press_flat
-from .core import run_in
 
 DEGREE = 4
 """Of the displacement on triangles."""
@@ -75,14 +74,11 @@ def refine_adaptively(problem: Problem, mesh: MeshTri, tolerance: float) -> Iter
 
 def solve_on(problem: Problem, mesh: Mesh, degree: int) -> SolvedMesh:
     """Solve the finite elements of a degree on a mesh, and find the worst of them."""
-    ring_edges, solid = (
-        problem.merged.ring_edges,
-        AxisymmetricElasticity(mesh, degree, problem.poisson_ratio),
-    )
+    rings, solid = problem.merged, AxisymmetricElasticity(mesh, degree, problem.poisson_ratio)
     poles = pole_orders(problem, truncation(mesh))
-    half_space = HalfSpace(solid, pressure_space(solid, ring_edges), poles)
+    half_space = HalfSpace(solid, pressure_space(solid, rings.ring_edges), poles)
     compliance = half_space.compliance()
-    wear = run_in(problem, compliance)
+    wear = RunningIn(compliance, rings.wear_coefficients)
     states = np.array([press_flat(compliance).pressure, wear.steady.pressure])
     energies = np.sum((states @ compliance.factor.T) ** 2, axis=1)
     in_doubt = indicators(solid, displacements(half_space, states), energies)

@@ -26,31 +26,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from skfem import Mesh
 
-from ...fem.elasticity import AxisymmetricElasticity
-from ...fem.half_space import HalfSpace, pressure_space
 from ...mdr import direct, energy
 from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.quads import graded
 from ...meshes.radial import Array, graded_breakpoints
 from ...meshes.sizes import SizeField
-from ..figures.style import new_figure
 from ..problem.defaults import FACTOR, GROWTH
 from ..problem.problem import D0, Problem
 from ..problem.scene import Scene
 from ..tables import Row
-from ..wear.contact import press_flat
 from .core import evaluate
 from .sequences import Family, Sequence, Theory, draw_orders, levels, publish, study_orders
-from .subdivision import subdivided, triangulated
+from .subdivision import FLAT, Discretised, condense, flat_d0, subdivided, triangulated
 
-Discretised = tuple[Compliance, int]
-"""A compliance, and the number of unknowns behind it."""
-
-FLAT = np.array([0.0, 1.0])
-"""Edges of a punch of one ring."""
 SLOPE = "RMS gradient"
 PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
 """Sizes of the smallest elements: by MDR at the rim of the flat punch; of rings."""
@@ -73,7 +63,12 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     conclusions: list[str] = []
     refined = families(scene.problem, options.quick)
     sequences, orders = study_orders(refined, out, "convergence", conclusions)
-    draw(sequences, out / "convergence.png")
+    panels = {
+        "element size over the base mesh's, $1/n$": select(sequences, "FEM P"),
+        "$10^{-k}$, $k$ the degree on quadrilaterals": select(sequences, "FEM quads"),
+        r"$(1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of sizes": select(sequences, "MDR"),
+    }
+    draw_orders(out / "convergence.png", panels, "relative error")
     conclusions[:0] = conclude(sequences)
     page = out / "convergence.md"
     return publish(page, "Orders of convergence", conclusions, {"Orders": orders})
@@ -114,26 +109,22 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
         order = 2 * degree + 3
         yield refine(f"MDR degree {degree}, graded", by_grading, sizes, flat, order, roundoff)
     # degrees above 1 meet zeros or roundoff too early
-    sizes = ellipses((0.6, 0.7, 0.78) if quick else (0.6, 0.7, 0.78, 0.84))
+    sizes = ellipses((0.6, 0.7, 0.78, 0.84))
     by_grading = partial(by_mdr, edges, RING_EDGE, 1)
     yield refine("MDR degree 1, rings", by_grading, sizes, worn, 4, ring_floor)
 
     ring_mesh = replace(
         PUNCH_MESH, ring_edges=tuple(edges.tolist()), rim_size=RING_EDGE, ring_size=RING_EDGE
     )
-    few = {2: (2, 3, 4), 3: (2, 3), 4: (2, 3)}
-    punch = few if quick else {2: (2, 3, 4, 6, 8), 3: (2, 3, 4, 5), 4: (1, 2, 3, 4)}
-    uniform = few if quick else {2: (3, 4, 6, 8, 12), 3: (2, 3, 4, 6), 4: (2, 3, 4)}
-    divided = {} if quick else {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}
-    for name, field, counts, exact, floor in (
-        ("graded", PUNCH_MESH, punch, flat, rim_floor),
-        ("uniform", UNIFORM_MESH, uniform, flat, rim_floor),
-        ("rings, graded", ring_mesh, divided, worn, ring_floor),
-    ):
-        for degree in counts:
+    for name, field, exact, floor in (
+        ("graded", PUNCH_MESH, flat, rim_floor),
+        ("uniform", UNIFORM_MESH, flat, rim_floor),
+        ("rings, graded", ring_mesh, worn, ring_floor),
+    )[: 2 if quick else 3]:
+        for degree, counts in {2: (4, 6, 8), 3: (3, 4, 5), 4: (2, 3, 4)}.items():
             by_count = partial(by_triangles, field, degree, ratio)
             order = 2 * degree if field.growth else 1
-            sizes = {count: 1 / count for count in counts[degree]}
+            sizes = {count: 1 / count for count in counts}
             yield refine(f"FEM P{degree}, {name}", by_count, sizes, exact, order, floor)
 
     raised = {degree: 0.1**degree for degree in QUAD_DEGREES}
@@ -179,21 +170,6 @@ def by_quads(ring_edges: Array, least: float, poisson_ratio: float, degree: int)
     return condense(mesh, ring_edges, degree, poisson_ratio, poles=8)
 
 
-def condense(
-    mesh: Mesh, ring_edges: Array, degree: int, poisson_ratio: float, poles: int
-) -> Discretised:
-    """Condense the finite-element half-space on a mesh, with so many poles as its far field."""
-    solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)
-    orders = tuple(range(0, 2 * poles, 2))
-    half_space = HalfSpace(solid, pressure_space(solid, ring_edges), orders)
-    return half_space.compliance(), half_space.unknowns
-
-
-def flat_d0(compliance: Compliance) -> dict[str, float]:
-    """Return the indentation of the flat start, singular at the rim."""
-    return {"d0": press_flat(compliance).indentation}
-
-
 def ring_quantities(problem: Problem, compliance: Compliance) -> dict[str, float]:
     """Return the approach, the slowest relaxation time and the steady gradient of the rings."""
     results = evaluate(replace(problem, times=np.array([1.0])), compliance)
@@ -230,21 +206,3 @@ def conclude(sequences: list[Sequence]) -> list[str]:
             for raised in select(punch, "FEM quads")
         ),
     ]
-
-
-def draw(sequences: list[Sequence], path: Path) -> None:
-    """Draw finite elements by size and by degree, and MDR."""
-    figure = new_figure(13, 6)
-    for axes, begin, size in zip(
-        figure.subplots(1, 3, sharey=True),
-        ("FEM P", "FEM quads", "MDR"),
-        (
-            "element size over the base mesh's, $1/n$",
-            "$10^{-k}$, $k$ the degree on quadrilaterals",
-            r"$(1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of neighbouring sizes",
-        ),
-        strict=True,
-    ):
-        draw_orders(axes, select(sequences, begin), xlabel=size, ylabel="relative error")
-        axes.label_outer()
-    figure.savefig(path)

@@ -243,10 +243,10 @@ def draw(rows: list[Row], path: Path) -> None:
             ]
             look = {"s": size, "color": shade, "marker": marker}
             axes.scatter(*np.reshape(places, (-1, 2)).T, **look, label=f"{verdict}: {meaning}")
-        for axis, values, most in ((axes.xaxis, xs, 3), (axes.yaxis, ys, 9)):
-            shown = np.linspace(0, len(values) - 1, min(len(values), most)).round().astype(int)
-            labels = (values[place] for place in shown)
-            axis.set_ticks(shown, [f"{v:.3g}" if isinstance(v, float) else v for v in labels])
+        for axis, values in ((axes.xaxis, xs), (axes.yaxis, ys)):
+            step = -(-len(values) // 5)
+            labels = [f"{v:.3g}" if isinstance(v, float) else v for v in values[::step]]
+            axis.set_ticks(range(0, len(values), step), labels)
         axes.margins(0.1)
     legend_of(figure, figure.axes[:1])
     figure.savefig(path)
@@ -255,10 +255,11 @@ def draw(rows: list[Row], path: Path) -> None:
 def tabulate_limits(rows: list[Row], path: Path) -> Table:
     """Count the verdicts of each family and method; at which values they are is for the map."""
     table = Table(path, ("family", "method", *VERDICTS, "greatest error"))
-    for panel in dict.fromkeys((row["family"], row["method"]) for row in rows):
-        cells = [row for row in rows if (row["family"], row["method"]) == panel]
+    panels: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        panels.setdefault((row["family"], row["method"]), []).append(row)
+    for panel, cells in panels.items():
         counts = Counter(row["verdict"] for row in cells)
-        errors = [row["error"] for row in cells if np.isfinite(row.get("error", np.nan))]
-        greatest = f"{max(errors, default=np.nan):.1e}"
-        table.add(*panel, *(counts[verdict] for verdict in VERDICTS), greatest)
+        greatest = np.nanmax([row.get("error", np.nan) for row in cells] + [0.0])
+        table.add(*panel, *(counts[verdict] for verdict in VERDICTS), f"{greatest:.1e}")
     return table

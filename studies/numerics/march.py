@@ -17,15 +17,14 @@ from scipy.optimize import bisect
 from ...mdr.energy import compliance
 from ...mdr.uniform_grid import UniformGrid
 from ...meshes.radial import Array
-from ..figures.style import curve, legend_below, new_figure
-from ..problem.problem import P0, Problem
+from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..progress import LOG
 from ..registry import INTERRUPTED
 from ..tables import Row, Table, keeping_rows
 from ..wear.archard import RunningIn
 from .core import graded_space, run_in
-from .sequences import Family, Sequence, Theory, draw_orders, levels, publish, study_orders
+from .sequences import Family, Theory, draw_orders, levels, publish, study_orders
 
 TIME = 0.5
 """When errors are taken, non-dimensional."""
@@ -48,7 +47,8 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     with keeping_rows(conclusions):
         if INTERRUPTED not in conclusions:
             find_limits(wear, problem, springs, limits)
-    draw(problem, sequences, out / "march.png")
+    sizes = {r"step $\Delta t$ over $a/(E^*k_{max}v_0)$": sequences}
+    draw_orders(out / "march.png", sizes, f"relative error at $t$ = {TIME:g}")
     conclusions[0] += " The modal march has no step."
     for theory in dict.fromkeys(row["theory"] for row in limits.rows):
         ratios = [row["ratio"] for row in limits.rows if row["theory"] == theory]
@@ -108,54 +108,24 @@ def find_limits(wear: RunningIn, problem: Problem, springs: tuple[int, ...], lim
 def tabulate_limits(
     limits: Table, march: str, rate: Array, start: Array, theories: dict[str, float]
 ) -> None:
-    """Bisect the greatest step, to 0.1 %, at which a march stays bounded.
-
-    Over steps enough for one 1 % above the limit to grow by 1e13.
+    """Bisect the greatest step, to 0.1 %, at which the explicit march ``x' = rate x`` is bounded.
 
     Parameters
     ----------
-    march, rate, start : as `wear_rates` takes them
+    rate : (n, n) of wear rates, which begin at `start` (n,)
     theories : the limit by each theory
     """
     LOG.info("   march  limit of the explicit one %s, %d unknowns ...", march, len(start) - 1)
-    guess = np.log(next(iter(theories.values())))
+    # steps enough for one 1 % above the limit to grow by 1e13
+    steps, bound, guess = 1500, 1e3 / np.pi, np.log(next(iter(theories.values())))
 
     def excess(log_step: float) -> float:
+        rates, step = start, np.exp(log_step)
         with np.errstate(all="ignore"):
-            last = wear_rates(rate, start, np.exp(log_step), 1500)[-1]
-        return -1.0 if np.abs(last).max() < 1e3 / np.pi else 1.0
+            for _ in range(steps):
+                rates = rates + step * (rate @ rates)
+            return -1.0 if np.abs(rates).max() < bound else 1.0
 
     limit = np.exp(bisect(excess, guess - np.log(4), guess + np.log(4), xtol=1e-3))
     for theory, expected in theories.items():
         limits.add(march, len(start) - 1, theory, expected, limit, limit / expected)
-
-
-def wear_rates(rate: Array, start: Array, step: float, steps: int) -> Array:
-    """Return the wear rates (steps+1, n) of ``x' = rate x`` by an explicit march from `start`."""
-    rates = [start]
-    for _ in range(steps):
-        rates.append(rates[-1] + step * (rate @ rates[-1]))
-    return np.array(rates)
-
-
-def draw(problem: Problem, sequences: list[Sequence], path: Path) -> None:
-    """Draw errors against the step, and what steps near the limit do on the paper's grid."""
-    figure = new_figure(10, 5.2)
-    errors, growth = figure.subplots(1, 2)
-    size = r"step $\Delta t$ over $a/(E^*k_{max}v_0)$"
-    draw_orders(errors, sequences, xlabel=size, ylabel=f"relative error at $t$ = {TIME:g}")
-    errors.set_title("against the modal march on the same compliance", fontsize=9)
-    grid = UniformGrid(*problem.merged, 100)
-    limit, start = grid.stability_limit(), grid.coefficients * grid.contact(np.zeros(101))[0]
-    for number, ratio in enumerate((0.5, 1.06, 1.15)):
-        rates = wear_rates(grid.rate_matrix(), start, ratio * limit, int(120 / ratio))
-        pressures = np.abs(rates / grid.coefficients / P0)[:, :50].max(axis=1)
-        look = curve(number) | {"markevery": 8, "label": rf"$\Delta t$ = {ratio:g} of the limit"}
-        growth.semilogy(ratio * np.arange(len(pressures)), pressures, **look)
-    growth.set(
-        xlabel=r"time over the limit $4a/(\pi n E^* k_{max} v_0)$",
-        ylabel="greatest $|p|/p_0$ within $r < a/2$",
-    )
-    growth.set_title("the paper's grid, $n$ = 100", fontsize=9)
-    legend_below(growth)
-    figure.savefig(path)

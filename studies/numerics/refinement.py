@@ -19,7 +19,6 @@ from skfem import Mesh, MeshQuad
 from ...mdr.direct import greatest_displacement, steady_pressures
 from ...meshes import files
 from ...meshes.errors import MeshError, SceneError
-from ...meshes.half_space import quality
 from ...meshes.radial import Array
 from ..figures.mesh import draw_mesh
 from ..figures.style import FAINT, new_figure
@@ -65,7 +64,7 @@ class Case:
         and the mesh itself.
         """
         rings, solid = self.problem.merged, solved.half_space.solid
-        compliance, shape = solved.wear.compliance, quality(solid.mesh)
+        compliance = solved.wear.compliance
         results = evaluate(self.watched, compliance)
         greatest = greatest_displacement(rings.ring_edges, steady_pressures(*rings))
         errors = {
@@ -81,8 +80,6 @@ class Case:
             "multipliers": compliance.space.size,
             "greatest": max(errors.values()),
             "estimate": solved.estimate,
-            "least quality": float(shape.min()),
-            "median quality": float(np.median(shape)),
             "mesh": solid.mesh,
         }
 
@@ -90,7 +87,7 @@ class Case:
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     """Refine each way on each case; writes `refinement`, and figures of errors and meshes."""
     columns = ("degree", "unknowns", "elements", "multipliers", *ERRORS, "greatest", "estimate")
-    fields = ("case", "family", "setting", *columns, "least quality", "median quality", "remark")
+    fields = ("case", "family", "setting", *columns, "remark")
     table, conclusions = Table(out / "refinement.csv", fields), list[str]()
     cases = list_cases(scene.problem)
     if options.mesh:
@@ -134,39 +131,42 @@ def families(case: Case, quick: bool, own: str | None = None) -> Iterator[Family
     """Yield each way to refine a mesh of a case, from coarse to fine; last a mesh file."""
     problem = case.problem
 
-    def mesh_at(rtol: float, **settings: Any) -> Mesh:
-        fem = FemAccuracy.model_validate(settings)
+    def mesh_at(rtol: float, mesher: str, **sizes: Any) -> Mesh:
+        fem = FemAccuracy.model_validate({"mesher": mesher} | sizes)
         return half_space_mesh(replace(problem, rtol=rtol, fem=fem)).mesh
 
-    def level(setting: str, mesh: Mesh, degree: int = DEGREE) -> Level:
-        return Level(setting, lambda: case.row(solve_on(problem, mesh, degree)))
+    def solve(mesh: Mesh, degree: int) -> Row:
+        return case.row(solve_on(problem, mesh, degree))
+
+    def solve_own() -> Row:
+        mesh, remark = own_mesh(problem, own or "")
+        quads = isinstance(mesh, MeshQuad)
+        degree = (problem.fem.degree or 6) if quads else triangle_degree(problem)
+        return dict(solve(mesh, degree), remark=remark)
 
     times = range(3 if quick else 4)
-    coarse, graded = uniform_mesh(problem.merged.ring_edges), mesh_at(GOAL, mesher="gmsh")
-    yield Family("h, triangles", (level(f"{n} times", coarse.refined(n)) for n in times))
-    yield Family("p, triangles", (level(f"degree {k}", graded, k) for k in range(2, 5)))
     tolerances = (1e-2, GOAL) if quick else (1e-1, 1e-2, 1e-3, 1e-4, GOAL, 1e-6)
-    graded = (level(f"rtol {rtol:g}", mesh_at(rtol, mesher="gmsh")) for rtol in tolerances)
-    yield Family("graded triangles", graded)
+    coarse, graded = uniform_mesh(problem.merged.ring_edges), mesh_at(GOAL, "gmsh")
+    ways = {
+        "h, triangles": [(f"{n} times", coarse.refined(n), DEGREE) for n in times],
+        "p, triangles": [(f"degree {k}", graded, k) for k in range(2, 5)],
+        "graded triangles": [(f"rtol {x:g}", mesh_at(x, "gmsh"), DEGREE) for x in tolerances],
+    }
+    layered = mesh_at(1e-7, "quads")
+    if isinstance(layered, MeshQuad):  # triangles take their place where gmsh cannot be used
+        plain = mesh_at(GOAL, "quads", rim_size=0.5, ring_size=0.5, truncation=WIDER_TRUNCATION)
+        # without subdomains of lower degree
+        plain = replace(plain, _subdomains=None)
+        ways["h, quadrilaterals"] = [(f"{n} times", plain.refined(n), DEGREE) for n in times]
+        degrees = range(4, 8 if quick else 10)
+        ways["p, quadrilaterals"] = [(f"degree {k}", layered, k) for k in degrees]
+    for way, meshes in ways.items():
+        settings = [Level(setting, partial(solve, *of)) for setting, *of in meshes]
+        yield Family(way, settings)
     rounds = enumerate(refine_adaptively(problem, coarse, GOAL / 2 if quick else GOAL / 10))
     adapted = (Level(f"round {number}", partial(case.row, solved)) for number, solved in rounds)
     yield Family(ADAPTIVE, adapted)
-    layered = mesh_at(1e-7, mesher="quads")
-    if isinstance(layered, MeshQuad):  # triangles take their place where gmsh cannot be used
-        few = {"rim_size": 0.5, "ring_size": 0.5, "truncation": WIDER_TRUNCATION}
-        # without subdomains of lower degree
-        plain = replace(mesh_at(GOAL, mesher="quads", **few), _subdomains=None)
-        yield Family("h, quadrilaterals", (level(f"{n} times", plain.refined(n)) for n in times))
-        degrees = range(4, 8 if quick else 10)
-        yield Family("p, quadrilaterals", (level(f"degree {k}", layered, k) for k in degrees))
     if own:
-
-        def solve_own() -> Row:
-            mesh, remark = own_mesh(problem, own)
-            quads = isinstance(mesh, MeshQuad)
-            degree = (problem.fem.degree or 6) if quads else triangle_degree(problem)
-            return case.row(solve_on(problem, mesh, degree)) | {"remark": remark}
-
         yield Family(OWN, [Level(Path(own).name, solve_own)])
 
 

@@ -19,7 +19,7 @@ from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import RingwearError
 from ...meshes.radial import Array
-from ..figures.style import curve, legend_below
+from ..figures.style import curve, legend_below, new_figure
 from ..progress import LOG
 from ..tables import Row, Table, keeping_rows, write_page
 
@@ -198,9 +198,9 @@ def study_orders(
     fields = ("family", "setting", "size", "unknowns", *quantities, "remark")
     table = Table(out / f"{name}.csv", fields)
     sequences = fit(solve_all(families, table, conclusions), table.rows)
-    columns = ("refined", "quantity", "levels", "expected order", "least squares", "last levels")
-    columns = (*columns, VERDICT, "between levels", "finest error")
+    named = ("refined", "quantity", "levels", "expected order", "least squares", "last levels")
     rows = (sequence.summary() for sequence in sequences)
+    orders = Table(out / "orders.csv", (*named, VERDICT, "between levels", "finest error"), rows)
     judged = [sequence for sequence in sequences if sequence.verdict]
     off = [
         f"{sequence.name}, {sequence.quantity} ({sequence.verdict})"
@@ -210,7 +210,7 @@ def study_orders(
     line = f"{len(judged) - len(off)} of {len(judged)} orders are within {WITHIN} of theory"
     line = f"{line}, fitted and between the last levels"
     conclusions.insert(0, f"{line}; but {'; '.join(off)}." if off else f"{line}.")
-    return sequences, Table(out / "orders.csv", columns, rows)
+    return sequences, orders
 
 
 def publish(
@@ -235,13 +235,18 @@ def draw_errors(axes: Any, curves: Mapping[str, Any], **labels: str) -> None:
     axes.grid(True, which="major", color="0.88", linewidth=0.6)
 
 
-def draw_orders(axes: Any, sequences: Iterable[Sequence], **labels: str) -> None:
-    """Draw errors over sizes, with the observed order of each sequence in the legend."""
-    curves = {}
-    for sequence in sequences:
-        label = f"{sequence.name}, {sequence.quantity}: {sequence.order:.2f}"
-        if np.isfinite(sequence.theory.order):
-            label += f" (theory {sequence.theory.order:g})"
-        curves[label] = sequence.sizes, sequence.errors
-    draw_errors(axes, curves, **labels)
-    legend_below(axes, title="observed order")
+def draw_orders(path: Path, panels: Mapping[str, Iterable[Sequence]], ylabel: str) -> None:
+    """Draw errors over sizes, a panel for each label of these, with orders in the legend."""
+    figure = new_figure(4.4 * len(panels), 5.6)
+    row = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
+    for axes, (xlabel, sequences) in zip(row, panels.items(), strict=True):
+        curves = {}
+        for sequence in sequences:
+            label = f"{sequence.name}, {sequence.quantity}: {sequence.order:.2f}"
+            if np.isfinite(sequence.theory.order):
+                label += f" (theory {sequence.theory.order:g})"
+            curves[label] = sequence.sizes, sequence.errors
+        draw_errors(axes, curves, xlabel=xlabel, ylabel=ylabel)
+        axes.label_outer()
+        legend_below(axes, title="observed order")
+    figure.savefig(path)

@@ -1,4 +1,4 @@
-"""Triangles for the studies of orders: a mesh of given sizes, and how it is subdivided.
+"""Triangles for the studies of orders: of given sizes, subdivided, and condensed to a compliance.
 
 Points are complex numbers, radius and depth. Subdivision is in log-polar coordinates, the complex
 logarithm, about the rim and ring edges, and far away: in these a graded mesh is uniform. Halved in
@@ -9,15 +9,23 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from skfem import MeshTri
+from skfem import Mesh, MeshTri
 
+from ...fem.elasticity import AxisymmetricElasticity
+from ...fem.half_space import HalfSpace, pressure_space
 from ...meshes import bisection, triangles
+from ...meshes.compliance import Compliance
 from ...meshes.errors import MeshError
 from ...meshes.half_space import contact_radii, half_space
 from ...meshes.radial import Array, Indices
 from ...meshes.sizes import SizeField
+from ..wear.contact import press_flat
 
 Points = NDArray[np.complex128]
+Discretised = tuple[Compliance, int]
+"""A compliance, and the number of unknowns behind it."""
+FLAT = np.array([0.0, 1.0])
+"""Edges of a punch of one ring."""
 
 
 @cache
@@ -75,3 +83,18 @@ def interpolate(vertices: Points, corners: Indices, weight: Array, tips: Array) 
     points.real[plain.real == 0] = 0.0
     points.imag[plain.imag == 0] = 0.0
     return np.where(weight.max(axis=1) == 1, plain, points)
+
+
+def condense(
+    mesh: Mesh, ring_edges: Array, degree: int, poisson_ratio: float, poles: int
+) -> Discretised:
+    """Condense the finite-element half-space on a mesh, with so many poles as its far field."""
+    solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)
+    orders = tuple(range(0, 2 * poles, 2))
+    half_space = HalfSpace(solid, pressure_space(solid, ring_edges), orders)
+    return half_space.compliance(), half_space.unknowns
+
+
+def flat_d0(compliance: Compliance) -> dict[str, float]:
+    """Return the indentation of the flat start, singular at the rim."""
+    return {"d0": press_flat(compliance).indentation}

@@ -117,17 +117,16 @@ def draw(rows: list[Row], front: list[Row], title: str, path: Path) -> None:
     def points(rows: Iterable[Row]) -> Array:
         return np.array([(row["seconds"], row["error"]) for row in rows]).reshape(-1, 2).T
 
-    axes.plot(*points(front), color="0.85", linewidth=5, label="Pareto front")
     curves = {
         family: points(row for row in rows if row["family"] == family)
         for family in dict.fromkeys(row["family"] for row in rows)
     }
-    draw_errors(
-        axes,
-        curves,
-        xlabel="seconds for the whole history, one thread",
-        ylabel="relative error of the indentation over all times",
-    )
+    labels = {
+        "xlabel": "seconds for the whole history, one thread",
+        "ylabel": "relative error of the indentation over all times",
+    }
+    draw_errors(axes, curves, **labels)
+    axes.plot(*points(front), color="0.85", linewidth=5, zorder=0, label="Pareto front")
     legend_below(axes, ncols=4)
     figure.suptitle(title, fontsize=10)
     figure.savefig(path)

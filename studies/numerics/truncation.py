@@ -19,13 +19,11 @@ import numpy as np
 
 from ...meshes.compliance import Compliance
 from ...meshes.sizes import SizeField
-from ..figures.style import new_figure
 from ..problem.problem import D0
 from ..problem.scene import Scene
 from ..tables import Row
-from .convergence import FLAT, condense, flat_d0
 from .sequences import Family, Sequence, Theory, draw_orders, levels, publish, study_orders
-from .subdivision import triangulated
+from .subdivision import FLAT, condense, flat_d0, triangulated
 
 FAR_FIELDS = {"fixed": 1.0, "1 pole": 5.0, "2 poles": 9.0, "3 poles": 13.0}
 """Far fields, and the orders of what they err by."""
@@ -44,7 +42,11 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     ]
     conclusions: list[str] = []
     sequences, orders = study_orders(families, out, "truncation", conclusions)
-    draw(sequences, [family.name for family in families], out / "truncation.png")
+    panels = {
+        f"$a/R$, {family.name}": [fitted for fitted in sequences if fitted.name == family.name]
+        for family in families
+    }
+    draw_orders(out / "truncation.png", panels, "truncation part of the relative error of $d_0$")
     conclusions.insert(0, conclude(sequences))
     page, title = out / "truncation.md", "Truncation of the half-space"
     return publish(page, title, conclusions, {"Orders in a/R": orders})
@@ -87,18 +89,3 @@ def conclude(sequences: list[Sequence]) -> str:
             ranges.append(f"{far} {np.nanmin(orders):.2f} to {np.nanmax(orders):.2f} ({theory:g})")
     line = "Order of the truncation error in a/R, over Poisson's ratios (theory): "
     return f"{line}{', '.join(ranges)}."
-
-
-def draw(sequences: list[Sequence], names: list[str], path: Path) -> None:
-    """Draw a panel for each Poisson's ratio."""
-    figure = new_figure(4.4 * len(names), 5.4)
-    panels = figure.subplots(1, len(names), sharey=True, squeeze=False)
-    labels = {
-        "xlabel": "punch radius over the half-space's, $a/R$",
-        "ylabel": r"truncation part of the relative error of $d_0$",
-    }
-    for axes, name in zip(panels.flat, names, strict=True):
-        draw_orders(axes, [fitted for fitted in sequences if fitted.name == name], **labels)
-        axes.set_ylim(bottom=ROUNDOFF)
-        axes.label_outer()
-    figure.savefig(path)
