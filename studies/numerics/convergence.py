@@ -8,7 +8,7 @@ relaxation times) are of order 2k on graded meshes and of order 1, set by the si
 uniform ones. By MDR the energy norm of a pressure is half an order weaker than the mean square: d0
 is of order 2q+3, a history with its mean squares of order 2q+2, the RMS gradient of order 2q. Even
 degrees come up to 2q+3, odd ones down: plane waves ``exp(ikx)`` at kh = 0.7 give 5.34, 6.60, 9.21,
-10.77 (Fourier analysis, in the tests); degree 4 meets roundoff before.
+10.77 (Fourier analysis); degree 4 meets roundoff before.
 
 On quadrilaterals whose layers shrink by ``q``, the degree k itself is raised (hp). A layer ends one
 layer off the singular point: polynomials converge there as ``r^k`` with ``r = (1-sqrt q)/(1+sqrt

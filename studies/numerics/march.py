@@ -47,8 +47,8 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     with keeping_rows(conclusions):
         if INTERRUPTED not in conclusions:
             find_limits(wear, problem, springs, limits)
-    sizes = {r"step $\Delta t$ over $a/(E^*k_{max}v_0)$": sequences}
-    draw_orders(out / "march.png", sizes, f"relative error at $t$ = {TIME:g}")
+    panels = {r"step $\Delta t$ over $a/(E^*k_{max}v_0)$": sequences}
+    draw_orders(out / "march.png", panels, f"relative error at $t$ = {TIME:g}")
     conclusions[0] += " The modal march has no step."
     for theory in dict.fromkeys(row["theory"] for row in limits.rows):
         ratios = [row["ratio"] for row in limits.rows if row["theory"] == theory]

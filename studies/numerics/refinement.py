@@ -127,7 +127,7 @@ def list_cases(problem: Problem) -> list[Case]:
     return [flat, Case("scene", problem), Case("narrow ring", narrow_ring)]
 
 
-def families(case: Case, quick: bool, own: str | None = None) -> Iterator[Family]:
+def families(case: Case, quick: bool, mesh_file: str | None = None) -> Iterator[Family]:
     """Yield each way to refine a mesh of a case, from coarse to fine; last a mesh file."""
     problem = case.problem
 
@@ -139,7 +139,7 @@ def families(case: Case, quick: bool, own: str | None = None) -> Iterator[Family
         return case.row(solve_on(problem, mesh, degree))
 
     def solve_own() -> Row:
-        mesh, remark = own_mesh(problem, own or "")
+        mesh, remark = own_mesh(problem, mesh_file or "")
         quads = isinstance(mesh, MeshQuad)
         degree = (problem.fem.degree or 6) if quads else triangle_degree(problem)
         return dict(solve(mesh, degree), remark=remark)
@@ -166,8 +166,8 @@ def families(case: Case, quick: bool, own: str | None = None) -> Iterator[Family
     rounds = enumerate(refine_adaptively(problem, coarse, GOAL / 2 if quick else GOAL / 10))
     adapted = (Level(f"round {number}", partial(case.row, solved)) for number, solved in rounds)
     yield Family(ADAPTIVE, adapted)
-    if own:
-        yield Family(OWN, [Level(Path(own).name, solve_own)])
+    if mesh_file:
+        yield Family(OWN, [Level(Path(mesh_file).name, solve_own)])
 
 
 def own_mesh(problem: Problem, path: str) -> tuple[Mesh, str]:

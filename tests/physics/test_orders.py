@@ -1,7 +1,4 @@
-"""Orders that the studies state, each with an absolute cap, and what stands behind them.
-
-Plane waves, exact exteriors.
-"""
+"""Orders that the studies state, each with an absolute cap, and the exact exteriors behind them."""
 
 from __future__ import annotations
 
@@ -9,14 +6,12 @@ import itertools
 
 import numpy as np
 import pytest
-from scipy.special import spherical_jn
 
 from ringwear import Scene
 from ringwear.fem.far_field import exterior_stiffness, poles
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.radial import Array
 from ringwear.studies.numerics.convergence import (
-    FLAT,
     GAIN,
     GRADINGS,
     PUNCH_MESH,
@@ -28,10 +23,10 @@ from ringwear.studies.numerics.convergence import (
     by_quads,
     by_triangles,
     ellipses,
-    flat_d0,
     ring_quantities,
 )
 from ringwear.studies.numerics.sequences import WITHIN, Sequence, Theory, fit
+from ringwear.studies.numerics.subdivision import FLAT, flat_d0
 from ringwear.studies.numerics.truncation import DISCRETISATION, move_outwards
 
 
@@ -45,35 +40,6 @@ def assert_order(fitted: Sequence, cap: float) -> None:
 def d0_error(discretised: tuple[Compliance, int]) -> float:
     """Relative error of the flat start."""
     return flat_d0(discretised[0])["d0"] / 0.5 - 1
-
-
-def lost_of_a_wave(degree: int, wave: float) -> float:
-    """Fraction of the energy, of symbol 1/|k|, of ``exp(ikx)`` that continuous polynomials on unit
-    elements lose.
-    """
-    aliases = wave + 2 * np.pi * np.arange(-400, 401)
-    # Legendre polynomials on an element in Fourier space, and from them hats and bubbles
-    bessel = [
-        spherical_jn(n, np.abs(aliases) / 2) * np.sign(aliases) ** n for n in range(degree + 1)
-    ]
-    legendre = [np.exp(-0.5j * aliases) * (-1j) ** n * values for n, values in enumerate(bessel)]
-    hat = (legendre[0] + legendre[1] + (legendre[0] - legendre[1]) * np.exp(-1j * aliases)) / 2
-    basis = np.array([hat, *(legendre[n] - legendre[n - 2] for n in range(2, degree + 1))])
-    gram, load = (basis / np.abs(aliases)) @ basis.conj().T, basis[:, 400] / wave
-    return float(1 - wave * np.vdot(load, np.linalg.solve(gram, load)).real)
-
-
-@pytest.mark.parametrize(("degree", "observed"), [(1, 5.34), (2, 6.60), (3, 9.21), (4, 10.30)])
-def test_order_of_a_compliance_by_fourier_analysis(degree: int, observed: float) -> None:
-    """Twice the degree and 3: even degrees come up to it as waves get long, odd ones down."""
-    # shorter waves for higher degrees: what long ones lose is not far from roundoff
-    waves = np.array({3: [0.8, 0.6], 4: [1.6, 1.2]}.get(degree, [0.8, 0.6, 0.3, 0.2]))
-    errors = np.array([lost_of_a_wave(degree, wave) for wave in waves])
-    orders, theory = Sequence("", "", Theory(), waves, errors).orders, 2 * degree + 3
-    assert orders[0] == pytest.approx(observed, abs=0.01)
-    assert np.sign(observed - theory) == (-1) ** (degree + 1)
-    if degree <= 2:
-        assert orders[-1] == pytest.approx(theory, abs=0.1)
 
 
 @pytest.mark.parametrize(("degree", "cap"), [(1, 2e-8), (2, 2e-12), (3, 5e-11), (4, 2e-13)])
