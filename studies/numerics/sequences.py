@@ -235,9 +235,9 @@ def draw_errors(axes: Any, curves: Mapping[str, Any], **labels: str) -> None:
     axes.grid(True, which="major", color="0.88", linewidth=0.6)
 
 
-def draw_orders(path: Path, panels: Mapping[str, Iterable[Sequence]], ylabel: str) -> None:
+def draw_orders(path: Path, panels: Mapping[str, list[Sequence]], ylabel: str) -> None:
     """Draw errors over sizes, a panel for each label of these, with orders in the legend."""
-    figure = new_figure(4.4 * len(panels), 5.6)
+    figure = new_figure(4.4 * len(panels), 5 + 0.2 * max(map(len, panels.values())))
     row = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     for axes, (xlabel, sequences) in zip(row, panels.items(), strict=True):
         curves = {}
