@@ -14,23 +14,6 @@ from importlib import import_module
 from typing import Any
 
 
-def at_least(least: int) -> Callable[[str], int]:
-    """What turns the text of an option into a count, and refuses less."""
-
-    def count(text: str) -> int:
-        try:
-            value = int(text)
-        except ValueError:
-            raise ArgumentTypeError(
-                f"{text!r} is not a whole number: give {least} or more"
-            ) from None
-        if value < least:
-            raise ArgumentTypeError(f"{value} is too few: give {least} or more")
-        return value
-
-    return count
-
-
 def name_of_file(text: str) -> str:
     """What refuses an option without text."""
     if not text.strip():
@@ -72,14 +55,18 @@ STUDIES: dict[str, Study] = {
         ),
     ),
     "convergence": Study(
-        "convergence.study", "orders of convergence in element size and degree, graded and uniform"
+        "numerics.convergence",
+        "orders of convergence in element size and degree, graded and uniform",
     ),
     "truncation": Study(
-        "truncation", "what the outer boundary costs, for every far field and Poisson's ratio"
+        "numerics.truncation",
+        "what the outer boundary costs, for every far field and Poisson's ratio",
     ),
-    "march": Study("time_steps", "orders of the time marches, and where the explicit one blows up"),
+    "march": Study(
+        "numerics.march", "orders of the time marches, and where the explicit one blows up"
+    ),
     "refinement": Study(
-        "refinement.study",
+        "numerics.refinement",
         "uniform, graded and self-refining meshes, and a mesh file of your own, against what is "
         "known",
         options=(
@@ -94,39 +81,10 @@ STUDIES: dict[str, Study] = {
         ),
     ),
     "extremes": Study(
-        "extremes.study",
+        "numerics.extremes",
         "a map of the limits: every method at extreme parameters against closed forms",
     ),
-    "estimates": Study(
-        "estimates.study",
-        "are stated errors honest, and is the accuracy reached? every quantity, on scenes drawn "
-        "at random",
-        options=(
-            (
-                "--seed",
-                {
-                    "type": at_least(0),
-                    "default": 0,
-                    "help": "seed that the scenes are drawn from (default: 0)",
-                },
-            ),
-            (
-                "--count",
-                {"type": at_least(1), "default": 40, "help": "how many scenes (default: 40)"},
-            ),
-            (
-                "--rings",
-                {
-                    "type": at_least(1),
-                    "default": 8,
-                    "help": "most rings of a scene (default: 8; 24 takes long)",
-                },
-            ),
-        ),
-    ),
-    "tradeoff": Study("tradeoff", "error against seconds for every method and family of settings"),
-    "benchmark": Study(
-        "benchmark.study",
-        "seconds and errors against the paper's algorithm and a bare factorisation",
+    "tradeoff": Study(
+        "numerics.tradeoff", "error against seconds for every method and family of settings"
     ),
 }

@@ -21,11 +21,18 @@ from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.gmsh_session import unavailable
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array
+from ringwear.studies.methods.base import Discretised
 from ringwear.studies.methods.base import method as named
-from ringwear.studies.methods.pipeline import ComplianceMethod, Discretised
+from ringwear.studies.methods.pipeline import ComplianceMethod
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 from ringwear.studies.wear.full_contact import RunningIn
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Options of `tests/physics/test_estimates.py`: the scenes that it draws at random."""
+    for name, default in (("seed", 3), ("scenes", 20), ("rings", 3)):
+        parser.addoption(f"--{name}", type=int, default=default, help="of scenes drawn at random")
 
 
 @dataclass(frozen=True, eq=False)

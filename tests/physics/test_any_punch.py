@@ -20,7 +20,7 @@ from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array
 from ringwear.studies.cli import main
 from ringwear.studies.crosscheck.agreement import AT_EDGES, remedy
-from ringwear.studies.methods.unilateral.solution import load_of
+from ringwear.studies.methods.spaces import load_of
 from ringwear.studies.output.folder import held
 from ringwear.studies.output.of_run import draw, write_numbers
 from ringwear.studies.problem.defaults import cells_of
@@ -200,7 +200,7 @@ def test_first_contact_is_located_once_for_all_methods(monkeypatch: pytest.Monke
         looked_for.append(arguments)
         return located(*arguments)
 
-    monkeypatch.setattr("ringwear.studies.methods.unilateral.solution.located", count)
+    monkeypatch.setattr("ringwear.studies.methods.spaces.located", count)
     run(scene(methods=["mdr", "bem"], punch__recess=[0.0, 0.02, 0.01], accuracy__rtol=1e-2))
     # on the cells of the result, and on half as many for its error
     assert len(looked_for) == 2

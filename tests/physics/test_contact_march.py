@@ -20,10 +20,10 @@ from ringwear.studies.problem.problem import Problem, Rings
 from ringwear.studies.problem.profile import InitialProfile
 from ringwear.studies.problem.sections import Power, RoundedRim
 from ringwear.studies.progress import Stages
-from ringwear.studies.wear.full_contact import RunningIn
 from ringwear.studies.wear.contact_edges import nodes, worn_edges
-from ringwear.studies.wear.moving_contact import ContactHistory, ContactMarch
+from ringwear.studies.wear.full_contact import RunningIn
 from ringwear.studies.wear.moments import moments
+from ringwear.studies.wear.moving_contact import ContactHistory, ContactMarch
 from ringwear.studies.wear.unilateral import Load
 
 BY_FORCE = Load(1.0)

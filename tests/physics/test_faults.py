@@ -45,9 +45,12 @@ def scale_compliance(method: type, size: float) -> Fault:
         return Compliance(compliance.space, compliance.factor * np.sqrt(1 + size))
 
     def change(ready: Any) -> Any:
-        return replace(ready, compliance=soften(ready.compliance), coarser=soften(ready.coarser))
+        coarser = ready.coarser
+        return replace(
+            ready, compliance=soften(ready.compliance), coarser=lambda: soften(coarser())
+        )
 
-    return change_result(method, "discretised", change)
+    return change_result(method, "discretise", change)
 
 
 def change_rings(change: Callable[[Rings], Rings]) -> Fault:

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
+from wear_reference import exact_results, true_errors
 
 from ringwear import Scene, run
-from ringwear.studies.estimates.reference import known
-from ringwear.studies.estimates.study import true_errors
 
 Solve = Callable[..., xarray.Dataset]
 Reference = dict[str, Any]
@@ -193,5 +192,8 @@ def test_profiles_are_as_good_where_little_is_worn(reference: Reference, name: s
     result = run(
         Scene.load("five_rings").changed(methods=[name], wear__times=times, accuracy__rtol=1e-4)
     )
-    exact, found = known(result.scene.problem).profile, result.solutions[name].checked.profile
+    exact, found = (
+        exact_results(result.scene.problem).profile,
+        result.solutions[name].checked.profile,
+    )
     assert float((np.abs(found - exact).max("radius") / exact.max("radius")).max()) <= 1e-4

@@ -1,7 +1,4 @@
-"""Orders that the studies state, each with an absolute cap, and what stands behind them.
-
-Plane waves, exact exteriors.
-"""
+"""Orders that the studies state, each with an absolute cap, and the exact exteriors behind them."""
 
 from __future__ import annotations
 
@@ -9,46 +6,35 @@ import itertools
 
 import numpy as np
 import pytest
-from scipy.special import spherical_jn
 
 from ringwear import Scene
 from ringwear.fem.far_field import exterior_stiffness, poles
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.radial import Array
-from ringwear.studies.convergence.cases import (
-    ELEMENTS,
-    FLAT,
+from ringwear.studies.numerics.convergence import (
+    GAIN,
     GRADINGS,
     PUNCH_MESH,
     PUNCH_RIM,
     QUAD_DEGREES,
     RING_EDGE,
-    SMOOTH,
     UNIFORM_MESH,
     by_mdr,
     by_quads,
     by_triangles,
     ellipses,
-    equal_by_mdr,
-    flat_d0,
-    lost_energy,
-    of_rings,
+    ring_quantities,
 )
-from ringwear.studies.convergence.orders import WITHIN, Sequence
-from ringwear.studies.convergence.study import GAIN
-from ringwear.studies.truncation import FAR_FIELDS, outwards
+from ringwear.studies.numerics.sequences import WITHIN, Sequence, Theory, fit
+from ringwear.studies.numerics.subdivision import FLAT, flat_d0
+from ringwear.studies.numerics.truncation import DISCRETISATION, move_outwards
 
 
-def sequence(sizes: Array, errors: Array) -> Sequence:
-    return Sequence("", "", exact=0.0, sizes=np.asarray(sizes), values=np.asarray(errors))
-
-
-def assert_order(sizes: Array, errors: Array, expected: float, cap: float) -> None:
+def assert_order(fitted: Sequence, cap: float) -> None:
     """By least squares and between the last levels, as the tables of the studies have it."""
-    levels = sequence(sizes, errors)
-    assert levels.order == pytest.approx(expected, abs=WITHIN)
-    assert levels.last_order == pytest.approx(expected, abs=WITHIN)
-    assert levels.errors[-1] <= cap
+    assert fitted.order == pytest.approx(fitted.theory.order, abs=WITHIN)
+    assert fitted.last_order == pytest.approx(fitted.theory.order, abs=WITHIN)
+    assert fitted.errors[-1] <= cap
 
 
 def d0_error(discretised: tuple[Compliance, int]) -> float:
@@ -56,53 +42,18 @@ def d0_error(discretised: tuple[Compliance, int]) -> float:
     return flat_d0(discretised[0])["d0"] / 0.5 - 1
 
 
-def lost_of_a_wave(degree: int, wave: float) -> float:
-    """Fraction of the energy, of symbol 1/|k|, of ``exp(ikx)`` that continuous polynomials on unit
-    elements lose.
-    """
-    aliases = wave + 2 * np.pi * np.arange(-400, 401)
-    # Legendre polynomials on an element in Fourier space, and from them hats and bubbles
-    bessel = [
-        spherical_jn(n, np.abs(aliases) / 2) * np.sign(aliases) ** n for n in range(degree + 1)
-    ]
-    legendre = [np.exp(-0.5j * aliases) * (-1j) ** n * values for n, values in enumerate(bessel)]
-    hat = (legendre[0] + legendre[1] + (legendre[0] - legendre[1]) * np.exp(-1j * aliases)) / 2
-    basis = np.array([hat, *(legendre[n] - legendre[n - 2] for n in range(2, degree + 1))])
-    gram, load = (basis / np.abs(aliases)) @ basis.conj().T, basis[:, 400] / wave
-    return float(1 - wave * np.vdot(load, np.linalg.solve(gram, load)).real)
-
-
-@pytest.mark.parametrize(("degree", "observed"), [(1, 5.34), (2, 6.60), (3, 9.21), (4, 10.30)])
-def test_order_of_a_compliance_by_fourier_analysis(degree: int, observed: float) -> None:
-    """Twice the degree and 3: even degrees come up to it as waves get long, odd ones down."""
-    # shorter waves for higher degrees: what long ones lose is not far from roundoff
-    waves = np.array({3: [0.8, 0.6], 4: [1.6, 1.2]}.get(degree, [0.8, 0.6, 0.3, 0.2]))
-    orders = sequence(waves, np.array([lost_of_a_wave(degree, wave) for wave in waves])).orders
-    assert orders[0] == pytest.approx(observed, abs=0.01)
-    theory = 2 * degree + 3
-    assert np.sign(observed - theory) == (-1) ** (degree + 1)
-    if degree <= 2:
-        assert orders[-1] == pytest.approx(theory, abs=0.1)
-
-
-@pytest.mark.parametrize(("degree", "cap"), [(1, 1e-10), (2, 4e-14), (3, 3e-19), (4, 3e-23)])
-def test_energy_of_a_smooth_pressure_by_mdr(degree: int, cap: float) -> None:
-    errors = [lost_energy(degree, equal_by_mdr(degree, count)[0])[SMOOTH] for count in ELEMENTS]
-    assert_order(1 / np.array(ELEMENTS), np.array(errors), 2 * degree + 3, cap)
-
-
 @pytest.mark.parametrize(("degree", "cap"), [(1, 2e-8), (2, 2e-12), (3, 5e-11), (4, 2e-13)])
 def test_indentation_by_mdr_on_meshes_graded_to_the_rim(degree: int, cap: float) -> None:
     """Degree 4 is on its way to 11 when roundoff ends it."""
-    sizes = np.array(list(ellipses(GRADINGS[degree]).values()))
-    errors = np.array(
-        [d0_error(by_mdr(FLAT, PUNCH_RIM, degree, grading)) for grading in GRADINGS[degree]]
-    )
-    assert errors.min() > 0
+    sizes = ellipses(GRADINGS[degree])
+    errors = [d0_error(by_mdr(FLAT, PUNCH_RIM, degree, grading)) for grading in sizes]
+    theory = Theory(2 * degree + 3)
+    fitted = Sequence("", "", theory, np.array(list(sizes.values())), np.array(errors))
+    assert min(errors) > 0
     if degree < 4:
-        assert_order(sizes, errors, 2 * degree + 3, cap)
+        assert_order(fitted, cap)
     else:
-        orders = sequence(sizes, errors).orders
+        orders = fitted.orders
         assert 10.5 < orders[0] < orders[1] < orders[2] < 11
         assert errors[-1] <= cap
 
@@ -121,9 +72,9 @@ def test_indentation_by_mdr_on_meshes_graded_to_the_rim(degree: int, cap: float)
 def test_indentation_by_subdivided_elements(
     degree: int, graded: bool, counts: tuple[int, ...], cap: float
 ) -> None:
-    field = PUNCH_MESH if graded else UNIFORM_MESH
-    errors = [d0_error(by_triangles(field, degree, 0.3, count)) for count in counts]
-    assert_order(1 / np.array(counts), np.abs(errors), 2 * degree if graded else 1, cap)
+    field, theory = (PUNCH_MESH, 2 * degree) if graded else (UNIFORM_MESH, 1)
+    errors = np.array([d0_error(by_triangles(field, degree, 0.3, count)) for count in counts])
+    assert_order(Sequence("", "", Theory(theory), 1 / np.array(counts), errors), cap)
 
 
 def assert_factor(errors: Array, cap: float) -> None:
@@ -150,27 +101,27 @@ def test_indentation_on_quadrilaterals_by_the_degree(ratio: float, cap: float) -
 def test_rings_on_quadrilaterals_by_the_degree() -> None:
     """The finer degrees, up to roundoff, are for the study."""
     problem = Scene.load("five_rings").problem
-    exact = of_rings(problem, by_mdr(problem.ring_edges, RING_EDGE, 10, 0.15)[0])
-    levels = [
-        of_rings(problem, by_quads(problem.ring_edges, RING_EDGE, 0.3, degree)[0])
+    edges = problem.ring_edges
+    exact = ring_quantities(problem, by_mdr(edges, RING_EDGE, 10, 0.15)[0])
+    degrees = [
+        ring_quantities(problem, by_quads(edges, RING_EDGE, 0.3, degree)[0])
         for degree in range(4, 9)
     ]
-    for name in ("d(1)", "slowest relaxation time", "mean steady displacement"):
-        assert_factor(np.array([abs(values[name] / exact[name] - 1) for values in levels]), 2e-9)
-    # from both sides
-    name = "force on the outer ring at 1"
-    assert abs(levels[-1][name] / exact[name] - 1) <= 1e-8
+    for name in ("d(1)", "slowest relaxation time"):
+        assert_factor(np.array([abs(values[name] / exact[name] - 1) for values in degrees]), 2e-9)
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.3, 0.5])
 def test_truncation_by_every_far_field(ratio: float) -> None:
     """From R = 4 a on, against six poles on the same mesh."""
-    refinement = outwards((4, 5, 6, 7), ratio)
-    values = [refinement.quantities(refinement.discretise(count)[0]) for count in refinement.levels]
-    sizes = np.array(list(refinement.levels.values()))
+    family = move_outwards((4, 5, 6, 7), ratio)
+    rows = [{"family": family.name, "size": level.size} | level.solve() for level in family.levels]
+    fitted = {sequence.quantity: sequence for sequence in fit([family], rows)}
+    del fitted[DISCRETISATION]
     caps = {"fixed": 0.3, "1 pole": 7e-5, "2 poles": 3e-8, "3 poles": 2e-11}
-    for name, expected in FAR_FIELDS.items():
-        assert_order(sizes, np.abs([value[name] - 1 for value in values]), expected, caps[name])
+    for far_field, cap in caps.items():
+        assert_order(fitted.pop(far_field), cap)
+    assert not fitted
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.3, 0.5])

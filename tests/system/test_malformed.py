@@ -59,9 +59,6 @@ COMMANDS: list[tuple[list[str], tuple[str, ...]]] = [
     (["study", "everything"], ("everything", "paper")),
     (["study", "paper", "--fig", "3"], ("--fig", "3")),
     (["study", "march", "--out", ""], ("--out", "give a directory")),
-    (["study", "estimates", "--seed", "-1", "--out", "{tmp}/new"], ("--seed", "-1", "0 or more")),
-    (["study", "estimates", "--count", "0", "--out", "{tmp}/new"], ("--count", "0", "1 or more")),
-    (["study", "estimates", "--rings", "0", "--out", "{tmp}/new"], ("--rings", "0", "1 or more")),
     (
         ["study", "refinement", "--mesh", "{tmp}/none.msh", "--out", "{tmp}/new"],
         ("--mesh", "none.msh"),

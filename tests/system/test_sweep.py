@@ -15,8 +15,8 @@ import xarray
 from ringwear import Scene, run, sweep
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
-from ringwear.studies.methods.pipeline import compliance_method
 from ringwear.studies.methods.estimate import estimated, worn_together
+from ringwear.studies.methods.pipeline import compliance_method
 from ringwear.studies.methods.quantities import QUANTITIES, differences, error_name
 from ringwear.studies.paper import gradients
 from ringwear.studies.problem.defaults import sharpness

@@ -114,9 +114,8 @@ def test_the_default_finite_elements_are_those_of_scikit_fem() -> None:
     from ringwear.studies.methods.fem import METHOD
     from ringwear.studies.progress import Stages
 
-    half_space = METHOD.discretised(
-        Scene.load("five_rings").problem, Stages("fem"), coarser=False
-    ).half_space
+    problem = Scene.load("five_rings").problem
+    half_space = METHOD.discretise(problem, Stages("fem")).half_space
     assert half_space is not None
     solid = half_space.solid
     assert type(solid.mesh) is MeshQuad

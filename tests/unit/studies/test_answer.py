@@ -19,10 +19,10 @@ from ringwear.meshes.radial import alternating_edges, ring_areas
 from ringwear.studies.crosscheck.anchors import energy_of_rings
 from ringwear.studies.crosscheck.dataset import Result
 from ringwear.studies.crosscheck.scope import time_scale
-from ringwear.studies.wear.time_scale import slowest_relaxation_time
 from ringwear.studies.problem.unit_names import UnitNames
 from ringwear.studies.report.printed import print_account
 from ringwear.studies.report.words import Account
+from ringwear.studies.wear.time_scale import slowest_relaxation_time
 
 EDGES, K = alternating_edges(5), np.array([1.0, 10.0, 1.0, 10.0, 1.0])
 

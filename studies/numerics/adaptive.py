@@ -27,30 +27,19 @@ from ..problem.problem import Problem
 from ..wear.flat_contact import press_flat
 from ..wear.full_contact import RunningIn
 
-SIZE = 1.2  # of the elements of the uniform mesh
 DEGREE = 4
-MOST_UNKNOWNS = 60_000
-# of a mesh of the quarter disc, by the middle of a facet
-BOUNDARIES = {
-    "contact": lambda x: (x[1] == 0) & (x[0] < 1),
-    "free": lambda x: (x[1] == 0) & (x[0] > 1),
-    "axis": lambda x: x[0] == 0,
-    "far": lambda x: (x[0] > 0) & (x[1] > 0),
-}
+"""Of the displacement on triangles."""
 
 
-def uniform(ring_edges: Array) -> MeshTri:
-    """Triangles of one size, and smaller ones only where a ring edge would not be a vertex."""
-    return bisection.mesh(
-        SizeField(tuple(ring_edges.tolist()), SIZE, SIZE, 0.0, WIDER_TRUNCATION, SIZE)
-    )
-
-
-class Solved(NamedTuple):
+class SolvedMesh(NamedTuple):
     """What a mesh gives, and where it is wrong.
 
-    The estimated relative error of displacements is the part of the energy in doubt, or what the
-    pressure space does not hold; the worst elements are those to refine.
+    Parameters
+    ----------
+    half_space, wear : of the mesh
+    estimate : relative error of displacements: the part of the energy in doubt, or what the
+        pressure space does not hold
+    worst : elements to refine
     """
 
     half_space: HalfSpace
@@ -59,48 +48,69 @@ class Solved(NamedTuple):
     worst: Indices
 
 
-def solved(problem: Problem, mesh: Mesh, degree: int) -> Solved:
-    """The finite elements of a degree on a mesh, with their indicators."""
+def uniform_mesh(ring_edges: Array) -> MeshTri:
+    """Mesh in triangles of one size, smaller only where a ring edge would not be a vertex."""
+    size, edges = 1.2, tuple(ring_edges.tolist())
+    return bisection.mesh(SizeField(edges, size, size, 0.0, WIDER_TRUNCATION, size))
+
+
+def refine_adaptively(problem: Problem, mesh: MeshTri, tolerance: float) -> Iterator[SolvedMesh]:
+    """Solve and refine in rounds, until the estimate is below the tolerance or the unknowns are too
+    many.
+    """
+    # of a mesh of the quarter disc, by the middle of a facet
+    boundaries = {
+        "contact": lambda x: (x[1] == 0) & (x[0] < 1),
+        "free": lambda x: (x[1] == 0) & (x[0] > 1),
+        "axis": lambda x: x[0] == 0,
+        "far": lambda x: (x[0] > 0) & (x[1] > 0),
+    }
+    yield (solved := solve_on(problem, mesh, DEGREE))
+    while solved.estimate > tolerance and solved.half_space.unknowns < 60_000:
+        # local refinement by scikit-fem loses the names of boundaries, and warns of it
+        mesh = MeshTri(mesh.p, mesh.t).refined(solved.worst).with_boundaries(boundaries)
+        yield (solved := solve_on(problem, mesh, DEGREE))
+
+
+def solve_on(problem: Problem, mesh: Mesh, degree: int) -> SolvedMesh:
+    """Solve the finite elements of a degree on a mesh, and find the worst of them."""
     rings, solid = problem.merged, AxisymmetricElasticity(mesh, degree, problem.poisson_ratio)
-    half_space = HalfSpace(
-        solid, pressure_space(solid, rings.ring_edges), pole_orders(problem, truncation(mesh))
-    )
-    wear = RunningIn(half_space.compliance(), rings.wear_coefficients)
-    states = np.array([press_flat(wear.compliance).pressure, wear.steady.pressure])
-    energies = np.sum((states @ wear.compliance.factor.T) ** 2, axis=1)
-    in_doubt, lost = (
-        indicators(solid, displacements(half_space, states), energies),
-        _lost(half_space, wear),
-    )
+    poles = pole_orders(problem, truncation(mesh))
+    half_space = HalfSpace(solid, pressure_space(solid, rings.ring_edges), poles)
+    compliance = half_space.compliance()
+    wear = RunningIn(compliance, rings.wear_coefficients)
+    states = np.array([press_flat(compliance).pressure, wear.steady.pressure])
+    energies = np.sum((states @ compliance.factor.T) ** 2, axis=1)
+    in_doubt = indicators(solid, displacements(half_space, states), energies)
+    lost = lost_displacement(half_space, wear)
     energy, displacement = float(in_doubt.sum()), float(np.sqrt(lost.sum()))
     worst = adaptive_theta(in_doubt)
     if displacement > energy:
         worst = np.union1d(worst, mesh.f2t[0, contact_facets(mesh)[adaptive_theta(lost)]])
-    return Solved(half_space, wear, max(energy, displacement), worst)
+    return SolvedMesh(half_space, wear, max(energy, displacement), worst)
 
 
-def _lost(half_space: HalfSpace, wear: RunningIn) -> Array:
-    """(n,) mean square, by contact facet, of the part of the steady displacement that the pressure
-    space does not hold.
+def lost_displacement(half_space: HalfSpace, wear: RunningIn) -> Array:
+    """Return the mean square (n,), by contact facet, of the part of the steady displacement that
+    the pressure space does not hold.
     """
     count = half_space.solid.degree + 1
     local = (1 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2
     _, whole, _ = half_space.contact_displacement(wear.steady.pressure, local)
-    held = (half_space.space.on_elements(2 * local - 1) @ wear.steady.displacement).reshape(
-        whole.shape
-    )
-    return np.asarray(
-        ((whole - held) ** 2).mean(axis=1)
-        * np.diff(half_space.space.breakpoints)
-        / (whole**2).mean()
-    )
+    space = half_space.space
+    inside = (space.on_elements(2 * local - 1) @ wear.steady.displacement).reshape(whole.shape)
+    square = ((whole - inside) ** 2).mean(axis=1) / (whole**2).mean()
+    return np.asarray(square * np.diff(space.breakpoints))
 
 
 def indicators(solid: AxisymmetricElasticity, displacement: Array, energies: Array) -> Array:
-    """(m,) energy of the stresses of highest degree over the energy of each state, the greatest of
-    the states.
+    """Return the energy (m,) of the stresses of highest degree over the energy of each state, the
+    greatest of the states.
 
-    Displacements are (states, functions, 2) coefficients, energies (states,).
+    Parameters
+    ----------
+    displacement : (states, functions, 2) coefficients
+    energies : (states,)
     """
     out, nu = np.zeros(solid.mesh.nelements), solid.poisson_ratio
     for batch in solid.batches:
@@ -119,14 +129,3 @@ def indicators(solid: AxisymmetricElasticity, displacement: Array, energies: Arr
         energy = np.sum(density * 2 * np.pi * basis.global_coordinates()[0] * basis.dx, axis=2)
         out[batch.elements] = (energy / energies[:, None]).max(axis=0)
     return out
-
-
-def adapted(problem: Problem, mesh: MeshTri, tolerance: float) -> Iterator[Solved]:
-    """Rounds of solving and refining, until the estimate is below the tolerance or the unknowns run
-    out.
-    """
-    yield (now := solved(problem, mesh, DEGREE))
-    while now.estimate > tolerance and now.half_space.unknowns < MOST_UNKNOWNS:
-        # local refinement by scikit-fem loses the names of boundaries, and warns of it
-        mesh = MeshTri(mesh.p, mesh.t).refined(now.worst).with_boundaries(BOUNDARIES)
-        yield (now := solved(problem, mesh, DEGREE))

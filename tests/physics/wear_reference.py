@@ -10,8 +10,12 @@ wear rate, and no half-space, mesh, basis or quadrature is shared with any metho
 distances from the nearest ring edge, so that layers may be far thinner than `s` itself could tell.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
+from typing import NamedTuple, Self
 
 import numpy as np
 import xarray
@@ -19,14 +23,67 @@ from numpy.polynomial.legendre import legder, leggauss, legval, legvander
 from scipy.linalg import qr, svd
 from scipy.special import roots_jacobi
 
-from ...meshes.radial import Array, Indices
-from ..methods.direct import steady
-from ..methods.quantities import labelled
-from ..problem.problem import D0, Problem
-from .layers import Layers
+from ringwear.mdr import direct
+from ringwear.meshes.radial import Array, Indices, ring_of
+from ringwear.studies.crosscheck.run import Result
+from ringwear.studies.methods.quantities import QUANTITIES, differences, labelled
+from ringwear.studies.problem.problem import D0, Problem
 
-# elements, in s: thinner layers would be felt by slopes alone, and by little
-SMALLEST = 1e-14
+
+class Layers(NamedTuple):
+    """Elements from the rim (s = 0) to the axis.
+
+    Parameters
+    ----------
+    edge : (n,) the nearest ring edge of each element, in s
+    low, high : (n,) its ends, as distances from that edge
+    ring : (n,) its ring, counted from the rim
+    between : (n,) how many elements are between it and the edge
+    """
+
+    edge: Array
+    low: Array
+    high: Array
+    ring: Indices
+    between: Indices
+
+    @classmethod
+    def graded(cls, edges: Array, smallest: Array, factor: float) -> Self:
+        """Elements that shrink by a factor towards every ring edge, down to a size at each.
+
+        The axis is no edge.
+        """
+        pieces: list[Layers] = []
+        for ring, (left, right) in enumerate(pairwise(edges)):
+            half = (right - left) / 2
+            for edge, beside in ((left, ring), (right, ring + 1)):
+                at_axis = beside == len(smallest)
+                ratio = 1.0 if at_axis else smallest[beside] / half
+                count = max(0, int(np.ceil(np.log(ratio) / np.log(factor))))
+                ends = np.append(0.0, half * factor ** np.arange(count, -1.0, -1))
+                between = np.arange(len(ends) - 1) + (len(pieces[-1].low) if at_axis else 0)
+                piece = cls(
+                    np.full(len(between), edge),
+                    ends[:-1],
+                    ends[1:],
+                    np.full(len(between), ring),
+                    between,
+                )
+                pieces.append(piece if edge == left else piece.mirrored())
+        return cls(*(np.concatenate(parts) for parts in zip(*pieces, strict=True)))
+
+    def mirrored(self) -> Self:
+        """The same on the other side of the edge."""
+        return self._replace(low=-self.high[::-1], high=-self.low[::-1], between=self.between[::-1])
+
+    @property
+    def widths(self) -> Array:
+        return self.high - self.low
+
+    @property
+    def breakpoints(self) -> Array:
+        """(n+1,) element boundaries in s, to the digits of s."""
+        return np.append(self.edge + self.low, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,43 +312,57 @@ class Reference:
         )
 
 
-def known(problem: Problem, finer: float = 0.01) -> xarray.Dataset:
-    """What a problem asks for at the times that are checked, on the face of the punch, to `finer`
-    times its accuracy.
+def exact_results(problem: Problem, finer: float = 0.01) -> xarray.Dataset:
+    """Return what a problem asks for at the times that are checked, on the face of the punch.
 
-    The start and the steady state are closed forms.
+    To `finer` times its accuracy; the start and the steady state are closed forms.
     """
-    rings, face, times = problem.merged, problem.face, problem.times[problem.checked]
+    rings, times = problem.merged, problem.times[problem.checked]
     error = finer * problem.rtol
     # wear blunts the pressure beside an edge as the slower ring wears
     slower = np.minimum(rings.wear_coefficients, np.append(rings.wear_coefficients[1:], np.inf))
     narrowest = np.minimum(rings.widths.min(), slower * (problem.earliest or np.inf))
-    smallest = np.maximum(0.1 * error * narrowest, SMALLEST * finer / 0.01)
+    # in s; thinner layers would be felt by slopes alone, and by little
+    smallest = np.maximum(0.1 * error * narrowest, 1e-12 * finer)
     degree = int(np.ceil(np.log(1 / error) / np.log(3))) + 1
     punch = Reference(rings.ring_edges, rings.wear_coefficients, smallest, degree)
-    parts = [steady(problem, face.radii)] if problem.steady else []
+    parts = [steady_results(problem)] if problem.steady else []
     if len(times):
-        parts += [
-            _history(problem, punch, times),
-            xarray.Dataset({"relaxation_time": ("mode", punch.relaxation_times[:20])}),
-        ]
+        relaxation = {"relaxation_time": ("mode", punch.relaxation_times[:20])}
+        parts += [history_results(problem, punch, times), xarray.Dataset(relaxation)]
     return xarray.merge(parts)
 
 
-def _history(problem: Problem, punch: Reference, times: Array) -> xarray.Dataset:
+def steady_results(problem: Problem) -> xarray.Dataset:
+    """Return the steady state in closed form, on the face."""
+    edges, wear = problem.merged
+    pressures, radii = direct.steady_pressures(edges, wear), problem.face.radii
+    greatest = direct.greatest_displacement(edges, pressures)
+    values = {
+        "steady_pressure": pressures[ring_of(edges, radii)],
+        "steady_profile": greatest - direct.displacement(edges, pressures, radii),
+        "steady_displacement_max": greatest,
+        "steady_rms_slope": direct.rms_slope(edges, pressures, problem.gradient_average),
+        "steady_wear_rate": wear[0] * pressures[0],
+    }
+    return labelled(values, radii)
+
+
+def history_results(problem: Problem, punch: Reference, times: Array) -> xarray.Dataset:
+    """Return the history, on the face."""
     pressure, worn, indentation = punch.at(times[times > 0])
-    face, ring_edges = problem.face, problem.ring_edges
-    profile = punch.worn(worn, face.radii)
+    radii, edges = problem.face.radii, problem.ring_edges
 
     def with_start(later: Array, start: Array | float) -> Array:
-        out = np.empty((len(times), *later.shape[1:]))
-        out[times > 0], out[times == 0] = later, start
-        return out
+        values = np.empty((len(times), *later.shape[1:]))
+        values[times > 0], values[times == 0] = later, start
+        return values
 
-    unworn = 2 * np.pi * np.sqrt((1 - face.radii) * (1 + face.radii))
-    profile, d = with_start(profile, 0.0), with_start(indentation, D0)
+    unworn = 1 / (2 * np.pi * np.sqrt((1 - radii) * (1 + radii)))
+    profile = with_start(punch.worn(worn, radii), 0.0)
+    d = with_start(indentation, D0)
     values = {
-        "pressure": with_start(punch.values(pressure, face.radii), 1 / unworn),
+        "pressure": with_start(punch.values(pressure, radii), unworn),
         "profile": profile,
         "displacement": d[:, None] - profile,
         "indentation": d,
@@ -299,7 +370,30 @@ def _history(problem: Problem, punch: Reference, times: Array) -> xarray.Dataset
         "displacement_max": with_start(punch.greatest(worn, indentation), D0),
         "rms_slope": with_start(punch.rms_slopes(worn, problem.gradient_average), 0.0),
     }
-    if len(ring_edges) == len(problem.merged.ring_edges):
-        start = -np.diff(np.sqrt((1 - ring_edges) * (1 + ring_edges)))
+    if len(edges) == len(problem.merged.ring_edges):
+        start = -np.diff(np.sqrt((1 - edges) * (1 + edges)))
         values["ring_force"] = with_start(punch.ring_forces(pressure), start)
-    return labelled(values, face.radii, times)
+    return labelled(values, radii, times)
+
+
+def true_errors(result: Result) -> dict[str, dict[str, tuple[Array, Array]]]:
+    """Return (error, estimate) at the checked times, by method and quantity of a run.
+
+    Beyond what the reference is known to, which is how far a coarser one is from it; of relaxation
+    times, the three slowest.
+    """
+    problem = result.scene.problem
+    exact = exact_results(problem)
+    unsure = differences(exact_results(problem, finer=0.03), exact, problem.face)
+    errors: dict[str, dict[str, tuple[Array, Array]]] = {}
+    for name, solution in result.solutions.items():
+        errors[name] = {}
+        for quantity, error in differences(solution.checked, exact, problem.face).items():
+            estimate, dims = solution.errors[quantity], QUANTITIES[quantity].dims
+            if "time" in dims:
+                estimate = estimate[problem.checked]
+            parts = [np.atleast_1d(part) for part in (error, estimate, unsure[quantity])]
+            shown = min(3 if "mode" in dims else np.inf, *map(len, parts))
+            error, estimate, doubt = (part[:shown] for part in parts)
+            errors[name][quantity] = np.maximum(error - 2 * doubt, 0.0), estimate
+    return errors

@@ -1,6 +1,4 @@
-"""The reference solution.
-
-The steady state at any parameters, by means that no method uses. Non-dimensional.
+"""The steady state at any parameters, by means that no method uses. Non-dimensional.
 
 Displacements and slopes of discs are taken in Carlson's symmetric integrals, where direct
 integration uses Legendre's, and integrated on geometric meshes, where direct integration
@@ -19,10 +17,9 @@ from ...meshes.radial import Array
 
 
 @dataclass(frozen=True, eq=False)
-class Reference:
-    """Rings that alternate, so that two patterns make every steady state.
-
-    Unit pressure on the odd ones, or the even ones.
+class SteadyRings:
+    """Rings that alternate, so that two patterns make every steady state: unit pressure on the odd
+    ones, or the even ones.
 
     Parameters
     ----------
@@ -37,14 +34,14 @@ class Reference:
         return np.eye(2)[np.arange(len(self.ring_edges) - 1) % 2]
 
     def pressures(self, wear_coefficients: Array) -> Array:
-        """(2,) steady pressure of each pattern, by the wear coefficients of the first two rings."""
+        """Return the steady pressure (2,) of each pattern by wear coefficients of the rings."""
         inner, outer = self.ring_edges[:-1], self.ring_edges[1:]
         areas = np.pi * (outer - inner) * (outer + inner) @ self._patterns
-        both = np.resize(wear_coefficients, 2)
-        return np.asarray(1 / both / np.sum(areas / both))
+        two = np.resize(wear_coefficients, 2)
+        return np.asarray(1 / two / np.sum(areas / two))
 
     def fields(self, radii: Array, distances: Array | None = None) -> tuple[Array, Array]:
-        """(n, 2) displacements and slopes.
+        """Return displacements and slopes (n, 2) of the patterns at radii (n,).
 
         `distances` (n, N) to the ring edges, if differences of radii lose digits.
         """
@@ -86,7 +83,7 @@ class Reference:
         return slope_gram, energy
 
     def greatest_displacement(self, pressures: Array) -> float:
-        """Greatest steady displacement.
+        """Return the greatest steady displacement.
 
         Sampled at four places in every ring, then polished at the best places.
         """
@@ -97,12 +94,10 @@ class Reference:
         inner, widths = self.ring_edges[:-1, None], np.diff(self.ring_edges)[:, None]
         radii = np.append(inner + widths * np.arange(4) / 4, 1.0)
         values = self.fields(radii)[0] @ pressures
-        around = (
-            radii[[max(best - 1, 0), min(best + 1, len(radii) - 1)]]
-            for best in np.argsort(values)[-3:]
-        )
-        polished = (
-            minimize_scalar(negative, bounds=ends, method="bounded", options={"xatol": 1e-12})
-            for ends in around
-        )
-        return max(float(values.max()), *(-float(one.fun) for one in polished))
+        greatest = values.max()
+        for best in np.argsort(values)[-3:]:
+            ends = radii[[max(best - 1, 0), min(best + 1, len(radii) - 1)]]
+            options = {"xatol": 1e-12}
+            top = minimize_scalar(negative, bounds=ends, method="bounded", options=options)
+            greatest = max(greatest, -top.fun)
+        return float(greatest)

@@ -1,1 +1,0 @@
-"""Seconds and errors against the paper's algorithm and a bare factorisation."""

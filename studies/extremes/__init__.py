@@ -1,1 +1,0 @@
-"""A map of the limits."""

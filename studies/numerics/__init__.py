@@ -1,0 +1,1 @@
+"""Studies of the numerics: orders, steps, boundaries, meshes, costs and limits."""

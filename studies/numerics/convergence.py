@@ -1,0 +1,208 @@
+"""Orders of convergence in the element size and the degree.
+
+Finite elements and MDR, graded and uniform meshes. For finite elements one base mesh is subdivided:
+an order is only as clean as its sequence of meshes.
+
+Theory, for displacements of degree k and pressures of degree q: energies (d0, displacements,
+relaxation times) are of order 2k on graded meshes and of order 1, set by the singular rim, on
+uniform ones. By MDR the energy norm of a pressure is half an order weaker than the mean square: d0
+is of order 2q+3, a history with its mean squares of order 2q+2, the RMS gradient of order 2q. Even
+degrees come up to 2q+3, odd ones down: plane waves ``exp(ikx)`` at kh = 0.7 give 5.34, 6.60, 9.21,
+10.77 (Fourier analysis); degree 4 meets roundoff before.
+
+On quadrilaterals whose layers shrink by ``q``, the degree k itself is raised (hp). A layer ends one
+layer off the singular point: polynomials converge there as ``r^k`` with ``r = (1-sqrt q)/(1+sqrt
+q)``, by Bernstein's ellipse (Gui & Babuška 1986), and energies as ``r^2k``: a factor of 9 per
+degree for q = 1/4. Layers further in have lower degrees, but ever less energy: they take some of
+the factor, and powers of k make it greater at first. The size of a raised degree is ``10^-degree``,
+so that its order is the digits that a degree gains.
+"""
+
+import argparse
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...mdr import direct, energy
+from ...meshes.compliance import Compliance
+from ...meshes.pressure_space import PressureSpace
+from ...meshes.quads import graded
+from ...meshes.radial import Array, graded_breakpoints
+from ...meshes.sizes import SizeField
+from ..problem.defaults import FACTOR, GROWTH
+from ..problem.problem import D0, Problem
+from ..problem.scene import Scene
+from ..tables import Row
+from .core import evaluate
+from .sequences import Family, Sequence, Theory, draw_orders, levels, publish, study_orders
+from .subdivision import FLAT, Discretised, condense, flat_d0, subdivided, triangulated
+
+SLOPE = "RMS gradient"
+PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
+"""Sizes of the smallest elements: by MDR at the rim of the flat punch; of rings."""
+PUNCH_MESH = SizeField((0.0, 1.0), 4e-9, 4e-9, growth=0.7, truncation=1e4, centre_size=1e4)
+UNIFORM_MESH = SizeField((0.0, 1.0), 0.35, 0.35, growth=0.0, truncation=4.0, centre_size=4.0)
+GRADINGS = {
+    1: (0.5, 0.6, 0.7, 0.8),
+    2: (0.7, 0.78, 0.84, 0.88),
+    3: (0.3, 0.4, 0.5, 0.6),
+    4: (0.4, 0.5, 0.6, 0.65),
+}
+"""MDR: by degree, ratios of neighbouring sizes of the mesh graded to the rim."""
+QUAD_DEGREES = range(4, 12)
+GAIN = ((1 + FACTOR**0.5) / (1 - FACTOR**0.5)) ** 2
+"""Factor per degree on quadrilaterals, by theory."""
+
+
+def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
+    """Refine everything; writes `convergence` and `orders`."""
+    conclusions: list[str] = []
+    refined = families(scene.problem, options.quick)
+    sequences, orders = study_orders(refined, out, "convergence", conclusions)
+    panels = {
+        "element size over the base mesh's, $1/n$": select(sequences, "FEM P"),
+        "$10^{-k}$, $k$ the degree on quadrilaterals": select(sequences, "FEM quads"),
+        r"$(1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of sizes": select(sequences, "MDR"),
+    }
+    draw_orders(out / "convergence.png", panels, "relative error")
+    conclusions[:0] = conclude(sequences)
+    page = out / "convergence.md"
+    return publish(page, "Orders of convergence", conclusions, {"Orders": orders})
+
+
+def families(problem: Problem, quick: bool) -> Iterator[Family]:
+    """Yield MDR and finite elements, on the flat start and on rings, by size and by degree."""
+    edges, ratio = problem.merged.ring_edges, problem.poisson_ratio
+    rings = partial(ring_quantities, problem)
+    # exact values: of rings by a fine MDR, and their gradient in closed form
+    flat, worn = {"d0": D0}, rings(by_mdr(edges, RING_EDGE, 10, 0.15)[0])
+    worn[SLOPE] = direct.rms_slope(edges, direct.steady_pressures(*problem.merged))
+    # relative errors below which roundoff or the innermost elements count: their part of d0 is 0.06
+    # of their size
+    roundoff, rim_floor, ring_floor = 1e-13, 0.06 * PUNCH_MESH.rim_size, 2e-10
+
+    def refine(
+        name: str,
+        discretise: Callable[[Any], Discretised],
+        sizes: Mapping[Any, float],
+        exact: Mapping[str, float],
+        order: float = np.nan,
+        floor: float = 0.0,
+    ) -> Family:
+        def solve(setting: Any) -> Row:
+            compliance, unknowns = discretise(setting)
+            values = flat_d0(compliance) if exact is flat else rings(compliance)
+            errors = {quantity: values[quantity] / exact[quantity] - 1 for quantity in exact}
+            return {"unknowns": unknowns} | errors
+
+        theory = dict.fromkeys(exact, Theory(order, floor))
+        if SLOPE in exact:  # of two orders less, and it feels the smallest elements more
+            theory[SLOPE] = Theory(order - 2, RING_EDGE)
+        return Family(name, levels(sizes, solve), theory)
+
+    for degree in (1, 2) if quick else (1, 2, 3, 4):
+        by_grading, sizes = partial(by_mdr, FLAT, PUNCH_RIM, degree), ellipses(GRADINGS[degree])
+        order = 2 * degree + 3
+        yield refine(f"MDR degree {degree}, graded", by_grading, sizes, flat, order, roundoff)
+    # degrees above 1 meet zeros or roundoff too early
+    sizes = ellipses((0.6, 0.7, 0.78, 0.84))
+    by_grading = partial(by_mdr, edges, RING_EDGE, 1)
+    yield refine("MDR degree 1, rings", by_grading, sizes, worn, 4, ring_floor)
+
+    ring_mesh = replace(
+        PUNCH_MESH, ring_edges=tuple(edges.tolist()), rim_size=RING_EDGE, ring_size=RING_EDGE
+    )
+    for name, field, exact, floor in (
+        ("graded", PUNCH_MESH, flat, rim_floor),
+        ("uniform", UNIFORM_MESH, flat, rim_floor),
+        ("rings, graded", ring_mesh, worn, ring_floor),
+    )[: 2 if quick else 3]:
+        for degree, counts in {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}.items():
+            by_count = partial(by_triangles, field, degree, ratio)
+            order = 2 * degree if field.growth else 1
+            sizes = {count: 1 / count for count in counts}
+            yield refine(f"FEM P{degree}, {name}", by_count, sizes, exact, order, floor)
+
+    raised = {degree: 0.1**degree for degree in QUAD_DEGREES}
+    by_degree = partial(by_quads, FLAT, 0.0, ratio)
+    yield refine("FEM quads, digits per degree", by_degree, raised, flat, floor=roundoff)
+    if not quick:
+        by_degree = partial(by_quads, edges, RING_EDGE, ratio)
+        yield refine("FEM quads, rings, digits per degree", by_degree, raised, worn, floor=roundoff)
+
+
+def ellipses(gradings: Iterable[float]) -> dict[Any, float]:
+    """Return, by the ratio of neighbouring sizes, how fast polynomials converge that are singular
+    one element away (Bernstein).
+    """
+    return {ratio: (1 - ratio**0.5) / (1 + ratio**0.5) for ratio in gradings}
+
+
+def by_mdr(ring_edges: Array, smallest: float, degree: int, grading: float) -> Discretised:
+    """Discretise by one degree on a radial mesh graded to one size at ring edges and rim."""
+    breakpoints = graded_breakpoints(ring_edges, smallest, smallest, grading)
+    space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), ring_edges)
+    return energy.compliance(space), space.size
+
+
+def by_triangles(field: SizeField, degree: int, poisson_ratio: float, count: int) -> Discretised:
+    """Discretise by triangles subdivided in log-polar coordinates about the ring edges that they
+    are graded to.
+    """
+    edges = np.array(field.ring_edges)
+    mesh = subdivided(triangulated(field), count, edges[1:] if field.growth else edges[:0])
+    return condense(mesh, edges, degree, poisson_ratio, poles=3)
+
+
+def by_quads(ring_edges: Array, least: float, poisson_ratio: float, degree: int) -> Discretised:
+    """Discretise by quadrilaterals, the smallest a tenth with each degree, down to `least`.
+
+    Of d0 they cost about 0.06 of their size, some per cent of what the degree does. What is worn is
+    blunt: there they cost the square of their size, and still smaller ones would have gradients of
+    roundoff.
+    """
+    smallest = max(0.1 ** (degree + 1), least)
+    mesh = graded(ring_edges, smallest, smallest, FACTOR, GROWTH, outer=2.5).mesh
+    return condense(mesh, ring_edges, degree, poisson_ratio, poles=8)
+
+
+def ring_quantities(problem: Problem, compliance: Compliance) -> dict[str, float]:
+    """Return the approach, the slowest relaxation time and the steady gradient of the rings."""
+    results = evaluate(replace(problem, times=np.array([1.0])), compliance)
+    return {
+        "d(1)": float(results["indentation"][0]),
+        "slowest relaxation time": float(results["relaxation_time"][0]),
+        SLOPE: float(results["steady_rms_slope"]),
+    }
+
+
+def select(sequences: Iterable[Sequence], begin: str, end: str = "") -> list[Sequence]:
+    """Return the sequences of families whose names begin and end so."""
+    return [
+        sequence
+        for sequence in sequences
+        if sequence.name.startswith(begin) and sequence.name.endswith(end)
+    ]
+
+
+def conclude(sequences: list[Sequence]) -> list[str]:
+    """Say the orders of d0, and what a degree gains on quadrilaterals."""
+    punch = [sequence for sequence in sequences if sequence.quantity == "d0"]
+    on_graded, on_uniform = (
+        ", ".join(f"{fem.name[4:6]} {fem.order:.2f}" for fem in select(punch, "FEM P", mesh))
+        for mesh in ("graded", "uniform")
+    )
+    return [
+        f"d0 converges with order {on_graded} on graded meshes (theory 4, 6, 8), but {on_uniform} "
+        "on uniform ones (1).",
+        *(
+            f"On quadrilaterals each degree takes the error of d0 down by {10**raised.order:.1f} "
+            f"(theory: in the end {GAIN:.0f}), to {raised.errors[-1]:.0e} at degree "
+            f"{-np.log10(raised.sizes[-1]):.0f}."
+            for raised in select(punch, "FEM quads")
+        ),
+    ]

@@ -1,0 +1,252 @@
+"""Sequences of discretisations: solved level by level, tabulated, their orders fitted and drawn.
+
+A study lists families: a family is one way to refine (a mesh, a step, an outer boundary, the dial
+of a method), from coarse to fine. Each level is solved to relative errors of some quantities. The
+observed order is the slope of ``log error`` over ``log size``: between neighbouring levels, and by
+least squares over all that lie above the floor where roundoff or another error takes over.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.ticker import LogLocator, NullFormatter
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from ...meshes.errors import RingwearError
+from ...meshes.radial import Array
+from ..figures.style import curve, legend_below, new_figure
+from ..progress import LOG
+from ..tables import Row, Table, keeping_rows, write_page
+
+WITHIN = 0.15
+"""How far an observed order may be from theory's, by least squares and between the last levels."""
+VERDICT = f"within {WITHIN}"
+"""The column of the table of orders that says so."""
+
+
+class Theory(NamedTuple):
+    """What is expected of the errors of a quantity.
+
+    Parameters
+    ----------
+    order : slope of log error over log size; NaN if there is no theory
+    floor : relative errors below it are shown but not counted
+    coarsest : levels of a greater size are shown but not counted: what theory neglects is not small
+        there
+    """
+
+    order: float = np.nan
+    floor: float = 0.0
+    coarsest: float = np.inf
+
+
+class Level(NamedTuple):
+    """One computation: its setting, how it is solved to a row of the table, and its size."""
+
+    setting: Any
+    solve: Callable[[], Row]
+    size: float = np.nan
+
+
+class Family(NamedTuple):
+    """Levels from coarse to fine, and the theory of the quantities whose orders are fitted."""
+
+    name: str
+    levels: Iterable[Level]
+    theory: Mapping[str, Theory] = {}
+
+
+def levels(sizes: Mapping[Any, float], solve: Callable[[Any], Row]) -> list[Level]:
+    """Return levels by their settings, each with its size."""
+    return [Level(setting, partial(solve, setting), size) for setting, size in sizes.items()]
+
+
+@dataclass(frozen=True)
+class Sequence:
+    """One quantity on the levels of a family that were solved.
+
+    Parameters
+    ----------
+    name : of the family
+    quantity : what was computed
+    theory : what is expected of it
+    sizes, signed : (n,) of the levels; errors relative and signed
+    """
+
+    name: str
+    quantity: str
+    theory: Theory
+    sizes: Array
+    signed: Array
+
+    @property
+    def errors(self) -> Array:
+        return np.abs(self.signed)
+
+    @property
+    def counted(self) -> NDArray[np.bool_]:
+        """(n,) whether a level counts for the order."""
+        return (self.errors > self.theory.floor) & (self.sizes <= self.theory.coarsest)
+
+    @property
+    def order(self) -> float:
+        """Observed order by least squares over the levels that count; NaN of fewer than two."""
+        return self._fit(slice(None))
+
+    @property
+    def last_order(self) -> float:
+        """Observed order between the last two levels that count."""
+        return self._fit(slice(-2, None))
+
+    def _fit(self, part: slice) -> float:
+        sizes, errors = (np.log(values[self.counted][part]) for values in (self.sizes, self.errors))
+        return float(np.polyfit(sizes, errors, 1)[0]) if len(sizes) > 1 else np.nan
+
+    @property
+    def orders(self) -> Array:
+        """(n-1,) observed orders between neighbouring levels; NaN at an error of zero."""
+        errors = np.where(self.errors > 0, self.errors, np.nan)
+        return np.diff(np.log(errors)) / np.diff(np.log(self.sizes))
+
+    @property
+    def verdict(self) -> str:
+        """Whether observed orders are those of theory, and if not, what is seen of the reason."""
+        expected, between = self.theory.order, self.counted[1:] & self.counted[:-1]
+        if np.isnan(expected):
+            return ""
+        if np.isnan(self.order):
+            return "too few levels above the floor"
+        if max(abs(self.order - expected), abs(self.last_order - expected)) <= WITHIN:
+            return "yes"
+        if np.ptp(np.sign(self.signed[self.counted])):
+            return "no: the error changes sign"
+        distance = np.abs(self.orders - expected)[between]
+        approaching = len(distance) > 1 and (np.diff(distance) < 0).all()
+        return "no: still approaching" if approaching else "no"
+
+    def summary(self) -> Row:
+        """Return a row of the table of orders; in brackets where not both levels count."""
+        between = self.counted[1:] & self.counted[:-1]
+        orders = zip(self.orders, between, strict=True)
+        return {
+            "refined": self.name,
+            "quantity": self.quantity,
+            "levels": f"{self.counted.sum()} of {len(self.sizes)}",
+            "expected order": self.theory.order,
+            "least squares": self.order,
+            "last levels": self.last_order,
+            VERDICT: self.verdict,
+            "between levels": " ".join(f"{p:.2f}" if both else f"({p:.2f})" for p, both in orders),
+            "finest error": f"{self.errors[-1]:.1e}",
+        }
+
+
+def solve_all(families: Iterable[Family], table: Table, conclusions: list[str]) -> list[Family]:
+    """Solve every level of every family, each a row that is on disk as soon as it is solved.
+
+    A level that fails is a row, too, and a conclusion. Ctrl-C keeps those before it.
+
+    Returns
+    -------
+    the families that were begun
+    """
+    begun = []
+    with threadpool_limits(1), keeping_rows(conclusions):
+        for family in families:
+            begun.append(family)
+            for level in family.levels:
+                LOG.info("   level  %s, %s ...", family.name, level.setting)
+                row = {"family": family.name, "setting": level.setting, "size": level.size}
+                try:
+                    row |= level.solve()
+                except RingwearError as error:
+                    row["remark"] = f"failed: {error}"
+                    conclusions.append(f"{family.name}, {level.setting} failed: {error}")
+                table.add(**row)
+    return begun
+
+
+def fit(families: Iterable[Family], rows: Iterable[Row]) -> list[Sequence]:
+    """Return a sequence for each quantity of a family that has a theory, if rows tell of it."""
+    rows, sequences = list(rows), []
+    for family in families:
+        for quantity, theory in family.theory.items():
+            levels = [row for row in rows if row["family"] == family.name and quantity in row]
+            if levels:
+                sizes, signed = np.array([(row["size"], row[quantity]) for row in levels]).T
+                sequences.append(Sequence(family.name, quantity, theory, sizes, signed))
+    return sequences
+
+
+def study_orders(
+    families: Iterable[Family], out: Path, name: str, conclusions: list[str]
+) -> tuple[list[Sequence], Table]:
+    """Solve families and fit their orders; writes `orders` and a table of the study's name.
+
+    Returns
+    -------
+    the sequences, and the table of their orders; how they agree with theory becomes the first of
+    the conclusions
+    """
+    families = list(families)
+    quantities = dict.fromkeys(quantity for family in families for quantity in family.theory)
+    fields = ("family", "setting", "size", "unknowns", *quantities, "remark")
+    table = Table(out / f"{name}.csv", fields)
+    sequences = fit(solve_all(families, table, conclusions), table.rows)
+    named = ("refined", "quantity", "levels", "expected order", "least squares", "last levels")
+    rows = (sequence.summary() for sequence in sequences)
+    orders = Table(out / "orders.csv", (*named, VERDICT, "between levels", "finest error"), rows)
+    judged = [sequence for sequence in sequences if sequence.verdict]
+    off = [
+        f"{sequence.name}, {sequence.quantity} ({sequence.verdict})"
+        for sequence in judged
+        if sequence.verdict != "yes"
+    ]
+    line = f"{len(judged) - len(off)} of {len(judged)} orders are within {WITHIN} of theory"
+    line = f"{line}, fitted and between the last levels"
+    conclusions.insert(0, f"{line}; but {'; '.join(off)}." if off else f"{line}.")
+    return sequences, orders
+
+
+def publish(
+    path: Path, title: str, conclusions: list[str], tables: Mapping[str, Table]
+) -> list[str]:
+    """Write the page of a study, and return what is printed: its conclusions and its tables."""
+    write_page(path, title, conclusions, tables)
+    return [*conclusions, *(f"{table.markdown()}{name}\n" for name, table in tables.items())]
+
+
+def draw_errors(axes: Any, curves: Mapping[str, Any], **labels: str) -> None:
+    """Draw errors over sizes, unknowns or seconds, logarithmic: a curve (2, n) for each label."""
+    for number, (label, (places, errors)) in enumerate(curves.items()):
+        shown = np.where(errors > 0, errors, np.nan)
+        axes.loglog(places, shown, label=label, **curve(number))
+    axes.set(**labels)
+    if curves:  # there are none after an early interruption
+        low, high = axes.get_xlim()
+        ticks = LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,))
+        axes.xaxis.set(major_locator=ticks, minor_formatter=NullFormatter())
+    axes.title.set_fontsize(9)
+    axes.grid(True, which="major", color="0.88", linewidth=0.6)
+
+
+def draw_orders(path: Path, panels: Mapping[str, list[Sequence]], ylabel: str) -> None:
+    """Draw errors over sizes, a panel for each label of these, with orders in the legend."""
+    figure = new_figure(4.4 * len(panels), 5 + 0.2 * max(map(len, panels.values())))
+    row = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
+    for axes, (xlabel, sequences) in zip(row, panels.items(), strict=True):
+        curves = {}
+        for sequence in sequences:
+            label = f"{sequence.name}, {sequence.quantity}: {sequence.order:.2f}"
+            if np.isfinite(sequence.theory.order):
+                label += f" (theory {sequence.theory.order:g})"
+            curves[label] = sequence.sizes, sequence.errors
+        draw_errors(axes, curves, xlabel=xlabel, ylabel=ylabel)
+        axes.label_outer()
+        legend_below(axes, title="observed order")
+    figure.savefig(path)

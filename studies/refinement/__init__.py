@@ -1,1 +1,0 @@
-"""Mesh refinement, and meshes of one's own."""

@@ -1,0 +1,99 @@
+"""Orders by sequences of levels, against exact sequences, and the meshes that they need."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ringwear.meshes import bisection
+from ringwear.meshes.errors import SolverError
+from ringwear.meshes.half_space import contact_radii, quality
+from ringwear.meshes.radial import Array
+from ringwear.meshes.sizes import SizeField
+from ringwear.studies.numerics.sequences import Family, Sequence, Theory, levels, study_orders
+from ringwear.studies.numerics.subdivision import subdivided
+from ringwear.studies.registry import INTERRUPTED
+
+SIZES = np.array([0.5, 0.3, 0.2, 0.1])
+
+
+def sequence(errors: Array, order: float = 2.0, **theory: float) -> Sequence:
+    return Sequence("h", "value", Theory(order, **theory), SIZES, errors)
+
+
+@pytest.mark.parametrize("order", [0.5, 1.0, 2.0, 7.5])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_orders_of_an_exact_sequence(order: float, sign: int) -> None:
+    fitted = sequence(sign * 0.3 * SIZES**order)
+    assert fitted.orders == pytest.approx(order)
+    assert (fitted.order, fitted.last_order) == pytest.approx((order, order))
+
+
+@pytest.mark.parametrize(
+    ("errors", "theory", "counted", "between"),
+    [
+        (np.maximum(SIZES**2, 0.045), {"floor": 0.05}, "2 of 4", "2.00 (1.71) (-0.00)"),
+        (np.where(SIZES <= 0.3, SIZES**2, 1.0), {"coarsest": 0.3}, "3 of 4", "(4.71) 2.00 2.00"),
+    ],
+)
+def test_levels_that_do_not_count_are_left_out_of_orders(
+    errors: Array, theory: dict[str, float], counted: str, between: str
+) -> None:
+    fitted = sequence(errors, **theory)
+    assert (fitted.order, fitted.last_order) == pytest.approx((2, 2))
+    assert fitted.summary()["levels"] == counted
+    assert fitted.summary()["between levels"] == between
+
+
+@pytest.mark.parametrize(
+    ("errors", "verdict"),
+    [
+        (SIZES**2, "yes"),
+        (SIZES**2.2, "no"),
+        (SIZES**2 * (1 - SIZES), "no: still approaching"),
+        (SIZES**2 - 0.05, "no: the error changes sign"),
+        (np.array([1.0, 0.0, 0.0, 0.0]), "too few levels above the floor"),
+        # fitted well by chance, while the last levels are off
+        (np.array([0.5**2, 0.3**2, 0.2**2, 0.9 * 0.1**2]), "no"),
+    ],
+)
+def test_verdicts_on_orders(errors: Array, verdict: str) -> None:
+    assert sequence(errors).verdict == verdict
+    assert sequence(errors, order=np.nan).verdict == ""
+
+
+def test_levels_that_fail_are_rows_and_those_before_ctrl_c_are_kept(tmp_path: Path) -> None:
+    def solve(size: float) -> dict[str, Any]:
+        if size == 0.3:
+            raise SolverError("singular")
+        if size == 0.1:
+            raise KeyboardInterrupt
+        return {"value": size**2}
+
+    family = Family("h", levels({size: size for size in SIZES}, solve), {"value": Theory(2.0)})
+    conclusions: list[str] = []
+    (fitted,), orders = study_orders([family], tmp_path, "levels", conclusions)
+    assert conclusions[0].startswith("1 of 1")
+    assert conclusions[-1] == INTERRUPTED
+    assert fitted.sizes == pytest.approx([0.5, 0.2])
+    assert fitted.order == pytest.approx(2)
+    assert len(orders.rows) == 1
+    _, *written = (tmp_path / "levels.csv").read_text("utf-8").splitlines()
+    assert len(written) == 3
+    assert "failed: singular" in written[1]
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_subdivision(count: int) -> None:
+    base = bisection.mesh(SizeField((0.0, 0.4, 1.0), 1e-5, 1e-4, 0.8, 20.0))
+    fine = subdivided(base, count, np.array([0.4, 1.0]))
+    assert fine.nelements == count**2 * base.nelements
+    # points put on the arc cost the triangles beside it some of their shape
+    assert quality(fine).min() > 0.5 * quality(base).min()
+    # every vertex of the base is kept, and the arc is an arc
+    assert np.isin(contact_radii(base), contact_radii(fine)).all()
+    far = fine.p[:, np.unique(fine.facets[:, fine.boundaries["far"]])]
+    assert np.hypot(*far) == pytest.approx(20.0, rel=1e-12)
