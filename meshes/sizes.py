@@ -42,6 +42,7 @@ class SizeField:
         people look at
     far_size : greatest size, over the truncation: elements of low degree follow the far field only
         along short sides
+    cells : sizes on the contact by (n,) radii, which those of the triangles beside it do not exceed
     """
 
     ring_edges: tuple[float, ...]
@@ -51,16 +52,18 @@ class SizeField:
     truncation: float
     centre_size: float = 0.25
     far_size: float = 0.25
+    cells: Callable[[Array], Array] | None = None
 
     def __call__(self, points: Array) -> Array:
         """(n,) sizes at (n, 2) points."""
+        radius, depth = points.T
         size = np.full(len(points), self.largest)
-        for edge, smallest in zip(
-            self.ring_edges, (self.centre_size, *self.ring_sizes, self.rim_size), strict=True
-        ):
-            size = np.minimum(
-                size, smallest + self.growth * np.hypot(points[:, 0] - edge, points[:, 1])
-            )
+        sizes = (self.centre_size, *self.ring_sizes, self.rim_size)
+        for edge, smallest in zip(self.ring_edges, sizes, strict=True):
+            size = np.minimum(size, smallest + self.growth * np.hypot(radius - edge, depth))
+        if self.cells:
+            away = np.hypot(depth, np.maximum(radius - 1, 0))
+            size = np.minimum(size, self.cells(np.minimum(radius, 1)) + self.growth * away)
         return size
 
     def coarser(self) -> "SizeField":
