@@ -1,4 +1,4 @@
-"""Finite-element half-spaces for contact on part of the face: fitted to its edges, or fine all over."""
+"""Finite-element half-spaces for contact on part of the face."""
 
 from dataclasses import replace
 

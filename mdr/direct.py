@@ -28,7 +28,7 @@ AT_ONCE = 2**16
 
 
 def ring_kernel(radius: Array, ring: Array) -> Array:
-    """Displacement at `radius` by a unit force on a thin ring, ``2 K / (pi^2 (r + r_ring))``: Eq. 19.
+    """Displacement by a unit force on a thin ring, ``2 K / (pi^2 (r + r_ring))``: Eq. 19.
 
     The arguments broadcast.
     """
@@ -199,7 +199,8 @@ def rms_slopes(ring_edges: Array, pressures: Array, average: str = "line") -> Ar
     The `average` is `line` (over the radius) or `area`.
     """
     radii, weights = _edge_quadrature(ring_edges)
-    weights = weights * {"line": 1.0, "area": 2 * radii}[average]
+    if average == "area":
+        weights = 2 * radii * weights
     return np.asarray(np.sqrt(weights @ slope(ring_edges, pressures, radii) ** 2))
 
 

@@ -1,8 +1,8 @@
 """Cells for a contact that opens, closes and spreads, and the space fitted to one that is known.
 
-Cells are small at ring edges, at the rim and where contact begins. Sizes vary by no more than a given growth with the distance, so
-that the contact line of a mesh of the half-space can follow the same field as a radial mesh.
-Lengths in punch radii.
+Cells are small at ring edges, at the rim and where contact begins. Sizes vary by no more than a
+given growth with the distance, so that the contact line of a mesh of the half-space can follow the
+same field as a radial mesh. Lengths in punch radii.
 """
 
 import itertools

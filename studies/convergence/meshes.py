@@ -13,7 +13,7 @@ from skfem import MeshTri
 
 from ...meshes import bisection, triangles
 from ...meshes.errors import MeshError
-from ...meshes.half_space import contact_radii, half_space
+from ...meshes.half_space import as_half_space, contact_radii
 from ...meshes.radial import Array, Indices
 from ...meshes.sizes import SizeField
 
@@ -50,7 +50,7 @@ def subdivided(mesh: MeshTri, count: int, tips: Array) -> MeshTri:
     unique, number = np.unique(points, return_inverse=True)
     corners = number.reshape(points.shape)[:, half.t.T].reshape(-1, 3)
     fine = MeshTri(np.stack([unique.real, unique.imag]), np.ascontiguousarray(corners.T))
-    return half_space(fine, contact_radii(mesh)[[0, -1]])
+    return as_half_space(fine, contact_radii(mesh)[[0, -1]])
 
 
 def _interpolated(vertices: Points, corners: Indices, weight: Array, tips: Array) -> Points:

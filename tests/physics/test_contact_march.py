@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from closed_forms import PowerPunch, worn_sphere
 
 from ringwear.fem.contact_meshes import even_half_space
 from ringwear.mdr import direct, energy
-from ringwear.mdr.static_contact import PowerPunch, worn_sphere
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.contact_cells import ContactCells
 from ringwear.meshes.radial import Array, ring_areas

@@ -9,10 +9,10 @@ from functools import cache, partial
 
 import numpy as np
 import pytest
+from closed_forms import PowerPunch, annulus_stiffness, thin_ring_stiffness
 
 from ringwear.fem.contact_meshes import even_half_space, fitted_half_space
 from ringwear.mdr import energy, ring_kernel
-from ringwear.mdr.static_contact import PowerPunch, annulus_stiffness, thin_ring_stiffness
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.contact_cells import ContactCells, fitted_space
 from ringwear.meshes.errors import SolverError

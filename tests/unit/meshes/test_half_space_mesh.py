@@ -19,8 +19,8 @@ from ringwear.meshes.errors import MeshError
 from ringwear.meshes.half_space import (
     LOWER,
     areas,
+    as_half_space,
     contact_radii,
-    half_space,
     quality,
     segments,
     truncation,
@@ -240,21 +240,21 @@ EDGES = np.array(FIELDS["rings"].ring_edges)
 
 def test_orphans_are_dropped(good: MeshTri) -> None:
     points = np.append(good.p, [[0.5], [0.5]], axis=1)
-    assert half_space(MeshTri(points, good.t), EDGES).nvertices == good.nvertices
+    assert as_half_space(MeshTri(points, good.t), EDGES).nvertices == good.nvertices
 
 
 @pytest.mark.parametrize("number", [0, 1, 100, -1])
 def test_a_hole_is_refused(good: MeshTri, number: int) -> None:
     """Wherever it is: inside, on the contact, on the axis, or on the arc."""
     with pytest.raises(MeshError):
-        half_space(MeshTri(good.p, np.delete(good.t, number, axis=1)), EDGES)
+        as_half_space(MeshTri(good.p, np.delete(good.t, number, axis=1)), EDGES)
 
 
 @pytest.mark.parametrize("name", ["contact", "free", "axis", "far"])
 def test_a_bite_out_of_each_boundary_is_refused(good: MeshTri, name: str) -> None:
     for number in good.f2t[0, good.boundaries[name][:3]]:
         with pytest.raises(MeshError):
-            half_space(MeshTri(good.p, np.delete(good.t, number, axis=1)), EDGES)
+            as_half_space(MeshTri(good.p, np.delete(good.t, number, axis=1)), EDGES)
 
 
 @pytest.mark.parametrize(
@@ -268,17 +268,17 @@ def test_a_bite_out_of_each_boundary_is_refused(good: MeshTri, name: str) -> Non
 )
 def test_a_spoilt_mesh_is_refused(good: MeshTri, spoil: Callable, named: str) -> None:
     with pytest.raises(MeshError, match=named):
-        half_space(MeshTri(spoil(good.p), good.t), EDGES)
+        as_half_space(MeshTri(spoil(good.p), good.t), EDGES)
 
 
 def test_a_missing_ring_edge_is_refused(good: MeshTri) -> None:
     with pytest.raises(MeshError, match=r"ring edge at r = 0\.500000001 a.*ring_size"):
-        half_space(good, np.array([0.0, 0.5 + 1e-9, 1.0]))
+        as_half_space(good, np.array([0.0, 0.5 + 1e-9, 1.0]))
 
 
 def test_a_doubled_element_is_refused(good: MeshTri) -> None:
     with pytest.raises(MeshError):
-        half_space(MeshTri(good.p, np.append(good.t, good.t[:, :1], axis=1)), EDGES)
+        as_half_space(MeshTri(good.p, np.append(good.t, good.t[:, :1], axis=1)), EDGES)
 
 
 def inside(mesh: Mesh) -> int:
@@ -289,7 +289,7 @@ def test_a_folded_mesh_is_refused(good: MeshTri) -> None:
     points = good.p.copy()
     points[:, inside(good)] += 0.9
     with pytest.raises(MeshError, match=r"overlap|degenerate"):
-        half_space(replace(good, doflocs=points), EDGES)
+        as_half_space(replace(good, doflocs=points), EDGES)
 
 
 def test_a_degenerate_element_is_refused(good: MeshTri) -> None:
@@ -297,7 +297,7 @@ def test_a_degenerate_element_is_refused(good: MeshTri) -> None:
     triangle = good.t[:, (good.t == vertex).any(axis=0)][:, 0]
     points[:, vertex] = points[:, triangle[triangle != vertex]].mean(axis=1) * (1 + 1e-9)
     with pytest.raises(MeshError, match="degenerate"):
-        half_space(replace(good, doflocs=points), EDGES)
+        as_half_space(replace(good, doflocs=points), EDGES)
 
 
 def test_what_is_too_narrow_is_refused() -> None:
