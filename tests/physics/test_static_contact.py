@@ -93,15 +93,6 @@ def test_closed_forms_against_an_independent_package() -> None:
     assert exact.force(0.7) / (np.pi * 0.7**2) == pytest.approx(mean, rel=1e-12)
 
 
-@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0, 3.0, 5.0])
-def test_closed_form_of_pressure_carries_the_force(exponent: float) -> None:
-    node, weight = np.polynomial.legendre.leggauss(60)
-    angle, exact = (1 + node) * np.pi / 4, PowerPunch(0.7, exponent)
-    radii, slopes = 0.8 * np.sin(angle), 0.8 * np.cos(angle) * np.pi / 4
-    force = 2 * np.pi * np.sum(radii * exact.pressure(0.8, radii) * slopes * weight)
-    assert force == pytest.approx(exact.force(0.8), rel=1e-4)
-
-
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("inner", ANNULI)
 def test_annuli(method: str, inner: float) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from scipy.sparse import coo_matrix, tril
+from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 from skfem import (
     Basis,
@@ -26,7 +26,7 @@ from skfem import (
 )
 
 from ringwear.fem import AxisymmetricElasticity, element_of_degree, moduli, poles, stiffness
-from ringwear.meshes import Array, SizeField, bisection, turned
+from ringwear.meshes import Array, turned
 from ringwear.meshes.half_space import LOWER
 
 # kind of mesh and degree of the displacement; of `layers`, degrees differ from element to element
@@ -153,38 +153,6 @@ def test_patches(kind: str, degree: int, poisson_ratio: float) -> None:
     if degree > 1:
         bending = shear * np.sum((12 * z**2 + 4 * r**2) * volumes)
         assert fields[2] @ forces[2] == pytest.approx(bending, rel=1e-9)
-
-
-@each_solid
-def test_stiffness_is_symmetric_and_definite_but_for_the_shift(kind: str, degree: int) -> None:
-    solid = AxisymmetricElasticity(rectangle(kind, 0.0, 1.0, 0.0, 1.0, 3), degree, 0.3)
-    dense = solid.stiffness.toarray()
-    np.testing.assert_allclose(dense, dense.T, atol=1e-13 * np.abs(dense).max())
-    free = ~np.tile(solid.fixed, 2)
-    free[solid.boundary("axis")] = False
-    eigenvalues = np.linalg.eigvalsh(dense[np.ix_(free, free)])
-    assert abs(eigenvalues[0]) <= 1e-13 * eigenvalues[-1]
-    assert eigenvalues[1] >= 1e-7 * eigenvalues[-1]
-
-
-@pytest.mark.parametrize("degree", [1, 2, 3, 4])
-def test_parts_of_the_stiffness(degree: int) -> None:
-    """Its lower triangle with unknowns fixed and in another order, and forces of displacements here
-    and there.
-    """
-    solid = AxisymmetricElasticity(
-        bisection.mesh(SizeField((0.0, 0.4, 1.0), 1e-3, 1e-2, 0.6, 5.0)), degree, 0.3
-    )
-    size, random = 2 * solid.nodes, np.random.default_rng(degree)
-    order = random.permutation(size)[: size // 2]
-    position = np.full(size, -1)
-    position[order] = np.arange(len(order))
-    tolerance = 1e-14 * abs(solid.stiffness).max()
-    expected = tril(solid.stiffness[order][:, order])
-    assert abs(solid.lower_triangle(position) - expected).max() <= tolerance
-    moved = np.zeros((size, 2))
-    moved[order[:3]] = random.normal(size=(3, 2))
-    assert np.abs(solid.forces(moved) - solid.stiffness @ moved).max() <= 10 * tolerance
 
 
 def greatest_error(
