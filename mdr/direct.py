@@ -67,15 +67,17 @@ def disc_energies(discs: Array) -> Array:
     return 8 / 3 * outer * ((outer**2 + inner**2) * ellipe(square) - second)
 
 
-def disc_slope(disc: Array, radius: Array) -> Array:
+def disc_slope(disc: Array, radius: Array, gap: Array | None = None) -> Array:
     """Slope ``du/dr`` at `radius` by unit pressure on a disc; the arguments broadcast.
 
+    `gap` is ``|radius - disc|``, for where the difference of the two has too few digits.
     ``K - E = m/3 R_D(0, 1 - m, 1)`` with the parameter m: Carlson's integral has no cancellation at
     small m. On the edge of the disc, where the slope is infinite, a large number stands for it.
     """
     larger = np.maximum(radius, disc)
     ratio = np.minimum(radius, disc) / larger
-    complement = np.maximum(np.abs(radius - disc) / larger * (1 + ratio), 1e-32)
+    gap = np.abs(radius - disc) if gap is None else gap
+    complement = np.maximum(gap / larger * (1 + ratio), 1e-32)
     # inside, K - E is divided by the ratio
     scale = np.where(radius <= disc, ratio, ratio**2)
     return np.asarray(-4 / (3 * np.pi) * scale * elliprd(0.0, complement, 1.0))
@@ -162,35 +164,46 @@ def slope_gram(ring_edges: Array, patterns: Array) -> tuple[Array, Array]:
     (m, m) matrices: ``p.T @ gram @ p`` is the squared RMS gradient (Eq. 18) of the pressure
     ``patterns @ p``, as an average over the radius and over the area.
     """
-    radii, line = _edge_quadrature(ring_edges)
-    slopes = slope(ring_edges, patterns, radii)
+    radii, line, slopes = _slopes_everywhere(ring_edges, patterns)
     over_line, over_area = (
         slopes.T @ (weights[:, None] * slopes) for weights in (line, 2 * radii * line)
     )
     return over_line, over_area
 
 
-def _edge_quadrature(ring_edges: Array) -> tuple[Array, Array]:
-    """Radii and weights on (0, 1) for integrands with logarithms at every ring edge.
+def _slopes_everywhere(ring_edges: Array, pressures: Array) -> tuple[Array, Array, Array]:
+    """Radii (R,) and weights (R,) of a quadrature on (0, 1), and the slopes (R, M) there.
 
     Each ring is cut in the middle, and each half graded down to its neighbours' widths: a narrow,
     highly loaded ring is felt beside it over many times its width. The seventh power of Gauss
-    points flattens the logarithms: RMS gradients err by 4e-14 for width ratios from 0.1 to 10.
+    points flattens the logarithms at ring edges: RMS gradients err by 4e-14 for width ratios from
+    0.1 to 10.
     """
     widths, factor = np.diff(ring_edges), 0.15
     sizes = np.minimum(widths, np.append(widths[1:], np.inf)) * factor**0.5
     breakpoints = graded_breakpoints(
         ring_edges, sizes[:-1], float(sizes[-1]), factor, axis_size=1.0
     )
-    left, width = breakpoints[:-1, None], np.diff(breakpoints)[:, None]
+    left, right, width = breakpoints[:-1], breakpoints[1:], np.diff(breakpoints)[:, None]
+    from_left, from_right = np.isin(left, ring_edges), np.isin(right, ring_edges)
     node, weight = unit_gauss(24)
-    power, power_weight = node**7, 7 * node**6 * weight
-    from_left, from_right = (
-        np.isin(ends, ring_edges)[:, None] for ends in (breakpoints[:-1], breakpoints[1:])
-    )
-    local = np.where(from_left, power, np.where(from_right, 1 - power, node))
-    weights = width * np.where(from_left | from_right, power_weight, weight)
-    return (left + width * local).ravel(), weights.ravel()
+    radii = np.where(
+        from_left[:, None],
+        left[:, None] + width * node**7,
+        right[:, None] - width * np.where(from_right[:, None], node**7, node),
+    ).ravel()
+    at_edge = (from_left | from_right)[:, None]
+    weights = (width * np.where(at_edge, 7 * node**6, 1.0) * weight).ravel()
+    edge = np.searchsorted(ring_edges, np.where(from_left, left, right)) * at_edge[:, 0]
+    edge, gaps = np.repeat(edge, len(node)), (width * node**7).ravel()
+    steps, slopes = pressure_steps(pressures), np.empty((len(radii), pressures.shape[1]))
+    for rows in np.array_split(np.arange(len(radii)), 1 + len(radii) * len(steps) // AT_ONCE):
+        apart = np.abs(radii[rows, None] - ring_edges[1:])
+        # so close to an edge that radii have lost the distance from it
+        close = np.flatnonzero(edge[rows])
+        apart[close, edge[rows][close] - 1] = gaps[rows][close]
+        slopes[rows] = disc_slope(ring_edges[1:], radii[rows, None], apart) @ steps
+    return radii, weights, slopes
 
 
 def rms_slopes(ring_edges: Array, pressures: Array, average: str = "line") -> Array:
@@ -198,10 +211,10 @@ def rms_slopes(ring_edges: Array, pressures: Array, average: str = "line") -> Ar
 
     The `average` is `line` (over the radius) or `area`.
     """
-    radii, weights = _edge_quadrature(ring_edges)
+    radii, weights, slopes = _slopes_everywhere(ring_edges, pressures)
     if average == "area":
         weights = 2 * radii * weights
-    return np.asarray(np.sqrt(weights @ slope(ring_edges, pressures, radii) ** 2))
+    return np.asarray(np.sqrt(weights @ slopes**2))
 
 
 def rms_slope(ring_edges: Array, pressures: Array, average: str = "line") -> float:
