@@ -34,12 +34,9 @@ def fill_reducing_order(groups: Indices, name: str = "") -> Indices:
         are neighbours
     name : `cholmod` or `superlu`; default the best one installed
     """
-    one, other = np.tril_indices(len(groups))
-    rows, columns = (
-        np.maximum(groups[one], groups[other]).ravel(),
-        np.minimum(groups[one], groups[other]).ravel(),
-    )
-    lower = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(groups.max() + 1,) * 2)
+    pairs = groups[np.array(np.tril_indices(len(groups)))]
+    places = pairs.max(axis=0).ravel(), pairs.min(axis=0).ravel()
+    lower = coo_matrix((np.ones(len(places[0])), places), shape=(groups.max() + 1,) * 2)
     if (name or solver()) == "cholmod":
         from kvxopt import amd
 

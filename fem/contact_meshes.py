@@ -1,29 +1,22 @@
-"""Finite-element half-spaces for contacts on part of the face.
+"""Finite-element half-spaces for contact on part of the face."""
 
-Fitted to its edges, or fine all over the face.
-"""
+from dataclasses import replace
 
 import numpy as np
 
 from ..meshes import bisection
-from ..meshes.contact_cells import ContactCells, contact_mesh_field
-from ..meshes.pressure_space import PressureSpace
+from ..meshes.contact_cells import ContactCells
 from ..meshes.quads import graded
 from ..meshes.radial import Array, Indices
+from ..meshes.sizes import SizeField
 from .elasticity import AxisymmetricElasticity
 from .far_field import enough_poles
 from .half_space import HalfSpace, pressure_space
 
-# a mark beside the axis, where a cone's pressure is infinite as a logarithm, and sizes as the
-# radial mesh has them; those at free edges larger, for the stiffness of small elements has fewer
-# digits
-MARK, AT_FREE, AT_CORNER = 1e-2, 2.5e-7, 1e-10
-FACTOR, GROWTH, TRUNCATION = 0.25, 0.8, 2.5
-# of triangles whose contact line follows given cells
-TRIANGLE_DEGREE, TRIANGLE_GROWTH, TRIANGLE_TRUNCATION = 3, 0.6, 5.0
-# growth of the triangles of a coarser half-space, whose difference shows what they err by
+# growth of triangles with the depth, and that of a coarser half-space, whose difference shows what
+# they err by
+TRIANGLE_GROWTH = 0.6
 COARSER_GROWTH = 0.9
-FAR_FIELD = 1e-10
 
 
 def fitted_half_space(
@@ -39,10 +32,13 @@ def fitted_half_space(
     poisson_ratio : of the half-space
     """
     marks = np.array(edges)
-    sizes = np.where(infinite, AT_CORNER, AT_FREE)[1:]
-    if edges[1] > 4 * MARK:
-        marks, sizes = np.insert(marks, 1, MARK), np.insert(sizes, 0, MARK)
-    mesh = graded(marks, sizes[:-1], float(sizes[-1]), FACTOR, GROWTH, TRUNCATION, _as_root).mesh
+    # infinite as a root, or falling to zero as one: smaller still, stiffnesses would lose digits
+    sizes = np.where(infinite, 1e-10, 2.5e-7)[1:]
+    # layers beside the axis, where a cone's pressure is infinite as a logarithm
+    beside_axis = 1e-2
+    if edges[1] > 4 * beside_axis:
+        marks, sizes = np.insert(marks, 1, beside_axis), np.insert(sizes, 0, beside_axis)
+    mesh = graded(marks, sizes[:-1], float(sizes[-1]), 0.25, 0.8, 2.5, _as_root).mesh
     return _half_space(AxisymmetricElasticity(mesh, degree, poisson_ratio), marks)
 
 
@@ -52,16 +48,12 @@ def even_half_space(
     """Triangles of degree 3 whose facets on the contact are no larger than the cells, with linear
     pressures on these.
     """
-    mesh = bisection.mesh(contact_mesh_field(cells, growth, TRIANGLE_TRUNCATION))
-    half_space = _half_space(
-        AxisymmetricElasticity(mesh, TRIANGLE_DEGREE, poisson_ratio), np.array(cells.ring_edges)
-    )
+    edges, size = cells.ring_edges, cells.edge_size
+    field = SizeField(edges, size, size, growth, 5.0, cells.largest, 0.125, cells)
+    solid = AxisymmetricElasticity(bisection.mesh(field), 3, poisson_ratio)
+    half_space = _half_space(solid, np.array(edges))
     space = half_space.space
-    return HalfSpace(
-        half_space.solid,
-        PressureSpace(space.breakpoints, np.ones_like(space.degrees), space.ring_edges),
-        half_space.poles,
-    )
+    return replace(half_space, space=replace(space, degrees=np.ones_like(space.degrees)))
 
 
 def _as_root(distance: Array, *_: Array | Indices) -> Array:
@@ -71,4 +63,4 @@ def _as_root(distance: Array, *_: Array | Indices) -> Array:
 
 def _half_space(solid: AxisymmetricElasticity, ring_edges: Array) -> HalfSpace:
     outer = float(solid.mesh.p[0].max())
-    return HalfSpace(solid, pressure_space(solid, ring_edges), enough_poles(outer, FAR_FIELD))
+    return HalfSpace(solid, pressure_space(solid, ring_edges), enough_poles(outer, 1e-10))

@@ -31,8 +31,8 @@ def _side_table(element: Element, side: int, outwards: bool, local: bytes, slope
     ends = list(refdom.facets[side])
     start, end = refdom.p.T[ends if outwards else ends[::-1]]
     value, gradient = tables(element, start[:, None] + (end - start)[:, None] * along)
-    own = np.append(ends, refdom.p.shape[1] + side * count + np.arange(count))
-    return np.einsum("nxq,x->nq", gradient, end - start)[own] if slope else value[own]
+    functions = np.append(ends, refdom.p.shape[1] + side * count + np.arange(count))
+    return (np.einsum("nxq,x->nq", gradient, end - start) if slope else value)[functions]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class Batch:
     degree : polynomial degree
     functions : (b + i,) the element's functions that are used, those inside it last
     unknowns : (m, 2 b) radial, then axial unknowns of those that are not inside; one past the last
-        if held at zero
+        if fixed at zero
     inside : (m, i) numbers of those inside
     """
 
@@ -65,7 +65,7 @@ class AxisymmetricElasticity:
     Unknowns are all radial, then all axial coefficients, numbered by scikit-fem's `Dofs`.
 
     In subdomains of the mesh that allow it (`meshes.half_space.LOWER`) the degree is lower. A side
-    has the lower degree of its two elements: the functions that exceed it are held at zero.
+    has the lower degree of its two elements: the functions that exceed it are fixed at zero.
 
     Parameters
     ----------
@@ -108,11 +108,8 @@ class AxisymmetricElasticity:
     @property
     def facet_dofs(self) -> Indices:
         """(degree - 1, facets) functions of the facets, by degree."""
-        return (
-            self.dofs.facet_dofs
-            if self.degree > 1
-            else np.empty((0, self.mesh.nfacets), dtype=np.int64)
-        )
+        numbers = self.dofs.facet_dofs if self.degree > 1 else np.empty((0, self.mesh.nfacets))
+        return np.asarray(numbers, dtype=np.int64)
 
     @cached_property
     def degrees(self) -> Indices:
@@ -140,10 +137,8 @@ class AxisymmetricElasticity:
         return int(self.dofs.N) - int(self.element.interior_dofs) * self.mesh.nelements
 
     @cached_property
-    def held(self) -> Indices:
-        """(nodes,) whether a function is held at zero, because an element beside its facet has a
-        lower degree.
-        """
+    def fixed(self) -> Indices:
+        """(nodes,) whether a function is zero: beside its facet an element has a lower degree."""
         out = np.zeros(self.nodes, dtype=bool)
         if self.degrees.min() < self.degree:
             out[self.facet_dofs] = np.arange(2, self.degree + 1)[:, None] > self.facet_degrees
@@ -153,7 +148,7 @@ class AxisymmetricElasticity:
     def unknowns(self) -> int:
         """Number of displacement unknowns, those inside elements among them."""
         return 2 * (
-            self.nodes - int(self.held.sum()) + sum(batch.inside.size for batch in self.batches)
+            self.nodes - int(self.fixed.sum()) + sum(batch.inside.size for batch in self.batches)
         )
 
     @property
@@ -183,9 +178,9 @@ class AxisymmetricElasticity:
             # products of bubbles, and where they stand among those of the highest degree. If their
             # two degrees sum to more than 2 above the degree they cost more than they give, but
             # near incompressibility, where stresses need them
-            one, other = np.divmod(inside, degree - 1)
-            used = (one + other + 4 <= degree + 2) | (self.given_ratio > 0.45)
-            inside, among_highest = inside[used], (one * (self.degree - 1) + other)[used]
+            first, second = np.divmod(inside, degree - 1)
+            used = (first + second + 4 <= degree + 2) | (self.given_ratio > 0.45)
+            inside, among_highest = inside[used], (first * (self.degree - 1) + second)[used]
         # the functions of a facet come by degree
         on_sides = np.arange(sides)[:, None] * int(self.element.facet_dofs) + np.arange(
             int(element.facet_dofs)
@@ -194,7 +189,7 @@ class AxisymmetricElasticity:
             :, elements
         ].T
         unknowns = np.concatenate([numbers, numbers + self.nodes], axis=1)
-        unknowns[np.tile(self.held[numbers], 2)] = 2 * self.nodes
+        unknowns[np.tile(self.fixed[numbers], 2)] = 2 * self.nodes
         functions = np.append(np.arange(outer), outer + inside)
         within = self.dofs.interior_dofs[among_highest][:, elements].T
         return Batch(element, elements, degree, functions, unknowns, within)
@@ -239,13 +234,10 @@ class AxisymmetricElasticity:
         states = len(displacement)
         out = np.zeros((states, int(self.dofs.N), 2))
         out[:, : self.nodes] = displacement
-        known = np.concatenate(
-            [displacement[..., 0], displacement[..., 1], np.zeros((states, 1))], axis=1
-        )
+        values = np.concatenate([*np.moveaxis(displacement, 2, 0), np.zeros((states, 1))], axis=1)
         for batch, (_, from_boundary) in zip(self.batches, self.condensed, strict=True):
-            inside = np.einsum(
-                "mib,smb->smi", from_boundary, known[:, batch.unknowns], optimize=True
-            )
+            outer = values[:, batch.unknowns]
+            inside = np.einsum("mib,smb->smi", from_boundary, outer, optimize=True)
             out[:, batch.inside] = np.stack(np.split(inside, 2, axis=2), axis=-1)
         return out
 
@@ -256,18 +248,17 @@ class AxisymmetricElasticity:
 
         Parameters
         ----------
-        position : (2 nodes,) row of each unknown; that of an unknown held at zero is negative
+        position : (2 nodes,) row of each unknown; negative if it is fixed at zero
         """
         row = np.append(position, -1).astype(np.int32)
         entries = []
         for batch, (local, _) in zip(self.batches, self.condensed, strict=True):
             width = local.shape[1]
-            one, other = np.tril_indices(width)
-            own = row[batch.unknowns]
-            first, second = own.take(one, axis=1), own.take(other, axis=1)
+            lower = np.flatnonzero(np.tri(width))
+            first, second = (row[batch.unknowns].take(at, axis=1) for at in divmod(lower, width))
             column = np.minimum(first, second)
             free = column >= 0
-            values = local.reshape(-1, width**2).take(one * width + other, axis=1)[free]
+            values = local.reshape(-1, width**2).take(lower, axis=1)[free]
             entries.append((values, np.maximum(first, second)[free], column[free]))
         values, *places = (np.concatenate(parts) for parts in zip(*entries, strict=True))
         return coo_matrix((values, places), shape=(position.max() + 1,) * 2)
@@ -282,17 +273,17 @@ class AxisymmetricElasticity:
 
     def forces(self, displacement: Array) -> Array:
         """(2 nodes, k) forces on the functions that make the (2 nodes, k) displacements."""
-        known = np.concatenate([displacement, np.zeros((1, displacement.shape[1]))])
-        moving = known.any(axis=1)
-        out = np.zeros_like(known)
+        values = np.pad(displacement, ((0, 1), (0, 0)))
+        moving = values.any(axis=1)
+        out = np.zeros_like(values)
         for batch, (local, _) in zip(self.batches, self.condensed, strict=True):
             moved = np.take(moving, batch.unknowns).any(axis=1)
             unknowns = batch.unknowns[moved]
-            np.add.at(out, unknowns, local[moved] @ known[unknowns])
+            np.add.at(out, unknowns, local[moved] @ values[unknowns])
         return out[:-1]
 
     def boundary(self, name: str) -> Indices:
-        """Functions on a named boundary that are not held, in the order of the radius."""
+        """Functions on a named boundary that are not fixed, in the order of the radius."""
         mesh, facets = self.mesh, self.mesh.boundaries[name]
         vertices = np.unique(mesh.facets[:, facets])
         on_facets = self.facet_dofs[:, facets]
@@ -300,7 +291,7 @@ class AxisymmetricElasticity:
         numbers = np.concatenate([self.dofs.nodal_dofs[0, vertices], on_facets.T.ravel()])
         radius = np.concatenate([mesh.p[0, vertices], middle.T.ravel()])
         numbers = numbers[np.argsort(radius, kind="stable")]
-        return np.asarray(numbers[~self.held[numbers]], dtype=np.int64)
+        return np.asarray(numbers[~self.fixed[numbers]], dtype=np.int64)
 
     def interpolate(self, name: str, fields: Callable[[Array], Array]) -> Array:
         """(functions, ...) coefficients of fields on a named boundary, in its order, by values (n,
@@ -332,20 +323,15 @@ class AxisymmetricElasticity:
         side = (mesh.t2f[:, element] == facets).argmax(axis=0)
         ends = mesh.t[np.array(self.element.refdom.facets)[side].T, element]
         outwards = ends[0] == facet_ends(mesh, facets)[0]
-        scale = (
-            1 / np.linalg.norm(mesh.p[:, ends[1]] - mesh.p[:, ends[0]], axis=0)
-            if slope
-            else np.ones(len(facets))
-        )
+        lengths = np.linalg.norm(mesh.p[:, ends[1]] - mesh.p[:, ends[0]], axis=0)
+        scale = 1 / lengths if slope else np.ones_like(lengths)
         entries = []
         kinds, kind = np.unique(
             np.stack([side, outwards, self.facet_degrees[facets]]), axis=1, return_inverse=True
         )
-        for number, (one_side, outward, degree) in enumerate(kinds.T.tolist()):
+        for number, (edge, outward, degree) in enumerate(kinds.T.tolist()):
             chosen = np.flatnonzero(kind == number)
-            table = _side_table(
-                self._element(degree), one_side, bool(outward), local.tobytes(), slope
-            )
+            table = _side_table(self._element(degree), edge, bool(outward), local.tobytes(), slope)
             on_facets = self.facet_dofs[: degree - 1, facets[chosen]]
             columns = np.concatenate([self.dofs.nodal_dofs[0, ends[:, chosen]], on_facets]).T[
                 :, None

@@ -18,9 +18,9 @@ ratio up to and including 1/2.
 import math
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legvander
+from numpy.polynomial.legendre import legvander
 
-from ..meshes.radial import Array
+from ..meshes.radial import Array, unit_gauss
 
 
 def enough_poles(truncation: float, negligible: float) -> tuple[int, ...]:
@@ -64,17 +64,10 @@ def poles(
     """
     r, z = points.T
     nu, order = poisson_ratio, np.array(orders, dtype=np.int64)
-    axial_moments, radial_moments = _moments(points, int(order.max(initial=0)) + 2)
     first, second = (order + 1.0)[:, None], ((order + 1.0) * (order + 2))[:, None]
-    l0, l1, l2 = (
-        axial_moments[order],
-        first * axial_moments[order + 1],
-        second * axial_moments[order + 2],
-    )
-    m0_r, m1_r, m2_r = (
-        radial_moments[order],
-        first * radial_moments[order + 1],
-        second * radial_moments[order + 2],
+    (l0, l1, l2), (m0_r, m1_r, m2_r) = (
+        (moments[order], first * moments[order + 1], second * moments[order + 2])
+        for moments in _moments(points, int(order.max(initial=0)) + 2)
     )
     hoop = z * m1_r - (1 - 2 * nu) * m0_r
     radial, axial = r * hoop, 2 * (1 - nu) * l0 + z * l1
@@ -98,14 +91,14 @@ def exterior_stiffness(
     segments : (m, 2, 2) end points of the sides, (radius, depth)
     orders : orders of the k poles
     """
-    node, weight = leggauss(12)
+    node, weight = unit_gauss(12)
     start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
-    points = (start[:, None] + (1 + node)[:, None] / 2 * along[:, None]).reshape(-1, 2)
+    points = (start[:, None] + node[:, None] * along[:, None]).reshape(-1, 2)
     # normal times length; it points out of the meshed polygon, away from the origin
     normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
     normal *= np.sign(np.sum(normal * start, axis=1))[:, None]
     n_r, n_z = np.repeat(normal, len(node), axis=0).T
-    weights = 2 * np.pi * points[:, 0] * np.tile(weight / 2, len(segments))
+    weights = 2 * np.pi * points[:, 0] * np.tile(weight, len(segments))
     displacement, stress = poles(points, orders, poisson_ratio, shear_modulus)
     rr, zz, rz, _ = np.moveaxis(stress, -1, 0)
     traction = np.stack([rr * n_r + rz * n_z, rz * n_r + zz * n_z], axis=-1)

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 from scipy.linalg import solve_triangular
 from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix, diags
 from scipy.sparse.linalg import splu
@@ -26,7 +25,7 @@ from ..meshes.compliance import Compliance
 from ..meshes.errors import SolverError
 from ..meshes.half_space import contact_facets, contact_radii, segments
 from ..meshes.pressure_space import PressureSpace
-from ..meshes.radial import Array, Indices, layer_degrees
+from ..meshes.radial import Array, Indices, gauss, layer_degrees
 from .condensation import fill_reducing_order, symmetric, trailing_factor
 from .elasticity import AxisymmetricElasticity
 from .far_field import exterior_stiffness, poles
@@ -45,10 +44,8 @@ def pressure_space(solid: AxisymmetricElasticity, ring_edges: Array) -> Pressure
     else:
         # the highest that is stable, reached within a few facets of a ring edge or the rim, where a
         # low one is as accurate
-        highest = solid.degree - 1
-        degrees = layer_degrees(
-            breakpoints, ring_edges, highest, rise=0.5, lowest=max(1, highest - 1)
-        )
+        highest, lowest = solid.degree - 1, max(1, solid.degree - 2)
+        degrees = layer_degrees(breakpoints, ring_edges, highest, rise=0.5, lowest=lowest)
     return PressureSpace(breakpoints, degrees, ring_edges)
 
 
@@ -71,7 +68,13 @@ class HalfSpace:
 
     @property
     def unknowns(self) -> int:
+        """Number of displacement unknowns and amplitudes of poles."""
         return self.solid.unknowns + len(self.poles)
+
+    @property
+    def _elasticity(self) -> tuple[float, float]:
+        """Poisson's ratio and shear modulus."""
+        return self.solid.poisson_ratio, moduli(self.solid.poisson_ratio)[1]
 
     @cached_property
     def _order(self) -> Indices:
@@ -79,7 +82,7 @@ class HalfSpace:
         contact by radius.
         """
         solid, n = self.solid, self.solid.nodes
-        free = np.stack([~solid.held, ~solid.held])
+        free = np.stack([~solid.fixed, ~solid.fixed])
         far, contact = solid.boundary("far"), solid.boundary("contact")
         free[0, solid.boundary("axis")] = False
         free[:, far] = False
@@ -98,9 +101,9 @@ class HalfSpace:
         solid, far = self.solid, self.solid.boundary("far")
         if not self.poles:
             return np.zeros((2 * solid.nodes, 0))
-        nu, (_, shear) = solid.poisson_ratio, moduli(solid.poisson_ratio)
         nodal = solid.interpolate(
-            "far", lambda points: np.moveaxis(poles(points, self.poles, nu, shear)[0], 0, -1)
+            "far",
+            lambda points: np.moveaxis(poles(points, self.poles, *self._elasticity)[0], 0, -1),
         )
         out = np.zeros((2 * solid.nodes, len(self.poles)))
         out[far], out[far + solid.nodes] = nodal.swapaxes(0, 1)
@@ -118,12 +121,8 @@ class HalfSpace:
         if not self.poles:
             return free
         border = self.solid.forces(self._far_fields)
-        mesh, nu, (_, shear) = (
-            self.solid.mesh,
-            self.solid.poisson_ratio,
-            moduli(self.solid.poisson_ratio),
-        )
-        exterior = exterior_stiffness(segments(mesh, mesh.boundaries["far"]), self.poles, nu, shear)
+        sides = segments(self.solid.mesh, self.solid.mesh.boundaries["far"])
+        exterior = exterior_stiffness(sides, self.poles, *self._elasticity)
         corner = self._far_fields.T @ border + exterior
         edge, end = coo_matrix(border[self._order].T), coo_matrix(np.tril((corner + corner.T) / 2))
         return bmat([[free, None], [edge, end]], format="coo")
@@ -136,12 +135,12 @@ class HalfSpace:
     @cached_property
     def coupling(self) -> Array:
         """(contact nodes + k, size) ``int v_i phi_j dA``; the poles do not touch the contact."""
-        local, weight = leggauss(self.solid.degree + self.space.top)
-        half = np.diff(self.space.breakpoints)[:, None] / 2
-        area = 2 * np.pi * (self.space.breakpoints[:-1, None] + half * (1 + local)) * half * weight
+        local, weight = gauss(self.solid.degree + self.space.top)
+        radii, half = self._radii((1 + local) / 2), np.diff(self.space.breakpoints)[:, None] / 2
+        area = 2 * np.pi * radii * half * weight
         displacements = self._trace((1 + local) / 2).T @ diags(area.ravel())
         on_contact = (displacements @ self.space.on_elements(local)).toarray()
-        return np.concatenate([on_contact, np.zeros((len(self.poles), self.space.size))])
+        return np.pad(on_contact, ((0, len(self.poles)), (0, 0)))
 
     def _trace(self, local: Array, slope: bool = False) -> csr_matrix:
         """(facets x points, contact nodes) contact displacements, or their slopes, at local
@@ -150,6 +149,11 @@ class HalfSpace:
         return self.solid.trace(contact_facets(self.solid.mesh), local, slope)[
             :, self.solid.boundary("contact")
         ]
+
+    def _radii(self, local: Array) -> Array:
+        """(facets, points) radii at local coordinates of every facet."""
+        breakpoints = self.space.breakpoints
+        return np.asarray(breakpoints[:-1, None] + np.diff(breakpoints)[:, None] * local)
 
     def expand(self, solution: Array) -> Array:
         """(m, nodes, 2) displacements by the (unknowns of `system`, m) solutions."""
@@ -190,76 +194,34 @@ class HalfSpace:
         displacement = solve_triangular(self._factor, load, lower=True, trans="T")[
             : -len(self.poles) or None
         ]
-        radii = self.space.breakpoints[:-1, None] + np.diff(self.space.breakpoints)[:, None] * local
+        radii = self._radii(local)
         return radii, *(
             (self._trace(local, slope) @ displacement).reshape(radii.shape)
             for slope in (False, True)
         )
 
     def saddle_point(self, force: float = 1.0) -> tuple[Array, float]:
-        """Pressure coefficients (size,) and indentation of the flat punch, from the whole system at
-        once.
+        """Pressure coefficients (size,) and indentation of the flat punch, from the whole system.
 
         The pressure is sought among those continuous across ring edges. This is the plain reference
         that `compliance` is tested against.
-        """
-        continuous = self.space.joined()
-        weights = continuous.T @ self.space.weights
-        pressure, indentation, _ = self._saddle_point(
-            self.coupling @ continuous, weights, np.zeros(len(weights)), force
-        )
-        return continuous @ pressure, indentation
-
-    def unilateral_saddle_point(
-        self, moments: Array, force: float = 1.0
-    ) -> tuple[Array, Array, float]:
-        """Pressures (size,) >= 0 at nodes, moments (size,) >= 0 of the gap, and indentation, from
-        the whole system.
-
-        The plain reference for contact on part of the face: linear pressures only, a factorisation
-        for every contact that is tried, each by the signs that the last one gave.
-
-        Parameters
-        ----------
-        moments : (size,) ``int f phi_i dA`` of the punch face
-        force : that presses it on
 
         Raises
         ------
         SolverError
-            if a system is singular, or the contact keeps changing
+            if the system is singular
         """
-        contact = np.ones(self.space.size, dtype=bool)
-        for _ in range(100):
-            pressure, gap = np.zeros(self.space.size), np.zeros(self.space.size)
-            weights = self.space.weights
-            inside, indentation, displaced = self._saddle_point(
-                self.coupling[:, contact], weights[contact], moments[contact], force
-            )
-            pressure[contact] = inside
-            gap[~contact] = (displaced + moments - indentation * weights)[~contact]
-            wrong = np.where(contact, pressure < 0, gap < 0)
-            if not wrong.any():
-                return pressure, gap, indentation
-            contact ^= wrong
-        raise SolverError("the contact keeps changing")
-
-    def _saddle_point(
-        self, loads: Array, weights: Array, moments: Array, force: float
-    ) -> tuple[Array, float, Array]:
-        """Pressure, indentation, and the displacement's moments (size,) against every pressure of
-        the space.
-        """
+        continuous = self.space.joined()
         inside = self.system.shape[0]
-        block, row = (
-            csc_matrix(np.pad(loads, ((inside - len(loads), 0), (0, 0)))),
-            csc_matrix(weights),
-        )
+        loads = np.pad(self.coupling, ((inside - len(self.coupling), 0), (0, 0))) @ continuous
+        coupling, weights = csc_matrix(loads), csc_matrix(self.space.weights @ continuous)
         whole = bmat(
-            [[self.system, -block, None], [-block.T, None, row.T], [None, row, None]], format="csc"
+            [[self.system, -coupling, None], [-coupling.T, None, weights.T], [None, weights, None]],
+            format="csc",
         )
-        solution = splu(whole).solve(np.concatenate([np.zeros(inside), moments, [force]]))
+        right = np.zeros(whole.shape[0])
+        right[-1] = force
+        solution = splu(whole).solve(right)
         if not np.isfinite(solution).all():
             raise SolverError("the contact system is singular")
-        displaced = self.coupling.T @ solution[inside - len(loads) : inside]
-        return solution[inside:-1], float(solution[-1]), displaced
+        return continuous @ solution[inside:-1], float(solution[-1])

@@ -52,9 +52,8 @@ def stresses(
     _, (rr, zz, _, hoop) = _strains(solid, displacement, elements, rule)
     at_rule, at_points = _polynomials(degree - 1, rule), _polynomials(degree - 1, points)
     count = len(at_rule)
-    masses = (volume @ (at_rule[:, None] * at_rule).reshape(count**2, -1).T).reshape(
-        -1, count, count
-    )
+    products = (at_rule[:, None] * at_rule).reshape(count**2, -1)
+    masses = (volume @ products.T).reshape(-1, count, count)
     moments = (volume * (rr + zz + hoop)) @ at_rule.T
     dilatation = np.linalg.solve(masses, moments[..., None])[..., 0] @ at_points
     moved, (rr, zz, rz, hoop) = _strains(solid, displacement, elements, points)
@@ -67,9 +66,9 @@ def stresses(
 
 def _polynomials(degree: int, points: Array) -> Array:
     """(k, q) values of the polynomials of a total degree at reference points."""
-    one, other = np.divmod(np.arange((degree + 1) ** 2), degree + 1)
+    total = np.add.outer(np.arange(degree + 1), np.arange(degree + 1)).ravel()
     first, second = 2 * points - 1
-    return legvander2d(first, second, [degree, degree]).T[one + other <= degree]
+    return legvander2d(first, second, [degree, degree]).T[total <= degree]
 
 
 def _strains(

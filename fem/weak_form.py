@@ -1,18 +1,18 @@
 """The weak form of axisymmetric linear elasticity, and the stiffness of many elements at once.
 
-Energy ``int sigma : eps dV`` with ``dV = 2 pi r dr dz``: stiffness, forces and areas all carry the
-    full 2 pi. Strains
-are ``eps_rr = du_r/dr``, ``eps_zz = du_z/dz``, ``eps_hoop = u_r/r``, ``2 eps_rz = du_r/dz +
-du_z/dr``; z is the depth. Radial and axial displacement are two scalar fields on one basis, so the
-weak form is three bilinear forms. scikit-fem assembles them pair by pair of functions, which is
-slow in high degrees; `stiffness` gives the same numbers in one product.
+Energy ``int 2 mu eps(u) : eps(v) + lambda tr eps(u) tr eps(v) dV`` with ``dV = 2 pi r dr dz``:
+stiffness, forces and areas all carry the full 2 pi. Strains are ``eps_rr = du_r/dr``,
+``eps_zz = du_z/dz``, ``eps_hoop = u_r/r``, ``2 eps_rz = du_r/dz + du_z/dr``; z is the depth. Radial
+and axial displacement are two scalar fields on the same scalar element. scikit-fem's `BilinearForm`
+goes through the pairs of functions one after the other, which is slow in high degrees; `stiffness`
+gives the same numbers in one product.
 """
 
 from functools import lru_cache
 
 import numpy as np
 import skfem
-from skfem import BilinearForm, Element, Mesh, MeshQuad
+from skfem import Element, Mesh, MeshQuad
 from skfem.quadrature import get_quadrature
 
 from ..meshes.radial import Array, Indices
@@ -24,34 +24,6 @@ def moduli(poisson_ratio: float) -> tuple[float, float]:
     return 2 * shear * poisson_ratio / (1 - 2 * poisson_ratio), shear
 
 
-@BilinearForm
-def radial_radial(u, v, w):  # type: ignore[no-untyped-def]
-    """Energy of radial displacements `u` and `v`; Lame's moduli are given as `lame` and `shear`."""
-    r, stretch = w.x[0], w.lame + 2 * w.shear
-    along_r = stretch * u.grad[0] * v.grad[0] + w.lame * (u.grad[0] * v + u * v.grad[0]) / r
-    return 2 * np.pi * r * (along_r + stretch * u * v / r**2 + w.shear * u.grad[1] * v.grad[1])
-
-
-@BilinearForm
-def radial_axial(u, v, w):  # type: ignore[no-untyped-def]
-    """Energy of an axial displacement `u` on a radial one `v`."""
-    r = w.x[0]
-    return (
-        2 * np.pi * r * (w.lame * u.grad[1] * (v.grad[0] + v / r) + w.shear * u.grad[0] * v.grad[1])
-    )
-
-
-@BilinearForm
-def axial_axial(u, v, w):  # type: ignore[no-untyped-def]
-    """Energy of axial displacements `u` and `v`."""
-    return (
-        2
-        * np.pi
-        * w.x[0]
-        * ((w.lame + 2 * w.shear) * u.grad[1] * v.grad[1] + w.shear * u.grad[0] * v.grad[0])
-    )
-
-
 def element_of_degree(mesh: Mesh, degree: int) -> Element:
     """scikit-fem's element of a degree on quadrilaterals (any) or triangles (1 to 4)."""
     return _element(isinstance(mesh, MeshQuad), degree)
@@ -59,16 +31,10 @@ def element_of_degree(mesh: Mesh, degree: int) -> Element:
 
 @lru_cache(maxsize=64)
 def _element(on_quadrilaterals: bool, degree: int) -> Element:
-    if on_quadrilaterals:
-        low = skfem.ElementQuad0, skfem.ElementQuad1, skfem.ElementQuad2
-        return low[degree]() if degree < len(low) else skfem.ElementQuadP(degree)
-    return (
-        skfem.ElementTriP0,
-        skfem.ElementTriP1,
-        skfem.ElementTriP2,
-        skfem.ElementTriP3,
-        skfem.ElementTriP4,
-    )[degree]()
+    if on_quadrilaterals and degree > 2:
+        return skfem.ElementQuadP(degree)
+    kind = "Quad" if on_quadrilaterals else "TriP"
+    return getattr(skfem, f"Element{kind}{degree}")()
 
 
 def stiffness(
@@ -81,14 +47,11 @@ def stiffness(
 ) -> Array:
     """(m, 2, n, 2, n) stiffness of some functions on some elements, radial first.
 
-    The forms above, all at once.
-
     The rule of quadrature is exact for polynomials of degree 2p + 1 on quadrilaterals. Triangles,
     which may touch the axis with a corner, need more for the hoop strain u/r: 2p + 4.
     """
-    points, weights, *at_points = _at_rule(
-        element, 2 * degree + (1 if isinstance(mesh, MeshQuad) else 4)
-    )
+    order = 2 * degree + (1 if isinstance(mesh, MeshQuad) else 4)
+    points, weights, *at_points = _at_rule(element, order)
     value, gradient = (table[functions] for table in at_points)
     mapping = mesh.mapping()
     r, inverse = mapping.F(points, elements)[0], mapping.invDF(points, elements)

@@ -1,7 +1,4 @@
-"""The compliance by the MDR energy, ``int u p dA = (2/E*) int_0^a q^2 dx``.
-
-A Gram matrix, definite by construction.
-"""
+"""The compliance by the MDR energy, ``int u p dA = (2/E*) int_0^a q^2 dx``: a Gram matrix."""
 
 import numpy as np
 

@@ -23,15 +23,9 @@ from ..meshes.errors import SolverError
 from ..meshes.pressure_space import PressureSpace, shapes
 from ..meshes.radial import Array, Indices, unit_gauss
 
-# x = w^POWER: logarithms of x, times the slope of the power, are smooth enough at w = 0 for Gauss
-# points in w
-POWER = 6
 # Gauss points in an element that is apart from the other; where these are too few, the powers
 # cluster at the gap
 GAUSS_LADDER = (4, 6, 8, 10, 12, 15, 18, 22, 28, 36, 48, 64)
-ROUNDOFF = 1e-16
-# kernel values, or entries of blocks, held at a time
-CHUNK = 1_000_000
 
 
 class _Rule(NamedTuple):
@@ -79,8 +73,7 @@ def compliance(space: PressureSpace) -> Compliance:
     except np.linalg.LinAlgError as error:
         raise SolverError(
             f"the boundary-element compliance of {space.size} unknowns is not positive definite to "
-            "roundoff: "
-            "lower the degree of the pressure, or grade the radial mesh less"
+            "roundoff: lower the degree of the pressure, or grade the radial mesh less"
         ) from error
     return Compliance(space, factor)
 
@@ -115,9 +108,7 @@ def _separate(space: PressureSpace) -> _Blocks:
 
 
 def _rung(space: PressureSpace, element: Indices, gap: Array) -> Indices:
-    """Place on the ladder of Gauss counts (one past its end.
-
-    Too few) for elements with a singularity `gap` away.
+    """Place on the ladder of Gauss counts, or its length, for elements with a singularity at `gap`.
 
     The Chebyshev coefficients of the kernel fall by the sum of the semi-axes of the ellipse that
     has the element for its foci and goes through the singularity; Gauss points are exact up to
@@ -125,22 +116,23 @@ def _rung(space: PressureSpace, element: Indices, gap: Array) -> Indices:
     """
     width = np.diff(space.breakpoints)[element]
     decay = 2 * np.arcsinh(np.sqrt(gap / width))
-    count = (space.degrees[element] + 2 - np.log(ROUNDOFF) / decay) / 2
+    count = (space.degrees[element] + 2 - np.log(1e-16) / decay) / 2
     return np.searchsorted(GAUSS_LADDER, count)
 
 
 def _flattened(degree: int) -> tuple[Array, Array]:
-    """Points and weights on (0, 1) for products of two shape functions, and of these with
-    logarithms at 0.
+    """Points and weights on (0, 1) for products of two shape functions, with logarithms at 0.
+
+    ``log(x) dx`` with ``x = w^6`` is smooth enough at w = 0 for Gauss points in w.
     """
     node, weight = unit_gauss(28 + 2 * degree)
-    return node**POWER, weight * POWER * node ** (POWER - 1)
+    return node**6, weight * 6 * node**5
 
 
-def _product(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array, Array]:
+def _product(inner: tuple[Array, Array], outer: tuple[Array, Array]) -> tuple[Array, Array, Array]:
     """Points (q,), (q,) and weights (q,) on the unit square by the product of two rules."""
-    x, y = np.meshgrid(one[0], other[0], indexing="ij")
-    return x.ravel(), y.ravel(), np.outer(one[1], other[1]).ravel()
+    x, y = np.meshgrid(inner[0], outer[0], indexing="ij")
+    return x.ravel(), y.ravel(), np.outer(inner[1], outer[1]).ravel()
 
 
 def _facing(inward: Array, outward: Array, weight: Array) -> _Rule:
@@ -151,9 +143,7 @@ def _facing(inward: Array, outward: Array, weight: Array) -> _Rule:
 
 
 def _integrate(space: PressureSpace, first: Indices, second: Indices, rule: _Rule) -> _Blocks:
-    """Pairs of elements and their blocks (m, top+1, top+1) by one rule, in chunks of bounded
-    memory.
-    """
+    """Pairs of elements and their blocks (m, top+1, top+1) by a rule, a few at a time."""
     local = space.top + 1
     products = np.einsum(
         "q,qi,qj->qij",
@@ -162,7 +152,8 @@ def _integrate(space: PressureSpace, first: Indices, second: Indices, rule: _Rul
         shapes(2 * rule.second - 1, space.top),
     ).reshape(-1, local**2)
     left, right = space.breakpoints[:-1, None], space.breakpoints[1:, None]
-    count = max(1, CHUNK // max(len(rule.weight), local**2))
+    # a million values of the kernel, or entries of blocks, at a time
+    count = max(1, 10**6 // max(len(rule.weight), local**2))
     for start in range(0, len(first), count):
         inner, outer = first[start : start + count], second[start : start + count]
         inner_width, outer_width = (right - left)[inner], (right - left)[outer]
@@ -173,17 +164,11 @@ def _integrate(space: PressureSpace, first: Indices, second: Indices, rule: _Rul
             left[outer] + outer_width * rule.second,
             distance,
         )
-        yield (
-            inner,
-            outer,
-            (inner_width * outer_width * (kernel @ products)).reshape(-1, local, local),
-        )
+        blocks = inner_width * outer_width * (kernel @ products)
+        yield inner, outer, blocks.reshape(-1, local, local)
 
 
 def _weighted_kernel(radius: Array, ring: Array, distance: Array) -> Array:
-    """``G dA dA / (dr ds)`` of Eq.
-
-    19, ``8 r s K / (r + s)``, for rings whose radii are `distance` apart.
-    """
+    """``G dA dA / (dr ds) = 8 r s K / (r + s)`` of Eq. 19, for radii that are `distance` apart."""
     total = radius + ring
     return 8 * radius * ring / total * ellipkm1((distance / total) ** 2)

@@ -1,6 +1,4 @@
-"""The MDR transforms.
-
-Between pressure and line density, profile and one-dimensional profile (Eqs. 3 and 7).
+"""The MDR transforms between pressures and line densities, profiles in two dimensions and in one.
 
 `line_density` is the inverse of Eq. 7, ``q(x) = 2 int_x^a r p / sqrt(r^2 - x^2) dr``, on the
 pressure space; the grid matrices are Eqs. 3 and 7 themselves for piecewise linear functions. The
@@ -14,8 +12,6 @@ import numpy as np
 from ..meshes.pressure_space import PressureSpace, shapes
 from ..meshes.radial import Array, Indices, gauss, unit_gauss
 
-ROUNDOFF = 1e-17
-POSITIONS_AT_ONCE = 512
 # Gauss points that integrate a polynomial in exp(theta) to roundoff, by (degree x length of the
 # interval)
 GAUSS_POINTS = (
@@ -35,8 +31,8 @@ def line_density(space: PressureSpace, positions: Array) -> Array:
     """
     out = np.empty((len(positions), space.size))
     # the pairs of positions and elements outgrow fast memory long before the result does
-    for start in range(0, len(positions), POSITIONS_AT_ONCE):
-        rows = slice(start, start + POSITIONS_AT_ONCE)
+    for start in range(0, len(positions), 512):
+        rows = slice(start, start + 512)
         out[rows] = _rows(space, positions[rows])
     return out
 
@@ -66,9 +62,7 @@ def _from_afar(space: PressureSpace, x: Array, element: Indices) -> Array:
     """
     left, half = space.breakpoints[element], np.diff(space.breakpoints)[element] / 2
     outside = 1 + (left - x) / half
-    count = (
-        space.degrees[element] + 1 - np.log(ROUNDOFF) / np.log(outside + np.sqrt(outside**2 - 1))
-    ) / 2
+    count = (space.degrees[element] + 1 - np.log(1e-17) / np.arccosh(outside)) / 2
     rounded = 4 * np.ceil(count / 4).astype(np.int64)
     values = np.empty((len(x), space.top + 1))
     for points in np.unique(rounded):
@@ -99,10 +93,9 @@ def _from_near(space: PressureSpace, x: Array, element: Indices) -> Array:
         start = stop
         node, weight = gauss(max(count, space.top + 4))
         sinh = np.sinh(span[group, None] * (1 + node) / 4)
-        above = (
-            2 * sinh * (lower_root[group, None] * np.sqrt(1 + sinh**2) + lower[group, None] * sinh)
-        )
-        radius = lower[group, None] + above
+        root, low = lower_root[group, None], lower[group, None]
+        above = 2 * sinh * (root * np.sqrt(1 + sinh**2) + low * sinh)
+        radius = low + above
         local = 2 * ((lower - left)[group, None] + above) / (right - left)[group, None] - 1
         weighted = (radius * weight * span[group, None])[:, None, :]
         values[group] = (weighted @ shapes(local, space.top))[:, 0]
@@ -130,12 +123,11 @@ def panel_quadrature(space: PressureSpace) -> tuple[Array, Array]:
 
 
 def profile_transform(radii: Array, positions: Array) -> Array:
-    """Matrix of Eq.
+    """Matrix of Eq. 3, ``g = T f``, for a profile linear between `radii`.
 
-    3, ``g = T f``, for a profile linear between `radii` and flat inside the first of them.
-
-    Beyond the last radius the profile goes on with its last slope. Positions must be positive. Eq.
-    3 as printed holds for ``f(0) = 0``; a centre that has worn adds ``f(0)`` to `g` everywhere.
+    Inside the first of them it is flat; beyond the last it goes on with its last slope. Positions
+    must be positive. Eq. 3 as printed holds for ``f(0) = 0``; a centre that has worn adds ``f(0)``
+    to `g` everywhere.
     """
     cells = np.append(radii[:-1], np.inf)
     x = positions[:, None]
@@ -149,9 +141,7 @@ def profile_transform(radii: Array, positions: Array) -> Array:
 
 
 def pressure_transform(positions: Array, radii: Array) -> Array:
-    """Matrix of Eq.
-
-    7 with its edge term, ``p = S q``, for a line density linear between `positions`.
+    """Matrix of Eq. 7 with its edge term, ``p = S q``, for a line density linear between positions.
 
     The positions start at 0 and end at the rim; radii must lie strictly between.
     """

@@ -11,7 +11,7 @@ import numpy as np
 from skfem import MeshTri
 
 from .errors import MeshError
-from .half_space import half_space
+from .half_space import as_half_space
 from .radial import Array, Indices
 from .sizes import NARROWEST, SizeField
 
@@ -41,19 +41,16 @@ def mesh(field: SizeField) -> MeshTri:
         points[:, arc] *= field.truncation / np.hypot(*points[:, arc])
         current = replace(current, doflocs=points)
     else:
-        raise MeshError(
-            "local refinement did not reach the sizes asked for: ask for larger ones, or for gmsh"
-        )
-    return half_space(replace(current, doflocs=_moved(current.p, dyadic, ring_edges)), ring_edges)
+        raise MeshError("local refinement did not reach the sizes: ask for larger ones, or gmsh")
+    points = _moved(current.p, dyadic, ring_edges)
+    return as_half_space(replace(current, doflocs=points), ring_edges)
 
 
 def _dyadic_image(ring_edges: Array) -> tuple[Array, float]:
-    """A dyadic radius for each edge, in order and close to it, and the spacing of that
-    dyadic grid.
-    """
-    level = int(np.ceil(np.log2(2 / np.diff(ring_edges).min())))
+    """A dyadic radius close to each edge, in order, and the spacing of that dyadic grid."""
+    narrowest = np.diff(ring_edges).min()
+    level = int(np.ceil(np.log2(2 / narrowest)))
     if level > 40:
-        narrowest = np.diff(ring_edges).min()
         raise MeshError(
             f"rings narrower than {NARROWEST:g} a cannot be meshed: the narrowest is "
             f"{narrowest:.2g} a"
@@ -70,23 +67,16 @@ def _moved(points: Array, dyadic: Array, ring_edges: Array) -> Array:
 
 
 def _spans_an_edge(mesh: MeshTri, dyadic: Array, spacing: float) -> Indices:
-    """Triangles on the contact line with a ring edge inside their facet, or too coarse to have it
-    as a vertex.
-    """
+    """Triangles whose facet on the contact has a ring edge inside, or cannot have it as its end."""
     facets = mesh.boundary_facets()
     r, z = mesh.p[:, mesh.facets[:, facets]]
     low, high = np.sort(r, axis=0)
-    inside = np.searchsorted(dyadic, high - spacing / 8) > np.searchsorted(
-        dyadic, low + spacing / 8
-    )
-    return np.asarray(mesh.f2t[0, facets[(z == 0).all(axis=0) & (low < 1) & inside]])
+    first, last = (np.searchsorted(dyadic, r) for r in (low + spacing / 8, high - spacing / 8))
+    return np.asarray(mesh.f2t[0, facets[(z == 0).all(axis=0) & (low < 1) & (first < last)]])
 
 
 def _polar_quarter_disc(outer: float) -> MeshTri:
-    """A few well-shaped triangles.
-
-    Rays at 0, 45 and 90 degrees, radii 1, then doubling up to `outer`.
-    """
+    """A few well-shaped triangles on rays at 0, 45 and 90 degrees, about doubling their radii."""
     count = max(1, round(np.log2(outer)))
     radii = outer ** (np.arange(count + 1) / count)
     # exact zeros on the axis and the surface: boundaries are recognised by them

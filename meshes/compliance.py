@@ -58,7 +58,7 @@ class Compliance:
         For error estimates.
         """
         space = self.space
-        kept = space.order < np.maximum(space.degree_of_function, 2)
+        chosen = space.order < np.maximum(space.degree_of_function, 2)
         return Compliance(
-            replace(space, degrees=np.maximum(space.degrees - 1, 1)), self.factor[:, kept]
+            replace(space, degrees=np.maximum(space.degrees - 1, 1)), self.factor[:, chosen]
         )

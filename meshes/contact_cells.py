@@ -1,20 +1,18 @@
-"""Cells for a contact that opens, closes and spreads.
+"""Cells for a contact that opens, closes and spreads, and the space fitted to one that is known.
 
-Small at ring edges, at the rim and where contact begins.
-
-Sizes are known before any mesh is, and vary by no more than a given growth with the distance, so
-that the contact line of a mesh of the half-space can follow the same field as a radial mesh.
-Lengths in punch radii.
+Cells are small at ring edges, at the rim and where contact begins. Sizes vary by no more than a
+given growth with the distance, so that the contact line of a mesh of the half-space can follow the
+same field as a radial mesh. Lengths in punch radii.
 """
 
 import itertools
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from .pressure_space import PressureSpace
-from .radial import Array, layer_degrees, layers
-from .sizes import SizeField
+from .radial import Array, graded_breakpoints, layer_degrees
 
 
 @dataclass(frozen=True)
@@ -49,24 +47,18 @@ class ContactCells:
         return size
 
     def breakpoints(self) -> Array:
-        """Cells of a radial mesh.
-
-        As many in each ring as the integral of one over their size, made even.
-        """
+        """Cells of a radial mesh: in each ring the integral of 1 / size, made even."""
         pieces = [np.zeros(1)]
-        for inner, outer in zip(self.ring_edges[:-1], self.ring_edges[1:], strict=True):
+        for inner, outer in itertools.pairwise(self.ring_edges):
             width = outer - inner
-            # fine enough to integrate one over the size: crowded at both ends, as the size is
+            # fine enough to integrate 1 / size: crowded at both ends, where sizes are small
             depth = np.geomspace(1e-3 * min(self.edge_size, width), width / 2, 400)
             spots = [r for spot in self.spots for r in spot[:2]]
             marks = np.concatenate(
                 [inner + depth, outer - depth, np.linspace(inner, outer, 401), spots]
             )
             fine = np.unique(marks[(marks >= inner) & (marks <= outer)])
-            density = 1 / self(fine)
-            along = np.concatenate(
-                [[0.0], np.cumsum(np.diff(fine) * (density[1:] + density[:-1]) / 2)]
-            )
+            along = cumulative_trapezoid(1 / self(fine), fine, initial=0.0)
             count = max(4, 2 * int(np.ceil(along[-1] / 2)))
             inside = np.interp(np.arange(1, count) * along[-1] / count, along, fine)
             pieces.append(np.append(inside, outer))
@@ -77,45 +69,6 @@ class ContactCells:
         breakpoints = self.breakpoints()
         degrees = np.ones(len(breakpoints) - 1, dtype=np.int64)
         return PressureSpace(breakpoints, degrees, np.array(self.ring_edges))
-
-
-@dataclass(frozen=True)
-class ContactSizeField(SizeField):
-    """Sizes of triangles whose contact line follows the cells; inside the half-space they grow."""
-
-    cells: ContactCells | None = None
-
-    def __call__(self, points: Array) -> Array:
-        """(n,) sizes at (n, 2) points."""
-        size = super().__call__(points)
-        if self.cells is None:
-            return size
-        radius, depth = points.T
-        on_contact = self.cells(np.minimum(radius, 1.0)) + self.growth * np.hypot(
-            depth, np.maximum(radius - 1.0, 0.0)
-        )
-        return np.minimum(size, on_contact)
-
-
-def contact_mesh_field(cells: ContactCells, growth: float, truncation: float) -> ContactSizeField:
-    """The size field of a mesh on those cells."""
-    inside = len(cells.ring_edges) - 2
-    return ContactSizeField(
-        cells.ring_edges,
-        cells.edge_size,
-        (cells.edge_size,) * inside,
-        growth,
-        truncation,
-        cells.largest,
-        0.125,
-        cells,
-    )
-
-
-# of a mesh fitted to the edges of a contact: size ratio of neighbours, and sizes at the axis, where
-# a cone's pressure is infinite as a logarithm, at edges where the pressure falls to zero as a root,
-# and where it is infinite as one
-FACTOR, AT_AXIS, AT_FREE, AT_CORNER = 0.2, 1e-5, 1e-7, 1e-10
 
 
 def fitted_space(
@@ -129,18 +82,8 @@ def fitted_space(
     infinite : at which of them the pressure is infinite
     degree : highest; at edges it is 2
     """
-    sizes = [AT_AXIS, *(AT_CORNER if one else AT_FREE for one in infinite[1:])]
-    pieces = [np.zeros(1)]
-    for (inner, outer), (at_inner, at_outer) in zip(
-        itertools.pairwise(edges), itertools.pairwise(sizes), strict=True
-    ):
-        half = (outer - inner) / 2
-        pieces += [
-            inner + layers(half, at_inner, FACTOR)[:0:-1],
-            outer - layers(half, at_outer, FACTOR),
-            np.array([outer]),
-        ]
-    breakpoints = np.concatenate(pieces)
-    return PressureSpace(
-        breakpoints, layer_degrees(breakpoints, edges, degree, rise=1.0, lowest=2), np.array(edges)
-    )
+    # infinite as a root, or falling to zero as one; at the axis a cone's is infinite as a logarithm
+    sizes = np.where(infinite, 1e-10, 1e-7)[1:]
+    breakpoints = graded_breakpoints(edges, sizes[:-1], float(sizes[-1]), 0.2, axis_size=1e-5)
+    degrees = layer_degrees(breakpoints, edges, degree, rise=1.0, lowest=2)
+    return PressureSpace(breakpoints, degrees, np.array(edges))

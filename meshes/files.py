@@ -1,6 +1,4 @@
-"""A half-space mesh that the user brings as a file.
-
-Anything that meshio reads, in triangles or in quadrilaterals.
+"""A half-space mesh that the user brings, as a file that meshio reads.
 
 No names are needed: what is contact, free surface, axis and far boundary follows from where it
 lies. Whatever is wrong with the mesh is refused here, with what and where; lengths in messages are
@@ -9,6 +7,7 @@ those of the file.
 
 import contextlib
 import io
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,7 @@ from skfem import Mesh
 from skfem.io.meshio import from_meshio
 
 from .errors import MeshError
-from .half_space import half_space
+from .half_space import as_half_space
 from .radial import Array
 
 # relative: how far a coordinate may be from where it belongs, so that files with nine digits are
@@ -44,7 +43,7 @@ def read(path: str | Path, ring_edges: Array, radius: float = 1.0) -> tuple[Mesh
     """
     try:
         mesh, remark = _upright(_mesh(Path(path)))
-        return half_space(_snapped(mesh, ring_edges, radius), ring_edges), remark
+        return as_half_space(_snapped(mesh, ring_edges, radius), ring_edges), remark
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from error
 
@@ -52,33 +51,26 @@ def read(path: str | Path, ring_edges: Array, radius: float = 1.0) -> tuple[Mesh
 def _mesh(path: Path) -> Mesh:
     content = _content(path)
     kinds = {block.type for block in content.cells if len(block.data)}
-    higher = sorted(
-        kind
-        for kind in kinds
-        if kind.startswith(("line", "triangle", "quad")) and kind[-1].isdigit()
-    )
+    higher = sorted(kind for kind in kinds if re.match(r"(line|triangle|quad)\d", kind))
     if higher:
         raise MeshError(
             f"it holds cells of second or higher order ({', '.join(higher)}): export straight "
-            "cells of first "
-            "order; in gmsh set Mesh.ElementOrder = 1; the displacement's degree is "
-            "accuracy.fem.degree, not "
-            "the mesh's"
+            "cells of first order; in gmsh set Mesh.ElementOrder = 1; the displacement's degree is "
+            "accuracy.fem.degree, not the mesh's"
         )
     strange = sorted(kinds - {"vertex", "line", "triangle", "quad"})
     if strange:
         raise MeshError(f"it holds cells of kind {', '.join(strange)}: mesh in two dimensions")
     shapes = sorted(kinds & {"triangle", "quad"})
-    if len(shapes) != 1:
-        if shapes:
-            raise MeshError(
-                "it holds triangles and quadrilaterals: give one kind only, in gmsh recombine all "
-                "or nothing"
-            )
+    if not shapes:
         raise MeshError(
             "it holds neither triangles nor quadrilaterals: in gmsh a physical group of the "
-            "surface is needed "
-            "too (or Mesh.SaveAll = 1), else only the named lines are saved"
+            "surface is needed too (or Mesh.SaveAll = 1), else only the named lines are saved"
+        )
+    if len(shapes) > 1:
+        raise MeshError(
+            "it holds triangles and quadrilaterals: give one kind only, in gmsh recombine all or "
+            "nothing"
         )
     points = np.asarray(content.points, dtype=float)
     used = points[np.unique(content.cells_dict[shapes[0]])]
@@ -93,20 +85,16 @@ def _content(path: Path) -> Any:
     import meshio
 
     if not path.is_file():
-        raise MeshError(
-            f"{'this is a directory' if path.is_dir() else 'no such file'}; give a mesh file"
-        )
+        what = "this is a directory" if path.is_dir() else "no such file"
+        raise MeshError(f"{what}; give a mesh file")
     printed = io.StringIO()
     try:
         # meshio prints its complaints, and leaves by SystemExit where no reader understands a file
         with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
             return meshio.read(path)
     except (Exception, SystemExit) as error:
-        reason = (
-            str(error)
-            if isinstance(error, Exception) and str(error)
-            else "no reader of meshio understands it"
-        )
+        told = isinstance(error, Exception) and str(error)
+        reason = told or "no reader of meshio understands it"
         raise MeshError(
             f"not a mesh that meshio can read ({reason}): give a .msh of gmsh, a .vtu, ..."
         ) from error
@@ -130,17 +118,14 @@ def _upright(mesh: Mesh) -> tuple[Mesh, str]:
         r, z = stray[:, np.abs(stray[1]).argmax()]
         raise MeshError(
             f"{below.shape[1]} vertices have a positive depth and {above.shape[1]} a negative one, "
-            "among the "
-            f"fewer ({r:.6g}, {z:.6g}); the half-space must lie on one side of depth 0"
+            f"among the fewer ({r:.6g}, {z:.6g}); the half-space must lie on one side of depth 0"
         )
     remark = "turned over: its second coordinate points out of the half-space" if above.size else ""
     return replace(mesh, doflocs=np.stack([mesh.p[0], np.abs(mesh.p[1])])), remark
 
 
 def _snapped(mesh: Mesh, ring_edges: Array, radius: float) -> Mesh:
-    """The mesh in punch radii, vertices that are off by rounding only put exactly where they
-    belong.
-    """
+    """The mesh in punch radii, vertices that are off by rounding put where they belong."""
     used = np.unique(mesh.t)
     size = mesh.p[0, used].max()
     surface = used[mesh.p[1, used] < SLACK * size]
@@ -158,8 +143,7 @@ def _snapped(mesh: Mesh, ring_edges: Array, radius: float) -> Mesh:
     else:
         raise MeshError(
             f"no vertex of the mesh lies on the ring edge at r = {lost[0]:.9g} a on the surface: "
-            "put a point of "
-            "the geometry there; the first coordinate must be the radius, the second the depth"
+            "put a point of the geometry there; the first coordinate must be the radius"
         )
     points = mesh.p / scale
     # elements may be far smaller than what coordinates are off by in a coarser mesh

@@ -1,7 +1,4 @@
-"""gmsh, started and ended properly.
-
-One thread, the same mesh every time, sizes by one background field.
-"""
+"""gmsh, started and ended properly: one thread, the same mesh every time, one background field."""
 
 import signal
 import threading

@@ -1,6 +1,4 @@
-"""The truncated half-space.
-
-A scikit-fem mesh of a quarter disc in (radius, depth), its boundaries named.
+"""The truncated half-space: a scikit-fem mesh of a quarter disc, its boundaries named.
 
 Non-dimensional: the punch has radius 1. Depth is positive into the half-space; the surface is depth
 zero. Boundaries are `contact` (surface under the punch), `free` (surface beside it), `axis` and
@@ -23,9 +21,8 @@ from .radial import Array, Indices
 LOWER = "degree -"
 
 
-def half_space(mesh: Mesh, ring_edges: Array) -> Mesh:
-    """The mesh without orphan points, its boundaries named, checked to be the quarter disc it
-    should be.
+def as_half_space(mesh: Mesh, ring_edges: Array) -> Mesh:
+    """Name the boundaries of a quarter disc, drop its orphan points, and check it.
 
     Parameters
     ----------
@@ -61,8 +58,7 @@ def half_space(mesh: Mesh, ring_edges: Array) -> Mesh:
 
 
 def turned(mesh: MeshQuad) -> MeshQuad:
-    """The quadrilaterals, each renumbered from the corner that makes its sides run as its
-    neighbours' do.
+    """Renumber quadrilaterals so that their sides run as those of their neighbours.
 
     In `ElementQuadP` the functions of a side have the direction of that side, from its first corner
     to its second, and opposite sides are parallel. Neighbours agree on them if every side runs the
@@ -78,9 +74,9 @@ def turned(mesh: MeshQuad) -> MeshQuad:
     swapped = (along[:2] != along[2:]).ravel()
     count = mesh.nfacets
     # node f: side f from its lower to its higher vertex; node f + count: the other way
-    one = np.concatenate([first, first + count])
-    other = np.concatenate([opposite + count * swapped, opposite + count * ~swapped])
-    graph = coo_matrix((np.ones(len(one)), (one, other)), shape=(2 * count,) * 2)
+    starts = np.concatenate([first, first + count])
+    ends = np.concatenate([opposite + count * swapped, opposite + count * ~swapped])
+    graph = coo_matrix((np.ones(len(starts)), (starts, ends)), shape=(2 * count,) * 2)
     _, strip = connected_components(graph, directed=False)
     upwards = strip[:count] < strip[count:]
     if (strip[:count] == strip[count:]).any():
@@ -96,9 +92,8 @@ def turned(mesh: MeshQuad) -> MeshQuad:
 def _check(mesh: Mesh, ring_edges: Array) -> None:
     outer = truncation(mesh)
     for name, expected in {"contact": 1.0, "free": outer - 1, "axis": outer}.items():
-        length = np.linalg.norm(
-            np.diff(segments(mesh, mesh.boundaries[name]), axis=1), axis=2
-        ).sum()
+        sides = np.diff(segments(mesh, mesh.boundaries[name]), axis=1)
+        length = np.linalg.norm(sides, axis=2).sum()
         if abs(length - expected) > 1e-9 * outer:
             raise MeshError(
                 f"the {name} boundary is {length:.9g} a long and should be {expected:.9g} a"
@@ -106,8 +101,7 @@ def _check(mesh: Mesh, ring_edges: Array) -> None:
     ends = segments(mesh, mesh.boundaries["far"])
     if np.abs(np.linalg.norm(ends, axis=2) / outer - 1).max(initial=0.0) > 1e-9:
         raise MeshError(
-            "the mesh has a hole or a gap: boundary points lie inside, where no boundary should "
-            "be; merge "
+            "the mesh has a hole or a gap: boundary points lie inside, where none should be; merge "
             "vertices that are there twice (in gmsh: Coherence Mesh)"
         )
     enclosed = np.abs(np.linalg.det(ends)).sum() / 2
@@ -124,8 +118,7 @@ def _check(mesh: Mesh, ring_edges: Array) -> None:
         r, z = mesh.p[:, mesh.t[:, shape.argmin()]].mean(axis=1)
         raise MeshError(
             f"an element at r = {r:.3g} a, depth {z:.3g} a is degenerate (quality "
-            f"{shape.min():.1e}): "
-            "ask for less extreme sizes"
+            f"{shape.min():.1e}): ask for less extreme sizes"
         )
 
 

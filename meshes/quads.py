@@ -1,6 +1,4 @@
-"""The quarter disc in quadrilaterals only.
-
-Geometric layers round every ring edge and the rim, and gmsh between them.
+"""The quarter disc in quadrilaterals: geometric layers round every ring edge, gmsh between them.
 
 Round a singular point each layer is a copy of the one outside it, smaller by a factor: four
 quadrilaterals to a layer, and two kites in the middle. Polynomials whose degree rises from layer to
@@ -9,6 +7,7 @@ sizes allow it; the outline of a patch is a diamond, of which gmsh meshes each s
 the patches everything is smooth, and a few large quadrilaterals of high degree are enough.
 """
 
+import itertools
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -21,7 +20,7 @@ from skfem import MeshQuad
 from . import gmsh_session
 from .errors import MeshError
 from .gmsh_session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
-from .half_space import LOWER, half_space, quality
+from .half_space import LOWER, as_half_space, quality
 from .radial import Array, Indices
 from .sizes import LARGEST, Behind, Sharpness, beside, falls, patch_layers, patch_widths
 
@@ -32,14 +31,19 @@ OUTLINE = np.array([[-1.0, 0.0], [-0.5, 0.5], [0.0, 1.0], [0.5, 0.5], [1.0, 0.0]
 
 
 class Way(NamedTuple):
-    """A way in which gmsh makes quadrilaterals."""
+    """A way in which gmsh makes quadrilaterals.
 
-    algorithm: int  # this and the next: gmsh's numbers
+    Parameters
+    ----------
+    algorithm, recombination : gmsh's numbers
+    divided : whether each triangle and quadrilateral is divided into smaller quadrilaterals at last
+    coarser : sizes that gmsh is given over those wanted
+    """
+
+    algorithm: int
     recombination: int
-    divided: bool = (
-        False  # at last each triangle and quadrilateral is divided into smaller quadrilaterals
-    )
-    coarser: float = 1.0  # sizes asked for over those wanted
+    divided: bool = False
+    coarser: float = 1.0
 
 
 # full-quad recombination has the fewest elements, but leaves a triangle, folds the mesh, or forgets
@@ -84,19 +88,16 @@ class GradedQuads:
             if it is not what was asked for
         """
         points, quadrilaterals, lower = self._patches()
-        known, between = self.between
-        # gmsh has the corners of the outlines, too: each point of the patches that lies on one is
-        # the nearest of gmsh's
-        distance, nearest = cKDTree(known.T).query(points.T)
+        outside, between = self.between
+        # the corners of the outlines are there twice
+        distance, nearest = cKDTree(outside.T).query(points.T)
         scale = np.repeat(self.widths.min(axis=1), 5 * (self.layers + 1) + 1)
         same = distance < 1e-6 * scale
-        number = np.where(same, nearest, known.shape[1] + np.cumsum(~same) - 1)
+        number = np.where(same, nearest, outside.shape[1] + np.cumsum(~same) - 1)
         cells = np.concatenate([number[quadrilaterals], between], axis=1)
         parts = {f"{LOWER}{k}": np.flatnonzero(lower == k) for k in np.unique(lower[lower > 0])}
-        mesh = MeshQuad(np.concatenate([known, points[:, ~same]], axis=1), cells).with_subdomains(
-            parts
-        )
-        return half_space(mesh, self.ring_edges)
+        mesh = MeshQuad(np.concatenate([outside, points[:, ~same]], axis=1), cells)
+        return as_half_space(mesh.with_subdomains(parts), self.ring_edges)
 
     def coarser(self) -> "GradedQuads":
         """The same without the innermost layer of every patch that has more than one."""
@@ -173,22 +174,24 @@ def graded(
     if missing := gmsh_session.unavailable():
         raise MeshError(missing)
     sharpness = sharpness or Sharpness(0.0, np.zeros(len(widths)), np.ones(len(widths)))
-    candidates = []
+    best, least_sine = None, -np.inf
     for way in WAYS:
         try:
             between = _between(ring_edges[1:], widths, growth, outer, way)
             graded = GradedQuads(ring_edges, widths, layers, factor, between, sharpness)
-            candidates.append((float(quality(graded.mesh).min()), graded))
-            if candidates[-1][0] >= GOOD:
-                break
+            sine = quality(graded.mesh).min()
         except MeshError as error:
             reason = error
-    if not candidates:
+            continue
+        if sine > least_sine:
+            best, least_sine = graded, sine
+        if sine >= GOOD:
+            break
+    if best is None:
         raise MeshError(
-            f"no quadrilaterals fit between the rings ({reason}): ask for mesher = 'gmsh' "
-            "(triangles)"
+            f"no quadrilaterals fit between the rings ({reason}): ask for mesher = 'gmsh'"
         )
-    return max(candidates, key=lambda one: one[0])[1]
+    return best
 
 
 def _between(
@@ -205,16 +208,12 @@ def _between(
         gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", int(way.divided))
         _geometry(gmsh, centres, widths, growth, outer, way)
         if not way.divided:
-            # every curve has to have an even number of sides; those of one side are not made even
-            # by themselves
+            # gmsh makes the sides of a curve even in number, but for curves of one side
             gmsh.model.mesh.generate(1)
-            single = [
-                tag
-                for _, tag in gmsh.model.getEntities(1)
-                if len(gmsh.model.mesh.getElements(1, tag)[1][0]) == 1
-            ]
+            curves = [tag for _, tag in gmsh.model.getEntities(1)]
+            single = [len(gmsh.model.mesh.getElements(1, tag)[1][0]) == 1 for tag in curves]
             gmsh.model.mesh.clear()
-            for tag in single:
+            for tag in itertools.compress(curves, single):
                 gmsh.model.mesh.setTransfiniteCurve(tag, 3)
         gmsh.model.mesh.generate(2)
         _, triangles = gmsh.model.mesh.getElementsByType(TRIANGLE)

@@ -37,25 +37,34 @@ def ring_of(ring_edges: Array, radii: ArrayLike) -> Indices:
 
 
 def graded_breakpoints(
-    ring_edges: ArrayLike, edge_size: ArrayLike, rim_size: float, factor: float
+    ring_edges: ArrayLike,
+    edge_size: ArrayLike,
+    rim_size: float,
+    factor: float,
+    axis_size: float | None = None,
 ) -> Array:
     """Element boundaries that shrink by `factor` per element towards every ring edge and the rim.
 
-    The smallest elements have about `edge_size` at ring edges (one for all, or one for each between
-    the centre and the rim) and `rim_size` at the rim. There is nothing to resolve at the axis,
-    where every field is smooth in ``r^2``.
+    Parameters
+    ----------
+    ring_edges : (N+1,) ring edges, 0 first and the rim last
+    edge_size : about the smallest elements at ring edges, one size for all, or one for each between
+        the centre and the rim
+    rim_size : the same at the rim
+    factor : below 1
+    axis_size : the same at the axis; by default the innermost ring is refined towards its outer
+        edge only, for every field that is smooth in ``r^2`` needs nothing there
     """
     ring_edges = np.asarray(ring_edges, dtype=float)
-    sizes = np.append(
-        np.broadcast_to(np.asarray(edge_size, dtype=float), len(ring_edges) - 2), rim_size
-    )
-    # the innermost ring is refined towards its outer edge only
-    pieces = [[0.0], ring_edges[1] - layers(ring_edges[1], sizes[0], factor)[1:]]
-    for i, (inner, outer) in enumerate(itertools.pairwise(ring_edges[1:])):
-        # the two families meet at mid-ring, and share that point
-        half = (outer - inner) / 2
-        towards_inner = inner + layers(half, sizes[i], factor)[:0:-1]
-        pieces += [[inner], towards_inner, outer - layers(half, sizes[i + 1], factor)]
+    sizes = np.append(np.broadcast_to(edge_size, len(ring_edges) - 2), rim_size)
+    pieces, at_inner = [], axis_size
+    for (inner, outer), at_outer in zip(itertools.pairwise(ring_edges), sizes, strict=True):
+        # both families of layers end in the middle of the ring
+        span = (outer - inner) / (1 if at_inner is None else 2)
+        from_inner = [] if at_inner is None else inner + layers(span, at_inner, factor)[:0:-1]
+        from_outer = outer - layers(span, at_outer, factor)
+        pieces += [[inner], from_inner, from_outer[1:] if at_inner is None else from_outer]
+        at_inner = at_outer
     return np.concatenate([*pieces, ring_edges[-1:]])
 
 

@@ -42,6 +42,7 @@ class SizeField:
         people look at
     far_size : greatest size, over the truncation: elements of low degree follow the far field only
         along short sides
+    cells : sizes on the contact by (n,) radii, which those of the triangles beside it do not exceed
     """
 
     ring_edges: tuple[float, ...]
@@ -51,16 +52,18 @@ class SizeField:
     truncation: float
     centre_size: float = 0.25
     far_size: float = 0.25
+    cells: Callable[[Array], Array] | None = None
 
     def __call__(self, points: Array) -> Array:
         """(n,) sizes at (n, 2) points."""
+        radius, depth = points.T
         size = np.full(len(points), self.largest)
-        for edge, smallest in zip(
-            self.ring_edges, (self.centre_size, *self.ring_sizes, self.rim_size), strict=True
-        ):
-            size = np.minimum(
-                size, smallest + self.growth * np.hypot(points[:, 0] - edge, points[:, 1])
-            )
+        sizes = (self.centre_size, *self.ring_sizes, self.rim_size)
+        for edge, smallest in zip(self.ring_edges, sizes, strict=True):
+            size = np.minimum(size, smallest + self.growth * np.hypot(radius - edge, depth))
+        if self.cells:
+            away = np.hypot(depth, np.maximum(radius - 1, 0))
+            size = np.minimum(size, self.cells(np.minimum(radius, 1)) + self.growth * away)
         return size
 
     def coarser(self) -> "SizeField":
@@ -81,9 +84,7 @@ class SizeField:
 
 
 def patch_widths(ring_edges: Array) -> Array:
-    """(N, 2) half-widths of the patch at each edge but the centre, towards the axis and away from
-    it.
-    """
+    """(N, 2) half-widths, inwards and outwards, of the patch at each edge but the centre."""
     rings = np.diff(ring_edges)
     half = np.minimum(rings, np.append(rings[1:], np.inf)) / 2
     widths = np.stack([half, half], axis=1)
@@ -104,29 +105,24 @@ def patch_layers(widths: Array, sizes: Array, factor: float) -> Indices:
 
 
 def falls(widths: Array, layers: Indices, factor: float, sharpness: Behind) -> list[Indices]:
-    """For each patch (layers + 1,) how much lower the degree may be in each layer and, last, in the
-    middle.
-    """
+    """For each patch (layers + 1,) how much lower the degree may be by layer, the middle last."""
     half = widths.max(axis=1)
     behind = [
         sharpness(reach * factor ** np.arange(count + 1.0), reach, np.full(count + 1, number))
         for number, (reach, count) in enumerate(zip(half, layers, strict=True))
     ]
-    greatest = max(float(one.max()) for one in behind)
-    return [spared_degrees(greatest / one, factor) for one in behind]
+    greatest = np.max(np.concatenate(behind))
+    return [spared_degrees(greatest / in_layers, factor) for in_layers in behind]
 
 
 def beside(widths: Array) -> Array:
-    """(N,) size of the elements beside each patch, in few distinct values, which is what a mesher
-    digests.
-    """
+    """(N,) size of the elements beside each patch, in the few distinct values a mesher digests."""
     return np.asarray(2.0 ** (np.round(4 * np.log2(1.4 * widths.mean(axis=1))) / 4))
 
 
 @dataclass(frozen=True, eq=False)
 class Sharpness:
-    """How much stands behind the highest degree of an element near a ring edge or the rim, relative
-    to the rest.
+    """How much stands behind the highest degree of an element near a ring edge, over the rest.
 
     It has to become smaller than the accuracy. Wear blunts the pressure beside an edge over a
     length that grows in time, on each side as its material wears: between the two lengths the edge
@@ -154,9 +150,7 @@ class Sharpness:
         return self.slow * self.ratio
 
     def __call__(self, distance: Array, half: Array, edge: Indices) -> Array:
-        """Of elements whose far end has a distance from the nearest edge, by its number, in rings
-        of given half width.
-        """
+        """By the distance of an element's far end from an edge, the ring's half width, the edge."""
         at_rim, slow = edge == len(self.slow) - 1, self.slow[edge]
         with np.errstate(divide="ignore"):
             sharp = np.minimum(1.0, distance / slow)
@@ -172,8 +166,7 @@ class Sharpness:
 
 
 def convergence(ratio: float) -> float:
-    """Logarithm of what one degree more gains where each element is smaller by `ratio` than its
-    outer neighbour.
+    """Logarithm of what a degree gains where elements are smaller by `ratio` than their neighbours.
 
     A polynomial on an element one element away from a singularity converges with the ellipse
     through it (Bernstein).

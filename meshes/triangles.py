@@ -6,7 +6,7 @@ import numpy as np
 from skfem import MeshTri
 
 from .gmsh_session import TRIANGLE, elements, session, set_sizes
-from .half_space import half_space
+from .half_space import as_half_space
 from .sizes import SizeField
 
 
@@ -34,4 +34,4 @@ def mesh(field: SizeField) -> MeshTri:
         set_sizes(gmsh, np.array(on_contact)[wanted], sizes[wanted], field.growth, field.largest)
         gmsh.model.mesh.generate(2)
         points, triangles = elements(gmsh, TRIANGLE)
-    return half_space(MeshTri(points, triangles), np.array(field.ring_edges))
+    return as_half_space(MeshTri(points, triangles), np.array(field.ring_edges))

@@ -17,10 +17,8 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from ringwear import Scene
-from ringwear.meshes.compliance import Compliance
+from ringwear.meshes import Array, Compliance, PressureSpace
 from ringwear.meshes.gmsh_session import unavailable
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import Array
 from ringwear.studies.methods.base import Discretised
 from ringwear.studies.methods.base import method as named
 from ringwear.studies.methods.pipeline import ComplianceMethod
@@ -98,13 +96,11 @@ def prepare() -> Prepare:
     def make(scene: str, name: str, changes: tuple[tuple[str, Any], ...]) -> Prepared:
         if WITHOUT_GMSH and name in NEED_GMSH:
             pytest.skip(WITHOUT_GMSH)
-        method, own = METHODS.get(name, (name, {}))
-        listed = {
-            name: list(value) if isinstance(value, tuple) else value for name, value in changes
-        }
-        problem, one = Scene.load(scene).changed(**own, **listed).problem, named(method)
-        assert isinstance(one, ComplianceMethod)
-        made = one.discretise(problem, Stages(method))
+        kind, sizes = METHODS.get(name, (name, {}))
+        listed = {key: list(value) if isinstance(value, tuple) else value for key, value in changes}
+        problem, method = Scene.load(scene).changed(**sizes, **listed).problem, named(kind)
+        assert isinstance(method, ComplianceMethod)
+        made = method.discretise(problem, Stages(kind))
         return Prepared(problem, made, RunningIn(made.compliance, problem.merged.wear_coefficients))
 
     return lambda scene, name, **changes: make(scene, name, tuple(changes.items()))

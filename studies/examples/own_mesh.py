@@ -6,17 +6,15 @@ Scikit-fem's, made in a box, refined towards the rim, bent to a disc.
 import numpy as np
 from skfem import MeshTri
 
-from ringwear.fem.elasticity import AxisymmetricElasticity
-from ringwear.fem.far_field import enough_poles
-from ringwear.fem.half_space import HalfSpace, pressure_space
-from ringwear.meshes.half_space import half_space
+from ringwear.fem import AxisymmetricElasticity, HalfSpace, enough_poles, pressure_space
+from ringwear.meshes import as_half_space
 
 # lengths in punch radii; each ring edge must be a vertex of the surface
 ring_edges, outer = np.array([0.0, 0.5, 1.0]), 4.0
 box = MeshTri.init_tensor(np.linspace(0, outer, 9), np.linspace(0, outer, 9))
 for refined in range(8):
     length = np.maximum(np.hypot(*box.p), 1e-300)
-    disc = half_space(MeshTri(box.p * box.p.max(axis=0) / length, box.t), ring_edges)
+    disc = as_half_space(MeshTri(box.p * box.p.max(axis=0) / length, box.t), ring_edges)
     solid = AxisymmetricElasticity(disc, degree=3, given_ratio=0.3)
     half = HalfSpace(solid, pressure_space(solid, ring_edges), enough_poles(outer, 1e-6))
     _, indentation = half.saddle_point(force=1.0)

@@ -1,8 +1,8 @@
 """The steady state at any parameters, by means that no method uses. Non-dimensional.
 
-Displacements and slopes of discs are taken in Carlson's symmetric integrals, where direct
-integration uses Legendre's, and integrated on geometric meshes, where direct integration
-substitutes powers.
+Displacements of discs are taken in Carlson's symmetric integrals, where direct integration uses
+Legendre's; slopes of discs, in Carlson's as there, are integrated on geometric meshes, where direct
+integration substitutes powers.
 """
 
 from dataclasses import dataclass

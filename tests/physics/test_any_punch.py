@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from closed_forms import PowerPunch
 
 from ringwear import Scene, plan, run, sweep
 from ringwear.mdr import energy
-from ringwear.mdr.static_contact import PowerPunch
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.pressure_space import PressureSpace

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -13,27 +12,48 @@ from wear_reference import exact_results, true_errors
 
 from ringwear import Scene, run
 
-Solve = Callable[..., xarray.Dataset]
 Reference = dict[str, Any]
 FEM = {"methods": ("fem",), "accuracy__rtol": 1e-4}
 MDR = {"methods": ("mdr",), "accuracy__rtol": 1e-6}
+# with gmsh, and without
+MESHERS = [
+    *(pytest.param(mesher, marks=pytest.mark.gmsh) for mesher in ("quads", "gmsh")),
+    "bisection",
+]
+
+
+class Solved:
+    """Datasets of the five rings at the times of the reference, and how far they are from it."""
+
+    def __init__(self, reference: Reference) -> None:
+        self.reference = reference
+        self.times = [state["time"] for state in reference["states"]]
+        self.cached = cache(self.computed)
+
+    def __call__(self, **changes: Any) -> xarray.Dataset:
+        return self.cached(**changes)
+
+    def computed(self, methods: tuple[str, ...], **changes: Any) -> xarray.Dataset:
+        lists = {"methods": list(methods), "output__radii": self.reference["radii"]}
+        scene = Scene.load("five_rings").changed(wear__times=self.times, **lists, **changes)
+        return run(scene).dataset.isel(solver=0)
+
+    def error(self, data: xarray.Dataset, name: str, key: str = "") -> float:
+        """Greatest relative error of a quantity over time."""
+        expected = [state[key or name] for state in self.reference["states"]]
+        return worst(data[name], np.array(expected))
+
+    def steady_error(self, data: xarray.Dataset, name: str, key: str) -> float:
+        return worst(data[name], np.array(self.reference["steady"][key]))
+
+    def errors_of_times(self, data: xarray.Dataset) -> float:
+        expected = np.array(self.reference["slowest_relaxation_times"])
+        return worst(data.relaxation_time[: len(expected)], expected)
 
 
 @pytest.fixture(scope="module")
-def solve(reference: Reference) -> Solve:
-    @cache
-    def solved(**changes: Any) -> xarray.Dataset:
-        lists = {"methods": list(changes.pop("methods")), "output__radii": reference["radii"]}
-        times = [state["time"] for state in reference["states"]]
-        return run(
-            Scene.load("five_rings").changed(wear__times=times, **lists, **changes)
-        ).dataset.isel(solver=0)
-
-    return solved
-
-
-def states(reference: Reference, name: str) -> np.ndarray:
-    return np.array([state[name] for state in reference["states"]])
+def solve(reference: Reference) -> Solved:
+    return Solved(reference)
 
 
 def worst(values: xarray.DataArray, expected: np.ndarray) -> float:
@@ -41,50 +61,37 @@ def worst(values: xarray.DataArray, expected: np.ndarray) -> float:
     return float(np.abs(values.to_numpy() / expected - 1).max())
 
 
-# with gmsh, and without
-MESHERS = [
-    pytest.param("quads", marks=pytest.mark.gmsh),
-    pytest.param("gmsh", marks=pytest.mark.gmsh),
-    "bisection",
-]
-
-
 @pytest.mark.parametrize("average", ["line", "area"])
-def test_mdr(solve: Solve, reference: Reference, average: str) -> None:
-    found = solve(**MDR, output__gradient_average=average)
-    assert worst(found.indentation, states(reference, "indentation")) <= 1e-8
-    assert worst(found.displacement_centre, states(reference, "displacement_centre")) <= 1e-5
-    assert worst(found.rms_slope, states(reference, f"rms_slope_{average}")) <= 1e-3
-    assert worst(found.pressure, states(reference, "pressure")) <= 1e-4
-    assert worst(found.profile, states(reference, "profile")) <= 1e-4
+def test_mdr(solve: Solved, average: str) -> None:
+    data = solve(**MDR, output__gradient_average=average)
+    assert solve.error(data, "indentation") <= 1e-8
+    assert solve.error(data, "displacement_centre") <= 1e-5
+    assert solve.error(data, "rms_slope", f"rms_slope_{average}") <= 1e-3
+    assert solve.error(data, "pressure") <= 1e-4
+    assert solve.error(data, "profile") <= 1e-4
 
 
 @pytest.mark.parametrize("mesher", MESHERS)
-def test_fem(solve: Solve, reference: Reference, mesher: str) -> None:
-    found = solve(**FEM, accuracy__fem__mesher=mesher)
-    assert worst(found.indentation, states(reference, "indentation")) <= 1e-4
-    assert worst(found.displacement_centre, states(reference, "displacement_centre")) <= 3e-4
-    assert worst(found.pressure, states(reference, "pressure")) <= 1e-2
-    assert worst(found.profile, states(reference, "profile")) <= 1e-2
+def test_fem(solve: Solved, mesher: str) -> None:
+    data = solve(**FEM, accuracy__fem__mesher=mesher)
+    assert solve.error(data, "indentation") <= 1e-4
+    assert solve.error(data, "displacement_centre") <= 3e-4
+    assert solve.error(data, "pressure") <= 1e-2
+    assert solve.error(data, "profile") <= 1e-2
 
 
 @pytest.mark.parametrize(("scene", "tolerance"), [(MDR, 1e-9), (FEM, 1e-4)], ids=["mdr", "fem"])
-def test_relaxation_times(
-    solve: Solve, reference: Reference, scene: dict[str, Any], tolerance: float
-) -> None:
-    expected = np.array(reference["slowest_relaxation_times"])
-    assert worst(solve(**scene).relaxation_time[: len(expected)], expected) <= tolerance
+def test_relaxation_times(solve: Solved, scene: dict[str, Any], tolerance: float) -> None:
+    assert solve.errors_of_times(solve(**scene)) <= tolerance
 
 
-def test_ring_forces_against_a_finer_radial_mesh(solve: Solve) -> None:
-    finer = solve(
-        methods=("mdr",), accuracy__rtol=1e-7, accuracy__mdr__ring_size=1e-6
-    ).ring_force.to_numpy()
+def test_ring_forces_against_a_finer_radial_mesh(solve: Solved) -> None:
+    finest = {"accuracy__rtol": 1e-7, "accuracy__mdr__ring_size": 1e-6}
+    finer = solve(methods=("mdr",), **finest).ring_force.to_numpy()
     assert worst(solve(**MDR).ring_force, finer) <= 1e-5
     # the lightest ring carries a fiftieth of the force: finite elements are held to the whole of it
-    assert (
-        np.abs(solve(**FEM).ring_force.to_numpy() - finer).max() <= 1e-3 * finer.sum(axis=1).min()
-    )
+    difference = np.abs(solve(**FEM).ring_force.to_numpy() - finer).max()
+    assert difference <= 1e-3 * finer.sum(axis=1).min()
 
 
 @pytest.mark.parametrize(
@@ -94,88 +101,68 @@ def test_ring_forces_against_a_finer_radial_mesh(solve: Solve) -> None:
 )
 @pytest.mark.parametrize("average", ["line", "area"])
 def test_steady_state(
-    solve: Solve,
-    reference: Reference,
-    scene: dict[str, Any],
-    heights: float,
-    slopes: float,
-    average: str,
+    solve: Solved, scene: dict[str, Any], heights: float, slopes: float, average: str
 ) -> None:
-    found, steady = solve(**scene, output__gradient_average=average), reference["steady"]
-    assert worst(found.steady_displacement_max, np.array(steady["displacement_centre"])) <= heights
-    assert worst(found.steady_rms_slope, np.array(steady[f"rms_slope_{average}"])) <= slopes
-
-
-def test_steady_pressures_in_closed_form(solve: Solve, reference: Reference) -> None:
-    """Of the closed form only: the others are handed what Eq. 24 gives."""
-    found, steady = solve(methods=("direct",)), reference["steady"]
-    assert worst(found.steady_pressure, np.array(steady["ring_pressures"])) <= 1e-12
-    assert worst(found.steady_wear_rate, np.array(steady["wear_rate"])) <= 1e-12
+    data = solve(**scene, output__gradient_average=average)
+    assert solve.steady_error(data, "steady_displacement_max", "displacement_centre") <= heights
+    assert solve.steady_error(data, "steady_rms_slope", f"rms_slope_{average}") <= slopes
+    if scene["methods"] == ("direct",):  # the others are handed what Eq. 24 gives
+        assert solve.steady_error(data, "steady_pressure", "ring_pressures") <= 1e-12
+        assert solve.steady_error(data, "steady_wear_rate", "wear_rate") <= 1e-12
 
 
 @pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-8])
-def test_the_dial_of_the_mdr(solve: Solve, reference: Reference, rtol: float) -> None:
-    found = solve(methods=("mdr",), accuracy__rtol=rtol)
-    assert worst(found.indentation, states(reference, "indentation")) <= rtol
-    # slopes converge slowly, but asking for more must not give less
-    assert worst(found.steady_rms_slope, np.array(reference["steady"]["rms_slope_line"])) <= max(
-        1e-3, rtol
-    )
+def test_the_dial_of_the_mdr(solve: Solved, rtol: float) -> None:
+    data = solve(methods=("mdr",), accuracy__rtol=rtol)
+    assert solve.error(data, "indentation") <= rtol
+    # slopes converge slowly, but a smaller rtol must not give less
+    assert solve.steady_error(data, "steady_rms_slope", "rms_slope_line") <= max(1e-3, rtol)
 
 
 @pytest.mark.parametrize("mesher", MESHERS)
 @pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-5, pytest.param(1e-8, marks=pytest.mark.slow)])
-def test_the_dial_of_the_fem(solve: Solve, reference: Reference, rtol: float, mesher: str) -> None:
-    found = solve(methods=("fem",), accuracy__rtol=rtol, accuracy__fem__mesher=mesher)
-    assert worst(found.indentation, states(reference, "indentation")) <= rtol
+def test_the_dial_of_the_fem(solve: Solved, rtol: float, mesher: str) -> None:
+    data = solve(methods=("fem",), accuracy__rtol=rtol, accuracy__fem__mesher=mesher)
+    assert solve.error(data, "indentation") <= rtol
 
 
 @pytest.mark.gmsh
-def test_fem_to_nine_digits(solve: Solve, reference: Reference) -> None:
+def test_fem_to_nine_digits(solve: Solved) -> None:
     """As far as the reference goes; the ring forces against an MDR of the same accuracy."""
-    found = solve(methods=("fem",), accuracy__rtol=1e-9)
-    assert worst(found.indentation, states(reference, "indentation")) <= 1e-9
-    times = np.array(reference["slowest_relaxation_times"])
-    assert worst(found.relaxation_time[: len(times)], times) <= 1e-9
-    finer = solve(methods=("mdr",), accuracy__rtol=1e-9).ring_force
-    assert np.abs(found.ring_force / finer - 1).max() <= 1e-8
+    data = solve(methods=("fem",), accuracy__rtol=1e-9)
+    assert solve.error(data, "indentation") <= 1e-9
+    assert solve.errors_of_times(data) <= 1e-9
+    finer = solve(methods=("mdr",), accuracy__rtol=1e-9).ring_force.to_numpy()
+    assert worst(data.ring_force, finer) <= 1e-8
 
 
 @pytest.mark.parametrize(
-    "scene",
+    "sizes",
     [
-        *({"methods": ("mdr",), "accuracy__rtol": rtol} for rtol in (1e-3, 1e-5)),
-        *({"methods": ("fem",), "accuracy__rtol": rtol} for rtol in (1e-3, 1e-5)),
-        *({"methods": ("fem",), "accuracy__fem__degree": degree} for degree in (2, 3, 4)),
-        {"methods": ("fem",), "accuracy__fem__poles": 1, "accuracy__fem__truncation": 2.0},
-        {"methods": ("fem",), "half_space__poisson_ratio": 0.4999},
+        *({"accuracy__fem__degree": degree} for degree in (2, 3, 4)),
+        {"accuracy__fem__poles": 1, "accuracy__fem__truncation": 2.0},
+        {"half_space__poisson_ratio": 0.4999},
     ],
     ids=str,
 )
-def test_error_estimates_are_honest(
-    solve: Solve, reference: Reference, scene: dict[str, Any]
-) -> None:
-    found, steady = solve(**scene), reference["steady"]
-    heights = np.abs(found.indentation / states(reference, "indentation") - 1)
-    slope = abs(float(found.steady_rms_slope) / steady["rms_slope_line"] - 1)
-    # an estimate, not a bound; the reference itself is known to 1e-10
-    assert float((heights / (found.indentation_error + 1e-10)).max()) <= 5
-    assert slope <= 5 * float(found.steady_rms_slope_error)
+def test_error_estimates_of_given_sizes_are_honest(solve: Solved, sizes: dict[str, Any]) -> None:
+    """Estimates, not bounds; the reference itself is good to 1e-10."""
+    data = solve(methods=("fem",), **sizes)
+    exact = np.array([state["indentation"] for state in solve.reference["states"]])
+    errors = np.abs(data.indentation / exact - 1)
+    assert float((errors / (data.indentation_error + 1e-10)).max()) <= 5
+    slope = solve.steady_error(data, "steady_rms_slope", "rms_slope_line")
+    assert slope <= 5 * float(data.steady_rms_slope_error)
 
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("rtol", [1e-2, 1e-4, pytest.param(1e-7, marks=pytest.mark.slow)])
-def test_the_dial_bounds_every_quantity(reference: Reference, rtol: float) -> None:
-    """In its own norm, at every time from the start to beyond the running-in.
-
-    And no estimate is below the truth.
-    """
-    times = [0.0, *(state["time"] for state in reference["states"])]
-    result = run(
-        Scene.load("five_rings").changed(
-            methods=["mdr", "fem"], wear__times=times, accuracy__rtol=rtol
-        )
+def test_the_dial_bounds_every_quantity(solve: Solved, rtol: float) -> None:
+    """In its own norm, from the start to beyond the running-in, and no estimate below the truth."""
+    scene = Scene.load("five_rings").changed(
+        methods=["mdr", "fem"], wear__times=[0.0, *solve.times], accuracy__rtol=rtol
     )
+    result = run(scene)
     assert result.verdict == "agree"
     for errors in true_errors(result).values():
         assert len(errors) == 14
@@ -186,14 +173,11 @@ def test_the_dial_bounds_every_quantity(reference: Reference, rtol: float) -> No
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("name", ["mdr", "fem"])
-def test_profiles_are_as_good_where_little_is_worn(reference: Reference, name: str) -> None:
+def test_profiles_are_as_good_where_little_is_worn(solve: Solved, name: str) -> None:
     """Relative to the greatest height worn, not to the indentation, from t = 0.001 on."""
-    times = [state["time"] for state in reference["states"]]
-    result = run(
-        Scene.load("five_rings").changed(methods=[name], wear__times=times, accuracy__rtol=1e-4)
+    scene = Scene.load("five_rings").changed(
+        methods=[name], wear__times=solve.times, accuracy__rtol=1e-4
     )
-    exact, found = (
-        exact_results(result.scene.problem).profile,
-        result.solutions[name].checked.profile,
-    )
-    assert float((np.abs(found - exact).max("radius") / exact.max("radius")).max()) <= 1e-4
+    result = run(scene)
+    exact, profile = exact_results(scene.problem).profile, result.solutions[name].checked.profile
+    assert float((np.abs(profile - exact).max("radius") / exact.max("radius")).max()) <= 1e-4

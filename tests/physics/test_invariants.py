@@ -12,7 +12,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from ringwear import Scene, run
-from ringwear.meshes.radial import Array
+from ringwear.meshes import Array
 
 # from far inside the fastest relaxation that is resolved to the steady state
 TIMES = np.concatenate([[0.0], np.geomspace(1e-4, 1e2, 25)])
@@ -80,9 +80,9 @@ def test_rings_of_equal_wear_are_no_rings(prepare: Prepare, method: str) -> None
     flat = prepare("flat_punch", method, punch__wear_coefficients=(3.0, 3.0), **same)
     ringed = prepare("five_rings", method, punch__wear_coefficients=(3.0, 3.0), **same)
     np.testing.assert_array_equal(ringed.problem.merged.ring_edges, [0.0, 1.0])
+    histories = [punch.wear.history(TIMES) for punch in (flat, ringed)]
     for name in ("pressure", "profile", "indentation"):
-        one, other = (getattr(punch.wear.history(TIMES), name) for punch in (flat, ringed))
-        np.testing.assert_array_equal(one, other)
+        np.testing.assert_array_equal(*(getattr(history, name) for history in histories))
 
 
 def test_neighbours_of_equal_wear_are_one_ring(prepare: Prepare, method: str) -> None:
@@ -101,11 +101,10 @@ def test_scaling_the_wear_coefficients_scales_time(factor: float) -> None:
         )
         return run(scene.changed(methods=["mdr"], accuracy__rtol=1e-3)).dataset
 
-    one, other = history(1.0), history(factor)
-    for name in ("pressure", "profile", "indentation", "rms_slope", "ring_force"):
-        np.testing.assert_allclose(one[name], other[name], rtol=1e-10)
-    np.testing.assert_allclose(one.relaxation_time, factor * other.relaxation_time, rtol=1e-10)
-    np.testing.assert_allclose(factor * one.steady_wear_rate, other.steady_wear_rate, rtol=1e-10)
+    given, scaled = history(1.0), history(factor)
+    powers = dict.fromkeys(("pressure", "profile", "indentation", "rms_slope", "ring_force"), 0)
+    for name, power in {**powers, "relaxation_time": -1, "steady_wear_rate": 1}.items():
+        np.testing.assert_allclose(scaled[name], factor**power * given[name], rtol=1e-10)
 
 
 def dimensionless(a: float, modulus: float, force: float, speed: float) -> dict[str, Array]:
@@ -124,26 +123,18 @@ def dimensionless(a: float, modulus: float, force: float, speed: float) -> dict[
         "output": {"radii": [r * a for r in (0.1, 0.3, 0.5, 0.7, 0.9)]},
         "accuracy": {"rtol": 1e-3},
     }
-    found = run(Scene.from_table(table)).dataset
-    height, pressure, time = force / a / modulus, force / a / a, a / modulus / speed
+    data = run(Scene.from_table(table)).dataset
+    height, time = force / a / modulus, a / modulus / speed
     units = {
-        "indentation": height,
-        "displacement_centre": height,
-        "profile": height,
-        "steady_profile": height,
-    }
-    units |= {
-        "pressure": pressure,
-        "steady_pressure": pressure,
+        "indentation displacement_centre profile steady_profile": height,
+        "pressure steady_pressure": force / a / a,
         "ring_force": force,
         "relaxation_time": time,
-    }
-    units |= {
-        "rms_slope": height / a,
-        "steady_rms_slope": height / a,
+        "rms_slope steady_rms_slope": height / a,
         "steady_wear_rate": height / time,
     }
-    return {name: found[name].to_numpy() / unit for name, unit in units.items()}
+    pairs = ((name, unit) for names, unit in units.items() for name in names.split())
+    return {name: data[name].to_numpy() / unit for name, unit in pairs}
 
 
 decades = st.floats(-10, 10).map(lambda power: 10.0**power)
@@ -156,9 +147,7 @@ decades = st.floats(-10, 10).map(lambda power: 10.0**power)
 @example(1e10, 1e-10, 1e10, 1e-10)
 def test_units_do_not_matter(a: float, modulus: float, force: float, speed: float) -> None:
     """Twenty decades of radius, modulus, force and speed change nothing that has no dimension."""
-    one, other = dimensionless(1.0, 1.0, 1.0, 1.0), dimensionless(a, modulus, force, speed)
-    for name, values in one.items():
-        scale = np.nanmax(np.abs(values))
-        np.testing.assert_allclose(
-            values / scale, other[name] / scale, rtol=1e-9, atol=1e-9, err_msg=name
-        )
+    expected, values = dimensionless(1.0, 1.0, 1.0, 1.0), dimensionless(a, modulus, force, speed)
+    for name, exact in expected.items():
+        atol = 1e-9 * np.nanmax(np.abs(exact))
+        np.testing.assert_allclose(values[name], exact, rtol=1e-9, atol=atol, err_msg=name)

@@ -11,7 +11,7 @@ import xarray
 from scipy.sparse import csr_matrix
 
 from ringwear import Scene
-from ringwear.meshes.errors import SceneError, SolverError
+from ringwear.meshes import SceneError, SolverError
 from ringwear.studies.methods.quantities import differences
 from ringwear.studies.wear.full_contact import RunningIn
 from ringwear.studies.wear.modes import BandedCholesky, every_mode, excited_modes
@@ -38,12 +38,11 @@ def test_the_flat_start_excites_few_modes(prepare: Any, earliest: float) -> None
     )
     for time in earliest * np.array([1, 3, 1000]):
         # left of the flat start, and worn off by then
-        for share in (lambda tau: np.exp(-time / tau), lambda tau: -np.expm1(-time / tau) * tau):  # noqa: B023
-            found, expected = (
-                modes.shapes @ (share(modes.relaxation) * modes.amplitudes)
-                for modes in (few, whole)
+        for part in (lambda tau: np.exp(-time / tau), lambda tau: -np.expm1(-time / tau) * tau):  # noqa: B023
+            values, expected = (
+                modes.shapes @ (part(modes.relaxation) * modes.amplitudes) for modes in (few, whole)
             )
-            np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(expected).max())
+            np.testing.assert_allclose(values, expected, atol=1e-9 * np.abs(expected).max())
 
 
 def test_a_start_that_excites_nothing_more_ends_the_search(prepare: Any) -> None:
@@ -76,19 +75,17 @@ def test_a_span_of_everything_leaves_nothing_out(prepare: Any, wear: list[float]
     )
     whole = RunningIn(compliance, np.array(wear), earliest=1e-3)
     materials = np.unique(wear, return_inverse=True)[1]
-    every = np.eye(len(whole._weights))[:, 1:]
-    shared = RunningIn(
-        compliance, np.array(wear), 1e-3, SharedModes.spanned(compliance, materials, every, 1e-12)
-    )
+    everything = np.eye(len(whole._weights))[:, 1:]
+    span = SharedModes.spanned(compliance, materials, everything, 1e-12)
+    shared = RunningIn(compliance, np.array(wear), 1e-3, span)
     np.testing.assert_allclose(shared.relaxation_times, whole.relaxation_times[:20], rtol=1e-9)
-    found, known = shared.modal(times), whole.modal(times)
-    np.testing.assert_allclose(found.indentation, known.indentation, rtol=1e-11)
-    np.testing.assert_allclose(
-        found.pressure, known.pressure, atol=1e-8 * np.abs(known.pressure).max()
-    )
-    np.testing.assert_allclose(
-        found.profile, known.profile, atol=1e-10 * np.abs(known.profile).max()
-    )
+    history, exact = shared.modal(times), whole.modal(times)
+    np.testing.assert_allclose(history.indentation, exact.indentation, rtol=1e-11)
+    for values, expected, part in (
+        (history.pressure, exact.pressure, 1e-8),
+        (history.profile, exact.profile, 1e-10),
+    ):
+        np.testing.assert_allclose(values, expected, atol=part * np.abs(expected).max())
     assert shared.left_out(times[1:]) < 1e-7
 
 
@@ -132,12 +129,9 @@ def test_banded_factor() -> None:
     factor = BandedCholesky(csr_matrix(matrix))
     right = random.random((9, 3))
     np.testing.assert_allclose(matrix @ factor.solve(right), right, atol=1e-14)
-    np.testing.assert_allclose(
-        np.linalg.cholesky(matrix) @ factor.forward(right[:, 0]), right[:, 0], atol=1e-14
-    )
-    np.testing.assert_allclose(
-        np.linalg.cholesky(matrix).T @ factor.backward(right), right, atol=1e-14
-    )
+    lower = np.linalg.cholesky(matrix)
+    np.testing.assert_allclose(lower @ factor.forward(right[:, 0]), right[:, 0], atol=1e-14)
+    np.testing.assert_allclose(lower.T @ factor.backward(right), right, atol=1e-14)
     with pytest.raises(SolverError, match="too extreme for double precision"):
         BandedCholesky(csr_matrix(matrix - 20 * np.eye(9)))
 
@@ -145,10 +139,10 @@ def test_banded_factor() -> None:
 def test_two_results_may_know_another_number_of_modes() -> None:
     times = np.array([1.0, 0.5, 0.25])
     three, two = (
-        xarray.Dataset({"relaxation_time": ("mode", known)}) for known in (1.5 * times, times[:2])
+        xarray.Dataset({"relaxation_time": ("mode", values)}) for values in (1.5 * times, times[:2])
     )
-    found = differences(three, two, Scene.load("five_rings").problem.face)
-    np.testing.assert_array_equal(found["relaxation_time"], [0.5, 0.5])
+    compared = differences(three, two, Scene.load("five_rings").problem.face)
+    np.testing.assert_array_equal(compared["relaxation_time"], [0.5, 0.5])
 
 
 def test_no_columns_are_no_harm() -> None:

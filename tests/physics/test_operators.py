@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from ringwear import Scene
-from ringwear.mdr.energy import compliance as mdr_compliance
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.errors import SolverError
+from ringwear.mdr import energy
+from ringwear.meshes import Compliance, SolverError
 from ringwear.studies.crosscheck.operators import OperatorDifference, difference
 from ringwear.studies.crosscheck.run import run
 from ringwear.studies.estimates.scenes import random_scenes
@@ -27,7 +26,7 @@ def against_mdr(problem: Problem, first: Compliance) -> OperatorDifference:
         problem,
         ("fem", "mdr"),
         RunningIn(first, wear),
-        RunningIn(mdr_compliance(first.space), wear),
+        RunningIn(energy.compliance(first.space), wear),
     )
 
 
@@ -45,11 +44,11 @@ def by_elements(problem: Problem) -> Compliance:
 )
 def test_every_steady_state_is_certified(rings: int, rtol: float) -> None:
     problem = five_rings(punch__rings=rings, accuracy__rtol=rtol)
-    found = against_mdr(problem, by_elements(problem))
-    assert found.rings <= rtol
+    difference = against_mdr(problem, by_elements(problem))
+    assert difference.rings <= rtol
     # the multipliers see the displacement, on coarse meshes and on fine ones: as one over the
     # degree
-    assert found.stability >= 2.5 / quad_sizes(problem).degree
+    assert difference.stability >= 2.5 / quad_sizes(problem).degree
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.49, 0.5])
@@ -89,7 +88,7 @@ def test_faults_show_in_the_rings(fault: str, least: float) -> None:
         moved[1] += 0.01
         breakpoints = np.interp(sound.space.breakpoints, sound.space.ring_edges, moved)
         elsewhere = replace(sound.space, breakpoints=breakpoints, ring_edges=moved)
-        sound = replace(sound, factor=mdr_compliance(elsewhere).factor)
+        sound = replace(sound, factor=energy.compliance(elsewhere).factor)
     assert against_mdr(problem, sound).rings >= least
 
 

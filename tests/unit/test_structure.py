@@ -65,9 +65,10 @@ IMPORTS = {name: sorted(set(imported(file))) for name, file in FILES.items()}
 
 def floor_of(name: str) -> tuple[int, str]:
     """Floor and room of a file: those of the longest room name that it begins with."""
-    every = ((floor, room) for floor, rooms in enumerate(ROOMS) for room in rooms)
+    rooms = [(floor, room) for floor, rooms in enumerate(ROOMS) for room in rooms]
     return max(
-        (one for one in every if f"{name}.".startswith(f"{one[1]}.")), key=lambda one: len(one[1])
+        (place for place in rooms if f"{name}.".startswith(f"{place[1]}.")),
+        key=lambda place: len(place[1]),
     )
 
 
@@ -153,11 +154,11 @@ def test_runs_without_elements_load_no_mesher(methods: list[str]) -> None:
 
 def test_elements_by_bisection_load_no_gmsh() -> None:
     changes = "methods=['fem'], accuracy__fem__mesher='bisection', accuracy__rtol=1e-2"
-    found = loaded(
+    modules = loaded(
         f"from ringwear import Scene, run\nrun(Scene.load('flat_punch').changed({changes}))"
     )
-    assert "skfem" in found
-    assert not found & {"gmsh", "matplotlib", "meshio"}
+    assert "skfem" in modules
+    assert not modules & {"gmsh", "matplotlib", "meshio"}
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,8 @@ contact a,
     F = 2 E* kappa c a^(n+1) n / (n + 1),
     p(r) = (n E* kappa c / pi) a^(n-2) s 2F1(1, 1 - n/2; 3/2; s^2 / a^2),       s^2 = a^2 - r^2.
 
-A sphere of radius R has n = 2 and c = 1/(2 R), a cone n = 1 and its slope. Plane strain modulus 1;
-nothing here is used by the methods: it is what they are held to. The annulus and the worn sphere
+A sphere of radius R has n = 2 and c = 1/(2 R), a cone n = 1 and its slope. Plane strain modulus 1.
+The annulus and the worn sphere
 have no exact closed form, but limits.
 """
 
@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import gamma, hyp2f1
 
-from ..meshes.radial import Array
+from ringwear.meshes import Array
 
 
 @dataclass(frozen=True)
