@@ -66,6 +66,10 @@ def _run(options: argparse.Namespace) -> Status:
     if options.methods is not None:
         names = [name.strip() for name in options.methods.split(",")]
         scene = scene.changed(methods=list(filter(None, names)))
+    from .crosscheck.sizes import beyond_memory, machine_memory, predict_memory
+
+    if refusal := beyond_memory(predict_memory(scene), options.memory or machine_memory()):
+        raise SceneError(refusal)
     pictures: tuple[Picture, ...] = ()
     if not options.no_figures:
         from .figures.catalogue import PICTURES
@@ -75,10 +79,6 @@ def _run(options: argparse.Namespace) -> Status:
     files |= {picture.file for picture in pictures}
     # that the folder can be written to is known before the work
     with output_folder(_out(options), "run", files) as folder:
-        from .crosscheck.sizes import beyond_memory, machine_memory, predict_memory
-
-        if refusal := beyond_memory(predict_memory(scene), options.memory or machine_memory()):
-            raise SceneError(refusal)
         from .crosscheck.run import run
         from .report.printed import print_account
         from .report.words import Account

@@ -8,7 +8,7 @@ from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import SceneError
 from ..methods.base import Method, Solution
-from ..methods.mdr import AnySpaceMethod
+from ..methods.pipeline import AnySpaceMethod
 from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..progress import Stages

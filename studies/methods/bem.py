@@ -5,7 +5,7 @@ the MDR in it.
 from ...mdr import ring_kernel
 from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
-from .mdr import AnySpaceMethod
+from .pipeline import AnySpaceMethod
 
 
 class Bem(AnySpaceMethod):

@@ -6,11 +6,18 @@ problem -> compliances (fine, coarser) -> wear -> history -> quantities -> error
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
+import numpy as np
 import xarray
 
 from ...meshes.compliance import Compliance
+from ...meshes.contact_cells import fitted_space
 from ...meshes.errors import RingwearError
+from ...meshes.pressure_space import PressureSpace
+from ...meshes.radial import Array
+from ..problem.defaults import mdr_sizes
 from ..problem.marching import refused_steps, steps_between
 from ..problem.problem import Problem
 from ..problem.profile import FLAT
@@ -18,9 +25,9 @@ from ..problem.shared import Shared
 from ..progress import Stages
 from ..wear.fitted_press import FittedPress, fit_presses
 from .base import Discretised, Method, Solution, method
-from .estimate import estimate_errors
 from .evaluation import Evaluation, FullContact, MovingContact
-from .spaces import first_contact, load_of
+from .quantities import array, differences, radial_weight
+from .spaces import first_contact, load_of, pressure_spaces
 from .together import Together, worn_together
 
 
@@ -64,6 +71,46 @@ class ComplianceMethod(Method):
         if problems[0].full_contact:
             return solve_in_full_contact(self, problems, stages)
         return [solve_in_moving_contact(self, problem, stages) for problem in problems]
+
+
+class AnySpaceMethod(ComplianceMethod):
+    """A method whose compliance can be had on any pressure space."""
+
+    def compliance(self, space: PressureSpace) -> Compliance:
+        """Return the compliance on a space."""
+        raise NotImplementedError
+
+    def refusal(self, problem: Problem) -> str:
+        if not problem.full_contact and problem.mdr.given:
+            return (
+                "accuracy.mdr sizes the mesh of a flat punch: with an initial profile or a fixed "
+                "indentation leave it out"
+            )
+        return super().refusal(problem)
+
+    def discretise(self, problem: Problem, stages: Stages) -> Discretised:
+        fine, coarse = pressure_spaces(problem)
+
+        def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> Compliance:
+            return self.compliance(fitted_space(edges, infinite, degree))
+
+        with stages("assembling"):
+            compliance = self.compliance(fine)
+        return Discretised(
+            compliance,
+            lambda: self.compliance(coarse),
+            settings=smallest(mdr_sizes(problem)) if problem.full_contact else {},
+            fitted=(partial(fitted, degree=8), partial(fitted, degree=6)),
+        )
+
+
+def smallest(sizes: dict[str, Any]) -> dict[str, float]:
+    """Return sizes of which each ring edge may have its own, by the smallest."""
+    return {
+        name: value if np.ndim(value) == 0 else float(np.min(value))
+        for name, value in sizes.items()
+        if np.size(value)
+    }
 
 
 def solve_in_full_contact(
@@ -149,6 +196,67 @@ def _solution(made: Discretised, fine: Evaluation, coarse: Evaluation) -> Soluti
         fine.wear,
         made.half_space,
     )
+
+
+# fields that greatest values are taken from
+OF_FIELD = {"displacement_max": "displacement", "steady_displacement_max": "steady_profile"}
+
+
+def estimate_errors(
+    fine: Evaluation, coarse: Evaluation
+) -> tuple[dict[str, Array], dict[str, float]]:
+    """Return the relative error of each quantity in its norm, and parts of that of the indentation.
+
+    Errors over time are those at the times asked for; parts are the greatest over all times, by
+    what causes them.
+    """
+    problem, errors = fine.problem, {}
+    missed = differences(coarse.for_estimate, fine.for_estimate, problem.face)
+    if "steady_rms_slope" in missed and "steady_profile" in missed:
+        missed["steady_rms_slope"] = np.maximum(
+            missed["steady_rms_slope"], _square_of_slopes(fine, coarse)
+        )
+    for name, difference in missed.items():
+        error = fine.safety_of(name) * fine.near(name, difference)
+        errors[name] = np.maximum(error, fine.least_error(name))
+    if problem.full_contact and fine.compliance.space.top <= 2:
+        # of low degree, greatest values are known no better than their field: their differences
+        # often vanish
+        for greatest in OF_FIELD.keys() & errors.keys():
+            errors[greatest] = np.maximum(errors[greatest], errors[OF_FIELD[greatest]])
+    indentation = fine.safety_of("indentation") * missed.get("indentation", np.zeros(1))
+    parts = {"discretisation": float(np.max(indentation, initial=0.0))}
+    if problem.indentation is not None:
+        # what was given has no error; the force decays, and is judged by the first
+        forces = [array(each.for_estimate, "normal_force") for each in (fine, coarse)]
+        difference = np.abs(forces[1] - forces[0]).max() / forces[0][0]
+        parts = {"force": fine.safety_of("indentation") * float(difference)}
+    if problem.march != "modal" and "indentation" in errors:
+        at, sampler = np.arange(len(problem.times)), fine.sampler
+        steps = differences(
+            sampler.history(fine.at(at), on_face=True),
+            sampler.history(fine.exact_in_time, on_face=True),
+            problem.face,
+        )
+        errors |= {name: errors[name] + step for name, step in steps.items()}
+        parts["time step"] = float(steps["indentation"].max())
+    return errors, parts
+
+
+def _square_of_slopes(fine: Evaluation, coarse: Evaluation) -> Array:
+    """Return the mean square of the difference of steady slopes over that of slopes.
+
+    Roots of mean squares may differ by less, where the difference happens to be orthogonal to the
+    slope.
+    """
+    face = fine.problem.face
+    weights = face.lengths * radial_weight(face.radii, fine.problem.gradient_average)
+    profile = array(fine.for_estimate, "steady_profile")
+    slopes, wrong = (
+        face.slopes(values)[0] ** 2 @ weights
+        for values in (profile, profile - array(coarse.for_estimate, "steady_profile"))
+    )
+    return np.divide(wrong, slopes, out=np.zeros_like(wrong), where=slopes > 0)
 
 
 def _beside(history: Solution, steady: Solution) -> Solution:

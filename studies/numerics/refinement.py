@@ -21,7 +21,7 @@ from ...meshes import files
 from ...meshes.errors import MeshError, SceneError
 from ...meshes.radial import Array
 from ..figures.mesh import draw_mesh
-from ..figures.style import FAINT, new_figure
+from ..figures.style import FAINT, new_figure, save
 from ..methods.fem import half_space_mesh
 from ..problem.defaults import WIDER_TRUNCATION, triangle_degree
 from ..problem.problem import D0, Problem, Rings
@@ -110,7 +110,7 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
         for way in {ADAPTIVE, OWN} & by_case.get(case.name, {}).keys():
             path = out / f"{way} of {case.name}.png".replace(" ", "_")
             finest = by_case[case.name][way][-1]["mesh"]
-            draw_mesh(finest, way, case.problem.merged.ring_edges, path)
+            save(path, draw_mesh, finest, way, case.problem.merged.ring_edges)
     write_page(out / "refinement.md", "Refinement of the mesh", conclusions, {"Rows": table})
     return conclusions
 

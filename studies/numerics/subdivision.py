@@ -16,7 +16,7 @@ from ...fem.half_space import HalfSpace, pressure_space
 from ...meshes import bisection, triangles
 from ...meshes.compliance import Compliance
 from ...meshes.errors import MeshError
-from ...meshes.half_space import contact_radii, half_space
+from ...meshes.half_space import as_half_space, contact_radii
 from ...meshes.radial import Array, Indices
 from ...meshes.sizes import SizeField
 from ..wear.flat_contact import press_flat
@@ -55,7 +55,7 @@ def subdivided(mesh: MeshTri, count: int, tips: Array) -> MeshTri:
     unique, number = np.unique(points, return_inverse=True)
     fine = number.reshape(points.shape)[:, half.t.T].reshape(-1, 3)
     divided = MeshTri(np.stack([unique.real, unique.imag]), np.ascontiguousarray(fine.T))
-    return half_space(divided, contact_radii(mesh)[[0, -1]])
+    return as_half_space(divided, contact_radii(mesh)[[0, -1]])
 
 
 def interpolate(vertices: Points, corners: Indices, weight: Array, tips: Array) -> Points:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from wear_reference import true_errors
+from wear_reference import random_scenes, true_errors
 
 from ringwear import Scene, run
 from ringwear.meshes.radial import ring_areas
@@ -21,39 +21,6 @@ from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 
 FIVE = Scene.load("five_rings")
-
-
-def random_scenes(seed: int, count: int, most_rings: int, **changes: Any) -> Iterator[Scene]:
-    """Rings 1 to `most_rings`, widths to 1e-4, wear ratios 1e-6 to 1e6, nu -0.5 to 0.5, rtol 1e-2
-    to 1e-8; seven times from 1e-8 to 1e3 natural ones, about half with the start.
-    """
-    draw = np.random.default_rng(seed)
-    for _ in range(count):
-        rings = int(np.exp(draw.uniform(0, np.log(most_rings + 1))))
-        widths = 10 ** draw.uniform(-draw.uniform(0, 4), 0, rings)
-        edges = np.cumsum(np.maximum(widths / widths.sum(), 1e-4))
-        power = draw.uniform(-6, 6)
-        if rings == 1:
-            wear = np.ones(1)
-        elif rings == 2 or draw.random() < 1 / 3:  # two materials, or one for each ring
-            wear = np.resize([1.0, 10**power], rings)
-        else:
-            wear = 10 ** draw.uniform(-abs(power), 0, rings)
-        first = 10 ** draw.uniform(-8, 1)
-        times = np.geomspace(first, first * 10 ** draw.uniform(0.3, 3 - np.log10(first)), 7)
-        if draw.random() < 0.5:
-            times = np.append(0.0, times)
-        usual = draw.random() < 0.7
-        ratio = draw.uniform(-0.5, 0.5) if usual else draw.choice((0.5, 0.49, 0.3))
-        punch = {"radius": 1.0, "ring_edges": (edges / edges[-1]).tolist()}
-        yield FIVE.changed(
-            methods=["mdr", "direct", "fem"],
-            punch=punch | {"wear_coefficients": wear.tolist()},
-            half_space__poisson_ratio=float(ratio),
-            wear={"times": (times / wear.max()).tolist()},
-            accuracy__rtol=float(10 ** draw.uniform(-8, -2)),
-            **changes,
-        )
 
 
 @pytest.mark.slow

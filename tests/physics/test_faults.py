@@ -22,7 +22,7 @@ from ringwear.studies.methods.fem import Fem
 from ringwear.studies.methods.mdr import Mdr
 from ringwear.studies.methods.sampler import Sampler
 from ringwear.studies.problem.problem import Rings
-from ringwear.studies.wear import archard
+from ringwear.studies.wear import full_contact
 from ringwear.studies.wear.modes import Modes
 
 Fault = Callable[[pytest.MonkeyPatch], None]
@@ -161,7 +161,7 @@ def lose_mode(number: int) -> Fault:
             modes.exact - 1,
         )
 
-    return change_result(archard, "every_mode", change)
+    return change_result(full_contact, "every_mode", change)
 
 
 def slow_down(size: float) -> Fault:
@@ -169,7 +169,7 @@ def slow_down(size: float) -> Fault:
         factors = np.where(np.arange(len(modes.relaxation)) == 0, 1 + size, 1.0)
         return replace(modes, relaxation=modes.relaxation * factors)
 
-    return change_result(archard, "every_mode", change)
+    return change_result(full_contact, "every_mode", change)
 
 
 def scale_reported(name: str, size: float, start: bool = True, on_face: bool = True) -> Fault:

@@ -10,8 +10,7 @@ from ringwear.mdr import energy
 from ringwear.meshes import Compliance, SolverError
 from ringwear.studies.crosscheck.operators import OperatorDifference, difference
 from ringwear.studies.crosscheck.run import run
-from ringwear.studies.estimates.scenes import random_scenes
-from ringwear.studies.estimates.study import true_errors
+from wear_reference import random_scenes, true_errors
 from ringwear.studies.methods import fem
 from ringwear.studies.problem.defaults import quad_sizes
 from ringwear.studies.problem.problem import Problem

@@ -15,7 +15,7 @@ from ringwear import Scene, run
 from ringwear.meshes.contact_cells import ContactCells
 from ringwear.studies.crosscheck.agreement import agreements
 from ringwear.studies.crosscheck.run import Result
-from ringwear.studies.estimates.scenes import random_scenes
+from wear_reference import random_scenes
 from ringwear.studies.report.words import remarks
 from ringwear.studies.wear.contact_edges import worn_edges
 

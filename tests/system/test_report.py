@@ -136,7 +136,7 @@ def test_a_study_has_its_page_among_its_files(
         (out / "rows.csv").write_text("a,b\n1,2\n", "utf-8")
         return ["Done."]
 
-    monkeypatch.setattr("ringwear.studies.time_steps.conduct", conduct)
+    monkeypatch.setattr("ringwear.studies.numerics.march.conduct", conduct)
     assert main(["study", "march", "--out", str(tmp_path)]) == 0
     assert {file.name for file in tmp_path.glob("[!.]*")} == {"report.html", "rows.csv"}
     assert "Done." in (tmp_path / "report.html").read_text("utf-8")
