@@ -1,14 +1,13 @@
-"""Compute one block of scenes.
-
-Those that can share a discretisation share it, and one that fails fails alone.
+"""Compute a block of scenes: those that can share a discretisation do, one that fails fails alone.
 """
 
+from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import product
 from threading import Lock
+from typing import NamedTuple
 
 import numpy as np
+import xarray
 from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import RingwearError, SceneError
@@ -17,136 +16,139 @@ from ..crosscheck.accuracy import solved_to_accuracy
 from ..crosscheck.agreement import worst
 from ..crosscheck.answer import answer
 from ..methods.base import Method, Solution, method
-from ..methods.quantities import ANSWER, HISTORIES, QUANTITIES, common, error_name
+from ..methods.quantities import ANSWER, QUANTITIES, common, error_name
 from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..problem.shared import groups
 from ..progress import LOG, Stages
 from ..versions import fingerprint
-from .axes import Sweep
-from .kept import ANSWERS, asked_for
-from .layout import DONE, FAILED, PENDING, Layout, Outcome
+from .axes import ANSWERS, Sweep
+from .layout import DONE, FAILED, PENDING
 
 # of the code that this process has loaded: files may change later
 FINGERPRINT = fingerprint()
-# what the machine lacks today, it may have tomorrow
-OF_THE_MACHINE = (MemoryError, OSError)
 # gmsh has one state for a whole process, whose threads a cluster may give several blocks
 ONE_AT_A_TIME = Lock()
 
 
-@dataclass(frozen=True)
-class Failure:
-    """Why a scene has no solution, and whether to try again is in vain."""
+class Failure(NamedTuple):
+    """Why a scene has no solution, and what that makes of it."""
 
     reason: str
-    final: bool
+    status: int
 
 
-def computed(sweep: Sweep, layout: Layout) -> Outcome:
-    """Every scene of a block, which is a sweep of its own."""
-    with ONE_AT_A_TIME, threadpool_limits(1):
-        return _computed(sweep, layout)
+class Outcome(NamedTuple):
+    """What a block has become.
+
+    Parameters
+    ----------
+    values : (scenes, ...) of each variable of the store
+    computed_by : fingerprint of the ringwear that computed it
+    """
+
+    values: dict[str, Array]
+    computed_by: str
 
 
-def _computed(sweep: Sweep, layout: Layout) -> Outcome:
-    count = sweep.count
-    values = {name: np.full((count, *one.shape), np.nan) for name, one in layout.variables.items()}
-    reason, status = [""] * count, np.full(count, DONE, dtype=np.uint8)
+def compute_block(sweep: Sweep, blank: xarray.Dataset) -> Outcome:
+    """Compute all scenes of a block.
+
+    Parameters
+    ----------
+    sweep : the block, as a sweep of its own
+    blank : the template of a scene
+    """
+    values = {
+        str(name): np.stack([variable.values] * sweep.count)
+        for name, variable in blank.data_vars.items()
+    }
+    values["status"][:] = DONE
     scenes: dict[int, tuple[Scene, Problem]] = {}
-    for number, index in enumerate(product(*map(range, sweep.shape))):
+    for number, index in enumerate(np.ndindex(sweep.shape)):
         try:
             scene = sweep.scene(index)
-            scenes[number] = scene, posed(scene, sweep.keep)
+            scenes[number] = scene, sweep.problem(scene)
         except SceneError as error:
-            reason[number], status[number] = str(error), FAILED
-    solutions: dict[int, dict[str, Solution]] = {number: {} for number in scenes}
-    for name in layout.solvers:
+            values["reason"][number], values["status"][number] = str(error), FAILED
+    numbers = list(scenes)
+    with ONE_AT_A_TIME, threadpool_limits(1):
+        for group in groups([problem for _, problem in scenes.values()]):
+            # solutions take memory: at most 64 at once
+            for start in range(0, len(group), 64):
+                together = {numbers[at]: scenes[numbers[at]] for at in group[start : start + 64]}
+                _compute_together(together, blank["solver"].values, sweep.keep, values)
+    return Outcome(values, FINGERPRINT)
+
+
+def _compute_together(
+    scenes: dict[int, tuple[Scene, Problem]],
+    solvers: Sequence[str],
+    keep: tuple[str, ...],
+    values: dict[str, Array],
+) -> None:
+    """Put results of scenes that share a discretisation in their places, in the scenes' units."""
+    solutions: dict[int, dict[int, Solution]] = defaultdict(dict)
+    for place, name in enumerate(solvers):
         numbers = [
-            number for number in scenes if name in scenes[number][0].methods and not reason[number]
+            number
+            for number, (scene, _) in scenes.items()
+            if name in scene.methods and values["status"][number] == DONE
         ]
-        for group in groups([scenes[number][1] for number in numbers]):
-            together = [numbers[at] for at in group]
-            found = solved(method(name), [scenes[number][1] for number in together])
-            for number, solution in zip(together, found, strict=True):
-                if isinstance(solution, Failure):
-                    reason[number] = f"{name}: {solution.reason}"
-                    status[number] = FAILED if solution.final else PENDING
-                else:
-                    solutions[number][name] = solution
-    for number, (_, problem) in scenes.items():
-        if reason[number]:
+        results = solve(method(name), [scenes[number][1] for number in numbers])
+        for number, solution in zip(numbers, results, strict=True):
+            if isinstance(solution, Failure):
+                values["reason"][number] = f"{name}: {solution.reason}"
+                values["status"][number] = solution.status
+            else:
+                solutions[number][place] = solution
+    for number, by_solver in solutions.items():
+        if values["status"][number] != DONE:
             continue
-        for name, solution in solutions[number].items():
-            put(values, (number, layout.solvers.index(name)), problem, solution, sweep.keep)
-        if len(layout.solvers) > 1:
-            for name, value in (
-                worst(problem, list(solutions[number].values()), sweep.keep)._asdict().items()
-            ):
+        problem = scenes[number][1]
+        for place, solution in by_solver.items():
+            for name, result in _quantities(problem, solution, keep).items():
+                target = values[name][number]
+                region = common(result.shape, target.shape[1:])
+                target[(place, *region)] = result[region]
+        if "disagreement" in values:
+            for name, value in worst(problem, list(by_solver.values()), keep)._asdict().items():
                 values[name][number] = value
-    return Outcome(values, status, reason, FINGERPRINT)
 
 
-def posed(scene: Scene, keep: tuple[str, ...]) -> Problem:
-    """The problem of a scene, asking for what is kept and nothing else."""
-    problem = scene.problem
-    needed = {quantity for name in keep for quantity in ANSWERS.get(name, (name,))}
-    kept = frozenset(
-        name for name in needed if name == "relaxation_time" or asked_for(scene.wear, name)
-    )
-    times = problem.times if kept & HISTORIES else np.empty(0)
-    return replace(
-        problem, quantities=kept, times=times, march=problem.march if len(times) else "modal"
-    )
+def solve(solver: Method, problems: Sequence[Problem]) -> list[Solution | Failure]:
+    """Return each problem's solution, or the reason why it has none.
 
-
-def solved(one: Method, problems: Sequence[Problem]) -> list[Solution | Failure]:
-    """Each problem's solution, or the reason why it has none.
-
-    What fails together is tried again by halves.
+    What fails together is tried again by halves. What the machine lacks today it may have
+    tomorrow, so that leaves a scene pending.
     """
+    if not problems:
+        return []
     try:
         for problem in problems:
-            if refusal := one.refusal(problem):
+            if refusal := solver.refusal(problem):
                 raise SceneError(refusal)
-        return list(solved_to_accuracy(one, problems, Stages(one.name)))
+        return list(solved_to_accuracy(solver, problems, Stages(solver.name)))
     except Exception as error:
+        expected = isinstance(error, RingwearError)
+        reason = str(error) if expected else f"{type(error).__name__}: {error}"
         if len(problems) > 1:
-            if not isinstance(error, RingwearError):
-                kind = type(error).__name__
-                LOG.warning(
-                    "%8s  %d scenes together: %s: %s; again by halves",
-                    one.name,
-                    len(problems),
-                    kind,
-                    error,
-                )
+            if not expected:
+                LOG.warning("%8s  %d scenes: %s; by halves", solver.name, len(problems), reason)
             half = len(problems) // 2
-            return [*solved(one, problems[:half]), *solved(one, problems[half:])]
-        if isinstance(error, RingwearError):
-            return [Failure(str(error), final=True)]
-        final = not isinstance(error, OF_THE_MACHINE)
-        return [Failure(f"{type(error).__name__}: {error}", final)]
+            return [*solve(solver, problems[:half]), *solve(solver, problems[half:])]
+        return [Failure(reason, PENDING if isinstance(error, MemoryError | OSError) else FAILED)]
 
 
-def put(
-    values: dict[str, Array],
-    place: tuple[int, int],
-    problem: Problem,
-    solution: Solution,
-    keep: tuple[str, ...],
-) -> None:
-    """Put what is kept of one scene by one method in its place, in the scene's units."""
+def _quantities(problem: Problem, solution: Solution, keep: tuple[str, ...]) -> dict[str, Array]:
+    """Return quantities to keep, their errors, and answers, in the scene's units."""
+    results: dict[str, Array] = {}
     answers = answer(problem, solution) if ANSWERS.keys() & set(keep) else {}
-    found: dict[str, Array] = {}
     for name in keep:
         if name in answers:
-            found[name] = answers[name] * getattr(problem.units, ANSWER[name].unit)
+            results[name] = answers[name] * getattr(problem.units, ANSWER[name].unit)
         elif name in solution.results:
             scale = getattr(problem.units, QUANTITIES[name].unit)
-            found[name] = np.asarray(solution.results.variables[name].values) * scale
-            found[error_name(name)] = np.asarray(solution.errors[name])
-    for label, array in found.items():
-        target = values[label][place[0]]
-        known = common(array.shape, target.shape[1:])
-        target[(place[1], *known)] = array[known]
+            results[name] = solution.results.variables[name].values * scale
+            results[error_name(name)] = np.asarray(solution.errors[name])
+    return results

@@ -1,207 +1,39 @@
 """Conduct a sweep, as a command or in Python.
 
-Blocks that are not finished yet, by processes here or by a Dask cluster.
+Blocks that are not finished yet are computed in this process, by processes of this machine, or by
+the workers of a Dask scheduler. Only this process writes.
 """
 
 import argparse
 import json
-import multiprocessing
+import logging
 import os
-import signal
-import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from concurrent.futures import CancelledError
+from contextlib import ExitStack, contextmanager
 from itertools import islice
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+import pandas
 import xarray
 
-from ..crosscheck.scope import machine_memory
+from ...meshes.errors import RingwearError, SolverError
+from ..methods.base import method
 from ..problem.scene import Scene
+from ..problem.shared import groups
 from ..progress import LOG
-from .axes import Sweep
-from .blocks import Block, block_shape, blocks
-from .cluster import check_fingerprint, compute_on_cluster
-from .compute import computed
-from .layout import DONE, FAILED, Layout, Outcome, layout
-from .plan import planned
-from .store import NAME, Store, alone, write_whole
-from .summary import summary
+from ..versions import differing, fingerprint
+from .axes import Sweep, described
+from .compute import Outcome, compute_block, solve
+from .figure import draw
+from .layout import FAILED, PENDING, template
+from .store import NAME, Store, lock_folder, write_whole
 
-# seconds between lines of progress
-EVERY = 2.0
-# blocks given to each process, of which it computes one
-AHEAD = 2
-# times that the process that computes a block may die before the block is left alone
-MOST_DEATHS = 3
-
-
-@dataclass
-class Tally:
-    """How far a sweep is: scenes."""
-
-    scenes: int
-    finished: int = 0
-    failed: int = 0
-    found: int = 0  # finished by an earlier run
-    began: float = field(default_factory=time.perf_counter)
-
-    @property
-    def left(self) -> int:
-        return self.scenes - self.finished - self.failed
-
-    def line(self) -> str:
-        seconds, new = time.perf_counter() - self.began, self.finished + self.failed - self.found
-        rate = new / seconds if seconds else 0.0
-        ahead = f", about {self.left / rate:.0f} s left" if rate and self.left else ""
-        return (
-            f"   sweep  {self.finished} finished, {self.failed} failed, {self.left} left; "
-            f"{rate:.3g} scenes/s{ahead}"
-        )
-
-
-def conduct(
-    store: Store, workers: int = 1, scheduler: str | None = None, retry_failed: bool = False
-) -> Tally:
-    """Compute what is not finished in a store, by so many processes or by the Dask cluster of a
-    scheduler.
-
-    Blocks whose worker dies again and again are left, and counted as such.
-    """
-    whole = store.sweep
-    tally, last = Tally(whole.count), 0.0
-    unfinished = []
-    for block in blocks(whole, store.block_shape):
-        statuses = store.statuses(block)
-        if statuses is None or (retry_failed and (statuses == FAILED).any()):
-            unfinished.append(block)
-        else:
-            _count(tally, statuses)
-    tally.found = tally.finished + tally.failed
-    if tally.found:
-        LOG.info("   sweep  %d of %d scenes are finished and sound", tally.found, tally.scenes)
-    for block, outcome in _outcomes(whole, store.layout, unfinished, workers, scheduler):
-        check_fingerprint(outcome.computed_by, "a worker")
-        store.write(block, outcome)
-        _count(tally, outcome.status)
-        if time.perf_counter() - last > EVERY or not tally.left:
-            last = time.perf_counter()
-            LOG.info(tally.line() + (" ..." if tally.left else ""))
-    return tally
-
-
-def _count(tally: Tally, statuses: Any) -> None:
-    tally.failed += int(np.count_nonzero(statuses == FAILED))
-    tally.finished += int(np.count_nonzero(statuses == DONE))
-
-
-def _outcomes(
-    whole: Sweep, laid_out: Layout, todo: list[Block], workers: int, scheduler: str | None
-) -> Iterator[tuple[Block, Outcome]]:
-    """Blocks as they are finished."""
-    if scheduler is not None:
-        yield from compute_on_cluster(scheduler, whole, laid_out, todo)
-    elif workers > 1 and len(todo) > 1:
-        yield from _from_processes(whole, laid_out, todo, workers)
-    else:
-        for block in todo:
-            yield block, computed(whole.part(block.bounds), laid_out)
-
-
-Running = dict[Future[Outcome], Block]
-
-
-def _from(
-    executor: Executor,
-    whole: Sweep,
-    laid_out: Layout,
-    todo: list[Block],
-    running: Running,
-    window: int,
-) -> Iterator[tuple[Block, Outcome]]:
-    """Blocks from an executor, a few at a time, so that neither work nor results pile up."""
-    rest = iter(todo)
-    while True:
-        for block in islice(rest, window - len(running)):
-            running[executor.submit(computed, whole.part(block.bounds), laid_out)] = block
-        if not running:
-            return
-        for future in sorted(
-            wait(running, return_when=FIRST_COMPLETED).done, key=lambda one: running[one].number
-        ):
-            outcome = future.result()
-            yield running.pop(future), outcome
-
-
-def _from_processes(
-    whole: Sweep, laid_out: Layout, todo: list[Block], workers: int
-) -> Iterator[tuple[Block, Outcome]]:
-    """Blocks from processes on this machine.
-
-    When one dies they begin anew, and what was running comes last, one by one.
-    """
-    deaths = {block.number: 0 for block in todo}
-    while deaths:
-        left = [block for block in todo if block.number in deaths]
-        fresh = [block for block in left if not deaths[block.number]]
-        batch, count = (fresh, workers) if fresh else (left[:1], 1)
-        running: Running = {}
-        try:
-            with _processes(count) as executor:
-                for block, outcome in _from(
-                    executor, whole, laid_out, batch, running, AHEAD * count
-                ):
-                    del deaths[block.number]
-                    yield block, outcome
-        except BrokenProcessPool:
-            for block in running.values():
-                deaths[block.number] += 1
-                if deaths[block.number] == MOST_DEATHS:
-                    del deaths[block.number]
-                    LOG.warning(
-                        "   sweep  %d scenes killed their process %d times: left out",
-                        block.count,
-                        MOST_DEATHS,
-                    )
-
-
-@contextmanager
-def _processes(count: int) -> Iterator[Executor]:
-    """So many processes of this machine, which end with this one, whatever ends it."""
-    others = set(multiprocessing.active_children())
-    # a fork would hold the lock of the directory, and the state of every library, for ever
-    context = multiprocessing.get_context("spawn")
-    executor = ProcessPoolExecutor(count, mp_context=context, initializer=_end_with_the_parent)
-    try:
-        yield executor
-    except BaseException:
-        executor.shutdown(wait=False, cancel_futures=True)
-        for child in set(multiprocessing.active_children()) - others:
-            child.terminate()
-        raise
-    executor.shutdown()
-
-
-def _end_with_the_parent() -> None:
-    """In a process of the pool.
-
-    Ctrl-C is the parent's affair, and without the parent there is nothing to do.
-    """
-
-    def watch() -> None:
-        parent = multiprocessing.parent_process()
-        if parent is not None:
-            parent.join()
-            os._exit(1)
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=watch, daemon=True).start()
+KEPT = "what is finished is kept: go on with --resume"
 
 
 def sweep(
@@ -245,57 +77,247 @@ def sweep(
     SceneError
         if the axes or the base are not understood; single scenes that fail raise nothing
     """
-    table: dict[str, Any] = {"base": base.table() if isinstance(base, Scene) else base}
-    given = {
+    table = {
+        "base": base.table() if isinstance(base, Scene) else base,
+        "keep": None if keep is None else list(keep),
         "axes": axes,
         "zip": zip,
         "random": random,
-        "keep": None if keep is None else list(keep),
     }
-    made = Sweep.of(table | {name: value for name, value in given.items() if value is not None})
-    if out is None:
-        store = _store(made, None, resume)
-        conduct(store, workers, scheduler)
-        return store.dataset().load()
-    with alone(Path(out)):
-        store = _store(made, Path(out), resume)
-        conduct(store, workers, scheduler, retry_failed)
-        return store.dataset()
-
-
-def _store(made: Sweep, directory: Path | None, resume: bool) -> Store:
-    kept = layout(made)
-    return Store(made, kept, block_shape(made, kept), directory, resume)
+    given = {name: value for name, value in table.items() if value is not None}
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(TemporaryDirectory()) if out is None else out)
+        stack.enter_context(lock_folder(folder))
+        store = compute_store(Sweep.of(given), folder, workers, scheduler, resume, retry_failed)
+        return store.dataset().load() if out is None else store.dataset()
 
 
 def swept(source: str, out: Path, options: argparse.Namespace) -> tuple[list[str], bool, bool]:
-    """The command: what it found, a line each; whether all scenes are done; whether methods
-    agree.
+    """Conduct the command.
+
+    Returns
+    -------
+    What there is to say, a line each; whether all scenes are done; whether methods agree.
     """
-    from .figure import drawn
-
-    made = Sweep.load(source)
-    plan = planned(made, options.memory or machine_memory(), options.workers).said(options.workers)
+    plan = Sweep.load(source)
     if options.dry_run:
-        return plan, True, True
-    for line in plan:
-        LOG.info("   sweep  %s", line)
-    with alone(out):
-        store = _store(made, out, options.resume)
-        tally = conduct(store, options.workers, options.scheduler, options.retry_failed)
+        return estimate_cost(plan, options.workers), True, True
+    with lock_folder(out):
+        store = compute_store(
+            plan,
+            out,
+            options.workers,
+            options.scheduler,
+            options.resume,
+            options.retry_failed,
+            options.memory,
+        )
         dataset = store.dataset()
-        found = summary(dataset, made)
-        write_whole(out / "summary.json", (json.dumps(found, indent=1) + "\n").encode())
-        write_whole(out / "sweep.png", drawn(dataset, made))
-    lines = [*_said(tally, found), f"{NAME}, sweep.png and summary.json in {out}"]
-    return lines, tally.finished == tally.scenes, not found.get("disagreeing")
-
-
-def _said(tally: Tally, found: dict[str, Any]) -> list[str]:
-    lines = [f"{tally.finished} scenes finished, {tally.failed} failed, {tally.left} left"]
-    lines += [f"failed: {reason} ({count} scenes)" for reason, count in found["reasons"].items()]
-    pending = found["reasons_pending"]
-    lines += [f"left: {reason} ({count} scenes)" for reason, count in pending.items()]
-    if tally.failed or tally.left:
+        summary = summarise(dataset, plan)
+        write_whole(out / "summary.json", (json.dumps(summary, indent=1) + "\n").encode())
+        write_whole(out / "sweep.png", draw(dataset, plan))
+    done, failed = summary["finished"], summary["failed"]
+    lines = [f"{done} scenes finished, {failed} failed, {plan.count - done - failed} left"]
+    for word, key in (("failed", "reasons"), ("left", "reasons_pending")):
+        lines += [f"{word}: {reason} ({count} scenes)" for reason, count in summary[key].items()]
+    if done < plan.count:
         lines.append("--resume computes what is left, and with --retry-failed what failed")
-    return [*lines, *found["conclusions"]]
+    lines += [*summary["conclusions"], f"{NAME}, sweep.png and summary.json in {out}"]
+    return lines, done == plan.count, not summary.get("disagreeing")
+
+
+def compute_store(
+    whole: Sweep,
+    folder: Path,
+    workers: int = 1,
+    scheduler: str | None = None,
+    resume: bool = False,
+    retry_failed: bool = False,
+    memory: float | None = None,
+) -> Store:
+    """Compute what is not finished in a store.
+
+    Blocks whose worker dies again and again are left out.
+    """
+    blank = template(whole)
+    store = Store(whole, blank, folder, resume)
+    index, began, last = store.index, time.perf_counter(), 0.0
+    todo = (index["checksum"] == 0) | (retry_failed & (index["failed"] > 0))
+    before = int(index["done"][~todo].sum() + index["failed"][~todo].sum())
+    index[todo] = 0
+    if before:
+        LOG.info("   sweep  %d of %d scenes are finished and sound", before, whole.count)
+    parts = {int(number): whole.part(store.region(number)) for number in np.flatnonzero(todo)}
+    of_scene = blank.isel(dict.fromkeys(whole.dims, 0), drop=True)
+    for number, outcome in compute_parts(parts, of_scene, workers, scheduler, memory):
+        if outcome.computed_by != fingerprint():
+            raise SolverError(
+                f"a worker has another {differing(outcome.computed_by)} than this process: install "
+                f"the same on it; {KEPT}"
+            )
+        store.write(number, outcome.values)
+        done, failed, now = int(index["done"].sum()), int(index["failed"].sum()), time.perf_counter()
+        left, rate = whole.count - done - failed, (done + failed - before) / (now - began)
+        if now - last > 2 or not left:
+            last, ahead = now, f", about {left / rate:.0f} s left ..." if left and rate else ""
+            counts = f"{done} finished, {failed} failed, {left} left"
+            LOG.info("   sweep  %s; %.3g scenes/s%s", counts, rate, ahead)
+    return store
+
+
+def compute_parts(
+    parts: dict[int, Sweep],
+    blank: xarray.Dataset,
+    workers: int,
+    scheduler: str | None,
+    memory: float | None,
+) -> Iterator[tuple[int, Outcome]]:
+    """Yield the parts of a sweep, by number, as they are computed.
+
+    Dask gives what a lost worker had to another, and starts a new one; what kills four is left out.
+    """
+    if not parts or (scheduler is None and min(workers, len(parts)) == 1):
+        for number, part in parts.items():
+            yield number, compute_block(part, blank)
+        return
+    from distributed import KilledWorker, wait
+
+    rest, running = iter(parts.items()), dict[Any, int]()
+    with connect(scheduler, min(workers, len(parts)), memory) as client:
+        while True:
+            # none waits behind another, with which its worker might die
+            window = max(1, sum(client.nthreads().values()))
+            for number, part in islice(rest, max(0, window - len(running))):
+                running[client.submit(compute_block, part, blank, pure=False)] = number
+            if not running:
+                return
+            try:
+                finished = wait(list(running), 30, "FIRST_COMPLETED").done
+            except TimeoutError:
+                LOG.warning("   sweep  nothing for 30 s from %d workers", len(client.nthreads()))
+                continue
+            for future in finished:
+                number = running.pop(future)
+                error = future.exception() if future.status == "error" else None
+                if isinstance(error, KilledWorker):
+                    count = parts[number].count
+                    LOG.warning("   sweep  %d scenes kill worker after worker: left out", count)
+                elif error:
+                    reason = f"{type(error).__name__}: {error}".splitlines()[0]
+                    raise SolverError(
+                        f"the cluster cannot compute ({reason}): install the same ringwear on its "
+                        f"scheduler and workers; {KEPT}"
+                    ) from error
+                else:
+                    yield number, future.result()
+
+
+@contextmanager
+def connect(scheduler: str | None, workers: int, memory: float | None) -> Iterator[Any]:
+    """Connect to a Dask scheduler, or to so many processes of this machine.
+
+    Processes that take more than their part of the memory (GiB; by default of the machine's) are
+    ended, and started anew.
+    """
+    import dask
+    from distributed import Client, LocalCluster
+
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    # results leave at once: there is nothing to spill, nor to wait for
+    limits = {f"distributed.worker.memory.{at}": False for at in ("target", "spill", "pause")}
+    with ExitStack() as stack:
+        stack.enter_context(dask.config.set(limits))
+        try:
+            address: Any = scheduler or stack.enter_context(
+                LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    memory_limit="auto" if memory is None else int(memory * 2**30 / workers),
+                    host="127.0.0.1",
+                    dashboard_address=None,
+                    silence_logs=logging.CRITICAL,
+                )
+            )
+            client = stack.enter_context(Client(address, timeout=20))
+            client.wait_for_workers(1, timeout=20)
+            yield client
+        except TimeoutError as error:
+            raise SolverError(
+                f"the scheduler {scheduler} does not answer, or has no workers ({error}): start "
+                "them by `dask scheduler` and `dask worker`, or leave out --scheduler"
+            ) from error
+        except (CancelledError, OSError, ValueError) as error:
+            raise SolverError(f"the scheduler {scheduler} is lost: {error}; {KEPT}") from error
+
+
+def summarise(dataset: xarray.Dataset, plan: Sweep) -> dict[str, Any]:
+    """Summarise a map in numbers.
+
+    How many scenes are done, the commonest reasons why others are not, where methods disagree most
+    and where their errors are least honest.
+    """
+    status, reason = dataset["status"].values.ravel(), dataset["reason"].values.ravel()
+
+    def commonest(of: int) -> dict[str, int]:
+        texts = pandas.Series(reason[(status == of) & (reason != "")], dtype=object)
+        return {str(text): int(count) for text, count in texts.value_counts().head(10).items()}
+
+    def least(values: Any) -> tuple[float, str]:
+        place = np.unravel_index(np.nanargmin(values), values.shape)
+        return float(values[place]), described(plan.changes(tuple(map(int, place))))
+
+    summary: dict[str, Any] = {
+        "scenes": plan.count,
+        "finished": int((status == 1).sum()),
+        "failed": int((status == FAILED).sum()),
+        "reasons": commonest(FAILED),
+        "reasons_pending": commonest(PENDING),
+        "sweep": plan.table,
+        "conclusions": [],
+    }
+    if "disagreement" in dataset and np.isfinite(values := dataset["disagreement"].values).any():
+        greatest, scene = least(-values)
+        summary["greatest_disagreement"] = {"over_uncertainty": -greatest, "scene": scene}
+        summary["disagreeing"] = int((values > 1).sum())
+        summary["conclusions"].append(
+            f"methods disagree in {summary['disagreeing']} scenes; greatest difference over its "
+            f"uncertainty: {-greatest:.2g}, at {scene}"
+        )
+    if "effectivity" in dataset and np.isfinite(values := dataset["effectivity"].values).any():
+        smallest, scene = least(values)
+        summary["least_effectivity"] = {"stated_over_error": smallest, "scene": scene}
+        summary["conclusions"].append(
+            "least error stated, over the one that a far more accurate method shows: "
+            f"{smallest:.2g}, at {scene}"
+        )
+    return summary
+
+
+def estimate_cost(plan: Sweep, workers: int) -> list[str]:
+    """Say what a sweep will take, by computing one scene of it as a probe."""
+    places = np.unique(np.linspace(0, plan.count - 1, 1000).astype(int))
+    scenes = []
+    for place in places:
+        try:
+            scenes.append(plan.scene(tuple(map(int, np.unravel_index(place, plan.shape)))))
+        except RingwearError as error:
+            LOG.warning("   sweep  %s", error)
+    problems = [plan.problem(scene) for scene in scenes]
+    together = groups(problems)
+    # the sharpest scene comes first
+    number = max(together, key=len)[0]
+    seconds = []
+    # the second time everything is loaded
+    for _ in range(2):
+        start = time.perf_counter()
+        for name in scenes[number].methods:
+            solve(method(name), [problems[number]])
+        seconds.append(time.perf_counter() - start)
+    sampled = "" if len(places) == plan.count else f" ({len(places)} of them looked at)"
+    return [
+        f"{plan.count} scenes{sampled} in {len(together)} groups that share a discretisation",
+        f"a store of {template(plan).nbytes / 2**20:.3g} MiB before compression",
+        f"at most about {min(seconds) * plan.count / min(workers, plan.count):.2g} s by {workers} "
+        f"processes: a probe, one scene of the largest group by itself, took {min(seconds):.2g} s; "
+        "scenes that share a discretisation take less",
+    ]

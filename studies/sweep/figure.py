@@ -1,6 +1,6 @@
 """The figure of a map.
 
-A heat map of two axes, a family of curves of one and a few, points of random draws.
+A heat map over two axes, a family of curves over one and a few, points of random draws.
 """
 
 from io import BytesIO
@@ -9,149 +9,95 @@ from typing import Any
 
 import numpy as np
 import xarray
+from matplotlib.colors import LogNorm
 
-from ...meshes.radial import Array
-from ..figures.style import curve, new_figure
+from ..figures.style import new_figure
 from .axes import DRAW, Sweep
 
-# quantities (rows), further values (columns), and curves that a page holds; an axis of more values
-# wants a map
-ROWS, COLUMNS, CURVES = 4, 6, 8
-# greatest over least of values that are drawn on a logarithmic axis
-DECADES = 20.0
 
-
-def drawn(dataset: xarray.Dataset, sweep: Sweep) -> bytes:
-    """The first quantities kept.
+def draw(dataset: xarray.Dataset, sweep: Sweep) -> bytes:
+    """Draw the first four quantities kept as a PNG picture.
 
     Of histories the end, of relaxation times the slowest, by the first method that has it.
     """
-    shown = [part for name in sweep.keep if (part := _of_scenes(dataset, name)) is not None][:ROWS]
+    # matplotlib would read a formula between two dollars
+    texts = {
+        str(name): (label.dims, [str(text).replace("$", r"\$") for text in label.values])
+        for name, label in dataset.coords.items()
+        if label.dtype.kind in "OTU"
+    }
+    dataset = dataset.assign_coords(texts)
+    numbers = [_one_number(dataset[name]) for name in sweep.keep]
+    shown = [part for part in numbers if part is not None][:4]
     dims: list[Any] = [dim for dim in sweep.dims if dataset.sizes[dim] > 1]
-    dims.sort(key=lambda dim: (not _numeric(dataset, dim), -dataset.sizes[dim]))
-    if DRAW in dims:
-        # points over the draws: every other axis gives panels
-        dims = [DRAW, None, *(dim for dim in dims if dim != DRAW)]
-    across, along, *others = (*dims, None, None)[: max(2, len(dims))]
-    panels = list(islice(product(*(range(dataset.sizes[dim]) for dim in others if dim)), COLUMNS))
+    dims.sort(key=lambda dim: (dim != DRAW, dim in texts, -dataset.sizes[dim]))
+    # points over the draws: all other axes give panels
+    families = dims[:1] if DRAW in dims else dims[:2]
+    others = dims[len(families) :]
+    places = product(*(range(dataset.sizes[dim]) for dim in others))
+    panels = [dict(zip(others, place, strict=True)) for place in islice(places, 6)]
     figure = new_figure(1.2 + 4.3 * len(panels), 0.6 + 3.5 * len(shown))
     grid = figure.subplots(max(len(shown), 1), len(panels), squeeze=False)
     for row, part in zip(grid, shown, strict=False):
-        for axes, place in zip(row, panels, strict=True):
-            chosen = dict(zip(others, place, strict=True))
-            here = part.isel({dim: at for dim, at in chosen.items() if dim})
-            here = here.isel({dim: 0 for dim in here.dims if dim not in (across, along)})
-            if across == DRAW:
-                _points(axes, dataset, here, sweep, figure)
-            elif along is not None and dataset.sizes[along] > CURVES and _numeric(dataset, along):
-                _map(axes, dataset, here.transpose(along, across), figure)
-            else:
-                _curves(axes, dataset, here, across, along)
-            labels = (
-                f"{dim} = {_short(dataset[dim].values[at])}" for dim, at in chosen.items() if dim
-            )
+        for axes, panel in zip(row, panels, strict=True):
+            here = part.isel(panel)
+            here = here.isel({dim: 0 for dim in here.dims if dim not in families})
+            _draw_panel(axes, here, families)
+            labels = (f"{dim} = {dataset[dim].values[at]:.4}" for dim, at in panel.items())
             axes.set_title(", ".join(labels), fontsize=9)
-    left = int(np.prod([dataset.sizes[dim] for dim in others if dim])) - len(panels)
-    title = dataset.attrs["title"] + (f" ({left} further panels are in the store)" if left else "")
-    figure.suptitle(_plain(title), fontsize=10)
+    left = int(np.prod([dataset.sizes[dim] for dim in others])) - len(panels)
+    title = dataset.attrs["title"].replace("$", r"\$")
+    further = f" ({left} further panels are in the store)" if left else ""
+    figure.suptitle(title + further, fontsize=10)
     picture = BytesIO()
     figure.savefig(picture, format="png")
     return picture.getvalue()
 
 
-def _of_scenes(dataset: xarray.Dataset, name: str) -> Any:
-    """One number of each scene, labelled with what it is.
-
-    None of fields, and where no method gives it.
-    """
-    part, label = dataset[name], name
+def _one_number(part: xarray.DataArray) -> xarray.DataArray | None:
+    """Return one number of each scene; None of fields, and where no method gives any."""
     if {"radius", "ring"} & set(part.dims):
         return None
+    label = str(part.name)
     if "time" in part.dims:
-        label += f" at t = {_short(dataset['time'].values[-1])}"
-        part = part.isel(time=-1)
+        label, part = f"{label} at t = {part['time'].values[-1]:.4g}", part.isel(time=-1)
     if "mode" in part.dims:
-        part, label = part.isel(mode=0), f"{label}, slowest"
-    for number, solver in enumerate(dataset["solver"].values):
-        if np.isfinite((one := part.isel(solver=number)).values).any():
-            return one.rename(f"{label} ({solver})")
+        label, part = f"{label}, slowest", part.isel(mode=0)
+    for solver in part["solver"].values:
+        if np.isfinite((by_solver := part.sel(solver=solver)).values).any():
+            return by_solver.rename(f"{label} ({solver})").assign_attrs(long_name="", units="")
     return None
 
 
-def _numeric(dataset: xarray.Dataset, dim: str) -> bool:
-    return dim == DRAW or bool(np.issubdtype(dataset[dim].dtype, np.number))
-
-
-def _short(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float | np.floating) else _plain(str(value))
-
-
-def _plain(text: str) -> str:
-    """The user's text for matplotlib, which would read a formula between two dollars."""
-    return text.replace("$", r"\$")
-
-
-def _logarithmic(values: Array) -> bool:
-    finite = values[np.isfinite(values)]
-    return bool(len(finite)) and bool(finite.min() > 0 and finite.max() > DECADES * finite.min())
-
-
-def _scaled(axes: Any, which: str, values: Any) -> None:
-    if np.issubdtype(values.dtype, np.number) and _logarithmic(values):
-        getattr(axes, f"set_{which}scale")("log")
-
-
-def _map(axes: Any, dataset: xarray.Dataset, part: xarray.DataArray, figure: Any) -> None:
-    from matplotlib.colors import LogNorm
-
-    along, across = part.dims
-    x, y, values = dataset[across].values, dataset[along].values, part.values
-    norm = LogNorm() if _logarithmic(values) else None
-    shades = axes.pcolormesh(
-        x, y, np.ma.masked_invalid(values), shading="nearest", cmap="viridis", norm=norm
-    )
-    _scaled(axes, "x", x)
-    _scaled(axes, "y", y)
-    axes.set(xlabel=across, ylabel=along)
-    figure.colorbar(shades, ax=axes, label=part.name)
-
-
-def _curves(
-    axes: Any, dataset: xarray.Dataset, part: xarray.DataArray, across: Any, along: Any
-) -> None:
-    x = dataset[across].values if across else np.zeros(1)
-    numeric = bool(np.issubdtype(x.dtype, np.number))
-    count = dataset.sizes[along] if along else 1
-    for number in range(min(count, CURVES)):
-        values = np.atleast_1d(part.isel({along: number}).values if along else part.values)
-        look = curve(number) | {"marker": "none" if len(x) > 40 else curve(number)["marker"]}
-        label = _short(dataset[along].values[number]) if along else None
-        axes.plot(x if numeric else np.arange(len(x)), values, label=label, **look)
-    if numeric:
-        _scaled(axes, "x", x)
+def _draw_panel(axes: Any, part: xarray.DataArray, dims: list[Any]) -> None:
+    """Draw a map of two long axes of numbers, else curves; of draws points."""
+    if dims == [DRAW]:
+        names = [name for name, label in part.coords.items() if label.dims == (DRAW,)]
+        names = [name for name in names if part[name].dtype.kind in "fi"]
+        points = part.to_dataset(name="value").assign_coords({DRAW: np.arange(part.size)})
+        across, colour = (*names, None, None)[:2]
+        points.plot.scatter(
+            x=across or DRAW, y="value", hue=colour, ax=axes, yscale=_scale(part)
+        )
+        axes.set_ylabel(part.name)
+    elif len(dims) == 2 and part.sizes[dims[1]] > 8 and part[dims[1]].dtype.kind in "fi":
+        scales = {f"{way}scale": _scale(part[dim]) for way, dim in zip("xy", dims, strict=True)}
+        norm = LogNorm() if _scale(part) == "log" else None
+        part.plot.pcolormesh(x=dims[0], y=dims[1], ax=axes, cmap="viridis", norm=norm, **scales)
     else:
-        axes.set_xticks(np.arange(len(x)), [_short(value) for value in x])
-    _scaled(axes, "y", part.values.ravel())
-    axes.set(xlabel=across or "", ylabel=part.name)
-    axes.grid(color="0.92")
-    if along:
-        axes.legend(title=along, fontsize=8, title_fontsize=8, frameon=False)
+        across, hue = (*dims, None, None)[:2]
+        if across is None:
+            part, across = part.expand_dims(scene=[0]), "scene"
+        if hue:
+            part = part.isel({hue: slice(8)})
+        part.plot.line(
+            x=across, hue=hue, ax=axes, marker=".", xscale=_scale(part[across]), yscale=_scale(part)
+        )
 
 
-def _points(
-    axes: Any, dataset: xarray.Dataset, part: xarray.DataArray, sweep: Sweep, figure: Any
-) -> None:
-    names = [
-        name
-        for name, dim, *_ in sweep.coordinates()
-        if dim == DRAW and np.issubdtype(dataset[name].dtype, np.number)
-    ]
-    x = dataset[names[0]].values if names else np.arange(dataset.sizes[DRAW])
-    if len(names) > 1:
-        shades = axes.scatter(x, part.values, s=6, c=dataset[names[1]].values, cmap="viridis")
-        figure.colorbar(shades, ax=axes, label=names[1])
-    else:
-        axes.scatter(x, part.values, s=6)
-    _scaled(axes, "x", x)
-    _scaled(axes, "y", part.values)
-    axes.set(xlabel=names[0] if names else DRAW, ylabel=part.name)
+def _scale(part: xarray.DataArray) -> str:
+    """Return the scale of an axis for numbers: logarithmic for more than a decade or so."""
+    if part.dtype.kind not in "fi":
+        return "linear"
+    finite = part.values[np.isfinite(part.values)]
+    return "log" if finite.size and 0 < 20 * finite.min() < finite.max() else "linear"

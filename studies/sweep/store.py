@@ -1,261 +1,199 @@
-"""The store.
+"""The store: a Zarr group whose axes are the sweep's, readable by xarray while it grows.
 
-One Zarr group whose axes are the sweep's, written by whole blocks, readable by xarray while it
-grows.
-
-Each block has chunks of its own, so that none is written twice. A scene's checksum, over all that
-is kept of it, is written last: a scene is finished when its checksum holds, whatever happened to
-the disk or the process since. Nothing in the store depends on the order of the blocks, on the clock
-or on the machine's name: an interrupted sweep ends with the same bytes.
+Each block of scenes is a file of its own (a shard) in each array, so that none is written twice.
+The index has a row for each block, written after its files: the checksum of their bytes, by which
+a block is known to be finished and undamaged, and how many of its scenes are done and have failed.
+Nothing in the store depends on the order of the blocks, on the clock or on the machine's name: an
+interrupted sweep ends with the same bytes.
 """
 
 import json
 import os
+import shutil
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from hashlib import blake2b
+from math import ceil, prod
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 import xarray
 import zarr
-from zarr.codecs import Crc32cCodec, ZstdCodec
-from zarr.storage import LocalStore, MemoryStore
+from filelock import FileLock, Timeout
 
 from ...meshes.errors import RingwearError, SceneError
 from ...meshes.radial import Array
 from ..versions import fingerprint
 from .axes import Sweep
-from .blocks import Block
-from .layout import DONE, FAILED, PENDING, Layout, Outcome
+from .layout import DONE, FAILED, PENDING, block_shape
 
 NAME = "sweep.zarr"
-STATUS = {
-    "long_name": "what has become of the scene",
-    "flag_values": [PENDING, DONE, FAILED],
-    "flag_meanings": "pending done failed",
-}
-REASON = {"long_name": "why the scene failed, or is pending still"}
-CHECKSUM = {
-    "long_name": "BLAKE2b of all that is kept of the scene, 8 bytes; 0 until it is finished"
-}
 
 
 @contextmanager
-def alone(directory: Path) -> Iterator[None]:
-    """The only sweep in a directory, until it ends in whatever way.
-
-    The lock is the system's, and dies with the process.
-    """
-    import fcntl
-
+def lock_folder(folder: Path) -> Iterator[None]:
+    """Be the only sweep in a folder; the lock is the system's, and ends with the process."""
     # a Path of "s3://bucket" has one slash left
-    if ":/" in str(directory):
+    if ":/" in str(folder):
         remedy = "give one, and copy the store from there"
-        raise SceneError(f"--out {directory} is no directory of this machine: {remedy}")
+        raise SceneError(f"--out {folder} is no directory of this machine: {remedy}")
+    lock = FileLock(folder / ".lock", blocking=False)
     try:
-        directory.mkdir(parents=True, exist_ok=True)
-        lock = (directory / ".lock").open("a")
+        folder.mkdir(parents=True, exist_ok=True)
+        lock.acquire()
+    except Timeout:
+        raise SceneError(
+            f"another sweep is writing to {folder}: wait for it, or give another --out"
+        ) from None
     except OSError as error:
-        raise SceneError(f"--out {directory} cannot be written to: {error.strerror}") from error
-    with lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            raise SceneError(
-                f"another sweep is writing to {directory}: wait for it, or give another --out"
-            ) from None
+        raise SceneError(f"--out {folder} cannot be written to: {error.strerror}") from error
+    try:
         yield
+    finally:
+        lock.release()
 
 
 class Store:
-    """The results of a sweep, in a directory or in memory.
+    """The results of a sweep in a folder.
 
     Parameters
     ----------
-    sweep, layout : what is kept, and its shapes
-    block_shape : scenes of a block along each axis
-    directory : where `sweep.zarr` is or will be; None for memory
+    sweep : what is computed
+    blank : its `layout.template`
+    folder : where `sweep.zarr` and its index are or will be
     resume : whether to go on with what is there
+
+    Attributes
+    ----------
+    index : (blocks,) array of `checksum`, 0 until a block is finished, and of numbers of scenes
+        that are `done` and have `failed`
     """
 
-    def __init__(
-        self,
-        sweep: Sweep,
-        layout: Layout,
-        block_shape: tuple[int, ...],
-        directory: Path | None,
-        resume: bool = False,
-    ) -> None:
-        self.sweep, self.layout, self.block_shape = sweep, layout, block_shape
-        self.path = None if directory is None else directory / NAME
-        blank: dict[str, Any] = {}
-        self._store: Any = MemoryStore(blank)
-        self._create(self._store)
-        if self.path is not None:
-            try:
-                _put_in_place(
-                    self.path, {name: content.to_bytes() for name, content in blank.items()}, resume
-                )
-            except OSError as error:
-                raise RingwearError(f"{self.path} cannot be written: {error.strerror}") from error
-            self._store = LocalStore(self.path)
-        self._group = zarr.open_group(self._store, mode="r+")
-        names = (*layout.variables, "status", "reason", "checksum")
-        self._arrays: dict[str, Any] = {name: self._group[name] for name in names}
-
-    def _create(self, store: Any) -> None:
-        """Everything but results: metadata and coordinates."""
-        sweep, layout = self.sweep, self.layout
-        about = {
-            "title": f"Sweep of {sweep.table['base'].get('title', 'a scene')}",
-            "sweep": sweep.to_json(),
-            "versions": fingerprint(),
-            "block_shape": list(self.block_shape),
-            # those that are not named as their dimension; xarray reads it
-            "coordinates": " ".join(name for name, dim, *_ in sweep.coordinates() if name != dim),
-        }
-        group = zarr.open_group(store, mode="w", zarr_format=3, attributes=about)
-        coders: dict[str, Any] = {"compressors": [ZstdCodec(level=3), Crc32cCodec()]}
-        kept = {
-            name: (one.dims, one.shape, "f8", np.nan, one.attributes)
-            for name, one in layout.variables.items()
-        }
-        of_scenes = {
-            "status": ("u1", PENDING, STATUS),
-            "reason": ("str", "", REASON),
-            "checksum": ("u8", 0, CHECKSUM),
-        }
-        every: dict[str, Any] = kept | {name: ((), (), *what) for name, what in of_scenes.items()}
-        kind: Any
-        for name, (dims, shape, kind, fill, attributes) in every.items():
-            group.create_array(
-                name,
-                shape=(*sweep.shape, *shape),
-                chunks=(*self.block_shape, *shape),
-                dtype=kind,
-                fill_value=fill,
-                dimension_names=(*sweep.dims, *dims),
-                attributes=attributes,
-                config={"write_empty_chunks": True},
-                **coders,
+    def __init__(self, sweep: Sweep, blank: xarray.Dataset, folder: Path, resume: bool) -> None:
+        self.path = folder / NAME
+        if self.path.exists() and not resume:
+            raise SceneError(
+                f"{self.path} is there: go on with it by --resume, or give another --out"
             )
-        common = {"solver": list(layout.solvers)} | {
-            dim: list(values) for dim, values in layout.coordinates.items()
-        }
-        along = {name: (dim, values) for name, dim, values, _ in sweep.coordinates()}
-        along |= {dim: (dim, values) for dim, values in common.items()}
-        for name, (dim, values) in along.items():
-            kind = (
-                "str"
-                if any(isinstance(value, str) for value in values)
-                else np.asarray(values).dtype
-            )
-            array = group.create_array(
-                name,
-                shape=(len(values),),
-                dtype=kind,
-                chunks=(len(values),),
-                dimension_names=(dim,),
-                attributes=layout.about.get(name, {}),
-                **coders,
-            )
-            array[:] = np.array(values, dtype=object if kind == "str" else kind)
-        with warnings.catch_warnings():
-            # consolidated metadata are not in the specification yet; readers without it read the
-            # rest
-            warnings.simplefilter("ignore")
-            zarr.consolidate_metadata(store)
-
-    def write(self, block: Block, outcome: Outcome) -> None:
-        """The results of a block; the checksums last."""
-        parts: dict[str, Any] = dict(outcome.values)
-        parts |= {"status": outcome.status, "reason": np.array(outcome.reason, dtype=object)}
-        parts["checksum"] = np.where(outcome.status == PENDING, np.uint64(0), checksums(parts))
+        self._names = list(blank.data_vars)
+        self._chunk, self._block = block_shape(sweep, blank)
+        self._sizes = sweep.shape
+        self._blocks = [
+            ceil(size / step) for size, step in zip(sweep.shape, self._block, strict=True)
+        ]
+        about = {"sweep": json.dumps(sweep.table), "versions": fingerprint()}
+        self._check(about)
         try:
-            for name, values in parts.items():
-                self._arrays[name][block.region] = values.reshape(*block.shape, *values.shape[1:])
+            with TemporaryDirectory() as fresh:
+                self._create(Path(fresh), blank.assign_attrs(about))
+                shutil.copytree(fresh, self.path, dirs_exist_ok=True)
+            for left in self.path.rglob("*.partial"):
+                left.unlink()
+            index = folder / "sweep.index"
+            index.touch()
+            row = [("checksum", "<u8"), ("done", "<u4"), ("failed", "<u4")]
+            self.index: Any = np.memmap(index, row, "r+", shape=(prod(self._blocks),))
+        except OSError as error:
+            raise RingwearError(f"{self.path} cannot be written: {error.strerror}") from error
+        self._group = zarr.open_group(self.path, mode="r+")
+        damaged = [number for number in range(len(self.index)) if not self._is_sound(number)]
+        self.index[damaged] = 0
+
+    def region(self, number: int) -> tuple[slice, ...]:
+        """Return the box of the grid that a block is."""
+        return tuple(
+            slice(place * step, min((place + 1) * step, size))
+            for place, step, size in zip(
+                self._place(number), self._block, self._sizes, strict=True
+            )
+        )
+
+    def write(self, number: int, values: dict[str, Array]) -> None:
+        """Write the results of a block, and its row of the index last."""
+        region, status = self.region(number), values["status"]
+        shape = [places.stop - places.start for places in region]
+        try:
+            for name, array in values.items():
+                self._group[name][region] = array.reshape(*shape, *array.shape[1:])
         except OSError as error:
             raise RingwearError(
                 f"{self.path} cannot be written: {error.strerror}; what is finished is kept: mend "
-                "that, and "
-                "go on with --resume"
+                "that, and go on with --resume"
             ) from error
-
-    def statuses(self, block: Block) -> Array | None:
-        """Status of each scene of a block, if all of them are finished and their checksums hold.
-
-        Else None.
-        """
-        try:
-            parts = {name: np.asarray(array[block.region]) for name, array in self._arrays.items()}
-        except Exception:  # of many kinds: whatever a damaged chunk makes a decoder do
-            return None
-        parts = {
-            name: values.reshape(block.count, *values.shape[len(block.shape) :])
-            for name, values in parts.items()
-        }
-        known = parts.pop("checksum")
-        holds = bool((known == checksums(parts)).all() and (parts["status"] != PENDING).all())
-        return parts["status"].ravel() if holds else None
+        checksum = 0 if (status == PENDING).any() else self._checksum(number)
+        self.index[number] = checksum, (status == DONE).sum(), (status == FAILED).sum()
 
     def dataset(self) -> xarray.Dataset:
-        """What is there so far, as an xarray Dataset, read when it is used."""
+        """Return what is there so far, read when it is used."""
         # times in "hours" stay numbers
-        return xarray.open_dataset(
-            self._store, engine="zarr", consolidated=True, decode_timedelta=False
-        )
+        return xarray.open_zarr(self.path, chunks=None, decode_timedelta=False)
 
-
-def checksums(parts: dict[str, Any]) -> Any:
-    """(scenes,) of all that is kept of each scene."""
-    numbers = [np.ascontiguousarray(values) for name, values in parts.items() if name != "reason"]
-    rows = np.concatenate(
-        [values.reshape(len(values), -1).view(np.uint8) for values in numbers], axis=1
-    )
-    texts = [str(text).encode() for text in parts["reason"]]
-    found = [
-        blake2b(row.tobytes() + text, digest_size=8).digest()
-        for row, text in zip(rows, texts, strict=True)
-    ]
-    return np.frombuffer(b"".join(found), dtype="<u8").astype(np.uint64)
-
-
-def _put_in_place(path: Path, wanted: dict[str, bytes], resume: bool) -> None:
-    """Files of metadata and coordinates on disk as they should be, around the results that may be
-    there.
-    """
-    about = json.loads(wanted["zarr.json"])["attributes"]
-    if path.exists():
-        if not resume:
-            raise SceneError(f"{path} is there: go on with it by --resume, or give another --out")
+    def _check(self, about: dict[str, str]) -> None:
+        """Refuse to go on with the store of another sweep or of another code."""
         try:
-            there = json.loads((path / "zarr.json").read_text("utf-8"))["attributes"]
+            there = json.loads((self.path / "zarr.json").read_text("utf-8"))["attributes"]
         except (OSError, ValueError, KeyError, TypeError):
-            there = about  # damaged: made again, as everything else is that is
+            # not there, or damaged: made again
+            return
         remedies = {
             "sweep": "give its own file",
-            "block_shape": "delete it",
             "versions": "install the ringwear, and what it computes with, that began it",
         }
         for name, remedy in remedies.items():
             if there.get(name) != about[name]:
                 raise SceneError(
-                    f"{path} was begun with another {name}: {remedy}, or give another --out"
+                    f"{self.path} was begun with another {name}: {remedy}, or give another --out"
                 )
-        for left in path.rglob("*.partial"):
-            left.unlink()
-    for name, content in wanted.items():
-        file = path / name
-        if not file.exists() or file.read_bytes() != content:
-            write_whole(file, content)
+
+    def _create(self, path: Path, blank: xarray.Dataset) -> None:
+        """Write everything but results: metadata and coordinates."""
+        with warnings.catch_warnings():
+            # metadata in one place are not in the specification yet; others read the rest
+            warnings.simplefilter("ignore")
+            blank.drop_vars(self._names).to_zarr(path, zarr_format=3, consolidated=False)
+            group = zarr.open_group(path, mode="r+")
+            for name, variable in blank.data_vars.items():
+                beyond = variable.shape[len(self._sizes) :]
+                group.create_array(
+                    name,
+                    shape=variable.shape,
+                    chunks=(*self._chunk, *beyond),
+                    shards=(*self._block, *beyond),
+                    dtype="str" if variable.dtype == object else variable.dtype,
+                    fill_value="" if variable.dtype == object else variable.values.flat[0],
+                    dimension_names=variable.dims,
+                    attributes=variable.attrs,
+                    config={"write_empty_chunks": True},
+                )
+            zarr.consolidate_metadata(path)
+
+    def _place(self, number: int) -> tuple[int, ...]:
+        return tuple(map(int, np.unravel_index(number, self._blocks)))
+
+    def _is_sound(self, number: int) -> bool:
+        """Return whether a block is finished, and its files are as they were then."""
+        checksum = self.index[number]["checksum"]
+        return bool(checksum) and checksum == self._checksum(number)
+
+    def _checksum(self, number: int) -> int:
+        """Return BLAKE2b, 8 bytes, of the files of a block; 0 if any is missing."""
+        digest = blake2b(digest_size=8)
+        for name in self._names:
+            beyond = [0] * (self._group[name].ndim - len(self._sizes))
+            file = self.path.joinpath(str(name), "c", *map(str, [*self._place(number), *beyond]))
+            try:
+                content = file.read_bytes()
+            except OSError:
+                return 0
+            digest.update(len(content).to_bytes(8, "little") + content)
+        return int.from_bytes(digest.digest(), "little")
 
 
 def write_whole(file: Path, content: bytes) -> None:
-    """A file that is there whole or not at all."""
-    file.parent.mkdir(parents=True, exist_ok=True)
+    """Write a file that is there whole or not at all."""
     partial = file.with_name(file.name + ".partial")
     partial.write_bytes(content)
     os.replace(partial, file)
