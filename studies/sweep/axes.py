@@ -11,7 +11,7 @@ Each scene is one point of a labelled grid.
     [random]                                               # draws: one dimension, `draw`
     count = 1000
     seed = 1
-    "punch.width_ratio" = { geomspace = [0.1, 10.0] }      # log-uniform; linspace: uniform; or a list
+    "punch.width_ratio" = { geomspace = [0.1, 10.0] }      # log-uniform; or linspace, a list
 
 A dimension has the name of the last part of its key, or of its last two where that is taken.
 """
@@ -21,6 +21,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from importlib.resources import files
 from math import prod
 from pathlib import Path
@@ -47,16 +48,25 @@ ANSWERS = {
 KEEPABLE = {name: QUANTITIES[name] for name in QUANTITIES if name not in OF_PROFILES} | {
     name: ANSWER[name] for name in ANSWERS
 }
+# of scenes that several methods compute, by the quantities to keep
+JUDGED = {
+    "disagreement": "greatest difference over its uncertainty: above 1 methods disagree",
+    "effectivity": "least error stated, over the error that a far more accurate method shows",
+}
 # labels of the store that no axis may have for its name
-RESERVED = frozenset(
-    "solver time radius ring mode state status reason disagreement effectivity".split()
-)
+RESERVED = ("solver", "time", "radius", "ring", "mode", "state", "status", "reason", *JUDGED)
 # keys that say the same in other ways: what an axis gives takes the place of what the base gives
 ALTERNATIVES = (
     ({"punch.wear_coefficients"}, {"punch.wear_coefficient", "punch.wear_ratio"}),
     ({"punch.rings", "punch.width_ratio"}, {"punch.ring_edges"}),
     ({"half_space.plane_strain_modulus"}, {"half_space.youngs_modulus"}),
     ({"load.normal_force"}, {"load.mean_pressure"}),
+)
+
+# beginnings of keys that scenes may differ in and yet share a discretisation
+SHARING = (
+    *("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs"),
+    *("load.", "wear.", "output.", "title"),
 )
 
 
@@ -69,6 +79,11 @@ class Axis:
 
     def __len__(self) -> int:
         return len(next(iter(self.columns.values())))
+
+    @property
+    def shares_discretisation(self) -> bool:
+        """Whether scenes along it can share a discretisation."""
+        return all(key.startswith(SHARING) for key in self.columns)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,11 +142,11 @@ class Sweep:
             raise SceneError(f"{name}: nothing varies: give [axes], [zip] or [random]")
         keys = {key for axis in axes for key in axis.columns}
         base = _without_alternatives(_base_table(table.get("base"), name, folder), keys, name)
-        sweep = cls({"base": base} | {k: v for k, v in table.items() if k != "base"}, axes, (), name)
+        sweep = cls(table | {"base": base}, axes, (), name)
         for number, axis in enumerate(axes):
             for at in range(min(len(axis), 200)):
-                first = sweep.scene(tuple(at * (number == other) for other in range(len(axes))))
-        keep = _checked_keep(table.get("keep"), first.wear, name)
+                sweep.scene(tuple(at * (number == other) for other in range(len(axes))))
+        keep = _checked_keep(table.get("keep"), sweep.first.wear, name)
         return replace(sweep, table=sweep.table | {"keep": list(keep)}, keep=keep)
 
     @property
@@ -147,6 +162,11 @@ class Sweep:
         """Number of scenes."""
         return prod(self.shape)
 
+    @cached_property
+    def first(self) -> Scene:
+        """The scene of the first values."""
+        return self.scene((0,) * len(self.axes))
+
     def changes(self, index: tuple[int, ...]) -> Table:
         """Return keys and values of one scene, by its place on each axis."""
         places = zip(self.axes, index, strict=True)
@@ -161,7 +181,7 @@ class Sweep:
             for step in path:
                 section = section.setdefault(step, {})
             section[last] = value
-        name = f"{self.name}, {described(changes)}"
+        name = f"{self.name}, {', '.join(f'{key} = {changes[key]}' for key in changes)}"
         scene = Scene.from_table(table, name)
         if not scene.problem.full_contact:
             raise SceneError(
@@ -173,10 +193,17 @@ class Sweep:
     def problem(self, scene: Scene) -> Problem:
         """Return the problem of a scene, asking for what is to be kept and nothing else."""
         needed = {quantity for name in self.keep for quantity in ANSWERS.get(name, (name,))}
-        quantities = frozenset(name for name in needed if _is_computed(scene.wear, name))
+        quantities = frozenset(
+            name for name in needed if name == "relaxation_time" or _is_computed(scene.wear, name)
+        )
         if quantities & HISTORIES:
             return replace(scene.problem, quantities=quantities)
         return replace(scene.problem, quantities=quantities, times=np.empty(0), march="modal")
+
+    @property
+    def last(self) -> "Sweep":
+        """The scene of the last values, as a sweep of its own."""
+        return self.part((slice(-1, None),) * len(self.axes))
 
     def part(self, region: tuple[slice, ...]) -> "Sweep":
         """Return a box of the grid as a sweep of its own."""
@@ -186,23 +213,16 @@ class Sweep:
         )
         return replace(self, table={"base": self.table["base"]}, axes=tuple(axes))
 
-    def coordinates(self) -> Iterator[tuple[str, str, str, list[Any]]]:
-        """Name, dimension, key and values of each coordinate; lists and tables become text."""
-        taken = {*RESERVED, *self.dims}
+    @property
+    def coordinates(self) -> dict[str, tuple[str, str, list[Any]]]:
+        """Dimension, key and values of each coordinate; lists and tables become text."""
+        taken, coordinates = {*RESERVED, *self.dims}, {}
         for axis in self.axes:
             for number, (key, values) in enumerate(axis.columns.items()):
                 name = axis.dim if not number and axis.dim != DRAW else _named(key, taken)
-                taken.add(name)
                 plain = all(isinstance(value, int | float | str) for value in values)
-                yield name, axis.dim, key, values if plain else [str(value) for value in values]
-
-
-def described(changes: Table) -> str:
-    """Write keys and values in a line."""
-    return ", ".join(
-        f"{key} = {value:.6g}" if isinstance(value, float) else f"{key} = {value}"
-        for key, value in changes.items()
-    )
+                coordinates[name] = axis.dim, key, values if plain else list(map(str, values))
+        return coordinates
 
 
 def _base_table(base: Any, name: str, folder: Path | None) -> Table:
@@ -216,26 +236,33 @@ def _base_table(base: Any, name: str, folder: Path | None) -> Table:
 
 def _axes(table: Table, name: str) -> Iterator[Axis]:
     taken = set(RESERVED)
-    groups = [{key: values} for key, values in table.get("axes", {}).items()]
-    for group in [*groups, table.get("zip", {})]:
-        columns = {key: _spaced(key, values, name) for key, values in group.items()}
-        if len({len(values) for values in columns.values()}) > 1:
-            lengths = ", ".join(f"{key} {len(values)}" for key, values in columns.items())
-            raise SceneError(f"{name}: columns of [zip] must be of one length: {lengths}")
+    draws = dict(table.get("random", {}))
+    count, seed = draws.pop("count", 0), draws.pop("seed", None)
+    if bool(draws) != (isinstance(count, int) and count > 0 and isinstance(seed, int)):
+        raise SceneError(
+            f"{name}: random.count = {count} and random.seed = {seed}: give how many, a whole "
+            "number that the draws begin from, and scene keys to draw"
+        )
+    for columns in [
+        *({key: table["axes"][key]} for key in table.get("axes", {})),
+        table.get("zip"),
+    ]:
+        if not columns:
+            continue
+        values = {key: _values(key, columns[key], name) for key in columns}
+        if len({len(column) for column in values.values()}) > 1:
+            raise SceneError(f"{name}: columns of [zip] go together: give them one length")
         # numbers that are equal, such as 1 and 1.0, give one scene; lists cannot be counted
         rows = Counter(
             tuple(str(value) if isinstance(value, list | dict) else value for value in row)
-            for row in zip(*columns.values(), strict=True)
+            for row in zip(*values.values(), strict=True)
         )
-        if twin := next((row for row, count in rows.items() if count > 1), None):
-            values = ", ".join(map(str, twin))
-            raise SceneError(
-                f"{name}: {', '.join(columns)} = {values} is there twice: give it once"
-            )
-        if columns:
-            yield Axis(_named(next(iter(columns)), taken), columns)
-    if "random" in table:
-        yield Axis(DRAW, _drawn(dict(table["random"]), name))
+        if twins := [row for row in rows if rows[row] > 1]:
+            text = ", ".join(map(str, twins[0]))
+            raise SceneError(f"{name}: {', '.join(values)} = {text} is there twice: give it once")
+        yield Axis(_named(next(iter(values)), taken), values)
+    if draws:
+        yield Axis(DRAW, {key: _values(key, draws[key], name, count, seed) for key in draws})
 
 
 def _named(key: str, taken: set[str]) -> str:
@@ -247,55 +274,30 @@ def _named(key: str, taken: set[str]) -> str:
     return name
 
 
-def _spaced(key: str, values: Any, name: str) -> list[Any]:
-    """Return the values of an axis: a list, or evenly spaced, as whole numbers if the key wants."""
-    if isinstance(values, list) and values:
-        return values
+def _values(key: str, values: Any, name: str, draws: int = 0, seed: int = 0) -> list[Any]:
+    """Return the values of an axis: a list, evenly spaced, or drawn by a generator of its own."""
+    generator = np.random.default_rng([seed, *key.encode()])
     try:
-        ((kind, (first, last, count)),) = values.items()
-        spacing = {"linspace": np.linspace, "geomspace": np.geomspace}[kind]
+        if isinstance(values, list):
+            # there is nothing to draw from an empty list
+            places = generator.integers(len(values), size=draws)
+            return [values[at] for at in places] if draws else values
+        ((kind, (first, last, *count)),) = values.items()
+        if draws:
+            scale, back = {"linspace": (float, np.array), "geomspace": (np.log, np.exp)}[kind]
+            return back(generator.uniform(scale(first), scale(last), draws)).tolist()
         with np.errstate(all="raise"):
-            spaced = spacing(float(first), float(last), int(count))
-        if not len(spaced):
-            raise ValueError("no values")
+            spacing = {"linspace": np.linspace, "geomspace": np.geomspace}[kind]
+            spaced = spacing(float(first), float(last), int(*count))
     except (AttributeError, KeyError, TypeError, ValueError, FloatingPointError):
         raise SceneError(
-            f"{name}: {key} = {values!r}: give a list of values, or linspace or geomspace = "
-            "[first, last, count] in braces"
+            f"{name}: {key} = {values!r}: give a list of values, or linspace or geomspace = [first,"
+            " last, count] in braces, without count to draw from"
         ) from None
     _, field = declaration(key.split("."))
     wants_whole = field is not None and field.annotation in (int, int | None)
     whole = wants_whole and (spaced == spaced.round()).all()
     return (spaced.astype(int) if whole else spaced).tolist()
-
-
-def _drawn(table: Table, name: str) -> dict[str, list[Any]]:
-    """Return values drawn at random, those of each key by a generator of its own."""
-    count, seed = table.pop("count", None), table.pop("seed", None)
-    if not (isinstance(count, int) and count > 0 and isinstance(seed, int) and seed >= 0):
-        raise SceneError(
-            f"{name}: random.count = {count} and random.seed = {seed}: give how many, and a whole "
-            "number, 0 or more, that the draws begin from"
-        )
-    columns = {}
-    for key, values in table.items():
-        generator = np.random.default_rng([seed, *key.encode()])
-        try:
-            if isinstance(values, list):
-                columns[key] = [values[at] for at in generator.integers(len(values), size=count)]
-                continue
-            ((kind, (first, last)),) = values.items()
-            scale, back = {"linspace": (float, float), "geomspace": (np.log, np.exp)}[kind]
-            draws = generator.uniform(scale(first), scale(last), count)
-            columns[key] = [float(back(draw)) for draw in draws]
-        except (AttributeError, KeyError, TypeError, ValueError):
-            raise SceneError(
-                f"{name}: {key} = {values!r}: to draw from, give a list, or linspace (uniform) or "
-                "geomspace (log-uniform) = [least, greatest] in braces"
-            ) from None
-    if not columns:
-        raise SceneError(f"{name}: [random] draws nothing: give scene keys beside count and seed")
-    return columns
 
 
 def _without_alternatives(base: Table, keys: set[str], name: str) -> Table:
@@ -323,23 +325,20 @@ def _without_alternatives(base: Table, keys: set[str], name: str) -> Table:
 
 def _checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
     """Return the quantities to keep: those named, or all that need no radius and no ring."""
+    computed = {
+        quantity: any(_is_computed(wear, part) for part in ANSWERS.get(quantity, (quantity,)))
+        for quantity in KEEPABLE
+    }
     if keep is None:
-        return tuple(
-            name
-            for name, quantity in KEEPABLE.items()
-            if not {"radius", "ring"} & set(quantity.dims)
-            and name not in ANSWERS
-            and (bool(wear.times) if name == "relaxation_time" else _is_computed(wear, name))
-        )
-    if not (isinstance(keep, list) and keep):
-        raise SceneError(f"{name}: keep = {keep!r}: give a list of {', '.join(KEEPABLE)}")
-    for quantity in keep:
+        plain = [key for key in QUANTITIES if not {"radius", "ring"} & set(QUANTITIES[key].dims)]
+        return tuple(quantity for quantity in plain if computed.get(quantity))
+    for quantity in keep if isinstance(keep, list) and keep else [keep]:
         if quantity not in KEEPABLE:
             raise SceneError(
-                f"{name}: keep names '{quantity}', which is no quantity of a flat punch: give "
-                f"some of {', '.join(KEEPABLE)}"
+                f"{name}: keep names {quantity!r}, which is no quantity of a flat punch: give a "
+                f"list of {', '.join(KEEPABLE)}"
             )
-        if not any(_is_computed(wear, part) for part in ANSWERS.get(quantity, (quantity,))):
+        if not computed[quantity] and quantity != "relaxation_time":
             missing = "wear.steady = true" if quantity.startswith("steady_") else "wear.times"
             raise SceneError(
                 f"{name}: keep names '{quantity}', which the base does not ask for: give it "
@@ -350,6 +349,4 @@ def _checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
 
 def _is_computed(wear: WearSection, name: str) -> bool:
     """Return whether a scene with such times and steady state has a quantity."""
-    if name == "relaxation_time":
-        return True
     return wear.steady if name.startswith("steady_") else bool(wear.times)

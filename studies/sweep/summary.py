@@ -1,18 +1,70 @@
-"""The figure of a map.
+"""A finished map on a page: numbers, and a figure.
 
-A heat map over two axes, a family of curves over one and a few, points of random draws.
+The figure is a heat map over two axes, a family of curves of one and a few, or points of draws.
 """
 
+import json
 from io import BytesIO
 from itertools import islice, product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas
 import xarray
 from matplotlib.colors import LogNorm
 
 from ..figures.style import new_figure
 from .axes import DRAW, Sweep
+from .store import DONE, FAILED, PENDING
+
+
+def write_summary(dataset: xarray.Dataset, sweep: Sweep, out: Path) -> tuple[list[str], bool, bool]:
+    """Write `summary.json` and `sweep.png`.
+
+    Returns
+    -------
+    What there is to say, a line each; whether all scenes are done; whether methods agree.
+    """
+    status, reasons = dataset["status"].values.ravel(), dataset["reason"].values.ravel()
+    done, failed, left = (int(np.sum(status == flag)) for flag in (DONE, FAILED, PENDING))
+    summary: dict[str, Any] = {
+        "scenes": sweep.count,
+        "finished": done,
+        "failed": failed,
+        "sweep": sweep.table,
+    }
+    lines = [f"{done} scenes finished, {failed} failed, {left} left"]
+    for word, key, flag in (("failed", "reasons", FAILED), ("left", "reasons_pending", PENDING)):
+        texts = pandas.Series(reasons[(status == flag) & (reasons != "")], dtype=object)
+        summary[key] = texts.value_counts().head(10).to_dict()
+        lines += [f"{word}: {reason} ({count} scenes)" for reason, count in summary[key].items()]
+    if failed or left:
+        lines.append("--resume computes what is left, and with --retry-failed what failed")
+    disagreeing = int((dataset["disagreement"] > 1).sum()) if "disagreement" in dataset else 0
+    if disagreeing:
+        lines.append(f"methods disagree in {disagreeing} scenes")
+    for name, words, find in (
+        ("disagreement", "greatest difference over its uncertainty", np.nanargmax),
+        ("effectivity", "least error stated, over the one a better method shows", np.nanargmin),
+    ):
+        if name in dataset and dataset[name].notnull().any():
+            place = np.unravel_index(find(dataset[name].values), sweep.shape)
+            scene = dataset[name][place]
+            where = {str(label): value.item() for label, value in scene.coords.items()}
+            summary[name] = {"worst": scene.item(), "scene": where}
+            lines.append(f"{words}: {scene.item():.2g}, at {where}")
+    write_whole(out / "summary.json", json.dumps(summary, indent=1).encode())
+    write_whole(out / "sweep.png", draw(dataset, sweep))
+    lines.append(f"sweep.zarr, sweep.png and summary.json in {out}")
+    return lines, done == sweep.count, not disagreeing
+
+
+def write_whole(file: Path, content: bytes) -> None:
+    """Write a file that is there whole or not at all."""
+    partial = file.with_name(file.name + ".partial")
+    partial.write_bytes(content)
+    partial.replace(file)
 
 
 def draw(dataset: xarray.Dataset, sweep: Sweep) -> bytes:
@@ -65,7 +117,7 @@ def _one_number(part: xarray.DataArray) -> xarray.DataArray | None:
         label, part = f"{label}, slowest", part.isel(mode=0)
     for solver in part["solver"].values:
         if np.isfinite((by_solver := part.sel(solver=solver)).values).any():
-            return by_solver.rename(f"{label} ({solver})").assign_attrs(long_name="", units="")
+            return by_solver.rename(f"{label} ({solver})").drop_attrs()
     return None
 
 
@@ -76,9 +128,7 @@ def _draw_panel(axes: Any, part: xarray.DataArray, dims: list[Any]) -> None:
         names = [name for name in names if part[name].dtype.kind in "fi"]
         points = part.to_dataset(name="value").assign_coords({DRAW: np.arange(part.size)})
         across, colour = (*names, None, None)[:2]
-        points.plot.scatter(
-            x=across or DRAW, y="value", hue=colour, ax=axes, yscale=_scale(part)
-        )
+        points.plot.scatter(x=across or DRAW, y="value", hue=colour, ax=axes, yscale=_scale(part))
         axes.set_ylabel(part.name)
     elif len(dims) == 2 and part.sizes[dims[1]] > 8 and part[dims[1]].dtype.kind in "fi":
         scales = {f"{way}scale": _scale(part[dim]) for way, dim in zip("xy", dims, strict=True)}
