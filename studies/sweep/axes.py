@@ -278,18 +278,19 @@ def _values(key: str, values: Any, name: str, draws: int = 0, seed: int = 0) -> 
     """Return the values of an axis: a list, evenly spaced, or drawn by a generator of its own."""
     generator = np.random.default_rng([seed, *key.encode()])
     try:
-        if isinstance(values, list):
-            # there is nothing to draw from an empty list
-            places = generator.integers(len(values), size=draws)
-            return [values[at] for at in places] if draws else values
+        if isinstance(values, list) and values:
+            places = generator.integers(len(values), size=draws) if draws else range(len(values))
+            return [values[at] for at in places]
         ((kind, (first, last, *count)),) = values.items()
         if draws:
             scale, back = {"linspace": (float, np.array), "geomspace": (np.log, np.exp)}[kind]
             return back(generator.uniform(scale(first), scale(last), draws)).tolist()
+        spacing = {"linspace": np.linspace, "geomspace": np.geomspace}[kind]
         with np.errstate(all="raise"):
-            spacing = {"linspace": np.linspace, "geomspace": np.geomspace}[kind]
-            spaced = spacing(float(first), float(last), int(*count))
-    except (AttributeError, KeyError, TypeError, ValueError, FloatingPointError):
+            spaced = spacing(float(first), float(last), int(count[0]))
+        if not spaced.size:
+            raise ValueError
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
         raise SceneError(
             f"{name}: {key} = {values!r}: give a list of values, or linspace or geomspace = [first,"
             " last, count] in braces, without count to draw from"
@@ -332,12 +333,12 @@ def _checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
     if keep is None:
         plain = [key for key in QUANTITIES if not {"radius", "ring"} & set(QUANTITIES[key].dims)]
         return tuple(quantity for quantity in plain if computed.get(quantity))
-    for quantity in keep if isinstance(keep, list) and keep else [keep]:
-        if quantity not in KEEPABLE:
-            raise SceneError(
-                f"{name}: keep names {quantity!r}, which is no quantity of a flat punch: give a "
-                f"list of {', '.join(KEEPABLE)}"
-            )
+    if not (isinstance(keep, list) and keep and set(map(str, keep)) <= set(KEEPABLE)):
+        raise SceneError(
+            f"{name}: keep = {keep!r}: give a list of quantities of a flat punch, some of "
+            f"{', '.join(KEEPABLE)}"
+        )
+    for quantity in keep:
         if not computed[quantity] and quantity != "relaxation_time":
             missing = "wear.steady = true" if quantity.startswith("steady_") else "wear.times"
             raise SceneError(

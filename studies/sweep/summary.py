@@ -5,7 +5,6 @@ The figure is a heat map over two axes, a family of curves of one and a few, or 
 
 import json
 from io import BytesIO
-from itertools import islice, product
 from pathlib import Path
 from typing import Any
 
@@ -68,86 +67,65 @@ def write_whole(file: Path, content: bytes) -> None:
 
 
 def draw(dataset: xarray.Dataset, sweep: Sweep) -> bytes:
-    """Draw the first four quantities kept as a PNG picture.
+    """Draw the first four quantities over two axes, or over the draws, as a PNG picture.
 
-    Of histories the end, of relaxation times the slowest, by the first method that has it.
+    Of histories the end, of relaxation times the slowest, by the first method that has it; further
+    axes at their first value. Titles say so.
     """
-    # matplotlib would read a formula between two dollars
-    texts = {
-        str(name): (label.dims, [str(text).replace("$", r"\$") for text in label.values])
-        for name, label in dataset.coords.items()
-        if label.dtype.kind in "OTU"
-    }
-    dataset = dataset.assign_coords(texts)
-    numbers = [_one_number(dataset[name]) for name in sweep.keep]
-    shown = [part for part in numbers if part is not None][:4]
-    dims: list[Any] = [dim for dim in sweep.dims if dataset.sizes[dim] > 1]
-    dims.sort(key=lambda dim: (dim != DRAW, dim in texts, -dataset.sizes[dim]))
-    # points over the draws: all other axes give panels
-    families = dims[:1] if DRAW in dims else dims[:2]
-    others = dims[len(families) :]
-    places = product(*(range(dataset.sizes[dim]) for dim in others))
-    panels = [dict(zip(others, place, strict=True)) for place in islice(places, 6)]
-    figure = new_figure(1.2 + 4.3 * len(panels), 0.6 + 3.5 * len(shown))
-    grid = figure.subplots(max(len(shown), 1), len(panels), squeeze=False)
-    for row, part in zip(grid, shown, strict=False):
-        for axes, panel in zip(row, panels, strict=True):
-            here = part.isel(panel)
-            here = here.isel({dim: 0 for dim in here.dims if dim not in families})
-            _draw_panel(axes, here, families)
-            labels = (f"{dim} = {dataset[dim].values[at]:.4}" for dim, at in panel.items())
-            axes.set_title(", ".join(labels), fontsize=9)
-    left = int(np.prod([dataset.sizes[dim] for dim in others])) - len(panels)
-    title = dataset.attrs["title"].replace("$", r"\$")
-    further = f" ({left} further panels are in the store)" if left else ""
-    figure.suptitle(title + further, fontsize=10)
+    texts = [name for name, label in dataset.coords.items() if label.dtype.kind in "OTU"]
+    for name in texts:
+        # matplotlib would read a formula between two dollars
+        escaped = [str(text).replace("$", r"\$") for text in dataset[name].values]
+        dataset = dataset.assign_coords({name: (dataset[name].dims, escaped)})
+    dims: list[Any] = sorted(sweep.dims, key=lambda dim: (dim in texts, -dataset.sizes[dim]))
+    shown = [DRAW] if DRAW in dims else [dim for dim in dims if dataset.sizes[dim] > 1][:2]
+    first = {dim: 0 for dim in ("mode", "solver", *dims) if dim not in shown}
+    parts = [dataset[name].drop_attrs().dropna("solver", how="all") for name in sweep.keep]
+    parts = [
+        part.isel(first | {"time": -1}, missing_dims="ignore")
+        for part in parts
+        if part.sizes["solver"] and not {"radius", "ring"} & set(part.dims)
+    ][:4]
+    figure = new_figure(6.0, 0.6 + 3.5 * len(parts))
+    for axes, part in zip(
+        figure.subplots(max(1, len(parts)), squeeze=False).flat, parts, strict=False
+    ):
+        _draw_panel(axes, part, *shown)
+    figure.suptitle(dataset.attrs["title"].replace("$", r"\$"), fontsize=10)
     picture = BytesIO()
     figure.savefig(picture, format="png")
     return picture.getvalue()
 
 
-def _one_number(part: xarray.DataArray) -> xarray.DataArray | None:
-    """Return one number of each scene; None of fields, and where no method gives any."""
-    if {"radius", "ring"} & set(part.dims):
-        return None
-    label = str(part.name)
-    if "time" in part.dims:
-        label, part = f"{label} at t = {part['time'].values[-1]:.4g}", part.isel(time=-1)
-    if "mode" in part.dims:
-        label, part = f"{label}, slowest", part.isel(mode=0)
-    for solver in part["solver"].values:
-        if np.isfinite((by_solver := part.sel(solver=solver)).values).any():
-            return by_solver.rename(f"{label} ({solver})").drop_attrs()
-    return None
-
-
-def _draw_panel(axes: Any, part: xarray.DataArray, dims: list[Any]) -> None:
-    """Draw a map of two long axes of numbers, else curves; of draws points."""
-    if dims == [DRAW]:
-        names = [name for name, label in part.coords.items() if label.dims == (DRAW,)]
-        names = [name for name in names if part[name].dtype.kind in "fi"]
+def _draw_panel(axes: Any, part: xarray.DataArray, across: Any = None, along: Any = None) -> None:
+    """Draw points of draws, a map of two long axes of numbers, else curves."""
+    numeric = [name for name, label in part.coords.items() if label.dtype.kind in "fi"]
+    if across == DRAW:
+        x, colour = (*(name for name in numeric if part[name].ndim), None, None)[:2]
         points = part.to_dataset(name="value").assign_coords({DRAW: np.arange(part.size)})
-        across, colour = (*names, None, None)[:2]
-        points.plot.scatter(x=across or DRAW, y="value", hue=colour, ax=axes, yscale=_scale(part))
+        points.plot.scatter(x=x or DRAW, y="value", hue=colour, ax=axes, yscale=_scale(part))
         axes.set_ylabel(part.name)
-    elif len(dims) == 2 and part.sizes[dims[1]] > 8 and part[dims[1]].dtype.kind in "fi":
-        scales = {f"{way}scale": _scale(part[dim]) for way, dim in zip("xy", dims, strict=True)}
+    elif along in numeric and part.sizes[along] > 8:
         norm = LogNorm() if _scale(part) == "log" else None
-        part.plot.pcolormesh(x=dims[0], y=dims[1], ax=axes, cmap="viridis", norm=norm, **scales)
+        part.plot.pcolormesh(
+            x=across,
+            y=along,
+            ax=axes,
+            norm=norm,
+            xscale=_scale(part[across]),
+            yscale=_scale(part[along]),
+        )
+    elif across is None:
+        axes.plot(part.values, "o")
     else:
-        across, hue = (*dims, None, None)[:2]
-        if across is None:
-            part, across = part.expand_dims(scene=[0]), "scene"
-        if hue:
-            part = part.isel({hue: slice(8)})
-        part.plot.line(
-            x=across, hue=hue, ax=axes, marker=".", xscale=_scale(part[across]), yscale=_scale(part)
+        curves = part.isel({along: slice(8)}) if along else part
+        curves.plot.line(
+            x=across, hue=along, ax=axes, xscale=_scale(part[across]), yscale=_scale(part)
         )
 
 
-def _scale(part: xarray.DataArray) -> str:
+def _scale(values: xarray.DataArray) -> str:
     """Return the scale of an axis for numbers: logarithmic for more than a decade or so."""
-    if part.dtype.kind not in "fi":
+    if values.dtype.kind not in "fi":
         return "linear"
-    finite = part.values[np.isfinite(part.values)]
-    return "log" if finite.size and 0 < 20 * finite.min() < finite.max() else "linear"
+    return "log" if 0 < 20 * values.min() < values.max() else "linear"
