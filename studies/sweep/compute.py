@@ -147,18 +147,18 @@ def connect(scheduler: str | None, workers: int, memory: float | None) -> Iterat
                     host="127.0.0.1",
                     dashboard_address=None,
                     silence_logs=logging.CRITICAL,
+                    # Ctrl-C is the affair of this process
+                    preload=["import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)"],
                 )
             )
             client = stack.enter_context(Client(address, timeout=20))
             client.wait_for_workers(1, timeout=20)
             yield client
-        except TimeoutError as error:
-            raise SolverError(
-                f"the scheduler {scheduler} does not answer, or has no workers ({error}): start "
-                "them by `dask scheduler` and `dask worker`, or leave out --scheduler"
-            ) from error
         except (CancelledError, OSError, ValueError) as error:
-            raise SolverError(f"the scheduler {scheduler} is lost: {error}; {RESUME}") from error
+            raise SolverError(
+                f"the scheduler {scheduler} does not answer, has no workers or is lost ({error}): "
+                f"start it by `dask scheduler`, and some `dask worker`; {RESUME}"
+            ) from error
 
 
 def compute_block(sweep: Sweep, blank: xarray.Dataset) -> Outcome:

@@ -226,8 +226,8 @@ class Store:
         except OSError as error:
             raise RingwearError(f"{self.path} cannot be written: {error.strerror}") from error
         self._group = zarr.open_group(self.path, mode="r+")
-        for number, (checksum, _, failed) in enumerate(self.index):
-            sound = checksum and checksum == self._checksum(number)
+        for number, (checksum, done, failed) in enumerate(self.index):
+            sound = checksum and checksum == self._checksum(number, done, failed)
             if not sound or (retry_failed and failed):
                 self.index[number] = 0
 
@@ -241,6 +241,9 @@ class Store:
         region, status = self._region(number), values["status"]
         shape = [places.stop - places.start for places in region]
         try:
+            # what is damaged could not be written over
+            for file in self._files(number):
+                file.unlink(missing_ok=True)
             for name, array in values.items():
                 self._group[name][region] = array.reshape(*shape, *array.shape[1:])
         except OSError as error:
@@ -248,8 +251,9 @@ class Store:
                 f"{self.path} cannot be written: {error.strerror}; what is finished is kept: mend "
                 "that, and go on with --resume"
             ) from error
-        checksum = 0 if (status == PENDING).any() else self._checksum(number)
-        self.index[number] = checksum, (status == DONE).sum(), (status == FAILED).sum()
+        counts = (status == DONE).sum(), (status == FAILED).sum()
+        finished = sum(counts) == len(status)
+        self.index[number] = self._checksum(number, *counts) if finished else 0, *counts
 
     def dataset(self) -> xarray.Dataset:
         """Return what is there so far, read when it is used."""
@@ -303,12 +307,18 @@ class Store:
         places = zip(self._place(number), self._block, self._sweep.shape, strict=True)
         return tuple(slice(at * step, min((at + 1) * step, end)) for at, step, end in places)
 
-    def _checksum(self, number: int) -> int:
-        """Return BLAKE2b, 8 bytes, of the files of a block; what is all empty has none."""
-        digest = blake2b(digest_size=8)
-        for name, variable in self.blank.data_vars.items():
-            place = [str(at) for at in (*self._place(number), *[0] * variable.ndim)]
-            file = self.path.joinpath(str(name), "c", *place)
+    def _files(self, number: int) -> list[Path]:
+        """Return the files of a block; an array that is all empty has none."""
+        place = "/".join(map(str, self._place(number)))
+        return [
+            self.path.joinpath(str(name), "c", place, *["0"] * variable.ndim)
+            for name, variable in self.blank.data_vars.items()
+        ]
+
+    def _checksum(self, number: int, *counts: int) -> int:
+        """Return BLAKE2b, 8 bytes, of the files of a block and the rest of its row."""
+        digest = blake2b(str([int(count) for count in counts]).encode(), digest_size=8)
+        for file in self._files(number):
             content = file.read_bytes() if file.exists() else b""
             digest.update(len(content).to_bytes(8, "little") + content)
         return int.from_bytes(digest.digest(), "little")
