@@ -83,11 +83,15 @@ def compute_blocks(
         return
     from distributed import KilledWorker, wait
 
-    rest, running = iter(blocks.items()), dict[Any, int]()
+    rest, running, checked = iter(blocks.items()), dict[Any, int](), set[str]()
     with connect(scheduler, min(workers, len(blocks)), memory) as client:
         while True:
             # none waits behind another, with which its worker might die
-            window = max(1, sum(client.nthreads().values()))
+            threads = client.nthreads()
+            if set(threads) - checked:
+                _check_workers(client)
+                checked |= set(threads)
+            window = max(1, sum(threads.values()))
             for number, block in islice(rest, max(0, window - len(running))):
                 running[client.submit(compute_block, block, blank, pure=False)] = number
             if not running:
@@ -113,6 +117,14 @@ def compute_blocks(
                     yield number, _checked(future.result())
 
 
+def _check_workers(client: Any) -> None:
+    """Refuse workers with another ringwear, or none, before they are given anything."""
+    for worker, reply in client.run(fingerprint, on_error="return").items():
+        if reply != fingerprint():
+            other = differing(reply) if isinstance(reply, str) else f"ringwear ({reply})"
+            raise SolverError(f"{worker} has another {other}: install the same on it; {RESUME}")
+
+
 def _checked(outcome: Outcome) -> dict[str, Array]:
     """Return the values of an outcome, if the code that is here computed them."""
     if outcome.computed_by != fingerprint():
@@ -133,7 +145,7 @@ def connect(scheduler: str | None, workers: int, memory: float | None) -> Iterat
     import dask
     from distributed import Client, LocalCluster
 
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     # results leave at once: there is nothing to spill, nor to wait for
     limits = {f"distributed.worker.memory.{at}": False for at in ("target", "spill", "pause")}
     with ExitStack() as stack:
