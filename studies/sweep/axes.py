@@ -283,11 +283,12 @@ def _values(key: str, values: Any, name: str, draws: int = 0, seed: int = 0) -> 
             return [values[at] for at in places]
         ((kind, (first, last, *count)),) = values.items()
         if draws:
-            scale, back = {"linspace": (float, np.array), "geomspace": (np.log, np.exp)}[kind]
+            scales: Any = {"linspace": (float, np.array), "geomspace": (np.log, np.exp)}
+            scale, back = scales[kind]
             return back(generator.uniform(scale(first), scale(last), draws)).tolist()
-        spacing = {"linspace": np.linspace, "geomspace": np.geomspace}[kind]
+        spacings: Any = {"linspace": np.linspace, "geomspace": np.geomspace}
         with np.errstate(all="raise"):
-            spaced = spacing(float(first), float(last), int(count[0]))
+            spaced = spacings[kind](float(first), float(last), int(count[0]))
         if not spaced.size:
             raise ValueError
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):

@@ -199,7 +199,7 @@ def compute_block(sweep: Sweep, blank: xarray.Dataset) -> Outcome:
             # solutions take memory: at most 64 at once
             for start in range(0, len(group), 64):
                 together = {numbers[at]: scenes[numbers[at]] for at in group[start : start + 64]}
-                _compute_together(together, blank["solver"].values, sweep.keep, values)
+                _compute_together(together, list(blank["solver"].values), sweep.keep, values)
     return Outcome(values, FINGERPRINT)
 
 

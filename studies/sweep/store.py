@@ -102,8 +102,8 @@ def template(sweep: Sweep) -> xarray.Dataset:
             error = about(ERROR.format(name, NORMS[quantity.norm]), "number")
             add(error_name(name), ("solver", *quantity.error_dims), error)
     if len(solvers) > 1:
-        for name, text in JUDGED.items():
-            add(name, (), about(text, "number"))
+        for name, definition in JUDGED.items():
+            add(name, (), about(definition, "number"))
     flags = {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"}
     add("status", (), {"long_name": "what became of the scene"} | flags, np.uint8(PENDING))
     add("reason", (), {"long_name": "why it is not done"}, np.array("", dtype=object))

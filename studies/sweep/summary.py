@@ -4,12 +4,12 @@ The figure is a heat map over two axes, a family of curves of one and a few, or 
 """
 
 import json
+from collections import Counter
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas
 import xarray
 from matplotlib.colors import LogNorm
 
@@ -35,8 +35,8 @@ def write_summary(dataset: xarray.Dataset, sweep: Sweep, out: Path) -> tuple[lis
     }
     lines = [f"{done} scenes finished, {failed} failed, {left} left"]
     for word, key, flag in (("failed", "reasons", FAILED), ("left", "reasons_pending", PENDING)):
-        texts = pandas.Series(reasons[(status == flag) & (reasons != "")], dtype=object)
-        summary[key] = texts.value_counts().head(10).to_dict()
+        texts = Counter(map(str, reasons[(status == flag) & (reasons != "")]))
+        summary[key] = dict(texts.most_common(10))
         lines += [f"{word}: {reason} ({count} scenes)" for reason, count in summary[key].items()]
     if failed or left:
         lines.append("--resume computes what is left, and with --retry-failed what failed")
@@ -124,7 +124,7 @@ def _draw_panel(axes: Any, part: xarray.DataArray, across: Any = None, along: An
         )
 
 
-def _scale(values: xarray.DataArray) -> str:
+def _scale(values: xarray.DataArray) -> Any:
     """Return the scale of an axis for numbers: logarithmic for more than a decade or so."""
     if values.dtype.kind not in "fi":
         return "linear"

@@ -52,10 +52,10 @@ from pathlib import Path
 from ringwear.studies.cli import main
 from ringwear.studies.sweep.store import Store
 write = Store.write
-def counted(self, block, outcome):
-    write(self, block, outcome)
+def counted(self, number, values):
+    write(self, number, values)
     with open(sys.argv[2] + ".blocks", "a") as file:
-        file.write(f"{block.number}\\n")
+        file.write(f"{number}\\n")
 Store.write = counted
 if __name__ == "__main__":
     raise SystemExit(main(["sweep", sys.argv[1], "--out", sys.argv[2], *sys.argv[3:]]))
