@@ -23,7 +23,7 @@ import xarray
 import zarr
 from filelock import FileLock, Timeout
 
-from ...meshes.errors import RingwearError, SceneError
+from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..methods.quantities import ERROR, NORMS, STATES, error_name
 from ..problem.unit_names import KINDS, UNSTATED, UnitNames
@@ -82,19 +82,15 @@ def template(sweep: Sweep) -> xarray.Dataset:
     }
     for name, (dim, key, values) in sweep.coordinates.items():
         text = any(isinstance(value, str) for value in values)
-        described = about(key, KINDS.get(key, "number"))
-        if text and key not in KINDS:
-            del described["units"]
-        coordinates[name] = dim, np.array(values, dtype=object if text else None), described
+        plain = text and key not in KINDS
+        label = {"long_name": key} if plain else about(key, KINDS.get(key, "number"))
+        coordinates[name] = dim, np.array(values, dtype=object if text else None), label
     sizes = {dim: len(values) for dim, values, _ in coordinates.values()}
     variables: dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]] = {}
 
-    def add(
-        name: str, dims: tuple[str, ...], attributes: dict[str, Any], fill: Any = np.nan
-    ) -> None:
+    def add(name: str, dims: tuple[str, ...], about: dict[str, Any], fill: Any = np.nan) -> None:
         dims = sweep.dims + dims
-        values = np.broadcast_to(fill, [sizes[dim] for dim in dims])
-        variables[name] = dims, values, attributes
+        variables[name] = dims, np.broadcast_to(fill, [sizes[dim] for dim in dims]), about
 
     for name, quantity in quantities.items():
         add(name, ("solver", *quantity.dims), about(quantity.definition, quantity.unit))
@@ -213,18 +209,15 @@ class Store:
         self._sweep = sweep
         self._chunk, self._block = block_shape(sweep, blank)
         self._blocks = [ceil(a / b) for a, b in zip(sweep.shape, self._block, strict=True)]
-        try:
-            with TemporaryDirectory() as fresh:
-                self._create(Path(fresh), blank.assign_attrs(about))
-                shutil.copytree(fresh, self.path, dirs_exist_ok=True)
-            for left in self.path.rglob("*.partial"):
-                left.unlink()
-            index = folder / "sweep.index"
-            index.touch()
-            row = [("checksum", "<u8"), ("done", "<u4"), ("failed", "<u4")]
-            self.index: Any = np.memmap(index, row, "r+", shape=(prod(self._blocks),))
-        except OSError as error:
-            raise RingwearError(f"{self.path} cannot be written: {error.strerror}") from error
+        with TemporaryDirectory() as fresh:
+            self._create(Path(fresh), blank.assign_attrs(about))
+            shutil.copytree(fresh, self.path, dirs_exist_ok=True)
+        for left in self.path.rglob("*.partial"):
+            left.unlink()
+        index = folder / "sweep.index"
+        index.touch()
+        row = [("checksum", "<u8"), ("done", "<u4"), ("failed", "<u4")]
+        self.index: Any = np.memmap(index, row, "r+", shape=(prod(self._blocks),))
         self._group = zarr.open_group(self.path, mode="r+")
         for number, (checksum, done, failed) in enumerate(self.index):
             sound = checksum and checksum == self._checksum(number, done, failed)
@@ -240,17 +233,11 @@ class Store:
         """Write the results of a block, and its row of the index last."""
         region, status = self._region(number), values["status"]
         shape = [places.stop - places.start for places in region]
-        try:
-            # what is damaged could not be written over
-            for file in self._files(number):
-                file.unlink(missing_ok=True)
-            for name, array in values.items():
-                self._group[name][region] = array.reshape(*shape, *array.shape[1:])
-        except OSError as error:
-            raise RingwearError(
-                f"{self.path} cannot be written: {error.strerror}; what is finished is kept: mend "
-                "that, and go on with --resume"
-            ) from error
+        # what is damaged could not be written over
+        for file in self._files(number):
+            file.unlink(missing_ok=True)
+        for name, array in values.items():
+            self._group[name][region] = array.reshape(*shape, *array.shape[1:])
         counts = (status == DONE).sum(), (status == FAILED).sum()
         finished = sum(counts) == len(status)
         self.index[number] = self._checksum(number, *counts) if finished else 0, *counts
