@@ -336,7 +336,7 @@ def _checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
         return tuple(quantity for quantity in plain if computed.get(quantity))
     if not (isinstance(keep, list) and keep and set(map(str, keep)) <= set(KEEPABLE)):
         raise SceneError(
-            f"{name}: keep = {keep!r}: give a list of quantities of a flat punch, some of "
+            f"{name}: keep = {keep!r} names what is no quantity of a flat punch: give a list of "
             f"{', '.join(KEEPABLE)}"
         )
     for quantity in keep:
