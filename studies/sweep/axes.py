@@ -1,26 +1,28 @@
-"""A sweep file.
+"""A sweep file: a base scene, the quantities to keep, and axes of scene keys.
 
-A base scene, the quantities to keep, and axes of scene keys. Each scene is one point of a labelled
-grid.
+Each scene is one point of a labelled grid.
 
-    base = "five_rings"                                     # a bundled scene, a file, or a table
-    [base] keep = ["steady_rms_slope", "relaxation_time"]          # default: every quantity without
-    radius and ring [axes]                                                  # crossed, each with
-    every other "punch.rings" = [2, 4, 8] "punch.wear_ratio" = { geomspace = [1e-4, 1e4, 81] }    #
-    or linspace [zip]                                                   # columns that go together:
-    one dimension [random]                                                # draws: one dimension
-    `draw` count = 1000 seed = 1 "punch.width_ratio" = { geomspace = [0.1, 10.0] }       #
-    log-uniform; linspace uniform; a list is drawn from
+    base = "five_rings"                                    # a bundled scene, a file, or a table
+    keep = ["steady_rms_slope", "relaxation_time"]         # default: all without radius and ring
+    [axes]                                                 # crossed with each other
+    "punch.rings" = [2, 4, 8]
+    "punch.wear_ratio" = { geomspace = [1e-4, 1e4, 81] }   # or linspace
+    [zip]                                                  # columns that go together: one dimension
+    [random]                                               # draws: one dimension, `draw`
+    count = 1000
+    seed = 1
+    "punch.width_ratio" = { geomspace = [0.1, 10.0] }      # log-uniform; or linspace, a list
 
-A dimension is named as the last part of its key, or by its last two where that name is taken.
+A dimension has the name of the last part of its key, or of its last two where that is taken.
 """
 
 import copy
-import json
 import tomllib
+from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from importlib.resources import files
 from math import prod
 from pathlib import Path
 from typing import Any, Self
@@ -28,38 +30,44 @@ from typing import Any, Self
 import numpy as np
 
 from ...meshes.errors import SceneError
-from ..problem.scene import Scene, bundled, declaration
-from .kept import JUDGED, checked_keep
+from ..methods.quantities import ANSWER, HISTORIES, OF_PROFILES, QUANTITIES
+from ..problem.problem import Problem
+from ..problem.scene import Scene, declaration
+from ..problem.sections import WearSection
 
+Table = dict[str, Any]
 DRAW = "draw"
-RESERVED = {
-    "solver",
-    "time",
-    "radius",
-    "ring",
-    "mode",
-    "state",
-    "status",
-    "reason",
-    "checksum",
-    *JUDGED,
+# answers of a run that can be kept, and the quantities that they are computed from
+ANSWERS = {
+    "worn_volume": ("profile",),
+    "force_share": ("indentation", "steady_pressure", "steady_displacement_max"),
+    "running_in_time": ("indentation",),
+    "time_to_90": ("indentation",),
+    "time_to_99": ("indentation",),
 }
-SPACINGS: dict[str, Any] = {"linspace": np.linspace, "geomspace": np.geomspace}
-# a scale to draw uniformly on, and the way back
-DRAWN: dict[str, Any] = {"linspace": (float, float), "geomspace": (np.log, np.exp)}
-# keys that say the same thing in other ways: what an axis gives takes the place of what the base
-# gives
-INSTEAD = (
+KEEPABLE = {name: QUANTITIES[name] for name in QUANTITIES if name not in OF_PROFILES} | {
+    name: ANSWER[name] for name in ANSWERS
+}
+# of scenes that several methods compute, by the quantities to keep
+JUDGED = {
+    "disagreement": "greatest difference over its uncertainty: above 1 methods disagree",
+    "effectivity": "least error stated, over the error that a far more accurate method shows",
+}
+# labels of the store that no axis may have for its name
+RESERVED = ("solver", "time", "radius", "ring", "mode", "state", "status", "reason", *JUDGED)
+# keys that say the same in other ways: what an axis gives takes the place of what the base gives
+ALTERNATIVES = (
     ({"punch.wear_coefficients"}, {"punch.wear_coefficient", "punch.wear_ratio"}),
     ({"punch.rings", "punch.width_ratio"}, {"punch.ring_edges"}),
     ({"half_space.plane_strain_modulus"}, {"half_space.youngs_modulus"}),
     ({"load.normal_force"}, {"load.mean_pressure"}),
 )
-# values of each axis that are tried before a sweep begins; others that are bad fail as scenes, with
-# the reason
-TRIED = 200
 
-Table = dict[str, Any]
+# beginnings of keys that scenes may differ in and yet share a discretisation
+SHARING = (
+    *("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs"),
+    *("load.", "wear.", "output.", "title"),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +79,11 @@ class Axis:
 
     def __len__(self) -> int:
         return len(next(iter(self.columns.values())))
+
+    @property
+    def shares_discretisation(self) -> bool:
+        """Whether scenes along it can share a discretisation."""
+        return all(key.startswith(SHARING) for key in self.columns)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,40 +109,45 @@ class Sweep:
     name: str = "sweep"
 
     @classmethod
-    def load(cls, path: str | Path) -> Self:
+    def load(cls, source: str | Path) -> Self:
         """Read a sweep file, or a bundled one by its name."""
-        from .bundled import sweep_text
-
-        text = sweep_text(path)
+        path, folder = Path(source), files("ringwear.studies") / "sweep" / "files"
+        bundled = {entry.name.removesuffix(".toml"): entry for entry in folder.iterdir()}
         try:
-            table = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
-            raise SceneError(f"{path} is not TOML: {error}") from error
-        return cls.of(table, str(path), Path(path).parent)
+            file = path if path.exists() else bundled.get(str(source), path)
+            table = tomllib.loads(file.read_text("utf-8"))
+        except (OSError, ValueError) as error:
+            raise SceneError(
+                f"{source} cannot be read ({error}): give a sweep file, TOML in UTF-8, or one of "
+                f"{', '.join(sorted(bundled))}"
+            ) from error
+        return cls.of(table, str(source), path.parent)
 
     @classmethod
-    def of(cls, table: Table, name: str = "sweep", beside: Path | None = None) -> Self:
-        """A sweep from nested dictionaries.
+    def of(cls, table: Table, name: str = "sweep", folder: Path | None = None) -> Self:
+        """Make a sweep from nested dictionaries; a base that is a file is sought in a folder, too.
 
-        A base that is a file is sought `beside` another, and where one stands.
+        Of each axis up to 200 values are tried, beside the first of the others. Values that are
+        bad beyond that fail as scenes, with the reason.
         """
-        if unknown := sorted(set(table) - {"base", "keep", "axes", "zip", "random"}):
-            raise SceneError(
-                f"{name}: unknown key {unknown[0]}: known here are base, keep, axes, zip and random"
-            )
-        table = {"base": _base(table.get("base"), name, beside)} | {
-            key: table[key] for key in table if key != "base"
-        }
+        for key, value in table.items():
+            if key not in ("base", "keep", "axes", "zip", "random"):
+                raise SceneError(
+                    f"{name}: unknown key {key}: give base, keep, [axes], [zip] and [random]"
+                )
+            if key in ("axes", "zip", "random") and not isinstance(value, dict):
+                raise SceneError(f"{name}: {key} = {value!r} is no table of scene keys")
         axes = tuple(_axes(table, name))
         if not axes:
             raise SceneError(f"{name}: nothing varies: give [axes], [zip] or [random]")
-        table["base"] = _without_alternatives(
-            table["base"], {key for axis in axes for key in axis.columns}, name
-        )
-        sweep = cls(table, axes, (), name)
-        sweep._try_out()
-        keep = checked_keep(table.get("keep"), sweep.scene((0,) * len(axes)).wear, name)
-        return cls(table | {"keep": list(keep)}, axes, keep, name)
+        keys = {key for axis in axes for key in axis.columns}
+        base = _without_alternatives(_base_table(table.get("base"), name, folder), keys, name)
+        sweep = cls(table | {"base": base}, axes, (), name)
+        for number, axis in enumerate(axes):
+            for at in range(min(len(axis), 200)):
+                sweep.scene(tuple(at * (number == other) for other in range(len(axes))))
+        keep = _checked_keep(table.get("keep"), sweep.first.wear, name)
+        return replace(sweep, table=sweep.table | {"keep": list(keep)}, keep=keep)
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -144,29 +162,26 @@ class Sweep:
         """Number of scenes."""
         return prod(self.shape)
 
-    def to_json(self) -> str:
-        """The sweep as JSON, its base written out; TOML would not keep the order of the axes."""
-        return json.dumps(self.table)
-
     @cached_property
-    def _base_table(self) -> Table:
-        return dict(self.table["base"])
+    def first(self) -> Scene:
+        """The scene of the first values."""
+        return self.scene((0,) * len(self.axes))
 
     def changes(self, index: tuple[int, ...]) -> Table:
-        """Keys and values of one scene, by its place on each axis."""
-        chosen = zip(self.axes, index, strict=True)
-        return {key: values[at] for axis, at in chosen for key, values in axis.columns.items()}
+        """Return keys and values of one scene, by its place on each axis."""
+        places = zip(self.axes, index, strict=True)
+        return {key: values[at] for axis, at in places for key, values in axis.columns.items()}
 
     def scene(self, index: tuple[int, ...]) -> Scene:
-        """One scene, by its place on each axis."""
-        table, changes = copy.deepcopy(self._base_table), self.changes(index)
+        """Return one scene, by its place on each axis."""
+        table, changes = copy.deepcopy(self.table["base"]), self.changes(index)
         for key, value in changes.items():
             *path, last = key.split(".")
-            part = table
+            section = table
             for step in path:
-                part = part.setdefault(step, {})
-            part[last] = value
-        name = f"{self.name}, {described(changes)}"
+                section = section.setdefault(step, {})
+            section[last] = value
+        name = f"{self.name}, {', '.join(f'{key} = {changes[key]}' for key in changes)}"
         scene = Scene.from_table(table, name)
         if not scene.problem.full_contact:
             raise SceneError(
@@ -175,190 +190,165 @@ class Sweep:
             )
         return scene
 
-    def part(self, bounds: tuple[tuple[int, int], ...]) -> "Sweep":
-        """A box of the grid, by first and last (beyond) place on each axis, as a sweep of
-        its own.
-        """
-        axes = (
-            Axis(axis.dim, {key: values[first:last] for key, values in axis.columns.items()})
-            for axis, (first, last) in zip(self.axes, bounds, strict=True)
+    def problem(self, scene: Scene) -> Problem:
+        """Return the problem of a scene, asking for what is to be kept and nothing else."""
+        needed = {quantity for name in self.keep for quantity in ANSWERS.get(name, (name,))}
+        quantities = frozenset(
+            name for name in needed if name == "relaxation_time" or _is_computed(scene.wear, name)
         )
-        return Sweep({"base": self.table["base"]}, tuple(axes), self.keep, self.name)
+        if quantities & HISTORIES:
+            return replace(scene.problem, quantities=quantities)
+        return replace(scene.problem, quantities=quantities, times=np.empty(0), march="modal")
 
-    def coordinates(self) -> Iterator[tuple[str, str, list[Any], str]]:
-        """Name, dimension, values and key of each coordinate; lists and tables are written
-        as text.
-        """
-        taken = {*RESERVED, *self.dims}
+    @property
+    def last(self) -> "Sweep":
+        """The scene of the last values, as a sweep of its own."""
+        return self.part((slice(-1, None),) * len(self.axes))
+
+    def part(self, region: tuple[slice, ...]) -> "Sweep":
+        """Return a box of the grid as a sweep of its own."""
+        axes = (
+            Axis(axis.dim, {key: values[places] for key, values in axis.columns.items()})
+            for axis, places in zip(self.axes, region, strict=True)
+        )
+        return replace(self, table={"base": self.table["base"]}, axes=tuple(axes))
+
+    @property
+    def coordinates(self) -> dict[str, tuple[str, str, list[Any]]]:
+        """Dimension, key and values of each coordinate; lists and tables become text."""
+        taken, coordinates = {*RESERVED, *self.dims}, {}
         for axis in self.axes:
             for number, (key, values) in enumerate(axis.columns.items()):
                 name = axis.dim if not number and axis.dim != DRAW else _named(key, taken)
-                taken.add(name)
                 plain = all(isinstance(value, int | float | str) for value in values)
-                yield name, axis.dim, values if plain else [str(value) for value in values], key
-
-    def _try_out(self) -> None:
-        """Read the first scene, and every other value of each axis beside the first of the
-        others.
-        """
-        for number, axis in enumerate(self.axes):
-            for at in range(min(len(axis), TRIED)):
-                _ = self.scene(
-                    tuple(at if other == number else 0 for other in range(len(self.axes)))
-                )
+                coordinates[name] = axis.dim, key, values if plain else list(map(str, values))
+        return coordinates
 
 
-def described(changes: Mapping[str, Any]) -> str:
-    """Keys and values in a line."""
-    short = {
-        key: f"{value:.6g}" if isinstance(value, float) else str(value)
-        for key, value in changes.items()
-    }
-    return ", ".join(f"{key} = {value}" for key, value in short.items())
-
-
-def _base(base: Any, name: str, beside: Path | None) -> Table:
+def _base_table(base: Any, name: str, folder: Path | None) -> Table:
     if isinstance(base, dict):
         return base
     if not isinstance(base, str):
-        raise SceneError(
-            f"{name}: missing key base; give a file, a table [base] or one of "
-            f"{', '.join(bundled())}"
-        )
-    near = None if beside is None else beside / base
-    return Scene.load(near if near is not None and near.is_file() else base).table()
+        raise SceneError(f"{name}: missing key base: give a file, a bundled scene or [base]")
+    beside = None if folder is None else folder / base
+    return Scene.load(beside if beside is not None and beside.is_file() else base).table()
 
 
 def _axes(table: Table, name: str) -> Iterator[Axis]:
     taken = set(RESERVED)
-    for section in ("axes", "zip", "random"):
-        if not isinstance(table.get(section, {}), dict):
-            raise SceneError(
-                f"{name}: {section} = {table[section]!r} is no table of scene keys: give "
-                f"[{section}]"
-            )
-    for key, values in table.get("axes", {}).items():
-        yield _without_twins(Axis(_named(key, taken), {key: _spaced(key, values, name)}), name)
-    if columns := {key: _spaced(key, values, name) for key, values in table.get("zip", {}).items()}:
-        if len({len(values) for values in columns.values()}) > 1:
-            lengths = ", ".join(f"{key} {len(values)}" for key, values in columns.items())
-            raise SceneError(
-                f"{name}: columns of [zip] go together, and must be of one length: {lengths}"
-            )
-        yield _without_twins(Axis(_named(next(iter(columns)), taken), columns), name)
-    if "random" in table:
-        yield _drawn(dict(table["random"]), name)
-
-
-def _without_twins(axis: Axis, name: str) -> Axis:
-    """The axis, if no scene on it is there twice."""
-    # numbers that are equal, such as 1 and 1.0, give one scene; lists cannot be compared in a set
-    rows = [
-        tuple(str(value) if isinstance(value, list | dict) else value for value in row)
-        for row in zip(*axis.columns.values(), strict=True)
-    ]
-    if len(set(rows)) < len(rows):
-        twin = next(row for number, row in enumerate(rows) if row in rows[:number])
-        columns, values = ", ".join(axis.columns), ", ".join(map(str, twin))
-        raise SceneError(f"{name}: {columns} = {values} is there twice: give it once")
-    return axis
+    draws = dict(table.get("random", {}))
+    count, seed = draws.pop("count", 0), draws.pop("seed", None)
+    if bool(draws) != (isinstance(count, int) and count > 0 and isinstance(seed, int)):
+        raise SceneError(
+            f"{name}: random.count = {count} and random.seed = {seed}: give how many, a whole "
+            "number that the draws begin from, and scene keys to draw"
+        )
+    for columns in [
+        *({key: table["axes"][key]} for key in table.get("axes", {})),
+        table.get("zip"),
+    ]:
+        if not columns:
+            continue
+        values = {key: _values(key, columns[key], name) for key in columns}
+        if len({len(column) for column in values.values()}) > 1:
+            raise SceneError(f"{name}: columns of [zip] go together: give them one length")
+        # numbers that are equal, such as 1 and 1.0, give one scene; lists cannot be counted
+        rows = Counter(
+            tuple(str(value) if isinstance(value, list | dict) else value for value in row)
+            for row in zip(*values.values(), strict=True)
+        )
+        if twins := [row for row in rows if rows[row] > 1]:
+            text = ", ".join(map(str, twins[0]))
+            raise SceneError(f"{name}: {', '.join(values)} = {text} is there twice: give it once")
+        yield Axis(_named(next(iter(values)), taken), values)
+    if draws:
+        yield Axis(DRAW, {key: _values(key, draws[key], name, count, seed) for key in draws})
 
 
 def _named(key: str, taken: set[str]) -> str:
-    """The last part of a key, or its last two; remembered as taken."""
+    """Return the last part of a key, or its last two; remember it as taken."""
     parts = key.split(".")
-    found = next(
-        one
-        for one in (parts[-1], "_".join(parts[-2:]), "_".join(parts), f"{key}_")
-        if one not in taken
-    )
-    taken.add(found)
-    return found
+    choices = parts[-1], "_".join(parts[-2:]), "_".join(parts), f"{key}_"
+    name = next(choice for choice in choices if choice not in taken)
+    taken.add(name)
+    return name
 
 
-def _spaced(key: str, values: Any, name: str) -> list[Any]:
-    """The values of an axis: a list, or evenly spaced."""
-    if isinstance(values, list) and values:
-        return values
-    if isinstance(values, dict) and len(values) == 1 and (kind := next(iter(values))) in SPACINGS:
-        try:
-            first, last, count = values[kind]
-            with np.errstate(all="raise"):
-                spaced = SPACINGS[kind](float(first), float(last), int(count)).tolist()
-        except (TypeError, ValueError, FloatingPointError) as error:
-            raise SceneError(
-                f"{name}: {key} = {values}: {error}; give {kind} = [first, last, count]"
-            ) from None
-        if spaced:
-            return _whole(key, spaced)
-    raise SceneError(
-        f"{name}: {key} = {values!r}: give a list of values, {{ linspace = [first, last, count] }} "
-        f"or {{ geomspace = ... }}"
-    )
-
-
-def _whole(key: str, values: list[float]) -> list[Any]:
-    """Whole numbers where the key wants them and the values are."""
+def _values(key: str, values: Any, name: str, draws: int = 0, seed: int = 0) -> list[Any]:
+    """Return the values of an axis: a list, evenly spaced, or drawn by a generator of its own."""
+    generator = np.random.default_rng([seed, *key.encode()])
+    try:
+        if isinstance(values, list) and values:
+            places = generator.integers(len(values), size=draws) if draws else range(len(values))
+            return [values[at] for at in places]
+        ((kind, (first, last, *count)),) = values.items()
+        if draws:
+            scales: Any = {"linspace": (float, np.array), "geomspace": (np.log, np.exp)}
+            scale, back = scales[kind]
+            return back(generator.uniform(scale(first), scale(last), draws)).tolist()
+        spacings: Any = {"linspace": np.linspace, "geomspace": np.geomspace}
+        with np.errstate(all="raise"):
+            spaced = spacings[kind](float(first), float(last), int(count[0]))
+        if not spaced.size:
+            raise ValueError
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
+        raise SceneError(
+            f"{name}: {key} = {values!r}: give a list of values, or linspace or geomspace = [first,"
+            " last, count] in braces, without count to draw from"
+        ) from None
     _, field = declaration(key.split("."))
     wants_whole = field is not None and field.annotation in (int, int | None)
-    return (
-        [round(value) for value in values]
-        if wants_whole and all(value == round(value) for value in values)
-        else values
-    )
-
-
-def _drawn(table: Table, name: str) -> Axis:
-    """Values drawn at random, those of each key by a generator of its own."""
-    count, seed = table.pop("count", None), table.pop("seed", None)
-    if not (isinstance(count, int) and count > 0 and isinstance(seed, int) and seed >= 0):
-        raise SceneError(
-            f"{name}: random.count = {count} and random.seed = {seed}: give how many, and a whole "
-            "number, 0 or "
-            "more, that the draws begin from"
-        )
-    columns = {}
-    for key, values in table.items():
-        generator = np.random.default_rng([seed, *key.encode()])
-        if isinstance(values, list) and values:
-            columns[key] = [values[at] for at in generator.integers(len(values), size=count)]
-            continue
-        try:
-            ((kind, (first, last)),) = values.items()
-            scale, back = DRAWN[kind]
-            columns[key] = [
-                float(back(value)) for value in generator.uniform(scale(first), scale(last), count)
-            ]
-        except (AttributeError, KeyError, TypeError, ValueError):
-            raise SceneError(
-                f"{name}: {key} = {values!r}: to draw from, give a list, "
-                f"{{ linspace = [least, greatest] }} "
-                "(uniform) or { geomspace = [least, greatest] } (log-uniform)"
-            ) from None
-    if not columns:
-        raise SceneError(f"{name}: [random] draws nothing: give scene keys beside count and seed")
-    return Axis(DRAW, columns)
+    whole = wants_whole and (spaced == spaced.round()).all()
+    return (spaced.astype(int) if whole else spaced).tolist()
 
 
 def _without_alternatives(base: Table, keys: set[str], name: str) -> Table:
-    """The base without what the axes give in another way.
+    """Return the base without what the axes give in another way.
 
     Two materials stay two, whichever way they are given.
     """
     table = copy.deepcopy(base)
     punch = table.get("punch", {})
     pair = punch.get("wear_coefficients", [])
-    if keys & {"punch.wear_ratio", "punch.wear_coefficient"} and pair:
+    if pair and keys & {"punch.wear_ratio", "punch.wear_coefficient"}:
         if len(pair) != 2:
             raise SceneError(
                 f"{name}: punch.wear_ratio and punch.wear_coefficient vary two materials, and the "
-                "base gives "
-                f"{len(pair)} wear_coefficients: give it two"
+                f"base gives {len(pair)} wear_coefficients: give it two"
             )
         punch["wear_coefficient"], punch["wear_ratio"] = pair[0], pair[1] / pair[0]
-    for these, those in INSTEAD:
+    for these, those in ALTERNATIVES:
         for given, dropped in ((these, those), (those, these)):
             for key in dropped if keys & given else ():
                 section, last = key.split(".")
                 table.get(section, {}).pop(last, None)
     return table
+
+
+def _checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
+    """Return the quantities to keep: those named, or all that need no radius and no ring."""
+    computed = {
+        quantity: any(_is_computed(wear, part) for part in ANSWERS.get(quantity, (quantity,)))
+        for quantity in KEEPABLE
+    }
+    if keep is None:
+        plain = [key for key in QUANTITIES if not {"radius", "ring"} & set(QUANTITIES[key].dims)]
+        return tuple(quantity for quantity in plain if computed.get(quantity))
+    if not (isinstance(keep, list) and keep and set(map(str, keep)) <= set(KEEPABLE)):
+        raise SceneError(
+            f"{name}: keep = {keep!r} names what is no quantity of a flat punch: give a list of "
+            f"{', '.join(KEEPABLE)}"
+        )
+    for quantity in keep:
+        if not computed[quantity] and quantity != "relaxation_time":
+            missing = "wear.steady = true" if quantity.startswith("steady_") else "wear.times"
+            raise SceneError(
+                f"{name}: keep names '{quantity}', which the base does not ask for: give it "
+                f"{missing}"
+            )
+    return tuple(dict.fromkeys(keep))
+
+
+def _is_computed(wear: WearSection, name: str) -> bool:
+    """Return whether a scene with such times and steady state has a quantity."""
+    return wear.steady if name.startswith("steady_") else bool(wear.times)

@@ -1,261 +1,311 @@
-"""The store.
+"""The store: a Zarr group whose axes are the sweep's, readable by xarray while it grows.
 
-One Zarr group whose axes are the sweep's, written by whole blocks, readable by xarray while it
-grows.
-
-Each block has chunks of its own, so that none is written twice. A scene's checksum, over all that
-is kept of it, is written last: a scene is finished when its checksum holds, whatever happened to
-the disk or the process since. Nothing in the store depends on the order of the blocks, on the clock
-or on the machine's name: an interrupted sweep ends with the same bytes.
+A block of scenes is computed at once, and written at once as one file (a shard) of each array. The
+index has a row for each block, written after its files: the checksum of their bytes, by which a
+block is known to be finished and undamaged, and how many of its scenes are done and have failed.
+Nothing in the store depends on the order of the blocks, on the clock or on the machine's name: an
+interrupted sweep ends with the same bytes.
 """
 
 import json
-import os
+import shutil
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from hashlib import blake2b
+from math import ceil, prod
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 import xarray
 import zarr
-from zarr.codecs import Crc32cCodec, ZstdCodec
-from zarr.storage import LocalStore, MemoryStore
+from filelock import FileLock, Timeout
 
-from ...meshes.errors import RingwearError, SceneError
+from ...meshes.errors import SceneError
 from ...meshes.radial import Array
+from ..methods.quantities import ERROR, NORMS, STATES, error_name
+from ..problem.unit_names import KINDS, UNSTATED, UnitNames
 from ..versions import fingerprint
-from .axes import Sweep
-from .blocks import Block
-from .layout import DONE, FAILED, PENDING, Layout, Outcome
+from ..wear.modes import SHOWN
+from .axes import ANSWERS, JUDGED, KEEPABLE, Sweep
 
-NAME = "sweep.zarr"
-STATUS = {
-    "long_name": "what has become of the scene",
-    "flag_values": [PENDING, DONE, FAILED],
-    "flag_meanings": "pending done failed",
-}
-REASON = {"long_name": "why the scene failed, or is pending still"}
-CHECKSUM = {
-    "long_name": "BLAKE2b of all that is kept of the scene, 8 bytes; 0 until it is finished"
-}
+# what may become of a scene
+PENDING, DONE, FAILED = 0, 1, 2
+# beginnings of keys that leave relaxation times as they are
+OF_ONE_TIME_SCALE = (
+    *("load.normal_force", "load.mean_pressure", "accuracy.", "output.", "wear."),
+    *("methods", "title", "units"),
+)
 
 
-@contextmanager
-def alone(directory: Path) -> Iterator[None]:
-    """The only sweep in a directory, until it ends in whatever way.
+def template(sweep: Sweep) -> xarray.Dataset:
+    """Return the results of all scenes before any is computed, as views that take no memory.
 
-    The lock is the system's, and dies with the process.
+    Dimensions are the sweep's, then `solver` and those of each quantity.
+
+    Raises
+    ------
+    SceneError
+        if scenes differ in the times or radii that the quantities to keep are at
     """
-    import fcntl
+    first = sweep.first
+    varied = {key: values for axis in sweep.axes for key, values in axis.columns.items()}
+    quantities = {name: KEEPABLE[name] for name in sweep.keep}
+    _check_times(sweep, varied)
+    at_radii = [name for name, quantity in quantities.items() if "radius" in quantity.dims]
+    if at_radii and (not first.output.radii or {"output.radii", "punch.radius"} & set(varied)):
+        raise SceneError(
+            f"{sweep.name}: {at_radii[0]} is kept at radii that all scenes share: give the base "
+            "output.radii, and vary neither them nor punch.radius"
+        )
+    edges = [first.punch.ring_edges or [], *varied.get("punch.ring_edges", [])]
+    rings = max([first.punch.rings or 0, *varied.get("punch.rings", []), *map(len, edges)])
+    methods = varied.get("methods", [first.methods])
+    solvers = list(dict.fromkeys(name for names in methods for name in names))
+    stated = "" if "units" in varied else first.units
 
-    # a Path of "s3://bucket" has one slash left
-    if ":/" in str(directory):
-        remedy = "give one, and copy the store from there"
-        raise SceneError(f"--out {directory} is no directory of this machine: {remedy}")
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        lock = (directory / ".lock").open("a")
-    except OSError as error:
-        raise SceneError(f"--out {directory} cannot be written to: {error.strerror}") from error
-    with lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            raise SceneError(
-                f"another sweep is writing to {directory}: wait for it, or give another --out"
-            ) from None
-        yield
-
-
-class Store:
-    """The results of a sweep, in a directory or in memory.
-
-    Parameters
-    ----------
-    sweep, layout : what is kept, and its shapes
-    block_shape : scenes of a block along each axis
-    directory : where `sweep.zarr` is or will be; None for memory
-    resume : whether to go on with what is there
-    """
-
-    def __init__(
-        self,
-        sweep: Sweep,
-        layout: Layout,
-        block_shape: tuple[int, ...],
-        directory: Path | None,
-        resume: bool = False,
-    ) -> None:
-        self.sweep, self.layout, self.block_shape = sweep, layout, block_shape
-        self.path = None if directory is None else directory / NAME
-        blank: dict[str, Any] = {}
-        self._store: Any = MemoryStore(blank)
-        self._create(self._store)
-        if self.path is not None:
-            try:
-                _put_in_place(
-                    self.path, {name: content.to_bytes() for name, content in blank.items()}, resume
-                )
-            except OSError as error:
-                raise RingwearError(f"{self.path} cannot be written: {error.strerror}") from error
-            self._store = LocalStore(self.path)
-        self._group = zarr.open_group(self._store, mode="r+")
-        names = (*layout.variables, "status", "reason", "checksum")
-        self._arrays: dict[str, Any] = {name: self._group[name] for name in names}
-
-    def _create(self, store: Any) -> None:
-        """Everything but results: metadata and coordinates."""
-        sweep, layout = self.sweep, self.layout
-        about = {
-            "title": f"Sweep of {sweep.table['base'].get('title', 'a scene')}",
-            "sweep": sweep.to_json(),
-            "versions": fingerprint(),
-            "block_shape": list(self.block_shape),
-            # those that are not named as their dimension; xarray reads it
-            "coordinates": " ".join(name for name, dim, *_ in sweep.coordinates() if name != dim),
+    def about(text: str, kind: str) -> dict[str, str]:
+        return {
+            "long_name": text,
+            "units": UnitNames.of(stated).name(kind) or stated or UNSTATED,
         }
-        group = zarr.open_group(store, mode="w", zarr_format=3, attributes=about)
-        coders: dict[str, Any] = {"compressors": [ZstdCodec(level=3), Crc32cCodec()]}
-        kept = {
-            name: (one.dims, one.shape, "f8", np.nan, one.attributes)
-            for name, one in layout.variables.items()
-        }
-        of_scenes = {
-            "status": ("u1", PENDING, STATUS),
-            "reason": ("str", "", REASON),
-            "checksum": ("u8", 0, CHECKSUM),
-        }
-        every: dict[str, Any] = kept | {name: ((), (), *what) for name, what in of_scenes.items()}
-        kind: Any
-        for name, (dims, shape, kind, fill, attributes) in every.items():
-            group.create_array(
-                name,
-                shape=(*sweep.shape, *shape),
-                chunks=(*self.block_shape, *shape),
-                dtype=kind,
-                fill_value=fill,
-                dimension_names=(*sweep.dims, *dims),
-                attributes=attributes,
-                config={"write_empty_chunks": True},
-                **coders,
-            )
-        common = {"solver": list(layout.solvers)} | {
-            dim: list(values) for dim, values in layout.coordinates.items()
-        }
-        along = {name: (dim, values) for name, dim, values, _ in sweep.coordinates()}
-        along |= {dim: (dim, values) for dim, values in common.items()}
-        for name, (dim, values) in along.items():
-            kind = (
-                "str"
-                if any(isinstance(value, str) for value in values)
-                else np.asarray(values).dtype
-            )
-            array = group.create_array(
-                name,
-                shape=(len(values),),
-                dtype=kind,
-                chunks=(len(values),),
-                dimension_names=(dim,),
-                attributes=layout.about.get(name, {}),
-                **coders,
-            )
-            array[:] = np.array(values, dtype=object if kind == "str" else kind)
-        with warnings.catch_warnings():
-            # consolidated metadata are not in the specification yet; readers without it read the
-            # rest
-            warnings.simplefilter("ignore")
-            zarr.consolidate_metadata(store)
 
-    def write(self, block: Block, outcome: Outcome) -> None:
-        """The results of a block; the checksums last."""
-        parts: dict[str, Any] = dict(outcome.values)
-        parts |= {"status": outcome.status, "reason": np.array(outcome.reason, dtype=object)}
-        parts["checksum"] = np.where(outcome.status == PENDING, np.uint64(0), checksums(parts))
-        try:
-            for name, values in parts.items():
-                self._arrays[name][block.region] = values.reshape(*block.shape, *values.shape[1:])
-        except OSError as error:
-            raise RingwearError(
-                f"{self.path} cannot be written: {error.strerror}; what is finished is kept: mend "
-                "that, and "
-                "go on with --resume"
-            ) from error
+    coordinates: dict[str, tuple[str, Any, dict[str, str]]] = {
+        "time": ("time", first.wear.times, about("time of sliding", "time")),
+        "radius": ("radius", first.output.radii or [], about("distance from the axis", "length")),
+        "ring": ("ring", np.arange(1, rings + 1), {"long_name": "ring, counted from the centre"}),
+        "mode": ("mode", np.arange(1, SHOWN + 1), {"long_name": "wear mode, slowest first"}),
+        "state": ("state", np.array(STATES, dtype=object), {}),
+        "solver": ("solver", np.array(solvers, dtype=object), {}),
+    }
+    for name, (dim, key, values) in sweep.coordinates.items():
+        text = any(isinstance(value, str) for value in values)
+        plain = text and key not in KINDS
+        label = {"long_name": key} if plain else about(key, KINDS.get(key, "number"))
+        coordinates[name] = dim, np.array(values, dtype=object if text else None), label
+    sizes = {dim: len(values) for dim, values, _ in coordinates.values()}
+    variables: dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]] = {}
 
-    def statuses(self, block: Block) -> Array | None:
-        """Status of each scene of a block, if all of them are finished and their checksums hold.
+    def add(name: str, dims: tuple[str, ...], about: dict[str, Any], fill: Any = np.nan) -> None:
+        dims = sweep.dims + dims
+        variables[name] = dims, np.broadcast_to(fill, [sizes[dim] for dim in dims]), about
 
-        Else None.
-        """
-        try:
-            parts = {name: np.asarray(array[block.region]) for name, array in self._arrays.items()}
-        except Exception:  # of many kinds: whatever a damaged chunk makes a decoder do
-            return None
-        parts = {
-            name: values.reshape(block.count, *values.shape[len(block.shape) :])
-            for name, values in parts.items()
-        }
-        known = parts.pop("checksum")
-        holds = bool((known == checksums(parts)).all() and (parts["status"] != PENDING).all())
-        return parts["status"].ravel() if holds else None
+    for name, quantity in quantities.items():
+        add(name, ("solver", *quantity.dims), about(quantity.definition, quantity.unit))
+        if name not in ANSWERS:
+            error = about(ERROR.format(name, NORMS[quantity.norm]), "number")
+            add(error_name(name), ("solver", *quantity.error_dims), error)
+    if len(solvers) > 1:
+        for name, definition in JUDGED.items():
+            add(name, (), about(definition, "number"))
+    flags = {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"}
+    add("status", (), {"long_name": "what became of the scene"} | flags, np.uint8(PENDING))
+    add("reason", (), {"long_name": "why it is not done"}, np.array("", dtype=object))
+    used = {dim for dims, *_ in variables.values() for dim in dims}
+    return xarray.Dataset(
+        variables,
+        {name: values for name, values in coordinates.items() if values[0] in used},
+        {"title": f"Sweep of {sweep.table['base'].get('title', 'a scene')}"},
+    )
 
-    def dataset(self) -> xarray.Dataset:
-        """What is there so far, as an xarray Dataset, read when it is used."""
-        # times in "hours" stay numbers
-        return xarray.open_dataset(
-            self._store, engine="zarr", consolidated=True, decode_timedelta=False
+
+def _check_times(sweep: Sweep, varied: dict[str, list[Any]]) -> None:
+    """Refuse to keep anything over times that scenes do not have in common."""
+    over_time = [name for name in sweep.keep if "time" in KEEPABLE[name].dims]
+    if over_time and "wear.times" in varied:
+        raise SceneError(f"{sweep.name}: wear.times varies, and {over_time[0]} is kept over time")
+    over_time += {"worn_volume"} & set(sweep.keep)
+    others = [key for key in varied if not key.startswith(OF_ONE_TIME_SCALE)]
+    times = [sweep.table["base"].get("wear", {}).get("times"), *varied.get("wear.times", [])]
+    if over_time and others and any(isinstance(value, str | dict) for value in times):
+        raise SceneError(
+            f"{sweep.name}: wear.times counts relaxation times, which {others[0]} may change, and "
+            f"{over_time[0]} is kept at times that all scenes share: give wear.times as numbers, "
+            "or keep only what is not over time"
         )
 
 
-def checksums(parts: dict[str, Any]) -> Any:
-    """(scenes,) of all that is kept of each scene."""
-    numbers = [np.ascontiguousarray(values) for name, values in parts.items() if name != "reason"]
-    rows = np.concatenate(
-        [values.reshape(len(values), -1).view(np.uint8) for values in numbers], axis=1
-    )
-    texts = [str(text).encode() for text in parts["reason"]]
-    found = [
-        blake2b(row.tobytes() + text, digest_size=8).digest()
-        for row, text in zip(rows, texts, strict=True)
-    ]
-    return np.frombuffer(b"".join(found), dtype="<u8").astype(np.uint64)
+def block_shape(sweep: Sweep, blank: xarray.Dataset) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Return scenes along each axis of a chunk (what is read at once), and of a block of chunks.
 
-
-def _put_in_place(path: Path, wanted: dict[str, bytes], resume: bool) -> None:
-    """Files of metadata and coordinates on disk as they should be, around the results that may be
-    there.
+    A chunk holds the scenes of one geometry as far as that is not too many, for they share a
+    discretisation; of few scenes it takes several geometries. Of small sweeps it is the block.
     """
-    about = json.loads(wanted["zarr.json"])["attributes"]
-    if path.exists():
-        if not resume:
-            raise SceneError(f"{path} is there: go on with it by --resume, or give another --out")
+    # closed forms take a fraction of a millisecond
+    closed = blank["solver"].values.tolist() == ["direct"]
+    least, most = (256, 1024) if closed else (8, 64)
+    most = max(1, min(most, 2**26 * sweep.count // blank.nbytes))
+    # the last axes first, as their scenes stand side by side in the store
+    order = range(len(sweep.axes))[::-1]
+    alike = [at for at in order if sweep.axes[at].shares_discretisation]
+    chunk, several = [1] * len(order), [1] * len(order)
+    _fill(chunk, sweep.shape, alike, most)
+    _fill(chunk, sweep.shape, [at for at in order if at not in alike], min(least, most))
+    chunks = [ceil(length / step) for length, step in zip(sweep.shape, chunk, strict=True)]
+    _fill(several, chunks, order, min(16, prod(chunks) // 128))
+    return tuple(chunk), tuple(step * times for step, times in zip(chunk, several, strict=True))
+
+
+def _fill(shape: list[int], lengths: Any, order: Any, most: int) -> None:
+    """Lengthen a box along axes, in parts of about one length, to at most so many places."""
+    for at in order:
+        if (room := most // prod(shape)) > 1:
+            shape[at] = ceil(lengths[at] / ceil(lengths[at] / room))
+
+
+@contextmanager
+def lock_folder(folder: Path) -> Iterator[None]:
+    """Be the only sweep in a folder; the lock is the system's, and ends with the process."""
+    # a Path of "s3://bucket" has one slash left
+    if ":/" in str(folder):
+        remedy = "give one, and copy the store from there"
+        raise SceneError(f"--out {folder} is no directory of this machine: {remedy}")
+    lock = FileLock(folder / ".lock", blocking=False)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock.acquire()
+    except Timeout:
+        raise SceneError(
+            f"another sweep is writing to {folder}: wait for it, or give another --out"
+        ) from None
+    except OSError as error:
+        raise SceneError(f"--out {folder} cannot be written to: {error.strerror}") from error
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+class Store:
+    """The results of a sweep in a folder.
+
+    Parameters
+    ----------
+    sweep, blank : what is computed, and its template
+    folder : where `sweep.zarr` and its index are or will be
+    resume : whether to go on with what is there
+    retry_failed : whether to compute blocks again in which scenes have failed
+
+    Attributes
+    ----------
+    blank : the template of one scene
+    index : (blocks,) array of `checksum`, 0 until a block is finished, and of numbers of scenes
+        that are `done` and have `failed`
+    """
+
+    def __init__(
+        self, sweep: Sweep, blank: xarray.Dataset, folder: Path, resume: bool, retry_failed: bool
+    ) -> None:
+        self.path = folder / "sweep.zarr"
+        if self.path.exists() and not resume:
+            raise SceneError(
+                f"{self.path} is there: go on with it by --resume, or give another --out"
+            )
+        about = {"sweep": json.dumps(sweep.table), "versions": fingerprint()}
+        self._check(about)
+        self.blank = blank.isel(dict.fromkeys(sweep.dims, 0), drop=True)
+        self._sweep = sweep
+        self._chunk, self._block = block_shape(sweep, blank)
+        self._blocks = [ceil(a / b) for a, b in zip(sweep.shape, self._block, strict=True)]
+        with TemporaryDirectory() as fresh:
+            self._create(Path(fresh), blank.assign_attrs(about))
+            shutil.copytree(fresh, self.path, dirs_exist_ok=True)
+        for left in self.path.rglob("*.partial"):
+            left.unlink()
+        index = folder / "sweep.index"
+        index.touch()
+        row = [("checksum", "<u8"), ("done", "<u4"), ("failed", "<u4")]
+        self.index: Any = np.memmap(index, row, "r+", shape=(prod(self._blocks),))
+        self._group = zarr.open_group(self.path, mode="r+")
+        for number, (checksum, done, failed) in enumerate(self.index):
+            sound = checksum and checksum == self._checksum(number, done, failed)
+            if not sound or (retry_failed and failed):
+                self.index[number] = 0
+
+    def unfinished(self) -> dict[int, Sweep]:
+        """Return the blocks that are not finished, each as a sweep of its own, by number."""
+        numbers = np.flatnonzero(self.index["checksum"] == 0).tolist()
+        return {number: self._sweep.part(self._region(number)) for number in numbers}
+
+    def write(self, number: int, values: dict[str, Array]) -> None:
+        """Write the results of a block, and its row of the index last."""
+        region, status = self._region(number), values["status"]
+        shape = [places.stop - places.start for places in region]
+        # what is damaged could not be written over
+        for file in self._files(number):
+            file.unlink(missing_ok=True)
+        for name, array in values.items():
+            self._group[name][region] = array.reshape(*shape, *array.shape[1:])
+        counts = (status == DONE).sum(), (status == FAILED).sum()
+        finished = sum(counts) == len(status)
+        self.index[number] = self._checksum(number, *counts) if finished else 0, *counts
+
+    def dataset(self) -> xarray.Dataset:
+        """Return what is there so far, read when it is used."""
+        # times in "hours" stay numbers
+        return xarray.open_zarr(self.path, chunks=None, decode_timedelta=False)
+
+    def _check(self, about: dict[str, str]) -> None:
+        """Refuse to go on with the store of another sweep or of another code."""
         try:
-            there = json.loads((path / "zarr.json").read_text("utf-8"))["attributes"]
-        except (OSError, ValueError, KeyError, TypeError):
-            there = about  # damaged: made again, as everything else is that is
-        remedies = {
-            "sweep": "give its own file",
-            "block_shape": "delete it",
-            "versions": "install the ringwear, and what it computes with, that began it",
-        }
-        for name, remedy in remedies.items():
+            there = json.loads((self.path / "zarr.json").read_text("utf-8"))["attributes"]
+        except (OSError, ValueError, KeyError):
+            # not there, or damaged: made again
+            return
+        for name, remedy in (
+            ("sweep", "give its own file"),
+            ("versions", "install the ringwear, and what it computes with, that began it"),
+        ):
             if there.get(name) != about[name]:
                 raise SceneError(
-                    f"{path} was begun with another {name}: {remedy}, or give another --out"
+                    f"{self.path} was begun with another {name}: {remedy}, or give another --out"
                 )
-        for left in path.rglob("*.partial"):
-            left.unlink()
-    for name, content in wanted.items():
-        file = path / name
-        if not file.exists() or file.read_bytes() != content:
-            write_whole(file, content)
 
+    def _create(self, path: Path, blank: xarray.Dataset) -> None:
+        """Write everything but results: metadata and coordinates."""
+        with warnings.catch_warnings():
+            # metadata in one place are not in the specification yet; others read the rest
+            warnings.simplefilter("ignore")
+            blank.drop_vars(list(blank.data_vars)).to_zarr(path, zarr_format=3, consolidated=False)
+            group = zarr.open_group(path, mode="r+")
+            for name, variable in blank.data_vars.items():
+                beyond = variable.shape[len(self._block) :]
+                text = variable.dtype == object
+                group.create_array(
+                    name,
+                    shape=variable.shape,
+                    chunks=(*self._chunk, *beyond),
+                    shards=(*self._block, *beyond),
+                    dtype="str" if text else variable.dtype,
+                    fill_value=self.blank[name].values.flat[0],
+                    dimension_names=variable.dims,
+                    attributes=variable.attrs,
+                    config={"write_empty_chunks": True},
+                )
+            zarr.consolidate_metadata(path)
 
-def write_whole(file: Path, content: bytes) -> None:
-    """A file that is there whole or not at all."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    partial = file.with_name(file.name + ".partial")
-    partial.write_bytes(content)
-    os.replace(partial, file)
+    def _place(self, number: int) -> list[int]:
+        return [int(at) for at in np.unravel_index(number, self._blocks)]
+
+    def _region(self, number: int) -> tuple[slice, ...]:
+        """Return the box of the grid that a block is."""
+        places = zip(self._place(number), self._block, self._sweep.shape, strict=True)
+        return tuple(slice(at * step, min((at + 1) * step, end)) for at, step, end in places)
+
+    def _files(self, number: int) -> list[Path]:
+        """Return the files of a block; an array that is all empty has none."""
+        place = "/".join(map(str, self._place(number)))
+        return [
+            self.path.joinpath(str(name), "c", place, *["0"] * variable.ndim)
+            for name, variable in self.blank.data_vars.items()
+        ]
+
+    def _checksum(self, number: int, *counts: int) -> int:
+        """Return BLAKE2b, 8 bytes, of the files of a block and the rest of its row."""
+        digest = blake2b(str([int(count) for count in counts]).encode(), digest_size=8)
+        for file in self._files(number):
+            content = file.read_bytes() if file.exists() else b""
+            digest.update(len(content).to_bytes(8, "little") + content)
+        return int.from_bytes(digest.digest(), "little")

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from wear_reference import random_scenes, true_errors
 
 from ringwear import Scene
 from ringwear.mdr import energy
 from ringwear.meshes import Compliance, SolverError
 from ringwear.studies.crosscheck.operators import OperatorDifference, difference
 from ringwear.studies.crosscheck.run import run
-from wear_reference import random_scenes, true_errors
 from ringwear.studies.methods import fem
 from ringwear.studies.problem.defaults import quad_sizes
 from ringwear.studies.problem.problem import Problem

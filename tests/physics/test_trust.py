@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from wear_reference import random_scenes
 
 from ringwear import Scene, run
 from ringwear.meshes.contact_cells import ContactCells
 from ringwear.studies.crosscheck.agreement import agreements
 from ringwear.studies.crosscheck.run import Result
-from wear_reference import random_scenes
 from ringwear.studies.report.words import remarks
 from ringwear.studies.wear.contact_edges import worn_edges
 

@@ -12,10 +12,11 @@ distances from the nearest ring edge, so that layers may be far thinner than `s`
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import xarray
@@ -23,6 +24,7 @@ from numpy.polynomial.legendre import legder, leggauss, legval, legvander
 from scipy.linalg import qr, svd
 from scipy.special import roots_jacobi
 
+from ringwear import Scene
 from ringwear.mdr import direct
 from ringwear.meshes.radial import Array, Indices, ring_of
 from ringwear.studies.crosscheck.run import Result
