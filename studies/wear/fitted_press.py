@@ -149,7 +149,9 @@ class FittedContact:
         def moved(edges: Array) -> tuple[Interval, ...]:
             parts = list(start)
             for (n, side), edge in zip(free, edges, strict=True):
-                parts[n] = replace(parts[n], **{side: float(edge)})
+                inner, outer = parts[n].inner, parts[n].outer
+                inner, outer = (float(edge), outer) if side == "inner" else (inner, float(edge))
+                parts[n] = replace(parts[n], inner=inner, outer=outer)
             in_turn = [edge for part in parts for edge in (part.inner, part.outer)]
             if min(np.diff(in_turn)) <= 0 or in_turn[-1] > 1 + 1e-12:
                 raise SolverError("the edges of the contact cross each other or leave the punch")

@@ -11,7 +11,6 @@ diagonal on these functions, and only the first of them carries force
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import legval, legvander
@@ -91,13 +90,24 @@ def flat_start(compliance: Compliance) -> "FlatStart | FlatPress":
     return FlatStart(coefficients, projected @ coefficients, float(1 / softness))
 
 
-class FlatPress(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class FlatPress:
     """A flat punch on a pressure space: coefficients (size,) of the pressure, and the
     indentation.
     """
 
+    space: PressureSpace
     pressure: Array
     indentation: float
+    intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
+
+    def pressure_at(self, radii: Array) -> Array:
+        """Return the pressures at radii (R,)."""
+        return np.asarray(self.space.matrix(radii) @ self.pressure)
+
+    def ring_forces(self, ring_edges: Array) -> Array:
+        """Return the force on each of the N rings between edges (N+1,)."""
+        return np.asarray(self.space.ring_forces(ring_edges) @ self.pressure)
 
 
 @lru_cache(maxsize=8)
@@ -121,7 +131,7 @@ def press_flat(compliance: Compliance) -> FlatPress:
             f"the compliance is not positive definite: {error}; ask for less extreme sizes"
         ) from error
     softness = weights @ solution
-    return FlatPress(continuous @ solution / softness, float(1 / softness))
+    return FlatPress(compliance.space, continuous @ solution / softness, float(1 / softness))
 
 
 def _even_legendre(root: Array, count: int) -> Array:

@@ -292,8 +292,7 @@ class RunningIn:
             return history
         history.pressure[start] = self.flat.pressure
         history.indentation[start] = self.flat.indentation
-        suits = isinstance(self.flat, FlatStart)
-        return replace(history, start=self.flat if suits else None)
+        return replace(history, start=self.flat)
 
     @cached_property
     def _start(self) -> Array:
