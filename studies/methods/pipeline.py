@@ -122,7 +122,7 @@ def solve_in_full_contact(
     with stages("estimating"):
         compliances = made.compliance, made.coarser()
     with stages("marching" if len(problems[0].times) else "steady state"):
-        together = worn_together(problems, *compliances) if several else None
+        together = worn_together(problems, compliances, FullContact) if several else None
         return [_in_full_contact(made, problem, compliances, together) for problem in problems]
 
 

@@ -3,17 +3,18 @@
 A few histories, solved whole, span all others; on one more it is seen what the span leaves out.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
+import xarray
 
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..wear.full_contact import RunningIn
 from ..wear.shared_modes import SharedModes
-from .evaluation import FullContact
 from .quantities import COMPARED_MODES, ENERGIES, QUANTITIES, differences
 
 # part of the accuracy asked for that directions which histories hardly take are below
@@ -58,10 +59,30 @@ class Together:
         )
 
 
+class Evaluated(Protocol):
+    """A flat punch, worn on a compliance."""
+
+    wear: RunningIn
+
+    @property
+    def for_estimate(self) -> xarray.Dataset:
+        """Its quantities, on the face of the punch."""
+
+
 def worn_together(
-    problems: Sequence[Problem], compliance: Compliance, coarser: Compliance
+    problems: Sequence[Problem],
+    compliances: tuple[Compliance, Compliance],
+    evaluate: Callable[..., Evaluated],
 ) -> Together | None:
-    """Return modes for punches that differ in wear alone, or None if that is no gain."""
+    """Return modes for punches that differ in wear alone, or None if that is no gain.
+
+    Parameters
+    ----------
+    problems : on the same ring edges
+    compliances : fine and coarser
+    evaluate : (problem, compliance, shared=None) -> the punch worn, by its own modes or shared ones
+    """
+    compliance, coarser = compliances
     earliest, rtol = (
         min(problem.earliest for problem in problems),
         min(problem.rtol for problem in problems),
@@ -74,13 +95,13 @@ def worn_together(
     # histories are followed from long before the first of the times, in steps of the root of two
     first, last = earliest / 1000, 2 * max(problem.times[-1] for problem in problems)
     times = np.geomspace(first, last, 2 * int(np.log2(last / first)) + 3)
-    rates = [FullContact(problems[number], compliance).wear.rates(times) for number in whole]
+    rates = [evaluate(problems[number], compliance).wear.rates(times) for number in whole]
     for _ in range(3):
         number = _farthest(logs, whole)[0]
         problem = replace(problems[number], quantities=None)
         span = SharedModes.spanned(compliance, materials, np.column_stack(rates), LEFT_OUT * rtol)
-        exact = FullContact(problem, compliance)
-        shared = FullContact(problem, compliance, shared=span)
+        exact = evaluate(problem, compliance)
+        shared = evaluate(problem, compliance, shared=span)
         errors = _greatest(differences(shared.for_estimate, exact.for_estimate, problem.face))
         modes = span.on(compliance), span.on(coarser)
         together = Together(modes, shared.wear.left_out(_looked_at(problem)), errors)

@@ -83,9 +83,13 @@ def flat_start(compliance: Compliance) -> "FlatStart | FlatPress":
         ) from error
     softness = forces @ solution
     coefficients = solution / softness
+    # the mean displacement under the first of them, and that weighted by its pressure
     uniform = compliance.factor @ np.where(space.order == 1, 1.0, 0.0)
-    mean = uniform @ displaced @ coefficients / np.pi
-    if abs(mean * softness - 1) > 0.1:
+    mean, weighted = (
+        uniform @ displaced[:, 0] / np.pi,
+        displaced[:, 0] @ displaced[:, 0] / forces[0],
+    )
+    if abs(mean / weighted - 1) > 0.1:
         return press_flat(compliance)
     return FlatStart(coefficients, projected @ coefficients, float(1 / softness))
 

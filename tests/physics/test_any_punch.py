@@ -20,9 +20,10 @@ from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import Array
 from ringwear.studies.cli import main
 from ringwear.studies.crosscheck.agreement import AT_EDGES, remedy
+from ringwear.studies.figures.catalogue import PICTURES
 from ringwear.studies.methods.spaces import load_of
-from ringwear.studies.output.folder import held
-from ringwear.studies.output.of_run import draw, write_numbers
+from ringwear.studies.output.files import draw, write_numbers
+from ringwear.studies.output.folder import output_folder
 from ringwear.studies.problem.defaults import cells_of
 from ringwear.studies.wear.contact_edges import located
 
@@ -122,9 +123,9 @@ def test_results_say_where_contact_is(tmp_path: Path) -> None:
     worn = data.ring_worn_volume.sel(solver="mdr") / np.array([1.0, 10.0, 1.0])
     assert np.array(worn.sum("ring")) == pytest.approx(FORCE * np.array([0.0, 0.1, 1.0]), rel=1e-12)
     assert any("springs' rule" in note for note in result.notes)
-    with held(tmp_path, "run") as folder:
-        write_numbers(result, folder, tables=True)
-        assert not draw(result, folder)
+    with output_folder(tmp_path, "run") as folder:
+        write_numbers(result, folder.hidden, True)
+        assert not draw(result, PICTURES, folder.hidden)
     assert {"contact.png", "history.png", "results.nc", "contact_edges.csv"} <= {
         file.name for file in tmp_path.iterdir()
     }

@@ -21,7 +21,7 @@ from ringwear.studies.crosscheck.run import Result
 from ringwear.studies.methods.fem import Fem
 from ringwear.studies.methods.mdr import Mdr
 from ringwear.studies.methods.sampler import Sampler
-from ringwear.studies.problem.problem import Rings
+from ringwear.studies.problem.problem import Problem, Rings
 from ringwear.studies.wear import full_contact
 from ringwear.studies.wear.modes import Modes
 
@@ -199,13 +199,13 @@ def scale_reported(name: str, size: float, start: bool = True, on_face: bool = T
 def move_force(size: float) -> Fault:
     """A part of the force on the second ring is said to be on the third."""
     moved = size * np.array([0, -1, 1, 0, 0])
-    return change_result(Sampler, "_ring_forces", lambda forces: forces + moved)
+    return change_result(Sampler, "ring_forces", lambda forces: forces + moved)
 
 
 def delay(size: float) -> Fault:
     """Times at the door are too late."""
     return change_result(
-        Scene, "_posed", lambda problem: replace(problem, times=problem.times * (1 + size))
+        Problem, "posed", lambda problem: replace(problem, times=problem.times * (1 + size))
     )
 
 

@@ -16,7 +16,9 @@ from ringwear import Scene, run
 from ringwear.meshes.contact_cells import ContactCells
 from ringwear.studies.crosscheck.agreement import agreements
 from ringwear.studies.crosscheck.run import Result
-from ringwear.studies.report.words import remarks
+from ringwear.studies.problem.defaults import cells_of
+from ringwear.studies.problem.problem import Problem
+from ringwear.studies.report.words import Account
 from ringwear.studies.wear.contact_edges import worn_edges
 
 
@@ -113,8 +115,11 @@ def sphere(rtol: float, times: list[float], **changes: Any) -> Scene:
 
 
 def set_cells(monkeypatch: pytest.MonkeyPatch, count: int) -> None:
-    for name in ("CELLS", "FEWEST", "MOST"):
-        monkeypatch.setattr(f"ringwear.studies.problem.defaults.{name}", count)
+    def cells(problem: Problem, finer: float = 1.0) -> ContactCells:
+        size = 1 / (finer * count)
+        return replace(cells_of(problem, finer), largest=size, spread=size)
+
+    monkeypatch.setattr("ringwear.studies.methods.spaces.cells_of", cells)
 
 
 @pytest.mark.slow
@@ -181,7 +186,7 @@ def test_the_default_scene_reaches_its_accuracy_by_its_own_word() -> None:
     result = run(Scene.load("five_rings"))
     assert result.verdict == "agree"
     assert all(not method["beyond_rtol"] for method in result.summary["methods"].values())
-    assert not any("says of itself" in line for line in remarks(result))
+    assert not any("says of itself" in line for line in Account.of(result).remarks)
 
 
 @pytest.mark.parametrize(
@@ -228,6 +233,6 @@ def test_an_annulus_that_is_only_pressed_on_does_not_disagree() -> None:
     )
     result = run(scene)
     assert result.verdict == "agree"
-    lines = [line for line in remarks(result) if "undecided" in line]
+    lines = [line for line in Account.of(result).remarks if "undecided" in line]
     assert len(lines) == len({row.quantity for row in result.agreement if row.remark})
     assert not any("worn" in line for line in lines)

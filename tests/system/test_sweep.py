@@ -81,7 +81,7 @@ def test_many_punches_share_their_modes() -> None:
     together = mdr.solve_all(problems, Stages("mdr"))
     for problem, shared in zip(problems[::4], together[::4], strict=True):
         assert shared.parts["shared modes"] <= 0.25 * problem.rtol
-        alone = mdr.solve(problem, Stages("mdr"))
+        alone = mdr.solve(Shared.of([problem, *problems]), Stages("mdr"))
         for name, difference in differences(shared.checked, alone.checked, problem.face).items():
             stated, by_itself = (
                 np.atleast_1d(solution.checked_error(problem, name))[:COMPARED_MODES]
