@@ -191,7 +191,7 @@ def _compare(options: argparse.Namespace) -> Status:
 
 
 def _study(options: argparse.Namespace) -> Status:
-    from .tables import keeping_rows
+    from .tables import keep_tables, keeping_rows
 
     scene, study = Scene.load(options.scene), STUDIES[options.study]
     if not scene.problem.full_contact:
@@ -205,7 +205,7 @@ def _study(options: argparse.Namespace) -> Status:
         with keeping_rows(conclusions):
             conclusions += study.conduct(scene, folder.hidden, options)
         if conclusions == [INTERRUPTED]:
-            _keep_tables(folder.hidden)
+            keep_tables(folder.hidden)
         with keeping_rows(conclusions):
             from .output.files import make
             from .report.page import write_study
@@ -215,22 +215,6 @@ def _study(options: argparse.Namespace) -> Status:
     print("\n".join(conclusions))
     _print_files(folder, failures)
     return Status.FAILED if failures or INTERRUPTED in conclusions else Status.DONE
-
-
-def _keep_tables(directory: Path) -> None:
-    """Remove what may be half there of a study that was stopped between its rows: tables are whole
-    after every row.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        if there are no rows either
-    """
-    tables = set(directory.glob("*.csv"))
-    for file in set(directory.iterdir()) - tables:
-        file.unlink()
-    if not any(len(table.read_text("utf-8").splitlines()) > 1 for table in tables):
-        raise KeyboardInterrupt
 
 
 def _sweep(options: argparse.Namespace) -> Status:

@@ -12,7 +12,6 @@ from ..problem.defaults import at_smallest, field_accuracy
 from ..problem.problem import Problem
 from ..problem.sections import DEGREES
 from ..progress import LOG, Stages
-from .sizes import sizes_given
 
 
 def solved_to_accuracy(
@@ -27,7 +26,7 @@ def solved_to_accuracy(
     solutions = method.solve_all(problems, stages)
     errors = [error_of_sizes(*pair) for pair in zip(problems, solutions, strict=True)]
     working = [problem.rtol for problem in problems]
-    short = [at for at, problem in enumerate(problems) if not sizes_given(problem, method.name)]
+    short = [at for at, problem in enumerate(problems) if not problem.sizes_given(method.name)]
     for _ in range(refinements):
         short = [at for at in short if working[at] > FINEST and errors[at] > problems[at].rtol]
         if not short:

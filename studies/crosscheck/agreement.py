@@ -30,7 +30,6 @@ from ..methods.quantities import (
 )
 from ..problem.defaults import at_smallest, field_accuracy
 from ..problem.problem import Problem
-from .sizes import sizes_given
 
 # where contact ends within the face: resolved to a cell, whatever the accuracy asked for
 AT_EDGES = (
@@ -212,7 +211,7 @@ def remedy(problem: Problem, quantity: str, blamed: str, error: float) -> str:
             f"{blamed} is of first order; give a finer accuracy.mdr.grid",
         ),
         (
-            sizes_given(problem, blamed),
+            problem.sizes_given(blamed),
             f"the sizes given for {blamed} are too coarse; leave them out",
         ),
         (problem.march != "modal", "the step is too long; march = 'modal' has none"),

@@ -113,12 +113,6 @@ def _in_words(smallest: Array) -> str:
     return f"elements down to {at_edges}{smallest[-1]:.0e} a at the rim"
 
 
-def sizes_given(problem: Problem, name: str) -> bool:
-    """Whether the user has given the sizes of a method, which then stay as they are."""
-    sections = {"fem": problem.fem, "mdr": problem.mdr, "bem": problem.mdr}
-    return name in sections and sections[name].given
-
-
 def predict_memory(scene: Scene) -> dict[str, float]:
     """Return about how many GiB a run will need, by the scene keys that cause it.
 

@@ -246,6 +246,11 @@ class Problem:
         span = float(self.times[-1] / earliest) if self.earliest else 1.0
         return Blunted(slower * earliest, np.maximum(wear, outside) / slower, span)
 
+    def sizes_given(self, method: str) -> bool:
+        """Return whether the user has given the sizes of a method, which then stay as they are."""
+        sections = {"fem": self.fem, "mdr": self.mdr, "bem": self.mdr}
+        return method in sections and sections[method].given
+
     def wants(self, quantity: str) -> bool:
         """Whether a quantity is wanted."""
         return self.quantities is None or quantity in self.quantities

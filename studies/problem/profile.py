@@ -17,7 +17,8 @@ import numpy as np
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array, Indices, ring_of
-from .sections import Height, PunchSection
+from .fields import Height
+from .sections import PunchSection
 
 
 @dataclass(frozen=True, eq=False)

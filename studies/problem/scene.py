@@ -18,17 +18,15 @@ from pydantic_core import ErrorDetails
 
 from ...meshes.errors import SceneError
 from ..registry import METHODS
+from .fields import KINDS, Section, check_increasing
 from .problem import Problem
 from .sections import (
-    KINDS,
     AccuracySection,
     HalfSpaceSection,
     LoadSection,
     OutputSection,
     PunchSection,
-    Section,
     WearSection,
-    check_increasing,
 )
 
 

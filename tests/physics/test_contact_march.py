@@ -11,9 +11,9 @@ from ringwear.mdr import energy, steady_pressures
 from ringwear.meshes import Array, Compliance, ContactCells, ring_areas
 from ringwear.studies.methods.base import method
 from ringwear.studies.methods.quantities import QUANTITIES, array
+from ringwear.studies.problem.fields import Power, RoundedRim
 from ringwear.studies.problem.problem import Problem, Rings
 from ringwear.studies.problem.profile import InitialProfile
-from ringwear.studies.problem.sections import Power, RoundedRim
 from ringwear.studies.progress import Stages
 from ringwear.studies.wear.contact_edges import nodes, worn_edges
 from ringwear.studies.wear.full_contact import RunningIn

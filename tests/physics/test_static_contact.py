@@ -14,8 +14,8 @@ from scipy.sparse.linalg import splu
 from ringwear.fem import HalfSpace, even_half_space, fitted_half_space
 from ringwear.mdr import energy, ring_kernel
 from ringwear.meshes import Array, Compliance, ContactCells, SolverError, fitted_space
+from ringwear.studies.problem.fields import Power
 from ringwear.studies.problem.profile import InitialProfile
-from ringwear.studies.problem.sections import Power
 from ringwear.studies.wear.fitted_press import FittedContact, FittedPress
 from ringwear.studies.wear.moments import moments
 from ringwear.studies.wear.unilateral import Contact, Interval, Load

@@ -1,0 +1,184 @@
+"""What the tables of the scene file are made of: kinds of numbers, and kinds of profiles."""
+
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    model_validator,
+)
+
+Height = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
+
+def check_range(value: float) -> float:
+    """Refuse what leaves the range of double precision in products of a few such values."""
+    if not 1e-40 <= value <= 1e40:
+        raise ValueError(
+            f"{value} is beyond 1e-40 to 1e+40, the range that can be computed with: give it in "
+            "other units"
+        )
+    return value
+
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False), AfterValidator(check_range)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+def optional(description: str, **limits: Any) -> Any:
+    """Declare a key that may be left out, and then is None."""
+    return Field(default=None, description=description, **limits)
+
+
+class Section(BaseModel):
+    """A table of the scene file: frozen, strictly typed, no unknown keys."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
+
+    def check_one_of(self, *names: str) -> None:
+        """Refuse more than one of the keys, or none of them."""
+        if sum(getattr(self, name) is not None for name in names) != 1:
+            raise ValueError(f"give one of {', '.join(names)}, and not two")
+
+
+def check_increasing(key: str, values: list[float]) -> None:
+    """Refuse values that do not increase."""
+    if any(after <= before for before, after in pairwise(values)):
+        raise ValueError(f"{key} = {values} must increase, without repeats")
+
+
+class ProfileSection(Section):
+    """Heights of the unworn face over the radius: material that is missing."""
+
+    @property
+    def kinks(self) -> list[float]:
+        """Radii at which the heights are not smooth."""
+        return []
+
+    def check_fit(self, punch_radius: float) -> None:
+        """Refuse what does not fit the punch."""
+
+
+class Parabola(ProfileSection):
+    kind: Literal["parabola"]
+    curvature_radius: Positive = Field(description="the radius of curvature R, a positive length")
+
+    def height_over(self, punch_radius: float) -> Height:
+        return lambda radii: radii**2 / (2 * self.curvature_radius)
+
+
+class Cone(ProfileSection):
+    kind: Literal["cone"]
+    slope: Positive = Field(description="the slope of the cone, positive")
+
+    def height_over(self, punch_radius: float) -> Height:
+        return lambda radii: self.slope * np.abs(radii)
+
+
+class Power(ProfileSection):
+    kind: Literal["power"]
+    coefficient: Positive = Field(description="the height at the rim of f = c (r/a)^n, positive")
+    exponent: Positive = Field(description="the exponent n of f = c (r/a)^n, positive")
+
+    def height_over(self, punch_radius: float) -> Height:
+        return lambda radii: self.coefficient * np.abs(radii / punch_radius) ** self.exponent
+
+
+class RoundedRim(ProfileSection):
+    kind: Literal["rounded_rim"]
+    flat_radius: NotNegative = Field(description="the radius b inside which the face is flat")
+    curvature_radius: Positive = Field(description="the radius of curvature R, a positive length")
+
+    @property
+    def kinks(self) -> list[float]:
+        return [self.flat_radius]
+
+    def check_fit(self, punch_radius: float) -> None:
+        if self.flat_radius >= punch_radius:
+            raise ValueError(
+                f"profile.flat_radius = {self.flat_radius} leaves nothing to round: give less than "
+                f"{punch_radius}"
+            )
+
+    def height_over(self, punch_radius: float) -> Height:
+        return lambda radii: (
+            np.maximum(radii - self.flat_radius, 0.0) ** 2 / (2 * self.curvature_radius)
+        )
+
+
+class HeightTable(ProfileSection):
+    """Monotone cubics through given points (Fritsch and Carlson): smooth, without overshoot."""
+
+    kind: Literal["table"]
+    radii: list[NotNegative] = Field(
+        description="increasing radii from 0 to punch.radius, with heights; or a file of both"
+    )
+    heights: list[NotNegative] = Field(description="a height, 0 or more, for each of the radii")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_file(cls, table: dict[str, Any], info: ValidationInfo) -> dict[str, Any]:
+        """Replace the file by its numbers: the scene is complete without it."""
+        if "file" not in table:
+            return table
+        if "radii" in table or "heights" in table:
+            raise ValueError("give either file, or radii and heights, and not both")
+        radii, heights = read_table(Path(info.context or "") / str(table["file"]))
+        return {"kind": "table", "radii": radii, "heights": heights}
+
+    @model_validator(mode="after")
+    def _check_points(self) -> Self:
+        if not 2 <= len(self.radii) == len(self.heights):
+            raise ValueError("a table needs as many heights as radii, two or more")
+        if any(after <= before for before, after in pairwise(self.radii)):
+            raise ValueError(
+                "radii must increase, without repeats; a step of the face is a ring edge with a "
+                "recess"
+            )
+        return self
+
+    @property
+    def kinks(self) -> list[float]:
+        return self.radii
+
+    def check_fit(self, punch_radius: float) -> None:
+        if self.radii[0] > 0 or self.radii[-1] < punch_radius * (1 - 1e-9):
+            raise ValueError(
+                f"profile.radii run from {self.radii[0]} to {self.radii[-1]}: give heights from 0 "
+                f"to the rim, {punch_radius}"
+            )
+
+    def height_over(self, punch_radius: float) -> Height:
+        from scipy.interpolate import PchipInterpolator
+
+        return PchipInterpolator(self.radii, self.heights)
+
+
+KINDS: dict[str, type[ProfileSection]] = {
+    "parabola": Parabola,
+    "cone": Cone,
+    "power": Power,
+    "rounded_rim": RoundedRim,
+    "table": HeightTable,
+}
+
+
+def read_table(path: Path) -> list[list[float]]:
+    """Return two columns of numbers; a first line without numbers is a heading."""
+    try:
+        rows = np.genfromtxt(path, delimiter=",", encoding="utf-8", ndmin=2)
+        radii, heights = rows[int(np.isnan(rows[0]).all()) :].T.tolist()
+    except (OSError, ValueError) as error:
+        raise ValueError(
+            f"file = '{path}' cannot be read: give a text file of two columns, radius and height, "
+            "separated by a comma"
+        ) from error
+    return [radii, heights]
