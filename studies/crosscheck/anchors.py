@@ -27,10 +27,10 @@ from ...mdr import direct
 from ...meshes.radial import Array, ring_of
 from ..methods.base import Solution
 from ..methods.quantities import ANSWER, FIELDS, QUANTITIES, array, radial_weight
-from ..problem.problem import D0, P0
+from ..problem.problem import D0, P0, Units
 from ..problem.scene import Scene
 from ..wear.time_scale import COARSE, FINE, slowest_relaxation_time
-from .known import energy_of_rings, natural_units, steady_state
+from .known import energy_of_rings, steady_state
 
 if TYPE_CHECKING:
     from ..wear.full_contact import RunningIn
@@ -60,6 +60,19 @@ class Anchor:
         return bool(self.difference <= self.tolerance)
 
 
+def natural_units(scene: Scene) -> Units:
+    """Return the natural units by the numbers of the scene, so that what is scaled wrongly shows."""
+    load, solid, punch = scene.load_, scene.half_space, scene.punch
+    if load.indentation is not None:
+        return scene.problem.units
+    force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * punch.radius**2
+    modulus = solid.plane_strain_modulus
+    modulus = modulus or (solid.youngs_modulus or 0.0) / (1 - solid.poisson_ratio**2)
+    greatest = max(punch.coefficients[: punch.rings or len(punch.ring_edges or [])])
+    time = punch.radius / (modulus * greatest * load.sliding_speed)
+    return Units(punch.radius, modulus, force, time, greatest)
+
+
 def anchors(scene: Scene, name: str, dataset: xarray.Dataset, solution: Solution) -> list[Anchor]:
     """Hold a method to all that applies to what it reports.
 
@@ -73,6 +86,7 @@ def anchors(scene: Scene, name: str, dataset: xarray.Dataset, solution: Solution
     full, history = scene.problem.full_contact, len(scene.problem.times) > 0
     of_method = _Anchors(scene, name, dataset, solution)
     later, wear = (of_method.checked_times > 0).any(), solution.wear
+    given = set(solution.checked) & set(solution.errors)
     groups: list[tuple[object, str, Callable[[], None]]] = [
         (history, "ring_force pressure", of_method.hold_forces),
         (history and full, "indentation pressure ring_force", of_method.hold_start),
@@ -95,10 +109,7 @@ def anchors(scene: Scene, name: str, dataset: xarray.Dataset, solution: Solution
         (full and wear, "", of_method.hold_compliance),
     ]
     for applies, quantities, hold in groups:
-        if applies and all(
-            quantity in solution.checked and quantity in solution.errors
-            for quantity in quantities.split()
-        ):
+        if applies and given.issuperset(quantities.split()):
             hold()
     return of_method.anchors
 

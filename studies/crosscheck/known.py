@@ -1,31 +1,11 @@
-"""What is known of a scene without any method: its natural units, its steady state, energies."""
+"""What is known of a scene without any method: its steady state, energies."""
 
 from functools import lru_cache
 from typing import NamedTuple
 
-import numpy as np
-
 from ...mdr import direct
 from ...meshes.radial import Array, ring_of
-from ..problem.problem import Problem, Units
-from ..problem.scene import Scene
-
-
-def natural_units(scene: Scene) -> Units:
-    """Return the sizes of the natural units by the numbers of the scene.
-
-    Not those that results are scaled by: what was scaled wrongly shows.
-    """
-    load, solid, punch = scene.load_, scene.half_space, scene.punch
-    if load.indentation is not None:
-        return scene.problem.units
-    force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * punch.radius**2
-    modulus = solid.plane_strain_modulus
-    modulus = modulus or (solid.youngs_modulus or 0.0) / (1 - solid.poisson_ratio**2)
-    rings = punch.rings or len(punch.ring_edges or [])
-    greatest = max(punch.coefficients[:rings])
-    time = punch.radius / (modulus * greatest * load.sliding_speed)
-    return Units(punch.radius, modulus, force, time, greatest)
+from ..problem.problem import Problem
 
 
 class SteadyState(NamedTuple):
