@@ -61,7 +61,7 @@ class Anchor:
 
 
 def natural_units(scene: Scene) -> Units:
-    """Return the natural units by the numbers of the scene, so that what is scaled wrongly shows."""
+    """Return the natural units by the scene itself, so that what is scaled wrongly shows."""
     load, solid, punch = scene.load_, scene.half_space, scene.punch
     if load.indentation is not None:
         return scene.problem.units
