@@ -12,18 +12,6 @@ import numpy as np
 from ..meshes.pressure_space import PressureSpace, shapes
 from ..meshes.radial import Array, Indices, gauss, unit_gauss
 
-# Gauss points that integrate a polynomial in exp(theta) to roundoff, by (degree x length of the
-# interval)
-GAUSS_POINTS = (
-    (0.25, 10),
-    (1.0, 14),
-    (4.0, 20),
-    (12.0, 32),
-    (40.0, 56),
-    (100.0, 100),
-    (np.inf, 200),
-)
-
 
 def line_density(space: PressureSpace, positions: Array) -> Array:
     """(len(positions), size) line density ``q(x)`` of each pressure function at positions in (0,
@@ -81,6 +69,17 @@ def _from_near(space: PressureSpace, x: Array, element: Indices) -> Array:
 
     No difference of close numbers is formed, so elements may be as small as roundoff allows.
     """
+    # Gauss points that integrate a polynomial in exp(theta) to roundoff, by (degree x length of the
+    # interval)
+    gauss_points = (
+        (0.25, 10),
+        (1.0, 14),
+        (4.0, 20),
+        (12.0, 32),
+        (40.0, 56),
+        (100.0, 100),
+        (np.inf, 200),
+    )
     left, right = space.breakpoints[element], space.breakpoints[element + 1]
     lower = np.maximum(left, x)
     lower_root, upper_root = np.sqrt((lower - x) * (lower + x)), np.sqrt((right - x) * (right + x))
@@ -88,7 +87,7 @@ def _from_near(space: PressureSpace, x: Array, element: Indices) -> Array:
     reach = (space.degrees[element] + 1) * span
     values = np.zeros((len(x), space.top + 1))
     start = 0.0
-    for stop, count in GAUSS_POINTS:
+    for stop, count in gauss_points:
         group = np.flatnonzero((reach >= start) & (reach < stop))
         start = stop
         node, weight = gauss(max(count, space.top + 4))

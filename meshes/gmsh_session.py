@@ -11,26 +11,16 @@ import numpy as np
 from .errors import MeshError
 from .radial import Array, Indices
 
-SYSTEM_PACKAGES = "libgl1 libglu1-mesa libgomp1 libxrender1 libxcursor1 libxft2 libxinerama1"
-OPTIONS = {
-    "General.Terminal": 0,
-    "General.NumThreads": 1,
-    "Mesh.Algorithm": 6,
-    "Mesh.MeshSizeExtendFromBoundary": 0,
-    "Mesh.MeshSizeFromPoints": 0,
-    "Mesh.MeshSizeFromCurvature": 0,
-    "Mesh.MeshSizeMin": 0,
-}
-
 
 def unavailable() -> str:
     """Why gmsh cannot be used here, with the remedy; empty if it can."""
+    system_packages = "libgl1 libglu1-mesa libgomp1 libxrender1 libxcursor1 libxft2 libxinerama1"
     try:
         import gmsh  # noqa: F401
     except (ImportError, OSError) as error:
         return (
             f"gmsh cannot be loaded ({error}); on Debian or Ubuntu: apt-get install "
-            f"{SYSTEM_PACKAGES}"
+            f"{system_packages}"
         )
     return ""
 
@@ -44,6 +34,15 @@ def session() -> Iterator[Any]:
     MeshError
         if gmsh cannot be loaded or fails
     """
+    options = {
+        "General.Terminal": 0,
+        "General.NumThreads": 1,
+        "Mesh.Algorithm": 6,
+        "Mesh.MeshSizeExtendFromBoundary": 0,
+        "Mesh.MeshSizeFromPoints": 0,
+        "Mesh.MeshSizeFromCurvature": 0,
+        "Mesh.MeshSizeMin": 0,
+    }
     if reason := unavailable():
         raise MeshError(reason)
     import gmsh
@@ -51,7 +50,7 @@ def session() -> Iterator[Any]:
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     _restore_signal_handlers()
     try:
-        for name, value in OPTIONS.items():
+        for name, value in options.items():
             gmsh.option.setNumber(name, value)
         yield gmsh
     except Exception as error:  # gmsh raises bare exceptions

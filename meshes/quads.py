@@ -24,11 +24,6 @@ from .half_space import LOWER, as_half_space, quality
 from .radial import Array, Indices
 from .sizes import LARGEST, Behind, Sharpness, beside, falls, patch_layers, patch_widths
 
-# corners of a layer of half-width 1, from the surface inside the singular point to that outside it;
-# and of the outermost
-LAYER = np.array([[-1.0, 0.0], [-0.75, 0.75], [0.0, 1.0], [0.75, 0.75], [1.0, 0.0]])
-OUTLINE = np.array([[-1.0, 0.0], [-0.5, 0.5], [0.0, 1.0], [0.5, 0.5], [1.0, 0.0]])
-
 
 class Way(NamedTuple):
     """A way in which gmsh makes quadrilaterals.
@@ -44,13 +39,6 @@ class Way(NamedTuple):
     recombination: int
     divided: bool = False
     coarser: float = 1.0
-
-
-# full-quad recombination has the fewest elements, but leaves a triangle, folds the mesh, or forgets
-# to refine now and then, which shows in flat quadrilaterals: those of this least sine are good
-# enough
-GOOD = 0.1
-WAYS = (Way(6, 3), Way(5, 3), Way(5, 0, divided=True, coarser=1.5), Way(5, 0, divided=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,13 +95,17 @@ class GradedQuads:
         """Points (2, n) of the patches, their quadrilaterals (4, m), and how much lower the degree
         of each may be (m,).
         """
+        outline = np.array([[-1.0, 0.0], [-0.5, 0.5], [0.0, 1.0], [0.5, 0.5], [1.0, 0.0]])
+        # corners of a layer of half-width 1, from the surface inside the singular point to that
+        # outside it; and of the outermost
+        layer = np.array([[-1.0, 0.0], [-0.75, 0.75], [0.0, 1.0], [0.75, 0.75], [1.0, 0.0]])
         points, quadrilaterals, lower, count = [], [], [], 0
         lowered = falls(self.widths, self.layers, self.factor, self.sharpness)
         for centre, (inner, outer), fall in zip(
             self.ring_edges[1:], self.widths, lowered, strict=True
         ):
             depth = len(fall) - 1
-            shapes = np.concatenate([OUTLINE[None], np.repeat(LAYER[None], depth, axis=0)])
+            shapes = np.concatenate([outline[None], np.repeat(layer[None], depth, axis=0)])
             shapes = shapes * self.factor ** np.arange(depth + 1.0)[:, None, None]
             x = centre + np.where(shapes[..., 0] < 0, inner, outer) * shapes[..., 0]
             z = (inner + outer) / 2 * shapes[..., 1]
@@ -163,6 +155,11 @@ def graded(
     MeshError
         if a ring is too narrow, or gmsh cannot be loaded, or fails in every way
     """
+    ways = (Way(6, 3), Way(5, 3), Way(5, 0, divided=True, coarser=1.5), Way(5, 0, divided=True))
+    # full-quad recombination has the fewest elements, but leaves a triangle, folds the mesh, or
+    # forgets to refine now and then, which shows in flat quadrilaterals: those of this least sine
+    # are good enough
+    good = 0.1
     ring_edges = np.asarray(ring_edges, dtype=float)
     # it would be lost to roundoff, layers and all
     if np.diff(ring_edges).min() < 1e-10:
@@ -175,7 +172,7 @@ def graded(
         raise MeshError(missing)
     sharpness = sharpness or Sharpness(0.0, np.zeros(len(widths)), np.ones(len(widths)))
     best, least_sine = None, -np.inf
-    for way in WAYS:
+    for way in ways:
         try:
             between = _between(ring_edges[1:], widths, growth, outer, way)
             graded = GradedQuads(ring_edges, widths, layers, factor, between, sharpness)
@@ -185,7 +182,7 @@ def graded(
             continue
         if sine > least_sine:
             best, least_sine = graded, sine
-        if sine >= GOOD:
+        if sine >= good:
             break
     if best is None:
         raise MeshError(

@@ -274,7 +274,6 @@ MEMORY: Argument = (
         "what the machine has)",
     },
 )
-SIDE = {"help": "a folder that `ringwear run` has written, a TOML file or a bundled scene"}
 COMMANDS = {
     "run": Command(
         "compute a scene by every method it names, and compare them",
@@ -314,8 +313,8 @@ COMMANDS = {
         "two folders of results, or scenes: what differs, drawn together",
         _compare,
         (
-            ("A", SIDE),
-            ("B", SIDE),
+            ("A", {"help": "a folder of `ringwear run`, a TOML file or a bundled scene"}),
+            ("B", {"help": "another one"}),
             ("--out", {"type": _directory, "default": Path("results/compare")}),
         ),
     ),

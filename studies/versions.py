@@ -7,17 +7,12 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
 from pathlib import Path
 
-NAMES = ("ringwear", "numpy", "scipy", "scikit-fem", "gmsh", "kvxopt", "meshio", "xarray")
-# everything but the public names, which stand elsewhere in a plain checkout
-PARTS = ("meshes", "mdr", "fem", "studies")
-# of code and data tables
-SUFFIXES = (".py", ".json", ".toml")
-
 
 def versions() -> dict[str, str]:
     """Versions of ringwear and of what it computes with."""
+    names = ("ringwear", "numpy", "scipy", "scikit-fem", "gmsh", "kvxopt", "meshio", "xarray")
     known = {}
-    for name in NAMES:
+    for name in names:
         try:
             known[name] = version(name)
         except PackageNotFoundError:
@@ -28,12 +23,16 @@ def versions() -> dict[str, str]:
 @cache
 def fingerprint() -> str:
     """Return versions and a hash of ringwear's code and tables, as JSON."""
+    # of code and data tables
+    suffixes = (".py", ".json", ".toml")
+    # everything but the public names, which stand elsewhere in a plain checkout
+    parts = ("meshes", "mdr", "fem", "studies")
     code = blake2b(digest_size=16)
-    for part in PARTS:
+    for part in parts:
         folder = Path(str(files(f"ringwear.{part}")))
         for file in sorted(folder.rglob("*")):
             name = file.relative_to(folder)
-            if file.suffix in SUFFIXES and name.parts[0] != "api":
+            if file.suffix in suffixes and name.parts[0] != "api":
                 code.update(f"{part}/{name.as_posix()}\0".encode() + file.read_bytes())
     return json.dumps(versions() | {"code": code.hexdigest()})
 

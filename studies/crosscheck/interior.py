@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 SHARE = 10
 # distance from the rim and from ring edges, in a, from which on the estimate holds
 NEAR = 0.2
-MEAN_PRESSURE = 2 * P0
 
 
 @dataclass(frozen=True)
@@ -193,7 +192,7 @@ def estimates(
     far = np.hypot(r - problem.merged.ring_edges[1:, None], z).min(axis=0) > NEAR
     # fields are in proportion to 1 - 2 nu, plus a constant, and neither is much more than the unit
     modelled = 2 * max(0.0, problem.poisson_ratio - highest_ratio)
-    stress = (fine.stress - coarse.stress)[:, far] / MEAN_PRESSURE
+    stress = (fine.stress - coarse.stress)[:, far] / (2 * P0)
     differences = {
         "displacement": (fine.displacement - coarse.displacement)[:, far] / D0,
         "stress": stress,

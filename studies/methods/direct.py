@@ -13,9 +13,6 @@ from ..progress import Stages
 from .base import Method, Solution
 from .quantities import FIELDS, labelled
 
-# pressures whose greatest displacements are sought at once, few enough to stay in memory
-AT_ONCE = 2**16
-
 
 class Direct(Method):
     """The steady state, to roundoff."""
@@ -53,6 +50,8 @@ class State(NamedTuple):
 
 def _states(problems: Sequence[Problem]) -> list[State]:
     """Of problems on the same rings."""
+    # pressures whose greatest displacements are sought at once, few enough to stay in memory
+    at_once = 2**16
     ring_edges = problems[0].merged.ring_edges
     pressures = np.stack([direct.steady_pressures(*problem.merged) for problem in problems], axis=1)
     slopes = greatest = np.full(len(problems), np.nan)
@@ -62,7 +61,7 @@ def _states(problems: Sequence[Problem]) -> list[State]:
         problem.wants("steady_displacement_max") or problem.wants("steady_profile")
         for problem in problems
     ):
-        parts = np.array_split(pressures, 1 + pressures.size // AT_ONCE, axis=1)
+        parts = np.array_split(pressures, 1 + pressures.size // at_once, axis=1)
         greatest = np.concatenate(
             [direct.greatest_displacements(ring_edges, part) for part in parts]
         )

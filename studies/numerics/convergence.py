@@ -41,7 +41,6 @@ from .core import evaluate
 from .sequences import Family, Sequence, Theory, draw_orders, levels, publish, study_orders
 from .subdivision import FLAT, Discretised, condense, flat_d0, subdivided, triangulated
 
-SLOPE = "RMS gradient"
 PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
 """Sizes of the smallest elements: by MDR at the rim of the flat punch; of rings."""
 PUNCH_MESH = SizeField((0.0, 1.0), 4e-9, 4e-9, growth=0.7, truncation=1e4, centre_size=1e4)
@@ -80,7 +79,7 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
     rings = partial(ring_quantities, problem)
     # exact values: of rings by a fine MDR, and their gradient in closed form
     flat, worn = {"d0": D0}, rings(by_mdr(edges, RING_EDGE, 10, 0.15)[0])
-    worn[SLOPE] = direct.rms_slope(edges, direct.steady_pressures(*problem.merged))
+    worn["RMS gradient"] = direct.rms_slope(edges, direct.steady_pressures(*problem.merged))
     # relative errors below which roundoff or the innermost elements count: their part of d0 is 0.06
     # of their size
     roundoff, rim_floor, ring_floor = 1e-13, 0.06 * PUNCH_MESH.rim_size, 2e-10
@@ -100,8 +99,8 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
             return {"unknowns": unknowns} | errors
 
         theory = dict.fromkeys(exact, Theory(order, floor))
-        if SLOPE in exact:  # of two orders less, and it feels the smallest elements more
-            theory[SLOPE] = Theory(order - 2, RING_EDGE)
+        if "RMS gradient" in exact:  # of two orders less, and it feels the smallest elements more
+            theory["RMS gradient"] = Theory(order - 2, RING_EDGE)
         return Family(name, levels(sizes, solve), theory)
 
     for degree in (1, 2) if quick else (1, 2, 3, 4):
@@ -176,7 +175,7 @@ def ring_quantities(problem: Problem, compliance: Compliance) -> dict[str, float
     return {
         "d(1)": float(results["indentation"][0]),
         "slowest relaxation time": float(results["relaxation_time"][0]),
-        SLOPE: float(results["steady_rms_slope"]),
+        "RMS gradient": float(results["steady_rms_slope"]),
     }
 
 

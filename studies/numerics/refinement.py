@@ -35,7 +35,6 @@ from .sequences import Family, Level, draw_errors, solve_all
 
 GOAL = 1e-5
 """Error in every quantity for which the unknowns of each way are told."""
-TIMES = np.geomspace(1e-3, 20, 12)
 """When the history is looked at."""
 ADAPTIVE, OWN = "adaptive triangles", "file"
 """Ways whose finest meshes are drawn: by the indicator, and a file of the user's."""
@@ -52,8 +51,9 @@ class Case:
 
     @cached_property
     def watched(self) -> Problem:
-        """The problem at `TIMES`; meshes suit the times of the scene."""
-        return replace(self.problem, times=TIMES)
+        """The problem at twelve times; meshes suit those of the scene."""
+        times = np.geomspace(1e-3, 20, 12)
+        return replace(self.problem, times=times)
 
     @cached_property
     def exact(self) -> Array:

@@ -25,7 +25,6 @@ from ..tables import Row, Table, keeping_rows, write_page
 
 WITHIN = 0.15
 """How far an observed order may be from theory's, by least squares and between the last levels."""
-VERDICT = f"within {WITHIN}"
 """The column of the table of orders that says so."""
 
 
@@ -140,7 +139,7 @@ class Sequence:
             "expected order": self.theory.order,
             "least squares": self.order,
             "last levels": self.last_order,
-            VERDICT: self.verdict,
+            f"within {WITHIN}": self.verdict,
             "between levels": " ".join(f"{p:.2f}" if both else f"({p:.2f})" for p, both in orders),
             "finest error": f"{self.errors[-1]:.1e}",
         }
@@ -200,7 +199,9 @@ def study_orders(
     sequences = fit(solve_all(families, table, conclusions), table.rows)
     named = ("refined", "quantity", "levels", "expected order", "least squares", "last levels")
     rows = (sequence.summary() for sequence in sequences)
-    orders = Table(out / "orders.csv", (*named, VERDICT, "between levels", "finest error"), rows)
+    orders = Table(
+        out / "orders.csv", (*named, f"within {WITHIN}", "between levels", "finest error"), rows
+    )
     judged = [sequence for sequence in sequences if sequence.verdict]
     off = [
         f"{sequence.name}, {sequence.quantity} ({sequence.verdict})"

@@ -27,8 +27,6 @@ from .subdivision import FLAT, condense, flat_d0, triangulated
 
 FAR_FIELDS = {"fixed": 1.0, "1 pole": 5.0, "2 poles": 9.0, "3 poles": 13.0}
 """Far fields, and the orders of what they err by."""
-DISCRETISATION = "discretisation"
-ROUNDOFF = 1e-12
 """A hundred times what is left of three poles far out."""
 
 
@@ -54,6 +52,7 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
 
 def move_outwards(radii: tuple[float, ...], poisson_ratio: float) -> Family:
     """Return ever greater half-spaces."""
+    roundoff = 1e-12
 
     def solve(outer: float) -> Row:
         # the far field is wanted well resolved on the outer boundary, wherever that is
@@ -61,10 +60,10 @@ def move_outwards(radii: tuple[float, ...], poisson_ratio: float) -> Family:
         compliance, unknowns = condense(disc, FLAT, 4, poisson_ratio, poles=6)
         return {"unknowns": unknowns} | far_field_errors(compliance, poles=6)
 
-    theory = {far: Theory(order, ROUNDOFF, coarsest=0.25) for far, order in FAR_FIELDS.items()}
+    theory = {far: Theory(order, roundoff, coarsest=0.25) for far, order in FAR_FIELDS.items()}
     sizes = {outer: 1 / outer for outer in radii}
     name = f"nu = {poisson_ratio:g}"
-    return Family(name, levels(sizes, solve), theory | {DISCRETISATION: Theory()})
+    return Family(name, levels(sizes, solve), theory | {"discretisation": Theory()})
 
 
 def far_field_errors(compliance: Compliance, poles: int) -> dict[str, float]:
@@ -77,7 +76,7 @@ def far_field_errors(compliance: Compliance, poles: int) -> dict[str, float]:
         for count in (*range(len(FAR_FIELDS)), poles)
     ]
     errors = {far: start / starts[-1] - 1 for far, start in zip(FAR_FIELDS, starts, strict=False)}
-    return errors | {DISCRETISATION: starts[-1] / D0 - 1}
+    return errors | {"discretisation": starts[-1] / D0 - 1}
 
 
 def conclude(sequences: list[Sequence]) -> str:

@@ -21,7 +21,6 @@ from .gradients import WEAR_RATIO_OF_WIDTHS, direct_gradients, homogeneous, many
 from .running_in import STATIONARY, Evolution, FiveRings
 
 VERDICTS = ("holds", "holds with a remark", "does not hold")
-RELATIONS = {"<": operator.lt, ">": operator.gt}
 EXTREMES = np.array([0.0, np.inf])  # wear ratios that leave all force to the slower rings
 Quantities = dict[str, Any]
 
@@ -67,10 +66,11 @@ def is_so(condition: str, quantities: Quantities) -> bool:
 
     Conditions are "name < number", "name > number", "name increases" and "name decreases".
     """
+    relations = {"<": operator.lt, ">": operator.gt}
     name, relation, *bound = condition.split()
     values = np.asarray(Formatter().get_field(name, (), quantities)[0])
     if bound:
-        return bool(RELATIONS[relation](values, float(bound[0])).all())
+        return bool(relations[relation](values, float(bound[0])).all())
     steps = np.diff(values)
     return bool(np.all(steps > 0 if relation == "increases" else steps < 0))
 

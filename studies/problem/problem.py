@@ -32,8 +32,6 @@ D0, P0 = 0.5, 1 / (2 * np.pi)  # the paper's d0 = F/(2 a E*) and p0 = F/(2 pi a^
 
 # times at which whole fields are compared, and by which errors are estimated
 MOST_CHECKED, MOST_ESTIMATED = 40, 60
-# equal cells of the face that norms of fields see at least, where edges of the contact move
-CELLS_OF_FACE = 250
 
 
 class Blunted(NamedTuple):
@@ -271,6 +269,8 @@ class Problem:
     @cached_property
     def face(self) -> Face:
         """Radii that crowd at ring edges and at the rim, as the layers of the earliest time do."""
+        # equal cells of the face that norms of fields see at least, where edges of the contact move
+        cells_of_face = 250
         if self.compared_on is not None:
             return self.compared_on
         rings = self.merged
@@ -284,7 +284,7 @@ class Problem:
         breakpoints = np.union1d(breakpoints, self.ring_edges)
         if not self.full_contact:
             # pressures nearly jump at edges of the contact, which may be anywhere
-            breakpoints = np.union1d(breakpoints, np.linspace(0, 1, CELLS_OF_FACE + 1))
+            breakpoints = np.union1d(breakpoints, np.linspace(0, 1, cells_of_face + 1))
         return Face(breakpoints, self.ring_edges, self.wear_coefficients, self.profile.standoff)
 
     @cached_property

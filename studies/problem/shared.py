@@ -15,10 +15,6 @@ import numpy as np
 
 from .problem import Blunted, Problem
 
-# greatest ratio of the lengths that wear has blunted in problems that share a discretisation:
-# pressures that the sharper needs cost the others their third power
-WIDEST = 100.0
-
 
 @dataclass(frozen=True, eq=False)
 class Shared(Problem):
@@ -63,6 +59,9 @@ def discretised_alike(problem: Problem) -> Hashable:
 
 def groups(problems: Sequence[Problem]) -> list[list[int]]:
     """Numbers of the problems that share a discretisation, the sharpest of each group first."""
+    # greatest ratio of the lengths that wear has blunted in problems that share a discretisation:
+    # pressures that the sharper needs cost the others their third power
+    widest = 100.0
     sharpest = [float(problem.blunted.slow.min()) for problem in problems]
     alike: dict[Hashable, list[int]] = {}
     for number in sorted(range(len(problems)), key=lambda number: (sharpest[number], number)):
@@ -71,7 +70,7 @@ def groups(problems: Sequence[Problem]) -> list[list[int]]:
     for numbers in alike.values():
         start = 0
         for at, number in enumerate(numbers):
-            if sharpest[number] > WIDEST * sharpest[numbers[start]]:
+            if sharpest[number] > widest * sharpest[numbers[start]]:
                 parts.append(numbers[start:at])
                 start = at
         parts.append(numbers[start:])

@@ -55,19 +55,6 @@ JUDGED = {
 }
 # labels of the store that no axis may have for its name
 RESERVED = ("solver", "time", "radius", "ring", "mode", "state", "status", "reason", *JUDGED)
-# keys that say the same in other ways: what an axis gives takes the place of what the base gives
-ALTERNATIVES = (
-    ({"punch.wear_coefficients"}, {"punch.wear_coefficient", "punch.wear_ratio"}),
-    ({"punch.rings", "punch.width_ratio"}, {"punch.ring_edges"}),
-    ({"half_space.plane_strain_modulus"}, {"half_space.youngs_modulus"}),
-    ({"load.normal_force"}, {"load.mean_pressure"}),
-)
-
-# beginnings of keys that scenes may differ in and yet share a discretisation
-SHARING = (
-    *("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs"),
-    *("load.", "wear.", "output.", "title"),
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +70,12 @@ class Axis:
     @property
     def shares_discretisation(self) -> bool:
         """Whether scenes along it can share a discretisation."""
-        return all(key.startswith(SHARING) for key in self.columns)
+        # beginnings of keys that scenes may differ in and yet share a discretisation
+        sharing = (
+            *("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs"),
+            *("load.", "wear.", "output.", "title"),
+        )
+        return all(key.startswith(sharing) for key in self.columns)
 
 
 @dataclass(frozen=True, eq=False)
@@ -307,6 +299,14 @@ def _without_alternatives(base: Table, keys: set[str], name: str) -> Table:
 
     Two materials stay two, whichever way they are given.
     """
+    # keys that say the same in other ways: what an axis gives takes the place of what the base
+    # gives
+    alternatives = (
+        ({"punch.wear_coefficients"}, {"punch.wear_coefficient", "punch.wear_ratio"}),
+        ({"punch.rings", "punch.width_ratio"}, {"punch.ring_edges"}),
+        ({"half_space.plane_strain_modulus"}, {"half_space.youngs_modulus"}),
+        ({"load.normal_force"}, {"load.mean_pressure"}),
+    )
     table = copy.deepcopy(base)
     punch = table.get("punch", {})
     pair = punch.get("wear_coefficients", [])
@@ -317,7 +317,7 @@ def _without_alternatives(base: Table, keys: set[str], name: str) -> Table:
                 f"base gives {len(pair)} wear_coefficients: give it two"
             )
         punch["wear_coefficient"], punch["wear_ratio"] = pair[0], pair[1] / pair[0]
-    for these, those in ALTERNATIVES:
+    for these, those in alternatives:
         for given, dropped in ((these, those), (those, these)):
             for key in dropped if keys & given else ():
                 section, last = key.split(".")

@@ -33,11 +33,6 @@ from .axes import ANSWERS, JUDGED, KEEPABLE, Sweep
 
 # what may become of a scene
 PENDING, DONE, FAILED = 0, 1, 2
-# beginnings of keys that leave relaxation times as they are
-OF_ONE_TIME_SCALE = (
-    *("load.normal_force", "load.mean_pressure", "accuracy.", "output.", "wear."),
-    *("methods", "title", "units"),
-)
 
 
 def template(sweep: Sweep) -> xarray.Dataset:
@@ -113,11 +108,16 @@ def template(sweep: Sweep) -> xarray.Dataset:
 
 def _check_times(sweep: Sweep, varied: dict[str, list[Any]]) -> None:
     """Refuse to keep anything over times that scenes do not have in common."""
+    # beginnings of keys that leave relaxation times as they are
+    of_one_time_scale = (
+        *("load.normal_force", "load.mean_pressure", "accuracy.", "output.", "wear."),
+        *("methods", "title", "units"),
+    )
     over_time = [name for name in sweep.keep if "time" in KEEPABLE[name].dims]
     if over_time and "wear.times" in varied:
         raise SceneError(f"{sweep.name}: wear.times varies, and {over_time[0]} is kept over time")
     over_time += {"worn_volume"} & set(sweep.keep)
-    others = [key for key in varied if not key.startswith(OF_ONE_TIME_SCALE)]
+    others = [key for key in varied if not key.startswith(of_one_time_scale)]
     times = [sweep.table["base"].get("wear", {}).get("times"), *varied.get("wear.times", [])]
     if over_time and others and any(isinstance(value, str | dict) for value in times):
         raise SceneError(

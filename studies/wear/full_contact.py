@@ -24,8 +24,6 @@ from ..problem.marching import refused_steps, steps_between
 from .flat_contact import FlatPress, FlatStart, SteadyState, flat_start, steady_state
 from .history import History
 from .modes import (
-    LARGE,
-    LARGEST,
     SHOWN,
     BandedCholesky,
     Modes,
@@ -35,11 +33,6 @@ from .modes import (
     slowest_times,
 )
 from .shared_modes import SharedModes, steady_rate
-
-# smallest element, or first time, above which eigenvalues are as good as singular values, at a
-# quarter of the time (measured: no digit of indentation, relaxation time or slope differs from rtol
-# 1e-3 to 1e-9). Below it the stiff modes would be lost to roundoff of the slowest
-GENTLEST = 1e-10
 
 # (state, step, how many) -> (state, wear of each unknown in between)
 Advance = Callable[[Array, float, int], tuple[Array, Array]]
@@ -127,8 +120,13 @@ class RunningIn:
 
         What relaxes before the first time is not felt, and need not be known.
         """
+        # smallest element, or first time, above which eigenvalues are as good as singular values,
+        # at a quarter of the time (measured: no digit of indentation, relaxation time or slope
+        # differs from rtol 1e-3 to 1e-9). Below it the stiff modes would be lost to roundoff of the
+        # slowest
+        gentlest = 1e-10
         return (
-            max(float(np.diff(self.compliance.space.breakpoints).min()), self.earliest) > GENTLEST
+            max(float(np.diff(self.compliance.space.breakpoints).min()), self.earliest) > gentlest
         )
 
     @cached_property
@@ -136,7 +134,8 @@ class RunningIn:
         moments = self._to_pressure.T @ self.steady.moments
         if self.shared is not None:
             return self.shared.modes(self.wear_coefficients, moments)
-        large = len(moments) > LARGE
+        # singular values would take minutes
+        large = len(moments) > 700
         gentle = large or self.gentle
         if self.earliest and large:
             try:
@@ -144,7 +143,8 @@ class RunningIn:
                     self._energy, self._mass_factor, self._weights, moments, self.earliest
                 )
             except TooEarlyError:
-                if len(moments) > LARGEST:
+                # and hours; up to this they are taken where a history begins too early
+                if len(moments) > 2500:
                     raise
                 gentle = False
         return every_mode(

@@ -21,10 +21,6 @@ from scipy.sparse.linalg import eigsh
 from ...meshes.errors import SolverError
 from ...meshes.radial import Array
 
-# beyond this size singular values would take minutes
-LARGE = 700
-# and beyond this hours; up to it they are taken where a history begins too early for anything else
-LARGEST = 2500
 # share of the history, and of the slowest relaxation times, that the Krylov space may leave out
 NEGLIGIBLE = 1e-13
 # relaxation times that are shown
