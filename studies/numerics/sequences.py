@@ -25,7 +25,6 @@ from ..tables import Row, Table, keeping_rows, write_page
 
 WITHIN = 0.15
 """How far an observed order may be from theory's, by least squares and between the last levels."""
-"""The column of the table of orders that says so."""
 
 
 class Theory(NamedTuple):

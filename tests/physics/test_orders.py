@@ -27,7 +27,7 @@ from ringwear.studies.numerics.convergence import (
 )
 from ringwear.studies.numerics.sequences import WITHIN, Sequence, Theory, fit
 from ringwear.studies.numerics.subdivision import FLAT, flat_d0
-from ringwear.studies.numerics.truncation import DISCRETISATION, move_outwards
+from ringwear.studies.numerics.truncation import move_outwards
 
 
 def assert_order(fitted: Sequence, cap: float) -> None:
@@ -117,7 +117,7 @@ def test_truncation_by_every_far_field(ratio: float) -> None:
     family = move_outwards((4, 5, 6, 7), ratio)
     rows = [{"family": family.name, "size": level.size} | level.solve() for level in family.levels]
     fitted = {sequence.quantity: sequence for sequence in fit([family], rows)}
-    del fitted[DISCRETISATION]
+    del fitted["discretisation"]
     caps = {"fixed": 0.3, "1 pole": 7e-5, "2 poles": 3e-8, "3 poles": 2e-11}
     for far_field, cap in caps.items():
         assert_order(fitted.pop(far_field), cap)
