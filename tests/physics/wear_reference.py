@@ -425,10 +425,9 @@ def random_scenes(seed: int, count: int, most_rings: int, **changes: Any) -> Ite
         ratio = draw.uniform(-0.5, 0.5) if usual else draw.choice((0.5, 0.49, 0.3))
         punch = {"radius": 1.0, "ring_edges": (edges / edges[-1]).tolist()}
         yield Scene.load("five_rings").changed(
-            methods=["mdr", "direct", "fem"],
             punch=punch | {"wear_coefficients": wear.tolist()},
             half_space__poisson_ratio=float(ratio),
             wear={"times": (times / wear.max()).tolist()},
             accuracy__rtol=float(10 ** draw.uniform(-8, -2)),
-            **changes,
+            **{"methods": ["mdr", "direct", "fem"]} | changes,
         )

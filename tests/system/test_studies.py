@@ -142,7 +142,7 @@ def test_a_study_that_meshes_keeps_its_rows_when_it_is_ended(
     number: signal.Signals, seconds: float, tmp_path: Path
 ) -> None:
     def finished_rows() -> int:
-        return sum(len(rows(table)) for table in out.glob(".writing-*/extremes.csv"))
+        return sum(len(rows(table)) for table in out.glob(".writing/extremes.csv"))
 
     code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
     code += "from ringwear.studies.cli import main; raise SystemExit(main())"
@@ -161,4 +161,4 @@ def test_a_study_that_meshes_keeps_its_rows_when_it_is_ended(
     assert INTERRUPTED in printed
     assert "Traceback" not in told
     assert len(rows(out / "extremes.csv")) >= finished >= 1
-    assert not list(out.glob(".writing-*"))
+    assert not list(out.glob(".writing"))

@@ -165,9 +165,9 @@ def test_workers_with_another_code_are_refused(cluster: Cluster, here: Path) -> 
     assert contents(cluster.directory / "out") == contents(here)
     altered = tree / "ringwear/studies/methods/sampler.py"
     text = altered.read_text("utf-8")
-    assert text.count("lambda: self._rms_slope(state.displacement[None])[0]") == 1
+    assert text.count("lambda: self._rms_slope(state.displacement[None], 0.0)[0]") == 1
     altered.write_text(
-        text.replace("(state.displacement[None])[0]", "(state.displacement[None])[0] * 1.01"),
+        text.replace("displacement[None], 0.0)[0]", "displacement[None], 0.0)[0] * 1.01"),
         "utf-8",
     )
     cluster.worker(path=tree)
