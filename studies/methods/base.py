@@ -77,11 +77,6 @@ class Solution:
         parts = {**self.parts, cause: float(lost.get("indentation", 0.0))}
         return replace(self, errors=errors, parts=parts)
 
-    @property
-    def error_of_sizes(self) -> float:
-        """The part of it that finer sizes would mend: not the time step or roundoff."""
-        return self.parts.get("discretisation", 0.0)
-
 
 def _added(error: Array, more: Array | None) -> Array:
     """Return the sum of two parts of an error; of relaxation times, of those that both know."""
@@ -135,13 +130,11 @@ class Method(ABC):
     name : as scenes call it
     what : what it is, for people
     lacks : `history` or `steady state`, if it does not give that, and why
-    own_march : whether it has its own way through time, whatever the march of the scene
     """
 
     name: ClassVar[str]
     what: ClassVar[str] = ""
     lacks: ClassVar[dict[str, str]] = {}
-    own_march: ClassVar[bool] = False
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Return everything that a problem asks for."""

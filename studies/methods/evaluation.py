@@ -287,7 +287,7 @@ class MovingContact(Evaluation):
         depth, space = self.marched.indentation, self.compliance.space
         return unresolved_height(self.problem.profile, space, float(depth.max())) / depth
 
-    @property
+    @cached_property
     def _bends(self) -> Array:
         """(T,) greatest change of a slope from a cell to the next, times the wider of them, of the
         worn depth and of the displacement.

@@ -26,7 +26,6 @@ class MdrGrid(Method):
 
     name = "mdr-grid"
     what = "the paper's own algorithm: MDR on a uniform grid, in explicit steps"
-    own_march = True
     lacks: ClassVar[dict[str, str]] = {
         "steady state": "the paper's algorithm marches towards it, and never arrives"
     }

@@ -76,9 +76,9 @@ class ComplianceMethod(Method):
 class AnySpaceMethod(ComplianceMethod):
     """A method whose compliance can be had on any pressure space."""
 
+    @abstractmethod
     def compliance(self, space: PressureSpace) -> Compliance:
         """Return the compliance on a space."""
-        raise NotImplementedError
 
     def refusal(self, problem: Problem) -> str:
         if not problem.full_contact and problem.mdr.given:

@@ -75,14 +75,7 @@ def flat_start(compliance: Compliance) -> "FlatStart | FlatPress":
     forces = np.zeros(count)
     forces[0] = 2 * np.pi
     displaced = compliance.factor @ projected
-    try:
-        solution = cho_solve(cho_factor(displaced.T @ displaced), forces)
-    except np.linalg.LinAlgError as error:
-        raise SolverError(
-            f"the compliance is not positive definite: {error}; ask for less extreme sizes"
-        ) from error
-    softness = forces @ solution
-    coefficients = solution / softness
+    coefficients, indentation = _press(displaced.T @ displaced, forces)
     # the mean displacement under the first of them, and that weighted by its pressure
     uniform = compliance.factor @ np.where(space.order == 1, 1.0, 0.0)
     mean, weighted = (
@@ -91,7 +84,7 @@ def flat_start(compliance: Compliance) -> "FlatStart | FlatPress":
     )
     if abs(mean / weighted - 1) > 0.1:
         return press_flat(compliance)
-    return FlatStart(coefficients, projected @ coefficients, float(1 / softness))
+    return FlatStart(coefficients, projected @ coefficients, indentation)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,14 +121,20 @@ def press_flat(compliance: Compliance) -> FlatPress:
     """
     continuous = compliance.space.joined()
     weights = continuous.T @ compliance.space.weights
+    coefficients, indentation = _press(continuous.T @ compliance.matrix @ continuous, weights)
+    return FlatPress(compliance.space, continuous @ coefficients, indentation)
+
+
+def _press(matrix: Array, forces: Array) -> tuple[Array, float]:
+    """Return the c and d of ``A c = d b``, ``b . c = 1``."""
     try:
-        solution = cho_solve(cho_factor(continuous.T @ compliance.matrix @ continuous), weights)
+        solution = cho_solve(cho_factor(matrix), forces)
     except np.linalg.LinAlgError as error:
         raise SolverError(
             f"the compliance is not positive definite: {error}; ask for less extreme sizes"
         ) from error
-    softness = weights @ solution
-    return FlatPress(compliance.space, continuous @ solution / softness, float(1 / softness))
+    softness = forces @ solution
+    return solution / softness, float(1 / softness)
 
 
 def _even_legendre(root: Array, count: int) -> Array:

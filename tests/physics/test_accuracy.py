@@ -23,5 +23,5 @@ EVEN = {
 def test_fields_are_refined_where_the_indentation_has_no_error(wear: dict[str, Any]) -> None:
     """The first once divided by an error of zero; of the second, fields stayed as they were."""
     solution = run(Scene.from_table(EVEN | {"wear": wear})).solutions["mdr"]
-    assert solution.error_of_sizes <= 1e-9
+    assert solution.parts["discretisation"] <= 1e-9
     assert not solution.beyond(RTOL)
