@@ -1,13 +1,11 @@
 """The inside of the half-space against closed forms, on every kind of element."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np
 import pytest
 from conftest import WITHOUT_GMSH
-from skfem import Mesh, MeshTri
+from skfem import MeshTri
 
 from ringwear import Scene
 from ringwear.fem import (
@@ -20,7 +18,7 @@ from ringwear.fem import (
 )
 from ringwear.mdr import displacement as exact_displacement
 from ringwear.meshes import Array, Indices, SizeField, areas, bisection, quads, triangles
-from ringwear.studies.crosscheck.interior import NEAR, Interior, interior
+from ringwear.studies.crosscheck.interior import NEAR, interior
 from ringwear.studies.methods.base import method as named
 from ringwear.studies.problem.problem import D0, P0
 from ringwear.studies.progress import Stages
@@ -31,7 +29,7 @@ FIELD = SizeField((0.0, 0.5, 1.0), 1e-6, 1e-3, 0.4, 5.0)
 MESHERS = {"quads": (8, 1e-4, 2e-6), "gmsh": (4, 5e-3, 1e-4), "bisection": (4, 5e-3, 2e-4)}
 
 
-def mesh(mesher: str) -> Mesh:
+def mesh(mesher):
     if WITHOUT_GMSH and mesher != "bisection":
         pytest.skip(WITHOUT_GMSH)
     if mesher == "quads":
@@ -40,16 +38,13 @@ def mesh(mesher: str) -> Mesh:
 
 
 @cache
-def half_space(mesher: str, poisson_ratio: float) -> HalfSpace:
+def half_space(mesher, poisson_ratio):
     solid = AxisymmetricElasticity(mesh(mesher), MESHERS[mesher][0], poisson_ratio)
     return HalfSpace(solid, pressure_space(solid, EDGES), tuple(range(0, 12, 2)))
 
 
-Samples = tuple[Array, Indices, Array, Array]
-
-
 @cache
-def loaded(mesher: str, poisson_ratio: float) -> Samples:
+def loaded(mesher, poisson_ratio):
     """Unit pressure on the whole contact."""
     whole = half_space(mesher, poisson_ratio)
     return sampled(whole, whole.space.ring_indicator().sum(axis=1)[None], 2)
@@ -57,7 +52,7 @@ def loaded(mesher: str, poisson_ratio: float) -> Samples:
 
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.4999, 0.5])
 @pytest.mark.parametrize("mesher", MESHERS)
-def test_stresses_of_a_loaded_disc(mesher: str, poisson_ratio: float) -> None:
+def test_stresses_of_a_loaded_disc(mesher, poisson_ratio):
     """Love.
 
     ``zz = c^3 - 1`` and ``rr = (1 + nu) c - (1 + 2 nu)/2 - c^3/2`` on the axis, c the cosine to the
@@ -83,7 +78,7 @@ def test_stresses_of_a_loaded_disc(mesher: str, poisson_ratio: float) -> None:
     np.testing.assert_allclose(moved[0, surface, 1], exact, rtol=shift)
 
 
-def flat_punch(r: Array, z: Array, poisson_ratio: float) -> tuple[Array, Array]:
+def flat_punch(r, z, poisson_ratio):
     """Displacements (n, 2) and stresses rr, zz, rz, hoop (n, 4) under the flat punch, F = a = E* =
     1, off its rim.
 
@@ -114,7 +109,7 @@ def flat_punch(r: Array, z: Array, poisson_ratio: float) -> tuple[Array, Array]:
     return moved, stress
 
 
-def inside(poisson_ratio: float, **changes: object) -> tuple[Interior, dict[str, float]]:
+def inside(poisson_ratio, **changes):
     """The interior under the flat punch at t = 0, and the true errors of what it estimates."""
     scene = Scene.load("flat_punch").changed(
         half_space__poisson_ratio=poisson_ratio, wear__times=[0.0], **changes
@@ -140,7 +135,7 @@ def inside(poisson_ratio: float, **changes: object) -> tuple[Interior, dict[str,
 @pytest.mark.gmsh
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.49, 0.5])
 @pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6])
-def test_stresses_under_the_flat_punch(rtol: float, poisson_ratio: float) -> None:
+def test_stresses_under_the_flat_punch(rtol, poisson_ratio):
     """Within 10 rtol of the mean pressure wherever they are finite, and no worse than they say."""
     fields, errors = inside(poisson_ratio, accuracy__rtol=rtol)
     assert fields.errors["stress"][0] <= 10 * rtol
@@ -151,7 +146,7 @@ def test_stresses_under_the_flat_punch(rtol: float, poisson_ratio: float) -> Non
 
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.49, 0.5])
 @pytest.mark.parametrize("mesher", ["gmsh", "bisection"])
-def test_the_estimate_on_triangles(mesher: str, poisson_ratio: float) -> None:
+def test_the_estimate_on_triangles(mesher, poisson_ratio):
     """Their degree is the highest already: they say how far they fall short."""
     if WITHOUT_GMSH and mesher == "gmsh":
         pytest.skip(WITHOUT_GMSH)
@@ -164,7 +159,7 @@ def test_the_estimate_on_triangles(mesher: str, poisson_ratio: float) -> None:
 @pytest.mark.parametrize(
     ("changes", "least"), [({"far_field": "fixed"}, 0.95), ({"poles": 1}, 1.0), ({"poles": 2}, 1.0)]
 )
-def test_the_estimate_of_a_truncation(changes: dict[str, object], least: float) -> None:
+def test_the_estimate_of_a_truncation(changes, least):
     """An outer boundary that the user has asked for is seen; of a clamped one, the error itself."""
     fields, errors = inside(
         0.3, **{f"accuracy__fem__{name}": value for name, value in changes.items()}
@@ -175,12 +170,12 @@ def test_the_estimate_of_a_truncation(changes: dict[str, object], least: float) 
 
 
 @pytest.mark.gmsh
-def test_a_degree_that_is_given_is_the_degree_inside() -> None:
+def test_a_degree_that_is_given_is_the_degree_inside():
     assert inside(0.3, accuracy__fem__degree=5)[0].degree == 5
 
 
 @pytest.mark.parametrize("mesher", MESHERS)
-def test_samples_fill_the_half_space_and_agree_on_facets(mesher: str) -> None:
+def test_samples_fill_the_half_space_and_agree_on_facets(mesher):
     points, small, moved, _ = loaded(mesher, 0.3)
     sizes = areas(MeshTri(points, small))
     assert sizes.min() > 0
@@ -194,7 +189,7 @@ def test_samples_fill_the_half_space_and_agree_on_facets(mesher: str) -> None:
 
 
 @pytest.mark.parametrize("mesher", MESHERS)
-def test_work_of_the_pressures(mesher: str) -> None:
+def test_work_of_the_pressures(mesher):
     """``p . A p`` by the displacements that the pressures make."""
     whole = half_space(mesher, 0.3)
     pressures, contact = whole.space.ring_indicator().T, whole.solid.boundary("contact")
@@ -203,6 +198,6 @@ def test_work_of_the_pressures(mesher: str) -> None:
     np.testing.assert_allclose(work, pressures @ whole.compliance().matrix @ pressures.T, rtol=1e-9)
 
 
-def test_von_mises_of_simple_states() -> None:
+def test_von_mises_of_simple_states():
     pull, pressure, shear = [0.0, 2.0, 0.0, 0.0], [3.0, 3.0, 0.0, 3.0], [0.0, 0.0, 1.0, 0.0]
     np.testing.assert_allclose(von_mises(np.array([pull, pressure, shear])), [2, 0, np.sqrt(3)])

@@ -1,9 +1,5 @@
 """Two results beside each other, and results as CSV."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import pandas as pd
 import pytest
 import xarray
@@ -13,16 +9,14 @@ from ringwear.studies.cli import main
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory):
     out = tmp_path_factory.mktemp("rubber")
     flags = ["--methods", "direct,mdr", "--rtol", "1e-3", "--csv", "--no-figures"]
     assert main(["run", "rubber", *flags, "--out", str(out)]) == 0
     return out
 
 
-def test_compare_tells_what_differs(
-    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_compare_tells_what_differs(folder, tmp_path, capsys):
     other, out = tmp_path / "other.toml", tmp_path / "out"
     scene = Scene.load("rubber").changed(methods=["mdr", "direct"], load__mean_pressure=6e5)
     other.write_text(scene.to_toml(), "utf-8")
@@ -49,9 +43,7 @@ def test_compare_tells_what_differs(
         ("BROKEN", "cannot be read"),
     ],
 )
-def test_what_cannot_be_compared_is_refused(
-    other: str, told: str, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_cannot_be_compared_is_refused(other, told, folder, tmp_path, capsys):
     (tmp_path / "EMPTY").mkdir()
     (tmp_path / "BROKEN").mkdir()
     (tmp_path / "BROKEN" / "results.nc").write_text("not netCDF", "utf-8")
@@ -61,7 +53,7 @@ def test_what_cannot_be_compared_is_refused(
     assert not (tmp_path / "out").exists()
 
 
-def test_csv_tables_are_the_results(folder: Path) -> None:
+def test_csv_tables_are_the_results(folder):
     tables = {file.stem: pd.read_csv(file) for file in folder.glob("*.csv")}
     results = xarray.load_dataset(folder / "results.nc")
     assert set(tables) == {

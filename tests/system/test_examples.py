@@ -1,7 +1,5 @@
 """The examples of the README run as they stand, and show what they say."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys
@@ -13,7 +11,7 @@ import pytest
 EXAMPLES = Path(__file__).parents[2] / "studies" / "examples"
 
 
-def shown(name: str, where: Path) -> str:
+def shown(name, where):
     """What an example prints, run in a directory of its own."""
     file = EXAMPLES / f"{name}.py"
     assert len(file.read_text("utf-8").splitlines()) <= 30
@@ -23,7 +21,7 @@ def shown(name: str, where: Path) -> str:
 
 
 @pytest.mark.slow
-def test_a_convergence_study(tmp_path: Path) -> None:
+def test_a_convergence_study(tmp_path):
     rows = re.findall(
         r"rtol (\S+): indentation (\S+), steady slope (\S+)", shown("convergence", tmp_path)
     )
@@ -34,13 +32,13 @@ def test_a_convergence_study(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_fem_against_mdr(tmp_path: Path) -> None:
+def test_fem_against_mdr(tmp_path):
     told = shown("fem_against_mdr", tmp_path)
     assert told.startswith("The methods agree")
     assert (tmp_path / "fem_against_mdr.png").exists()
 
 
-def test_a_mesh_of_ones_own(tmp_path: Path) -> None:
+def test_a_mesh_of_ones_own(tmp_path):
     errors = [float(value) for value in re.findall(r"E\*\) (\S+)", shown("own_mesh", tmp_path))]
     # of order one in the size at the rim, which halves each time
     ratios = [one / other for one, other in pairwise(errors)]

@@ -2,19 +2,14 @@
 status; nothing is written.
 """
 
-from __future__ import annotations
-
 import re
-from pathlib import Path
 
 import pytest
 
 from ringwear.studies.cli import main
 
 
-def refused(
-    arguments: list[str], told: tuple[str, ...], capsys: pytest.CaptureFixture[str]
-) -> None:
+def refused(arguments, told, capsys):
     """Status 2, one line on standard error that tells all of it, and nothing on standard output."""
     try:
         status = main(arguments)
@@ -30,7 +25,7 @@ def refused(
 
 
 # {tmp} is an empty directory with a file, a dangling link and a full device in it
-COMMANDS: list[tuple[list[str], tuple[str, ...]]] = [
+COMMANDS = [
     (["run", "no_such_scene"], ("no_such_scene", "five_rings")),
     (["run", "{tmp}"], ("directory", "five_rings")),
     (["run", "{tmp}/bytes"], ("not a text file", "UTF-8")),
@@ -78,12 +73,12 @@ COMMANDS: list[tuple[list[str], tuple[str, ...]]] = [
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
 def test_malformed_commands(
-    arguments: list[str],
-    told: tuple[str, ...],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+    arguments,
+    told,
+    tmp_path,
+    monkeypatch,
+    capsys,
+):
     there = tmp_path / "there"
     there.mkdir()
     (there / "file").write_text("mine", "utf-8")

@@ -1,21 +1,15 @@
 """A method of a user's own, in a script: it stands in results, figures and verdict as ours do."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from ringwear import Scene, run
-from ringwear.meshes import Compliance, PressureSpace
+from ringwear.meshes import Compliance
 from ringwear.studies.figures.catalogue import PICTURES
 from ringwear.studies.methods.base import Discretised
 from ringwear.studies.methods.pipeline import ComplianceMethod
 from ringwear.studies.methods.spaces import pressure_spaces
 from ringwear.studies.output.files import draw
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.progress import Stages
 from ringwear.studies.report.words import Account
 
 
@@ -24,19 +18,19 @@ class Winkler(ComplianceMethod):
 
     name = "winkler"
 
-    def discretise(self, problem: Problem, stages: Stages) -> Discretised:
+    def discretise(self, problem, stages):
         fine, coarse = (self.springs(space) for space in pressure_spaces(problem))
         return Discretised(fine, lambda: coarse)
 
     @staticmethod
-    def springs(space: PressureSpace) -> Compliance:
+    def springs(space):
         """Return the compliance of springs that let the flat punch in as deep as a half-space."""
         stiffness = 2 / np.pi
         return Compliance(space, np.linalg.cholesky(space.mass().toarray()).T / stiffness**0.5)
 
 
 @pytest.mark.parametrize("name", ["five_rings", "sphere"])
-def test_a_method_of_ones_own(name: str, tmp_path: Path) -> None:
+def test_a_method_of_ones_own(name, tmp_path):
     result = run(Scene.load(name), methods=["mdr", Winkler()])
     dataset, summary = result.dataset, result.summary
     assert dataset.solver.values.tolist() == ["mdr", "winkler"]
@@ -50,7 +44,7 @@ def test_a_method_of_ones_own(name: str, tmp_path: Path) -> None:
     assert (tmp_path / "history.png").exists()
 
 
-def test_springs_wear_as_springs_do() -> None:
+def test_springs_wear_as_springs_do():
     """Under a flat punch each spring relaxes by itself: rings of one wear share the load evenly."""
     scene = Scene.load("flat_punch").changed(wear__times=[0.0, 1.0, 10.0], wear__steady=True)
     dataset = run(scene, methods=[Winkler()]).dataset.isel(solver=0)

@@ -1,7 +1,5 @@
 """What the pages for newcomers say is true: their examples run, and give what they promise."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys
@@ -15,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 FLOORS = ("fem", "mdr", "meshes", "studies")
 
 
-def test_the_example_of_the_finite_elements() -> None:
+def test_the_example_of_the_finite_elements():
     page = (ROOT / "fem" / "README.md").read_text("utf-8")
     code = re.search(r"\n(    import numpy.*?)\n\n\[1\]", page, re.DOTALL)
     assert code is not None
@@ -33,7 +31,7 @@ def test_the_example_of_the_finite_elements() -> None:
     assert "ElementTriP4" in done.stdout
 
 
-def words_of_code() -> set[str]:
+def words_of_code():
     """Files and words of the code."""
     files = [file for folder in FLOORS for file in (ROOT / folder).rglob("*.py")]
     words = {word for file in files for word in re.findall(r"\w+", file.read_text("utf-8"))}
@@ -41,7 +39,7 @@ def words_of_code() -> set[str]:
 
 
 @pytest.mark.parametrize("floor", FLOORS)
-def test_what_a_page_points_to_is_there(floor: str) -> None:
+def test_what_a_page_points_to_is_there(floor):
     text = (ROOT / floor / "README.md").read_text("utf-8")
     pointed = re.findall(r"`([A-Za-z_]\w*(?:\.\w+)*)`", text)
     assert len(pointed) > 10
@@ -52,14 +50,14 @@ def test_what_a_page_points_to_is_there(floor: str) -> None:
 
 
 @pytest.mark.parametrize("floor", FLOORS)
-def test_every_source_of_a_page_is_cited(floor: str) -> None:
+def test_every_source_of_a_page_is_cited(floor):
     text = (ROOT / floor / "README.md").read_text("utf-8")
     numbers = re.findall(r"(?m)^\[(\d)\]", text)
     assert numbers
     assert all(text.count(f"[{number}]") >= 2 for number in numbers)
 
 
-def test_the_readme_names_every_command_and_flag() -> None:
+def test_the_readme_names_every_command_and_flag():
     text = (ROOT / "README.md").read_text("utf-8")
     assert "--version" in text
     for name, command in COMMANDS.items():

@@ -2,10 +2,7 @@
 result after the run.
 """
 
-from __future__ import annotations
-
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -27,12 +24,12 @@ PACKAGES = [
 
 
 @pytest.fixture
-def _no_gmsh(monkeypatch: pytest.MonkeyPatch) -> None:
+def _no_gmsh(monkeypatch):
     monkeypatch.setitem(sys.modules, "gmsh", None)
 
 
 @pytest.mark.gmsh
-def test_same_answer_by_bisection(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_same_answer_by_bisection(monkeypatch):
     scene = Scene.load("five_rings").changed(methods=["fem"], accuracy__rtol=1e-3)
     with_gmsh = run(scene)
     assert not any("meshed by" in note for note in with_gmsh.notes)
@@ -47,19 +44,19 @@ def test_same_answer_by_bisection(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("_no_gmsh")
-def test_commands_tell_the_remedy(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_commands_tell_the_remedy(tmp_path, capsys):
     assert main(["mesh", "flat_punch", "--out", str(tmp_path)]) == 0
     assert "apt-get install" in capsys.readouterr().out
 
 
 @pytest.mark.usefixtures("_no_gmsh")
-def test_the_mesher_itself_refuses() -> None:
+def test_the_mesher_itself_refuses():
     with pytest.raises(MeshError, match="libglu1-mesa"):
         triangles.mesh(SizeField((0.0, 1.0), 1e-2, 1e-2, 0.6, 5.0))
 
 
 @pytest.fixture
-def _broken_gmsh(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def _broken_gmsh(monkeypatch, tmp_path):
     """gmsh as pip installs it on a system without its libraries."""
     (tmp_path / "gmsh.py").write_text(
         'raise OSError("libGL.so.1: cannot open shared object file")\n', "utf-8"
@@ -69,9 +66,7 @@ def _broken_gmsh(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("mesher", ["quads", "gmsh", "bisection"])
-def test_the_plan_is_of_what_will_run(
-    mesher: str, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_plan_is_of_what_will_run(mesher, request, monkeypatch):
     scene = Scene.load("flat_punch").changed(
         methods=["mdr", "fem"], accuracy__rtol=1e-3, accuracy__fem__mesher=mesher
     )

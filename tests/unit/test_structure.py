@@ -1,13 +1,10 @@
 """The house: data flows one way, and only what a job needs is loaded."""
 
-from __future__ import annotations
-
 import ast
 import subprocess
 import sys
 import tomllib
 from collections import Counter
-from collections.abc import Iterator
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -37,7 +34,7 @@ FILES = {
 }
 
 
-def imported(file: Path) -> Iterator[str]:
+def imported(file):
     """Files of ringwear that a file imports, at its top or within a function: by folders, so that
     editors follow them in a plain checkout.
     """
@@ -63,7 +60,7 @@ def imported(file: Path) -> Iterator[str]:
 IMPORTS = {name: sorted(set(imported(file))) for name, file in FILES.items()}
 
 
-def floor_of(name: str) -> tuple[int, str]:
+def floor_of(name):
     """Floor and room of a file: those of the longest room name that it begins with."""
     rooms = [(floor, room) for floor, rooms in enumerate(ROOMS) for room in rooms]
     return max(
@@ -73,20 +70,20 @@ def floor_of(name: str) -> tuple[int, str]:
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_imports_go_down(name: str) -> None:
+def test_imports_go_down(name):
     floor, room = floor_of(name)
     for other in IMPORTS[name]:
         below, its_room = floor_of(other)
         assert below < floor or its_room == room, f"{name} imports {other}"
 
 
-def test_no_circle_of_imports() -> None:
+def test_no_circle_of_imports():
     order = list(TopologicalSorter(IMPORTS).static_order())
     assert set(order) == set(FILES)
 
 
-def test_nothing_has_grown_too_large() -> None:
-    depth: dict[str, int] = {}
+def test_nothing_has_grown_too_large():
+    depth = {}
     for name in TopologicalSorter(IMPORTS).static_order():
         depth[name] = 1 + max((depth[other] for other in IMPORTS[name]), default=0)
     assert max(depth.values()) < 12
@@ -95,7 +92,7 @@ def test_nothing_has_grown_too_large() -> None:
     assert max(folders.values()) <= 12
 
 
-def test_every_room_is_installed() -> None:
+def test_every_room_is_installed():
     listed = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["setuptools"][
         "packages"
     ]
@@ -107,7 +104,7 @@ def test_every_room_is_installed() -> None:
 
 
 @pytest.mark.gmsh
-def test_the_default_finite_elements_are_those_of_scikit_fem() -> None:
+def test_the_default_finite_elements_are_those_of_scikit_fem():
     from skfem import ElementQuadP, MeshQuad
     from skfem.assembly import Dofs
 
@@ -126,7 +123,7 @@ def test_the_default_finite_elements_are_those_of_scikit_fem() -> None:
     assert type(solid.dofs) is Dofs
 
 
-def loaded(code: str) -> set[str]:
+def loaded(code):
     """Top-level modules that a fresh interpreter has after running the code."""
     tail = "\nimport sys\nprint('\\n' + ' '.join({name.split('.')[0] for name in sys.modules}))"
     done = subprocess.run(
@@ -138,13 +135,13 @@ def loaded(code: str) -> set[str]:
 HEAVY = {"gmsh", "skfem", "matplotlib", "meshio", "kvxopt"}
 
 
-def test_a_scene_needs_no_numerics() -> None:
+def test_a_scene_needs_no_numerics():
     code = "from ringwear import Scene\nScene.load('five_rings')"
     assert not loaded(code) & (HEAVY | {"scipy", "xarray", "netCDF4"})
 
 
 @pytest.mark.parametrize("methods", [["direct"], ["mdr"], ["mdr", "direct"]], ids=str)
-def test_runs_without_elements_load_no_mesher(methods: list[str]) -> None:
+def test_runs_without_elements_load_no_mesher(methods):
     code = (
         "from ringwear import Scene, "
         f"run\nrun(Scene.load('five_rings').changed(methods={methods})).summary"
@@ -152,7 +149,7 @@ def test_runs_without_elements_load_no_mesher(methods: list[str]) -> None:
     assert not loaded(code) & HEAVY
 
 
-def test_elements_by_bisection_load_no_gmsh() -> None:
+def test_elements_by_bisection_load_no_gmsh():
     changes = "methods=['fem'], accuracy__fem__mesher='bisection', accuracy__rtol=1e-2"
     modules = loaded(
         f"from ringwear import Scene, run\nrun(Scene.load('flat_punch').changed({changes}))"
@@ -164,13 +161,13 @@ def test_elements_by_bisection_load_no_gmsh() -> None:
 @pytest.mark.parametrize(
     "arguments", [["--help"], ["run", "--help"], ["study", "--help"], ["scenes"]], ids=str
 )
-def test_help_is_light(arguments: list[str]) -> None:
+def test_help_is_light(arguments):
     code = f"from ringwear.studies.cli import main\ntry:\n    main({arguments})\n"
     code += "except SystemExit as end:\n    assert not end.code"
     assert not loaded(code) & (HEAVY | {"scipy", "xarray", "netCDF4", "threadpoolctl"})
 
 
-def test_a_refusal_by_memory_computes_nothing(tmp_path: Path) -> None:
+def test_a_refusal_by_memory_computes_nothing(tmp_path):
     arguments = ["run", "five_rings", "--memory", "0.1", "--out", str(tmp_path / "out")]
     code = f"from ringwear.studies.cli import main\nassert main({arguments}) == 2"
     assert not loaded(code) & (HEAVY | {"xarray", "netCDF4", "threadpoolctl"})

@@ -3,9 +3,6 @@
 Forms, patches, Lame's cylinder, Boussinesq's field.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -15,17 +12,15 @@ from scipy.sparse.linalg import spsolve
 from skfem import (
     Basis,
     BilinearForm,
-    Element,
     ElementQuad2,
     ElementQuadP,
     ElementTriP2B,
     ElementVector,
-    Mesh,
     MeshQuad,
 )
 
 from ringwear.fem import AxisymmetricElasticity, element_of_degree, moduli, poles, stiffness
-from ringwear.meshes import Array, turned
+from ringwear.meshes import turned
 from ringwear.meshes.half_space import LOWER
 
 # kind of mesh and degree of the displacement
@@ -35,7 +30,7 @@ SOLIDS = [
 ]
 
 
-def square(kind: str, r: float, z: float, count: int = 4) -> Mesh:
+def square(kind, r, z, count=4):
     """Square of size 1 with a corner at (r, z): `count` by `count` skew quadrilaterals, no two
     alike, or each cut in two; of `layers`, degrees differ from element to element.
     """
@@ -58,11 +53,11 @@ def square(kind: str, r: float, z: float, count: int = 4) -> Mesh:
 
 
 @BilinearForm
-def energy(u, v, w):  # type: ignore[no-untyped-def]
+def energy(u, v, w):
     """Twice the energy of displacements (radial, axial), as it stands in a textbook."""
     r = w.x[0]
 
-    def strains(displacement, gradient):  # type: ignore[no-untyped-def]
+    def strains(displacement, gradient):
         (rr, rz), (zr, zz) = gradient
         return rr, zz, (rz + zr) / np.sqrt(2), displacement[0] / r
 
@@ -74,9 +69,7 @@ def energy(u, v, w):  # type: ignore[no-untyped-def]
 
 @pytest.mark.parametrize(("kind", "degree"), SOLIDS)
 @pytest.mark.parametrize("poisson_ratio", [-0.5, 0.4999])
-def test_stiffness_is_that_of_the_bilinear_form(
-    kind: str, degree: int, poisson_ratio: float
-) -> None:
+def test_stiffness_is_that_of_the_bilinear_form(kind, degree, poisson_ratio):
     mesh = square(kind, 0.5, 0.2, 3)
     element = element_of_degree(mesh, degree)
     order = 2 * degree + (4 if kind == "triangles" else 1)
@@ -93,7 +86,7 @@ def test_stiffness_is_that_of_the_bilinear_form(
     assert abs(assembled - expected).max() <= 1e-13 * abs(expected).max()
 
 
-def greatest_error(solid: AxisymmetricElasticity, field: Callable[[Array], Array]) -> float:
+def greatest_error(solid, field):
     """Solve with a field (n, 2) at (n, 2) points given all around, but for its axial part on the
     left, where it has no shear.
 
@@ -112,11 +105,11 @@ def greatest_error(solid: AxisymmetricElasticity, field: Callable[[Array], Array
     return float(np.abs(vertices - expected).max() / np.abs(expected).max())
 
 
-def affine(points: Array) -> Array:
+def affine(points):
     return points * [0.3, -0.7] + [0, 1]
 
 
-def bent(points: Array) -> Array:
+def bent(points):
     """Every strain at once, and neither a body force nor a change of volume."""
     r, z = points.T
     return np.stack([r * z, r**2 / 2 - z**2], axis=1)
@@ -133,20 +126,20 @@ def bent(points: Array) -> Array:
         ("triangles", 2, ElementTriP2B()),
     ],
 )
-def test_patches(kind: str, degree: int, element: Element | None, poisson_ratio: float) -> None:
+def test_patches(kind, degree, element, poisson_ratio):
     """Fields without body force that elements hold are found to roundoff."""
     solid = AxisymmetricElasticity(square(kind, 0.0, 0.0), degree, poisson_ratio, element)
     assert element is None or solid.element is element
     assert greatest_error(solid, bent if degree > 1 else affine) <= 1e-10
 
 
-def lame_cylinder(points: Array, _: float) -> Array:
+def lame_cylinder(points, _):
     """A thick-walled cylinder in plane strain, ``u_r = A r + B / r``."""
     radius = points[:, :1]
     return (0.3 * radius + 0.7 / radius) * [1, 0]
 
 
-def boussinesq(points: Array, poisson_ratio: float) -> Array:
+def boussinesq(points, poisson_ratio):
     """Below the point force: all strains, hoop strain at the axis."""
     return poles(points, (0,), poisson_ratio, moduli(poisson_ratio)[1])[0][0]
 
@@ -154,9 +147,7 @@ def boussinesq(points: Array, poisson_ratio: float) -> Array:
 CORNERS = {lame_cylinder: (1.0, 0.0), boussinesq: (0.0, 1.5)}
 
 
-def vertex_error(
-    field: Callable[[Array, float], Array], kind: str, degree: int, poisson_ratio: float, count: int
-) -> float:
+def vertex_error(field, kind, degree, poisson_ratio, count):
     mesh = square(kind, *CORNERS[field], count)
     solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)
     return greatest_error(solid, lambda points: field(points, poisson_ratio))
@@ -182,13 +173,13 @@ def vertex_error(
 )
 @pytest.mark.parametrize("field", CORNERS)
 def test_order_of_displacements_at_vertices(
-    field: Callable[[Array, float], Array],
-    kind: str,
-    degree: int,
-    poisson_ratio: float,
-    order: int,
-    cap: float,
-) -> None:
+    field,
+    kind,
+    degree,
+    poisson_ratio,
+    order,
+    cap,
+):
     coarse, fine = (vertex_error(field, kind, degree, poisson_ratio, count) for count in (8, 16))
     assert np.log2(coarse / fine) >= order - 0.45
     assert fine <= cap
@@ -197,9 +188,7 @@ def test_order_of_displacements_at_vertices(
 @pytest.mark.parametrize(
     ("poisson_ratio", "highest", "cap"), [(0.0, 9, 1e-12), (0.3, 9, 5e-12), (0.49999, 7, 5e-9)]
 )
-def test_error_falls_exponentially_with_the_degree(
-    poisson_ratio: float, highest: int, cap: float
-) -> None:
+def test_error_falls_exponentially_with_the_degree(poisson_ratio, highest, cap):
     """On quadrilaterals numbered at random.
 
     Sides that ran differently in their two elements would stop it at 1e-4.
@@ -210,7 +199,7 @@ def test_error_falls_exponentially_with_the_degree(
     assert errors[-1] <= cap
 
 
-def test_degrees_of_layers_are_lower_where_the_mesh_allows_it() -> None:
+def test_degrees_of_layers_are_lower_where_the_mesh_allows_it():
     solid = AxisymmetricElasticity(square("layers", 0.0, 0.0), 6, 0.3)
     elements = [(batch.degree, type(batch.element)) for batch in solid.batches]
     assert elements == [(degree, ElementQuadP) for degree in (4, 5, 6)]

@@ -1,9 +1,5 @@
 """Boussinesq's poles: exact solutions with a free surface, and the boundary tied to them."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -16,7 +12,7 @@ from ringwear.fem import (
     poles,
     pressure_space,
 )
-from ringwear.meshes import Array, SizeField, bisection
+from ringwear.meshes import SizeField, bisection
 from ringwear.studies.wear.flat_contact import press_flat
 
 ORDERS = (0, 2, 4, 6)
@@ -25,7 +21,7 @@ PLACES = np.array([[0.4, 1.1], [1.2, 0.9], [1.7, 0.2]])
 each_ratio = pytest.mark.parametrize("ratio", [-0.3, 0.0, 0.3, 0.5])
 
 
-def slopes(fields: Any, step: float = 1e-3) -> Any:
+def slopes(fields, step=1e-3):
     """Derivatives by radius and depth at `PLACES`: central differences of sixth order."""
     weights = {1: 45, -1: -45, 2: -9, -2: 9, 3: 1, -3: -1}
     for axis in np.eye(2):
@@ -33,8 +29,8 @@ def slopes(fields: Any, step: float = 1e-3) -> Any:
 
 
 @each_ratio
-def test_equilibrium_and_hooke(ratio: float) -> None:
-    def fields(points: Array) -> Array:
+def test_equilibrium_and_hooke(ratio):
+    def fields(points):
         return np.concatenate(poles(points, ORDERS, ratio, SHEAR), axis=-1)
 
     # radial and axial displacement, then stresses rr, zz, rz, hoop, of every pole
@@ -54,7 +50,7 @@ def test_equilibrium_and_hooke(ratio: float) -> None:
 
 
 @each_ratio
-def test_surface_is_free(ratio: float) -> None:
+def test_surface_is_free(ratio):
     """And sinks under a point force by ``(1 - nu) F / (2 pi G r)``, drawn towards it."""
     radii = np.geomspace(0.1, 100, 7)
     moved, stress = poles(np.stack([radii, 0 * radii], axis=1), ORDERS, ratio, SHEAR)
@@ -65,7 +61,7 @@ def test_surface_is_free(ratio: float) -> None:
 
 
 @each_ratio
-def test_exterior_energy_is_that_of_the_exterior(ratio: float) -> None:
+def test_exterior_energy_is_that_of_the_exterior(ratio):
     """Symmetric and definite, and for similar boundaries as ``1/rho^(n + m + 1)``."""
     angles = np.linspace(0, np.pi / 2, 5)
     corners = 3 * np.stack([np.sin(angles), np.cos(angles)], axis=1)
@@ -77,7 +73,7 @@ def test_exterior_energy_is_that_of_the_exterior(ratio: float) -> None:
 
 
 @pytest.mark.parametrize("orders", [(), (0, 2, 4)], ids=str)
-def test_reactions_balance_the_force(orders: tuple[int, ...]) -> None:
+def test_reactions_balance_the_force(orders):
     """Nodal forces: the load on the contact, its opposite on the outer boundary, nothing else."""
     mesh = bisection.mesh(SizeField((0.0, 1.0), 1e-6, 1e-6, 0.35, 5.0))
     solid = AxisymmetricElasticity(mesh, 4, 0.3)
@@ -93,7 +89,7 @@ def test_reactions_balance_the_force(orders: tuple[int, ...]) -> None:
 @pytest.mark.parametrize(
     ("truncation", "negligible"), [(2.5, 1e-9), (5.0, 1e-9), (2.5, 1e-10), (1e3, 1e-9)]
 )
-def test_poles_are_enough(truncation: float, negligible: float) -> None:
+def test_poles_are_enough(truncation, negligible):
     """The first neglected is of order 4n + 1 in a/R; a pole less would not be enough."""
     count = len(enough_poles(truncation, negligible))
     assert truncation ** -(4 * count + 1) <= negligible

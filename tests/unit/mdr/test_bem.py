@@ -1,7 +1,5 @@
 """The compliance by boundary elements is that of the MDR, as an operator."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +8,6 @@ import scipy.linalg
 
 from ringwear.mdr import line_density, panel_quadrature, ring_kernel
 from ringwear.meshes import (
-    Array,
     PressureSpace,
     alternating_edges,
     graded_breakpoints,
@@ -18,18 +15,18 @@ from ringwear.meshes import (
 )
 
 
-def graded(edges: Array) -> PressureSpace:
+def graded(edges):
     breakpoints = graded_breakpoints(edges, 1e-4, 1e-7, 0.2)
     return PressureSpace(breakpoints, layer_degrees(breakpoints, edges, 8, 1, 2), edges)
 
 
-def uniform(elements: int, rings: int, degree: int) -> PressureSpace:
+def uniform(elements, rings, degree):
     return PressureSpace(
         np.linspace(0, 1, elements + 1), np.full(elements, degree), alternating_edges(rings)
     )
 
 
-def deviation(first: Array, second: Array) -> float:
+def deviation(first, second):
     """Largest |lambda - 1| of the generalised eigenvalues of two matrices ``F^T F``, by factors."""
     triangle = np.linalg.qr(second, mode="r")
     ratio = scipy.linalg.solve_triangular(triangle.T, first.T, lower=True)
@@ -45,7 +42,7 @@ def deviation(first: Array, second: Array) -> float:
     ],
     ids=lambda space: f"{space.size} pressures",
 )
-def test_equals_mdr_as_an_operator(space: PressureSpace) -> None:
+def test_equals_mdr_as_an_operator(space):
     factor, rings = ring_kernel.compliance(space).factor, space.ring_indicator()
     # by more points than the MDR has: exact for all bubbles, too
     positions, weights = panel_quadrature(replace(space, degrees=space.degrees + 10))
@@ -55,7 +52,7 @@ def test_equals_mdr_as_an_operator(space: PressureSpace) -> None:
 
 
 @pytest.mark.parametrize("widths", [[0.5, 1e-4, 0.4999], [1e-4, 0.9999], [0.9999, 1e-4]])
-def test_neighbours_may_differ_ten_thousandfold(widths: list[float]) -> None:
+def test_neighbours_may_differ_ten_thousandfold(widths):
     """Constants on coarse elements against the same on a graded mesh of like neighbours."""
     edges = np.append(0.0, np.cumsum(widths) / sum(widths))
     spaces = PressureSpace(edges, np.full(len(widths), 8), edges), graded(edges)

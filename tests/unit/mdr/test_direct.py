@@ -1,16 +1,11 @@
 """Direct integration against quadrature in 30 digits, which knows no elliptic integrals."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
-from conftest import Prepare
 from mpmath import mp
 
 from ringwear.mdr import direct, energy
-from ringwear.meshes import Array, PressureSpace, graded_breakpoints, layer_degrees, ring_areas
+from ringwear.meshes import PressureSpace, graded_breakpoints, layer_degrees, ring_areas
 
 EDGES = np.array([0.0, 0.25, 0.3, 0.8, 1.0])
 WEAR = np.array([0.2, 1.0, 0.05, 0.6])
@@ -20,14 +15,14 @@ HOMOGENEOUS = {"line": 0.97399573592, "area": 4 / np.pi}
 
 
 @pytest.fixture(autouse=True)
-def _thirty_digits() -> Any:
+def _thirty_digits():
     with mp.workdps(30):
         yield
 
 
 @pytest.mark.parametrize("radius", [0.0, 1e-3, 0.1, 0.27, 0.29999, 0.5, 0.79, 0.95, 0.9999])
 @pytest.mark.parametrize("function", [direct.displacement, direct.slope])
-def test_against_chords(radius: float, function: Any) -> None:
+def test_against_chords(radius, function):
     """The kernel ``1 / (pi distance)`` makes the displacement under unit pressure on a disc the
     integral of the length of the chord through the point over its angle.
     """
@@ -35,7 +30,7 @@ def test_against_chords(radius: float, function: Any) -> None:
     for step, disc in zip(direct.pressure_steps(PRESSURES), EDGES[1:], strict=True):
         c = mp.mpf(float(disc))
 
-        def integrand(angle: Any, c: Any = c) -> Any:
+        def integrand(angle, c=c):
             half = mp.sqrt(abs(c**2 - (r * mp.sin(angle)) ** 2))
             return half if function is direct.displacement else -r * mp.sin(angle) ** 2 / half
 
@@ -46,10 +41,10 @@ def test_against_chords(radius: float, function: Any) -> None:
 
 
 @pytest.mark.parametrize(("radius", "ring"), [(0.0, 0.3), (0.4, 0.7), (0.9, 0.1), (0.5, 0.499)])
-def test_ring_kernel_is_the_mean_of_the_point_kernel(radius: float, ring: float) -> None:
+def test_ring_kernel_is_the_mean_of_the_point_kernel(radius, ring):
     r, s = mp.mpf(radius), mp.mpf(ring)
 
-    def inverse_distance(angle: Any) -> Any:
+    def inverse_distance(angle):
         return 1 / mp.sqrt(r**2 + s**2 - 2 * r * s * mp.cos(angle))
 
     # the kernel is steep within an angle of the relative distance of the two radii
@@ -58,7 +53,7 @@ def test_ring_kernel_is_the_mean_of_the_point_kernel(radius: float, ring: float)
     assert kernel == pytest.approx(float(expected), rel=1e-12)
 
 
-def test_steady_pressures_carry_the_force_and_wear_alike() -> None:
+def test_steady_pressures_carry_the_force_and_wear_alike():
     """Eqs. 24 and 26: at the rate of the mean wear coefficient, harmonic and weighted by area."""
     mean = np.pi / np.sum(ring_areas(EDGES) / WEAR)
     np.testing.assert_allclose(WEAR * PRESSURES, mean / np.pi, rtol=1e-14)
@@ -66,7 +61,7 @@ def test_steady_pressures_carry_the_force_and_wear_alike() -> None:
     assert pressures @ ring_areas(EDGES) == pytest.approx(3.0, rel=1e-14)
 
 
-def quadrature() -> tuple[Array, Array]:
+def quadrature():
     """Radii and weights (4, n) on each ring, for what has logarithms at ring edges."""
     node, weight = np.polynomial.legendre.leggauss(40)
     node, weight = (1 + node) / 2, weight / 2
@@ -77,7 +72,7 @@ def quadrature() -> tuple[Array, Array]:
 
 
 @pytest.mark.parametrize("average", HOMOGENEOUS)
-def test_gradients(average: str) -> None:
+def test_gradients(average):
     """Of a homogeneous punch, of rings, and of many rings of extreme ratio."""
     homogeneous = direct.rms_slope(EDGES[[0, -1]], np.ones(1), average)
     assert homogeneous == pytest.approx(HOMOGENEOUS[average], rel=1e-10)
@@ -93,7 +88,7 @@ def test_gradients(average: str) -> None:
     assert direct.rms_slope(edges, pressures, average) == pytest.approx(expected, rel=1e-2)
 
 
-def test_energies_of_rings_by_the_mdr() -> None:
+def test_energies_of_rings_by_the_mdr():
     """``int u p dA = 2 int q^2 dx``; 16/3 for the disc."""
     breakpoints = graded_breakpoints(EDGES, 1e-4, 1e-4, 0.2)
     space = PressureSpace(breakpoints, layer_degrees(breakpoints, EDGES, 6, rise=1), EDGES)
@@ -106,12 +101,12 @@ def test_energies_of_rings_by_the_mdr() -> None:
     np.testing.assert_allclose(energies, expected, rtol=1e-11)
 
 
-def test_limiting_profile_has_its_minimum_at_zero() -> None:
+def test_limiting_profile_has_its_minimum_at_zero():
     profile = direct.limiting_profile(EDGES, PRESSURES, np.linspace(0, 1, 4001))
     assert -1e-15 <= profile.min() <= 1e-7
 
 
-def test_marches_tend_to_it(prepare: Prepare, method: str) -> None:
+def test_marches_tend_to_it(prepare, method):
     """After forty relaxation times: its pressures, and the method's own limiting profile."""
     punch = prepare("five_rings", method)
     last = punch.wear.history(40 * punch.wear.relaxation_times[:1])

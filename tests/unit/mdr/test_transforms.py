@@ -1,7 +1,5 @@
 """The MDR transforms against closed forms, and quadrature in 40 digits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from mpmath import mp
@@ -20,12 +18,12 @@ EDGES = np.array([0.0, 0.3, 0.45, 0.9, 1.0])
 
 
 @pytest.fixture(params=[6, 9])
-def space(request: pytest.FixtureRequest) -> PressureSpace:
+def space(request):
     radii = graded_breakpoints(EDGES, 1e-4, 1e-4, 0.2)
     return PressureSpace(radii, layer_degrees(radii, EDGES, request.param, rise=1), EDGES)
 
 
-def test_line_density_of_rings(space: PressureSpace) -> None:
+def test_line_density_of_rings(space):
     """Differences of discs, whose line density is ``2 sqrt(c^2 - x^2)``."""
     x = np.linspace(0.001, 0.999, 500)
     discs = 2 * np.sqrt(np.maximum(EDGES**2 - x[:, None] ** 2, 0))
@@ -33,14 +31,14 @@ def test_line_density_of_rings(space: PressureSpace) -> None:
     np.testing.assert_allclose(densities, np.diff(discs, axis=1), atol=1e-14)
 
 
-def test_force_is_twice_the_integral(space: PressureSpace) -> None:
+def test_force_is_twice_the_integral(space):
     """Eq. 17's sum of springs, ``F = 2 int q dx``, for every function of the space."""
     positions, weights = panel_quadrature(space)
     forces = 2 * weights @ line_density(space, positions)
     np.testing.assert_allclose(forces, space.weights, rtol=1e-12, atol=1e-15)
 
 
-def test_compliance_is_definite_and_refines_itself(space: PressureSpace) -> None:
+def test_compliance_is_definite_and_refines_itself(space):
     """A space within another gives the same energies, and never presses deeper."""
     fine = energy.compliance(space)
     coarse = fine.coarser()
@@ -52,7 +50,7 @@ def test_compliance_is_definite_and_refines_itself(space: PressureSpace) -> None
 
 @pytest.mark.parametrize("gap", [0.25, 2.0**-13, 2.0**-26])
 @pytest.mark.parametrize("degree", [1, 7, 12, 16])
-def test_line_density_of_every_shape(degree: int, gap: float) -> None:
+def test_line_density_of_every_shape(degree, gap):
     """On an element at the rim, seen from inside it, from its edge and from afar."""
     left = 1 - gap
     element = PressureSpace(np.array([0.0, left, 1.0]), np.array([1, degree]), np.array([0.0, 1.0]))
@@ -74,7 +72,7 @@ def test_line_density_of_every_shape(degree: int, gap: float) -> None:
         np.testing.assert_allclose(row, expected, rtol=0, atol=1e-13 * length)
 
 
-def test_profile_transform() -> None:
+def test_profile_transform():
     """Eq. 3: exact for constants and cones; ``r^2`` becomes ``2 x^2``, to order 3/2 in the grid."""
     radii = np.sort(np.append(np.random.default_rng(1).random(20), [0.0, 1.0]))
     positions = np.linspace(0.01, 1, 57)
@@ -90,7 +88,7 @@ def test_profile_transform() -> None:
     assert errors[1] <= 1e-3
 
 
-def test_pressure_transform() -> None:
+def test_pressure_transform():
     """Eq. 7 of all that is linear between positions: a constant gives the flat punch, ``c - x``
     on ``x < c`` gives ``arcosh(c/r) / pi``.
     """

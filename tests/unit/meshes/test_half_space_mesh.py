@@ -1,16 +1,13 @@
 """Every mesher makes the quarter disc that it should, and a broken mesh is refused on arrival."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 import pytest
-from skfem import Mesh, MeshQuad, MeshTri
+from skfem import MeshQuad, MeshTri
 
 from ringwear.meshes import (
     Array,
@@ -65,12 +62,12 @@ LAYERS = {
 }
 
 
-def graded(layers: Layers) -> quads.GradedQuads:
+def graded(layers):
     edges, *sizes = layers.ring_edges, layers.sizes, layers.rim_size, layers.factor
     return quads.graded(edges, *sizes, 0.8, layers.truncation)
 
 
-MESHERS: dict[str, tuple[dict, Callable]] = {
+MESHERS = {
     "bisection": (FIELDS, bisection.mesh),
     "gmsh": (FIELDS, triangles.mesh),
     "quads": (LAYERS, lambda layers: graded(layers).mesh),
@@ -78,7 +75,7 @@ MESHERS: dict[str, tuple[dict, Callable]] = {
 
 
 @cache
-def meshed(mesher: str, name: str) -> Mesh:
+def meshed(mesher, name):
     sizes, mesh = MESHERS[mesher]
     return mesh(sizes[name])
 
@@ -91,7 +88,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("mesher", "name"), CASES)
-def test_it_is_the_quarter_disc(mesher: str, name: str) -> None:
+def test_it_is_the_quarter_disc(mesher, name):
     """On arrival, lengths, areas and ring edges are checked, as the refusals below show."""
     mesh, wanted = meshed(mesher, name), MESHERS[mesher][0][name]
     assert truncation(mesh) == wanted.truncation
@@ -108,7 +105,7 @@ def test_it_is_the_quarter_disc(mesher: str, name: str) -> None:
 
 
 @pytest.mark.parametrize(("mesher", "name"), [case for case in CASES if case.values[0] != "quads"])
-def test_triangles_follow_the_size_field(mesher: str, name: str) -> None:
+def test_triangles_follow_the_size_field(mesher, name):
     mesh, field = meshed(mesher, name), FIELDS[name]
     corners = mesh.p[:, mesh.t]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max(axis=0)
@@ -128,7 +125,7 @@ def test_triangles_follow_the_size_field(mesher: str, name: str) -> None:
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("name", LAYERS)
-def test_layers_shrink_to_the_wanted_size(name: str) -> None:
+def test_layers_shrink_to_the_wanted_size(name):
     wanted, mesh = LAYERS[name], meshed("quads", name)
     edges, radii = wanted.ring_edges[1:], contact_radii(mesh)
     assert isinstance(mesh, MeshQuad)
@@ -142,7 +139,7 @@ def test_layers_shrink_to_the_wanted_size(name: str) -> None:
 
 
 @pytest.mark.gmsh
-def test_a_layer_less_is_coarser() -> None:
+def test_a_layer_less_is_coarser():
     """And each decimal place costs its own layers only."""
     whole, coarsest = graded(LAYERS["five rings"]), graded(LAYERS["coarse"])
     mesh, coarser = whole.mesh, whole.coarser().mesh
@@ -154,7 +151,7 @@ def test_a_layer_less_is_coarser() -> None:
 
 
 @pytest.mark.gmsh
-def test_degrees_fall_inwards() -> None:
+def test_degrees_fall_inwards():
     """As if nothing had been blunted: by the root of the distance at ring edges."""
     whole = graded(LAYERS["five rings"])
     mesh = whole.mesh
@@ -169,14 +166,14 @@ def test_degrees_fall_inwards() -> None:
 
 
 @pytest.mark.parametrize(("mesher", "name"), [case for case in CASES if "rings" in case.values[1]])
-def test_same_mesh_every_time(mesher: str, name: str) -> None:
+def test_same_mesh_every_time(mesher, name):
     sizes, mesh = MESHERS[mesher]
     again, first = mesh(sizes[name]), meshed(mesher, name)
     np.testing.assert_array_equal(again.p, first.p)
     np.testing.assert_array_equal(again.t, first.t)
 
 
-def test_quality() -> None:
+def test_quality():
     """The least sine of a corner: 1 in squares, negative where an element bends inwards."""
     height = np.sqrt(0.75)
     corners = [[0, 0], [1, 0], [1, 1], [0, 1], [0.5, height], [1.5, height], [0.8, 0.8]]
@@ -190,19 +187,19 @@ def test_quality() -> None:
     assert bent < 0
 
 
-def test_orphans_are_dropped() -> None:
+def test_orphans_are_dropped():
     mesh, field = meshed("bisection", "rings"), FIELDS["rings"]
     orphaned = MeshTri(np.append(mesh.p, [[0.5], [0.5]], axis=1), mesh.t)
     assert as_half_space(orphaned, field.ring_edges).nvertices == mesh.nvertices
 
 
-def fold(mesh: MeshTri) -> MeshTri:
+def fold(mesh):
     points = mesh.p.copy()
     points[:, mesh.interior_nodes()[0]] += 0.9
     return MeshTri(points, mesh.t)
 
 
-def flatten(mesh: MeshTri) -> MeshTri:
+def flatten(mesh):
     points, vertex = mesh.p.copy(), mesh.interior_nodes()[0]
     triangle = mesh.t[:, (mesh.t == vertex).any(axis=0)][:, 0]
     points[:, vertex] = points[:, triangle[triangle != vertex]].mean(axis=1) * (1 + 1e-9)
@@ -219,14 +216,14 @@ def flatten(mesh: MeshTri) -> MeshTri:
         (flatten, "degenerate"),
     ],
 )
-def test_a_spoilt_mesh_is_refused(spoil: Callable[[MeshTri], MeshTri], reason: str) -> None:
+def test_a_spoilt_mesh_is_refused(spoil, reason):
     spoilt = spoil(meshed("bisection", "rings"))
     with pytest.raises(MeshError, match=reason):
         as_half_space(spoilt, FIELDS["rings"].ring_edges)
 
 
 @pytest.mark.parametrize("boundary", [None, "contact", "free", "axis", "far"])
-def test_a_hole_is_refused(boundary: str | None) -> None:
+def test_a_hole_is_refused(boundary):
     mesh = meshed("bisection", "rings")
     lost = mesh.f2t[0, mesh.boundaries[boundary][:3]] if boundary else [0, 1, 100]
     for number in lost:
@@ -234,7 +231,7 @@ def test_a_hole_is_refused(boundary: str | None) -> None:
             as_half_space(mesh.remove_elements(np.array([number])), FIELDS["rings"].ring_edges)
 
 
-def test_what_cannot_be_meshed_is_refused() -> None:
+def test_what_cannot_be_meshed_is_refused():
     with pytest.raises(MeshError, match=r"r = 0\.500000001 a.*ring_size"):
         as_half_space(meshed("bisection", "rings"), np.array([0.0, 0.5 + 1e-9, 1.0]))
     with pytest.raises(MeshError, match=r"narrower than 1e-12"):
@@ -244,7 +241,7 @@ def test_what_cannot_be_meshed_is_refused() -> None:
 
 
 @pytest.mark.gmsh
-def test_gmsh_leaves_signals_to_python() -> None:
+def test_gmsh_leaves_signals_to_python():
     """Its start takes SIGTERM and SIGPIPE away, and a study that was ended lost its rows."""
     code = """
 import signal

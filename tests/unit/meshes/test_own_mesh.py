@@ -2,20 +2,15 @@
 where.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from itertools import pairwise
-from pathlib import Path
 
 import meshio
 import numpy as np
 import pytest
-from skfem import Mesh, MeshQuad, MeshTri
+from skfem import MeshQuad
 
 from ringwear import Scene
 from ringwear.meshes import (
-    Array,
     MeshError,
     SizeField,
     areas,
@@ -31,19 +26,17 @@ EDGES = np.array([0.0, 0.5, 1.0])
 
 
 @pytest.fixture(scope="module")
-def ours() -> MeshTri:
+def ours():
     return bisection.mesh(SizeField((0.0, 0.5, 1.0), 0.05, 0.1, 0.6, 4.0))
 
 
-def as_meshio(mesh: Mesh, scale: float = 1.0) -> meshio.Mesh:
+def as_meshio(mesh, scale=1.0):
     """The mesh as meshio knows it, without any names."""
     points = np.column_stack([scale * mesh.p.T, np.zeros(mesh.nvertices)])
     return meshio.Mesh(points, [("triangle", mesh.t.T.copy())])
 
 
-def gmsh_file(
-    path: Path, version: float = 4.1, recombine: bool = False, order: int = 1, surface: bool = True
-) -> Path:
+def gmsh_file(path, version=4.1, recombine=False, order=1, surface=True):
     """The quarter disc by gmsh itself, as a physical group or without one."""
     with gmsh_session.session() as gmsh:
         gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 1)
@@ -68,7 +61,7 @@ def gmsh_file(
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize(("version", "recombine"), [(2.2, False), (4.1, False), (4.1, True)])
-def test_a_file_of_gmsh_is_read(tmp_path: Path, version: float, recombine: bool) -> None:
+def test_a_file_of_gmsh_is_read(tmp_path, version, recombine):
     mesh, _ = read(gmsh_file(tmp_path / "disc.msh", version, recombine), EDGES)
     assert len(mesh.t) == (4 if recombine else 3)
     assert truncation(mesh) == 4.0
@@ -78,9 +71,7 @@ def test_a_file_of_gmsh_is_read(tmp_path: Path, version: float, recombine: bool)
 
 @pytest.mark.parametrize("ending", [".vtu", ".vtk"])
 @pytest.mark.parametrize("scale", [1.0, 0.003])
-def test_a_file_of_meshio_gives_the_same_mesh_back(
-    tmp_path: Path, ours: MeshTri, ending: str, scale: float
-) -> None:
+def test_a_file_of_meshio_gives_the_same_mesh_back(tmp_path, ours, ending, scale):
     path = tmp_path / f"disc{ending}"
     as_meshio(ours, scale).write(path)
     mesh, _ = read(path, EDGES, radius=0.003)
@@ -90,7 +81,7 @@ def test_a_file_of_meshio_gives_the_same_mesh_back(
 
 
 @pytest.mark.gmsh
-def test_what_ringwear_mesh_writes_is_read_back(tmp_path: Path) -> None:
+def test_what_ringwear_mesh_writes_is_read_back(tmp_path):
     scene = Scene.load("rubber")
     assert main(["mesh", "rubber", "--out", str(tmp_path)]) == 0
     mesh, remark = read(tmp_path / "mesh.vtu", scene.problem.merged.ring_edges, scene.punch.radius)
@@ -109,8 +100,8 @@ def test_what_ringwear_mesh_writes_is_read_back(tmp_path: Path) -> None:
     ("factor", "surface"), [(1, 0.0), (-1, 0.0), (1, 1e-12), (1, -1e-12)], ids=str
 )
 def test_a_half_space_drawn_below_its_surface_is_turned_over_and_says_so(
-    tmp_path: Path, ours: MeshTri, factor: int, surface: float
-) -> None:
+    tmp_path, ours, factor, surface
+):
     """But not for rounding at the surface."""
     content = as_meshio(ours)
     content.points[:, 1] = np.where(ours.p[1] == 0, surface, factor * ours.p[1])
@@ -121,27 +112,27 @@ def test_a_half_space_drawn_below_its_surface_is_turned_over_and_says_so(
     np.testing.assert_allclose(mesh.p, ours.p, atol=1e-14)
 
 
-def tear(content: meshio.Mesh) -> None:
+def tear(content):
     """Give each triangle vertices of its own."""
     triangles = content.cells[0].data
     content.points = content.points[triangles.ravel()]
     content.cells[0].data = np.arange(triangles.size).reshape(-1, 3)
 
 
-def mix(content: meshio.Mesh) -> None:
+def mix(content):
     content.cells.append(meshio.CellBlock("quad", np.array([[0, 1, 2, 3]])))
 
 
-def move(points: Callable[[Array], Array]) -> Callable[[meshio.Mesh], None]:
+def move(points):
     """All points by a function of theirs, as columns."""
 
-    def change(content: meshio.Mesh) -> None:
+    def change(content):
         content.points = np.column_stack(points(content.points.T))
 
     return change
 
 
-def pull_out(content: meshio.Mesh) -> None:
+def pull_out(content):
     """One vertex beyond the surface."""
     r, z, _ = content.points.T
     content.points[int(np.argmin(np.hypot(r - 2, z - 0.3))), 1] = -0.25
@@ -160,9 +151,7 @@ def pull_out(content: meshio.Mesh) -> None:
         (pull_out, r" 1 .*negative.* \(\d.*, -0.25\)"),
     ],
 )
-def test_a_broken_mesh_is_refused_with_what_and_where(
-    tmp_path: Path, ours: MeshTri, change: Callable[[meshio.Mesh], None], message: str
-) -> None:
+def test_a_broken_mesh_is_refused_with_what_and_where(tmp_path, ours, change, message):
     content = as_meshio(ours)
     change(content)
     content.write(tmp_path / "bad.vtu")
@@ -174,7 +163,7 @@ def test_a_broken_mesh_is_refused_with_what_and_where(
 @pytest.mark.parametrize(
     ("settings", "message"), [({"order": 2}, "ElementOrder = 1"), ({"surface": False}, "surface")]
 )
-def test_the_message_says_how_to_export(tmp_path: Path, settings: dict, message: str) -> None:
+def test_the_message_says_how_to_export(tmp_path, settings, message):
     with pytest.raises(MeshError, match=message):
         read(gmsh_file(tmp_path / "disc.msh", **settings), EDGES)
 
@@ -188,9 +177,7 @@ def test_the_message_says_how_to_export(tmp_path: Path, settings: dict, message:
         ("", "directory"),
     ],
 )
-def test_what_is_not_a_mesh_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, message: str
-) -> None:
+def test_what_is_not_a_mesh_is_refused(tmp_path, capsys, name, message):
     if "text" in name:
         (tmp_path / name).write_text("nothing of the kind\n")
     with pytest.raises(MeshError, match=message):

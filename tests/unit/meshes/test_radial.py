@@ -1,7 +1,5 @@
 """Graded radii, and the pressure space: partitions of unity, forces, slopes, and joined bases."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -18,12 +16,12 @@ WEAR = np.array([0.2, 1.0, 0.05, 0.6])
 
 
 @pytest.fixture(params=[1, 2, 5, 9])
-def space(request: pytest.FixtureRequest) -> PressureSpace:
+def space(request):
     radii = graded_breakpoints(EDGES, 1e-3, 1e-5, 0.3)
     return PressureSpace(radii, layer_degrees(radii, EDGES, request.param, rise=1), EDGES)
 
 
-def test_ring_areas() -> None:
+def test_ring_areas():
     np.testing.assert_allclose(ring_areas(EDGES), np.pi * np.diff(EDGES**2), rtol=1e-14)
     # of a narrow ring, to roundoff: 2 pi r w
     narrow = 2 * np.pi * 2.0**-40 * (1 - 2.0**-41)
@@ -36,9 +34,7 @@ def test_ring_areas() -> None:
 @pytest.mark.parametrize(
     "edges", [[0.0, 1.0], EDGES, [0.0, 0.5, 0.5001, 1.0], [0.0, 1e-4, 0.9999, 1.0]], ids=str
 )
-def test_graded_breakpoints(
-    edges: list[float], edge_size: float, rim_size: float, factor: float, axis_size: float | None
-) -> None:
+def test_graded_breakpoints(edges, edge_size, rim_size, factor, axis_size):
     radii = graded_breakpoints(edges, edge_size, rim_size, factor, axis_size)
     assert (radii[0], radii[-1]) == (0.0, 1.0)
     widths = np.diff(radii)
@@ -54,7 +50,7 @@ def test_graded_breakpoints(
     assert axis_size is None or widths[0] <= max(axis_size / np.sqrt(factor), spans[0])
 
 
-def test_layer_degrees() -> None:
+def test_layer_degrees():
     """Lowest on both sides of every edge, and by a degree more with each element."""
     radii = graded_breakpoints(EDGES, 1e-4, 1e-4, 0.2)
     degrees = layer_degrees(radii, EDGES, 6, rise=1, lowest=2)
@@ -64,13 +60,13 @@ def test_layer_degrees() -> None:
     assert np.abs(np.diff(degrees)).max() <= 1
 
 
-def test_ring_indicator(space: PressureSpace) -> None:
+def test_ring_indicator(space):
     radii = np.linspace(0, 1, 777)
     values = space.matrix(radii) @ space.ring_indicator()
     np.testing.assert_allclose(values, np.eye(4)[ring_of(EDGES, radii)], atol=1e-14)
 
 
-def test_each_element_holds_polynomials_of_its_degree(space: PressureSpace) -> None:
+def test_each_element_holds_polynomials_of_its_degree(space):
     """And their slopes."""
     element = len(space.degrees) // 2
     left, right = space.breakpoints[element : element + 2]
@@ -84,7 +80,7 @@ def test_each_element_holds_polynomials_of_its_degree(space: PressureSpace) -> N
     np.testing.assert_allclose(slopes, exact, atol=1e-9 * np.abs(exact).max())
 
 
-def test_forces(space: PressureSpace) -> None:
+def test_forces(space):
     """On rings, on rings of another punch, whose edges cut elements, and by other Gauss points."""
     rings, forces = space.ring_indicator(), space.ring_forces(EDGES)
     np.testing.assert_allclose(forces @ rings, np.diag(ring_areas(EDGES)), rtol=1e-12, atol=1e-16)
@@ -99,7 +95,7 @@ def test_forces(space: PressureSpace) -> None:
     np.testing.assert_allclose(space.weights, expected, rtol=1e-10, atol=1e-15)
 
 
-def test_mass(space: PressureSpace) -> None:
+def test_mass(space):
     mass, rings = space.mass(WEAR).toarray(), space.ring_indicator()
     np.testing.assert_allclose(mass, mass.T)
     assert np.linalg.eigvalsh(mass).min() > 0
@@ -109,7 +105,7 @@ def test_mass(space: PressureSpace) -> None:
     np.testing.assert_allclose(forces, space.weights, rtol=1e-10, atol=1e-16)
 
 
-def test_joined(space: PressureSpace) -> None:
+def test_joined(space):
     """The product with the coefficients is continuous, and nothing more is demanded."""
     basis = space.joined(WEAR).toarray()
     assert np.linalg.matrix_rank(basis) == basis.shape[1] == space.size - 3

@@ -3,10 +3,6 @@
 Bad scenes are refused with one line that names the key, and good ones come through unchanged.
 """
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -37,7 +33,7 @@ radii = [0.5, 1.5]
 GOOD = Scene.from_toml(TOML)
 INF, NAN = float("inf"), float("nan")
 # values that are refused by their key and its own remedy
-BAD_VALUES: dict[str, list[Any]] = {
+BAD_VALUES = {
     "title": [3],
     "methods": ["direct", []],
     "punch__radius": [0.0, -1.0, INF, NAN, "1 m", True, [2.0], None],
@@ -62,7 +58,7 @@ BAD_VALUES: dict[str, list[Any]] = {
     "punch__profile": [{"kind": "spere"}, {"slope": 1.0}],
 }
 # changes that are refused, and what the message must name
-BAD_CHANGES: list[tuple[dict[str, Any], str]] = [
+BAD_CHANGES = [
     ({"punch__raduis": 2.0}, "punch.raduis: did you mean radius"),
     ({"halfspace": {}}, "halfspace: did you mean half_space"),
     ({"accuracy__mdr__degre": 3}, "accuracy.mdr.degre: did you mean degree"),
@@ -110,7 +106,7 @@ BAD_CHANGES: list[tuple[dict[str, Any], str]] = [
 ]
 
 
-def refuse(changes: dict[str, Any]) -> str:
+def refuse(changes):
     """Return the message that changes are refused with."""
     with pytest.raises(SceneError) as caught:
         GOOD.changed(**changes)
@@ -121,7 +117,7 @@ def refuse(changes: dict[str, Any]) -> str:
 @pytest.mark.parametrize(
     ("name", "value"), [(name, value) for name in BAD_VALUES for value in BAD_VALUES[name]], ids=str
 )
-def test_bad_values(name: str, value: Any) -> None:
+def test_bad_values(name, value):
     """The message has the key and the remedy that is declared with it."""
     message, path = refuse({name: value}), name.split("__")
     assert ".".join(path) in message
@@ -129,7 +125,7 @@ def test_bad_values(name: str, value: Any) -> None:
 
 
 @pytest.mark.parametrize(("changes", "words"), BAD_CHANGES, ids=str)
-def test_bad_changes(changes: dict[str, Any], words: str) -> None:
+def test_bad_changes(changes, words):
     message = refuse(changes)
     assert all(word in message for word in words.split()), message
 
@@ -144,20 +140,20 @@ def test_bad_changes(changes: dict[str, Any], words: str) -> None:
         ("radius = 2.0", "raduis = 2.0", "punch.raduis did you mean radius"),
     ],
 )
-def test_bad_toml(old: str, new: str, words: str) -> None:
+def test_bad_toml(old, new, words):
     with pytest.raises(SceneError) as caught:
         Scene.from_toml(TOML.replace(old, new, 1))
     assert all(word in str(caught.value) for word in words.split())
 
 
-def test_an_unstable_march_is_refused() -> None:
+def test_an_unstable_march_is_refused():
     steps = {"times": [0.0, 1000.0], "march": "explicit", "step": 1.0}
     with pytest.raises(SceneError, match=r"wear\.step"):
         run(GOOD.changed(methods=["mdr"], wear=steps))
 
 
 @pytest.mark.parametrize("name", bundled())
-def test_bundled_scenes_round_trip(name: str) -> None:
+def test_bundled_scenes_round_trip(name):
     scene = Scene.load(name)
     assert Scene.from_toml(scene.to_toml()) == scene
     assert Scene.from_table(scene.table()) == scene
@@ -165,7 +161,7 @@ def test_bundled_scenes_round_trip(name: str) -> None:
     assert scene.title
 
 
-def test_a_scene_is_a_value() -> None:
+def test_a_scene_is_a_value():
     with pytest.raises(ValueError, match="frozen"):
         GOOD.punch.radius = 3.0
     changed = GOOD.changed(
@@ -178,11 +174,11 @@ def test_a_scene_is_a_value() -> None:
         GOOD.changed(accuracy__rtoll=1.0)
 
 
-def test_whole_numbers_will_do() -> None:
+def test_whole_numbers_will_do():
     assert Scene.from_toml(TOML.replace("2.0", "2").replace("[1.0, 10.0]", "[1, 10]")) == GOOD
 
 
-def test_two_ways_to_say_one_thing() -> None:
+def test_two_ways_to_say_one_thing():
     edges = GOOD.changed(punch__rings=None, punch__ring_edges=[2 / 3, 4 / 3, 2.0])
     each = GOOD.changed(punch__wear_coefficients=[1.0, 10.0, 1.0])
     ratio = GOOD.changed(
@@ -198,7 +194,7 @@ def test_two_ways_to_say_one_thing() -> None:
 
 
 @pytest.mark.parametrize(("ratio", "count"), [(1.0, 1), (1.0, 5), (3.0, 4), (0.25, 7)])
-def test_ring_widths(ratio: float, count: int) -> None:
+def test_ring_widths(ratio, count):
     edges = GOOD.changed(punch__rings=count, punch__width_ratio=ratio).problem.ring_edges
     widths = np.diff(edges)
     assert edges[[0, -1]].tolist() == [0.0, 1.0]
@@ -207,7 +203,7 @@ def test_ring_widths(ratio: float, count: int) -> None:
         assert widths[1] / widths[0] == pytest.approx(ratio, rel=1e-12)
 
 
-def test_output_radii_show_every_ring_and_touch_no_edge() -> None:
+def test_output_radii_show_every_ring_and_touch_no_edge():
     problem = Scene.load("many_rings").problem
     radii, edges = problem.radii, problem.ring_edges
     assert radii[0] == 0
