@@ -31,14 +31,13 @@ class Winkler(ComplianceMethod):
 
 @pytest.mark.parametrize("name", ["five_rings", "sphere"])
 def test_a_method_of_ones_own(name, tmp_path):
-    result = run(Scene.load(name), methods=["mdr", Winkler()])
-    dataset, summary = result.dataset, result.summary
-    assert dataset.solver.values.tolist() == ["mdr", "winkler"]
-    assert np.isfinite(dataset.indentation.sel(solver="winkler")).all()
-    assert np.isfinite(dataset.indentation_error.sel(solver="winkler")).all()
+    result = run(Scene.load(name).changed(accuracy__rtol=1e-2), methods=["mdr", Winkler()])
+    winkler = result.dataset.sel(solver="winkler")
+    assert np.isfinite(winkler.indentation).all()
+    assert np.isfinite(winkler.indentation_error).all()
     # springs are no half-space, and the verdict says so
-    assert summary["verdict"] == "disagree"
-    assert any("winkler" in line for line in summary["modelled"])
+    assert result.verdict == "disagree"
+    assert any("winkler" in line for line in result.summary["modelled"])
     assert "winkler" in str(Account.of(result).methods)
     assert not draw(result, PICTURES, tmp_path)
     assert (tmp_path / "history.png").exists()
@@ -46,7 +45,7 @@ def test_a_method_of_ones_own(name, tmp_path):
 
 def test_springs_wear_as_springs_do():
     """Under a flat punch each spring relaxes by itself: rings of one wear share the load evenly."""
-    scene = Scene.load("flat_punch").changed(wear__times=[0.0, 1.0, 10.0], wear__steady=True)
+    scene = Scene.load("flat_punch").changed(wear__times=[0.0, 1.0, 10.0])
     dataset = run(scene, methods=[Winkler()]).dataset.isel(solver=0)
     pressure = scene.problem.units.force / (np.pi * scene.punch.radius**2)
     np.testing.assert_allclose(dataset.pressure, pressure, rtol=1e-9)
