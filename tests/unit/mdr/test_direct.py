@@ -40,19 +40,6 @@ def test_against_chords(radius, function):
     assert values[0] == pytest.approx(float(expected), rel=1e-11, abs=1e-13)
 
 
-@pytest.mark.parametrize(("radius", "ring"), [(0.0, 0.3), (0.4, 0.7), (0.9, 0.1), (0.5, 0.499)])
-def test_ring_kernel_is_the_mean_of_the_point_kernel(radius, ring):
-    r, s = mp.mpf(radius), mp.mpf(ring)
-
-    def inverse_distance(angle):
-        return 1 / mp.sqrt(r**2 + s**2 - 2 * r * s * mp.cos(angle))
-
-    # the kernel is steep within an angle of the relative distance of the two radii
-    expected = mp.quad(inverse_distance, [0, 0.002, 0.02, 0.2, mp.pi]) / mp.pi**2
-    kernel = direct.ring_kernel(np.array(radius), np.array(ring))
-    assert kernel == pytest.approx(float(expected), rel=1e-12)
-
-
 def test_steady_pressures_carry_the_force_and_wear_alike():
     """Eqs. 24 and 26: at the rate of the mean wear coefficient, harmonic and weighted by area."""
     mean = np.pi / np.sum(ring_areas(EDGES) / WEAR)
