@@ -25,7 +25,7 @@ QUIET = (
 def installed():
     """The path of a browser, if there is one."""
     names = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-    return next((path for name in names if (path := shutil.which(name))), None)
+    return next(filter(None, map(shutil.which, names)), None)
 
 
 class Browser:

@@ -98,7 +98,7 @@ def test_the_default_finite_elements_are_those_of_scikit_fem(prepare):
     solid = prepare("five_rings", "fem").made.half_space.solid
     assert type(solid.mesh) is MeshQuad
     assert set(solid.mesh.boundaries) == {"contact", "free", "axis", "far"}
-    assert {type(batch.element) for batch in solid.batches} == {ElementQuadP}
+    assert type(solid.element) is ElementQuadP
     assert type(solid.dofs) is Dofs
 
 

@@ -200,9 +200,6 @@ def test_error_falls_exponentially_with_the_degree(poisson_ratio, highest, cap):
 
 
 def test_degrees_of_layers_are_lower_where_the_mesh_allows_it():
-    solid = AxisymmetricElasticity(square("layers", 0.0, 0.0), 6, 0.3)
-    elements = [(batch.degree, type(batch.element)) for batch in solid.batches]
-    assert elements == [(degree, ElementQuadP) for degree in (4, 5, 6)]
-    first, second = solid.mesh.f2t
-    lower = solid.degrees[np.stack([first, np.where(second < 0, first, second)])].min(axis=0)
-    np.testing.assert_array_equal(solid.facet_degrees, lower)
+    batches = AxisymmetricElasticity(square("layers", 0.0, 0.0), 6, 0.3).batches
+    assert [batch.degree for batch in batches] == [4, 5, 6]
+    assert {type(batch.element) for batch in batches} == {ElementQuadP}
