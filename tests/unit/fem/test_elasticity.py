@@ -172,14 +172,7 @@ def vertex_error(field, kind, degree, poisson_ratio, count):
     ],
 )
 @pytest.mark.parametrize("field", CORNERS)
-def test_order_of_displacements_at_vertices(
-    field,
-    kind,
-    degree,
-    poisson_ratio,
-    order,
-    cap,
-):
+def test_order_of_displacements_at_vertices(field, kind, degree, poisson_ratio, order, cap):
     coarse, fine = (vertex_error(field, kind, degree, poisson_ratio, count) for count in (8, 16))
     assert np.log2(coarse / fine) >= order - 0.45
     assert fine <= cap

@@ -7,12 +7,7 @@ import pytest
 import scipy.linalg
 
 from ringwear.mdr import line_density, panel_quadrature, ring_kernel
-from ringwear.meshes import (
-    PressureSpace,
-    alternating_edges,
-    graded_breakpoints,
-    layer_degrees,
-)
+from ringwear.meshes import PressureSpace, alternating_edges, graded_breakpoints, layer_degrees
 
 
 def graded(edges):
