@@ -27,16 +27,6 @@ from ..meshes.radial import Array, graded_breakpoints, ring_areas, unit_gauss
 AT_ONCE = 2**16
 
 
-def ring_kernel(radius: Array, ring: Array) -> Array:
-    """Displacement by a unit force on a thin ring, ``2 K / (pi^2 (r + r_ring))``: Eq. 19.
-
-    The arguments broadcast.
-    """
-    # by the complement of the parameter: no digits are lost as the radii meet
-    complement = ((radius - ring) / (radius + ring)) ** 2
-    return 2 * ellipkm1(complement) / (np.pi**2 * (radius + ring))
-
-
 def steady_pressures(ring_edges: Array, wear_coefficients: Array, force: float = 1.0) -> Array:
     """Eqs. 24 and 26 for any rings: ``p_j = F / (k_j sum_i A_i / k_i)``."""
     return force / (wear_coefficients * np.sum(ring_areas(ring_edges) / wear_coefficients))

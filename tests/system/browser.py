@@ -3,16 +3,12 @@
 Enough of the DevTools protocol to look at a page and to use it.
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import os
 import shutil
 import subprocess
 import tempfile
-from pathlib import Path
-from typing import Any
 
 QUIET = (
     "--headless",
@@ -26,10 +22,10 @@ QUIET = (
 )
 
 
-def installed() -> str | None:
+def installed():
     """The path of a browser, if there is one."""
     names = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-    return next((path for name in names if (path := shutil.which(name))), None)
+    return next(filter(None, map(shutil.which, names)), None)
 
 
 class Browser:
@@ -38,7 +34,7 @@ class Browser:
     What it asks the network for is kept in `requests`.
     """
 
-    def __init__(self, program: str) -> None:
+    def __init__(self, program):
         self._profile = tempfile.mkdtemp()
         theirs_in, self._out = os.pipe()
         self._in, theirs_out = os.pipe()
@@ -56,15 +52,15 @@ class Browser:
         os.close(theirs_in)
         os.close(theirs_out)
         self._buffer, self._number, self._session = b"", 0, ""
-        self.requests: list[str] = []
-        self.errors: list[str] = []
+        self.requests = []
+        self.errors = []
         self.loaded = False
         target = self("Target.createTarget", url="about:blank")["targetId"]
         self._session = self("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Network", "Log"):
             self(f"{domain}.enable")
 
-    def __call__(self, method: str, **parameters: Any) -> dict[str, Any]:
+    def __call__(self, method, **parameters):
         """Call a method of the protocol."""
         self._number += 1
         message = {"id": self._number, "method": method, "params": parameters}
@@ -76,7 +72,7 @@ class Browser:
         assert "error" not in answer, answer
         return answer["result"]
 
-    def _next(self) -> dict[str, Any]:
+    def _next(self):
         while b"\0" not in self._buffer:
             part = os.read(self._in, 1 << 20)
             assert part, "the browser has gone"
@@ -84,7 +80,7 @@ class Browser:
         message, _, self._buffer = self._buffer.partition(b"\0")
         return json.loads(message)
 
-    def _note(self, event: dict[str, Any]) -> None:
+    def _note(self, event):
         about = event.get("params", {})
         match event.get("method"):
             case "Network.requestWillBeSent":
@@ -96,7 +92,7 @@ class Browser:
             case "Page.loadEventFired":
                 self.loaded = True
 
-    def open(self, page: Path, width: int) -> None:
+    def open(self, page, width):
         """Open a file in a window of that width."""
         size = {"width": width, "height": 900, "deviceScaleFactor": 1}
         self("Emulation.setDeviceMetricsOverride", **size, mobile=width < 600)
@@ -105,18 +101,18 @@ class Browser:
         while not self.loaded:
             self._note(self._next())
 
-    def evaluate(self, script: str) -> Any:
+    def evaluate(self, script):
         """The value of an expression within the page."""
         answer = self("Runtime.evaluate", expression=script, returnByValue=True)
         assert "exceptionDetails" not in answer, answer
         return answer["result"].get("value")
 
-    def printed(self) -> bytes:
+    def printed(self):
         """The page on A4 as PDF."""
         page = self("Page.printToPDF", preferCSSPageSize=True, printBackground=True)
         return base64.b64decode(page["data"])
 
-    def close(self) -> None:
+    def close(self):
         self._session = ""
         self("Browser.close")
         self._process.wait(20)

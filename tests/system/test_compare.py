@@ -1,9 +1,5 @@
 """Two results beside each other, and results as CSV."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import pandas as pd
 import pytest
 import xarray
@@ -13,16 +9,14 @@ from ringwear.studies.cli import main
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory):
     out = tmp_path_factory.mktemp("rubber")
     flags = ["--methods", "direct,mdr", "--rtol", "1e-3", "--csv", "--no-figures"]
     assert main(["run", "rubber", *flags, "--out", str(out)]) == 0
     return out
 
 
-def test_compare_tells_what_differs(
-    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_compare_tells_what_differs(folder, tmp_path, capsys):
     other, out = tmp_path / "other.toml", tmp_path / "out"
     scene = Scene.load("rubber").changed(methods=["mdr", "direct"], load__mean_pressure=6e5)
     other.write_text(scene.to_toml(), "utf-8")
@@ -30,7 +24,7 @@ def test_compare_tells_what_differs(
     told = capsys.readouterr().out
     # everything is linear in the load, but for what does not depend on it
     change = pd.read_csv(out / "answers.csv", index_col=0)["B against A"]
-    for name in ("steady_wear_rate", "indentation_steady", "steady_rms_slope", "indentation_start"):
+    for name in ("steady_wear_rate", "indentation_steady", "steady_rms_slope"):
         assert change[name] == "+100 %"
         assert name in told
     assert abs(float(change["running_in_time"].removesuffix(" %"))) < 1e-3
@@ -43,43 +37,33 @@ def test_compare_tells_what_differs(
 @pytest.mark.parametrize(
     ("other", "told"),
     [
-        ("five_rings", "units"),
-        ("no_such_scene", "no such file"),
-        ("EMPTY", "results.nc"),
-        ("BROKEN", "cannot be read"),
+        ("units.toml", "units"),
+        ("absent", "no such file"),
+        ("empty", "results.nc"),
+        ("broken", "cannot be read"),
     ],
 )
-def test_what_cannot_be_compared_is_refused(
-    other: str, told: str, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "EMPTY").mkdir()
-    (tmp_path / "BROKEN").mkdir()
-    (tmp_path / "BROKEN" / "results.nc").write_text("not netCDF", "utf-8")
-    name = str(tmp_path / other) if other.isupper() else other
-    assert main(["compare", str(folder), name, "--out", str(tmp_path / "out")]) == 2
+def test_what_cannot_be_compared_is_refused(other, told, folder, tmp_path, capsys):
+    scene = Scene.load("flat_punch").changed(methods=["direct"])
+    (tmp_path / "units.toml").write_text(scene.to_toml(), "utf-8")
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / "results.nc").write_text("not netCDF", "utf-8")
+    out = tmp_path / "out"
+    assert main(["compare", str(folder), str(tmp_path / other), "--out", str(out)]) == 2
     assert told in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
+    assert not out.exists()
 
 
-def test_csv_tables_are_the_results(folder: Path) -> None:
+def test_csv_tables_are_the_results(folder):
     tables = {file.stem: pd.read_csv(file) for file in folder.glob("*.csv")}
     results = xarray.load_dataset(folder / "results.nc")
-    assert set(tables) == {
-        "punch",
-        "over_time",
-        "over_time_and_radius",
-        "ring_forces",
-        "steady_over_radius",
-        "worn_volumes",
-        "rings",
-        "relaxation_times",
-    }
+    over_time = {"over_time", "over_time_and_radius", "ring_forces", "worn_volumes"}
+    assert set(tables) == over_time | {"punch", "rings", "steady_over_radius", "relaxation_times"}
     fields = tables["over_time_and_radius"]
     assert len(fields) == results.sizes["time"] * results.sizes["radius"]
-    last = fields.iloc[-1]
-    assert last["solver"] == "mdr"
-    assert last["pressure [Pa]"] == float(results.pressure.sel(solver="mdr")[-1, -1])
-    assert last["time [s]"] == 3e6
+    last, pressure = fields.iloc[-1], results.pressure.sel(solver="mdr")[-1, -1]
+    assert last[["solver", "time [s]", "pressure [Pa]"]].tolist() == ["mdr", 3e6, float(pressure)]
     # of direct integration there is no history, and no row
     assert set(tables["over_time"]["solver"]) == {"mdr"}
     assert set(tables["punch"]["solver"]) == {"mdr", "direct"}

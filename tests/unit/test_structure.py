@@ -1,14 +1,13 @@
 """The house: data flows one way, and only what a job needs is loaded."""
 
-from __future__ import annotations
-
 import ast
-import subprocess
+import re
 import sys
 import tomllib
 from collections import Counter
-from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
 from graphlib import TopologicalSorter
+from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
@@ -37,33 +36,20 @@ FILES = {
 }
 
 
-def imported(file: Path) -> Iterator[str]:
-    """Files of ringwear that a file imports, at its top or within a function: by folders, so that
-    editors follow them in a plain checkout.
-    """
-    apart = file.parent in (ROOT / "studies" / "api", ROOT / "studies" / "examples")
+def imported(file):
+    """Files of ringwear that a file imports, at its top or within a function."""
     folders = file.parent.relative_to(ROOT).parts
     for node in ast.walk(ast.parse(file.read_text("utf-8"))):
-        if isinstance(node, ast.ImportFrom):
-            module = str(node.module or "")
-            if node.level:
-                module = ".".join(
-                    (*folders[: len(folders) - node.level + 1], *filter(None, [module]))
-                )
-            else:
-                assert apart or not module.startswith("ringwear"), f"{file}: an absolute import"
-            names = (module, *(f"{module}.{alias.name}" for alias in node.names))
-        else:
-            names = (
-                tuple(alias.name for alias in node.names) if isinstance(node, ast.Import) else ()
-            )
-        yield from (short for name in names if (short := name.removeprefix("ringwear.")) in FILES)
+        if isinstance(node, ast.ImportFrom) and node.level:
+            start = folders[: len(folders) + 1 - node.level]
+            module = ".".join([*start, node.module] if node.module else start)
+            yield from {module, *(f"{module}.{alias.name}" for alias in node.names)} & FILES.keys()
 
 
-IMPORTS = {name: sorted(set(imported(file))) for name, file in FILES.items()}
+IMPORTS = {name: set(imported(file)) for name, file in FILES.items()}
 
 
-def floor_of(name: str) -> tuple[int, str]:
+def floor_of(name):
     """Floor and room of a file: those of the longest room name that it begins with."""
     rooms = [(floor, room) for floor, rooms in enumerate(ROOMS) for room in rooms]
     return max(
@@ -72,21 +58,24 @@ def floor_of(name: str) -> tuple[int, str]:
     )
 
 
-@pytest.mark.parametrize("name", FILES)
-def test_imports_go_down(name: str) -> None:
-    floor, room = floor_of(name)
-    for other in IMPORTS[name]:
-        below, its_room = floor_of(other)
-        assert below < floor or its_room == room, f"{name} imports {other}"
+def test_imports_go_down():
+    for name, others in IMPORTS.items():
+        floor, room = floor_of(name)
+        for other in others:
+            below, its_room = floor_of(other)
+            assert below < floor or its_room == room, f"{name} imports {other}"
 
 
-def test_no_circle_of_imports() -> None:
-    order = list(TopologicalSorter(IMPORTS).static_order())
-    assert set(order) == set(FILES)
+def test_imports_go_by_folders():
+    """So that editors follow them in a plain checkout; examples are what users write."""
+    for name, file in FILES.items():
+        absolute = re.search(r"^\s*(from|import) ringwear\b", file.read_text("utf-8"), re.MULTILINE)
+        assert not absolute or name.startswith("studies.examples."), name
 
 
-def test_nothing_has_grown_too_large() -> None:
-    depth: dict[str, int] = {}
+def test_nothing_has_grown_too_large():
+    """Nor goes in circles, of which the sorter would tell."""
+    depth = {}
     for name in TopologicalSorter(IMPORTS).static_order():
         depth[name] = 1 + max((depth[other] for other in IMPORTS[name]), default=0)
     assert max(depth.values()) < 12
@@ -95,82 +84,47 @@ def test_nothing_has_grown_too_large() -> None:
     assert max(folders.values()) <= 12
 
 
-def test_every_room_is_installed() -> None:
-    listed = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["setuptools"][
-        "packages"
-    ]
-    rooms = {
-        "ringwear." + file.parent.relative_to(ROOT).as_posix().replace("/", ".")
-        for file in FILES.values()
-    }
-    assert set(listed) == {"ringwear"} | rooms
+def test_every_room_is_installed():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    rooms = {"ringwear." + name.rpartition(".")[0] for name in FILES}
+    assert set(project["tool"]["setuptools"]["packages"]) == {"ringwear"} | rooms
 
 
 @pytest.mark.gmsh
-def test_the_default_finite_elements_are_those_of_scikit_fem() -> None:
+def test_the_default_finite_elements_are_those_of_scikit_fem(prepare):
     from skfem import ElementQuadP, MeshQuad
     from skfem.assembly import Dofs
 
-    from ringwear import Scene
-    from ringwear.studies.methods.fem import METHOD
-    from ringwear.studies.progress import Stages
-
-    problem = Scene.load("five_rings").problem
-    half_space = METHOD.discretise(problem, Stages("fem")).half_space
-    assert half_space is not None
-    solid = half_space.solid
+    solid = prepare("five_rings", "fem").made.half_space.solid
     assert type(solid.mesh) is MeshQuad
     assert set(solid.mesh.boundaries) == {"contact", "free", "axis", "far"}
     assert type(solid.element) is ElementQuadP
-    assert {type(batch.element) for batch in solid.batches} == {ElementQuadP}
     assert type(solid.dofs) is Dofs
 
 
-def loaded(code: str) -> set[str]:
-    """Top-level modules that a fresh interpreter has after running the code."""
-    tail = "\nimport sys\nprint('\\n' + ' '.join({name.split('.')[0] for name in sys.modules}))"
-    done = subprocess.run(
-        [sys.executable, "-c", code + tail], capture_output=True, text=True, check=True, cwd=ROOT
-    )
-    return set(done.stdout.splitlines()[-1].split())
+def load_step_by_step(out):
+    """Do light jobs first; none of them loads what it does not need."""
+    import ringwear
+    from ringwear.studies.cli import main
+
+    def assert_absent(modules):
+        assert not {name.split(".")[0] for name in sys.modules} & set(modules.split())
+
+    scene = ringwear.Scene.load("five_rings").changed(accuracy__rtol=1e-2)
+    assert main(["scenes"]) == 0
+    for command in ([], ["run"], ["study"]):
+        with pytest.raises(SystemExit, match="0"):
+            main([*command, "--help"])
+    heavy = "gmsh skfem matplotlib meshio kvxopt"
+    assert_absent(f"{heavy} scipy xarray netCDF4 threadpoolctl")
+    assert main(["run", "five_rings", "--memory", "0.1", "--out", out]) == 2
+    assert_absent(f"{heavy} xarray netCDF4 threadpoolctl")
+    ringwear.run(scene.changed(methods=["mdr", "direct"]))
+    assert_absent(heavy)
+    ringwear.run(scene.changed(methods=["fem"], accuracy__fem__mesher="bisection"))
+    assert_absent("gmsh matplotlib meshio")
 
 
-HEAVY = {"gmsh", "skfem", "matplotlib", "meshio", "kvxopt"}
-
-
-def test_a_scene_needs_no_numerics() -> None:
-    code = "from ringwear import Scene\nScene.load('five_rings')"
-    assert not loaded(code) & (HEAVY | {"scipy", "xarray", "netCDF4"})
-
-
-@pytest.mark.parametrize("methods", [["direct"], ["mdr"], ["mdr", "direct"]], ids=str)
-def test_runs_without_elements_load_no_mesher(methods: list[str]) -> None:
-    code = (
-        "from ringwear import Scene, "
-        f"run\nrun(Scene.load('five_rings').changed(methods={methods})).summary"
-    )
-    assert not loaded(code) & HEAVY
-
-
-def test_elements_by_bisection_load_no_gmsh() -> None:
-    changes = "methods=['fem'], accuracy__fem__mesher='bisection', accuracy__rtol=1e-2"
-    modules = loaded(
-        f"from ringwear import Scene, run\nrun(Scene.load('flat_punch').changed({changes}))"
-    )
-    assert "skfem" in modules
-    assert not modules & {"gmsh", "matplotlib", "meshio"}
-
-
-@pytest.mark.parametrize(
-    "arguments", [["--help"], ["run", "--help"], ["study", "--help"], ["scenes"]], ids=str
-)
-def test_help_is_light(arguments: list[str]) -> None:
-    code = f"from ringwear.studies.cli import main\ntry:\n    main({arguments})\n"
-    code += "except SystemExit as end:\n    assert not end.code"
-    assert not loaded(code) & (HEAVY | {"scipy", "xarray", "netCDF4", "threadpoolctl"})
-
-
-def test_a_refusal_by_memory_computes_nothing(tmp_path: Path) -> None:
-    arguments = ["run", "five_rings", "--memory", "0.1", "--out", str(tmp_path / "out")]
-    code = f"from ringwear.studies.cli import main\nassert main({arguments}) == 2"
-    assert not loaded(code) & (HEAVY | {"xarray", "netCDF4", "threadpoolctl"})
+def test_only_what_a_job_needs_is_loaded(tmp_path):
+    with ProcessPoolExecutor(1, get_context("spawn")) as fresh:
+        fresh.submit(load_step_by_step, str(tmp_path / "out")).result()

