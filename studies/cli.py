@@ -164,24 +164,18 @@ def _mesh(options: argparse.Namespace) -> Status:
 def _compare(options: argparse.Namespace) -> Status:
     files = ("scenes.csv", "answers.csv", "comparison.png")
     with output_folder(options.out, "compare", files) as folder:
-        from .figures.comparison import COMPARED, draw_comparison
+        from .figures.comparison import draw_comparison
         from .figures.style import save
         from .report.comparison import answer_rows, both, scene_rows
         from .report.printed import print_rows
         from .tables import Table
 
         sides = both(options.A, options.B)
-        pairs = {name: tuple(side.curve(name) for side in sides) for name in COMPARED}
-        curves = {
-            name: pair for name, pair in pairs.items() if any(curve is not None for curve in pair)
-        }
-        if not curves:
-            raise SceneError("neither has a history or a steady state: nothing can be compared")
         tables = scene_rows(*sides), answer_rows(*sides)
         for file, rows in zip(files, tables, strict=False):
             Table(folder.hidden / file, *rows)
-        scenes = tuple(side.scene for side in sides)
-        save(folder.hidden / files[-1], draw_comparison, scenes, curves)
+        scenes, datasets = zip(*((side.scene, side.dataset) for side in sides), strict=True)
+        save(folder.hidden / files[-1], draw_comparison, scenes, datasets)
     print(f"A: {options.A}\nB: {options.B}")
     for rows in tables:
         print()

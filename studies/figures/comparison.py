@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import xarray
 from matplotlib.figure import Figure
 
+from ...meshes.errors import SceneError
 from ..problem.scene import Scene
 from .scale import Scale, by_method
 from .style import PAGE, complete, curve, new_figure
@@ -17,6 +18,11 @@ def draw_comparison(scenes: Sequence[Scene], datasets: Sequence[xarray.Dataset])
     ----------
     scenes, datasets
         Of A and of B.
+
+    Raises
+    ------
+    SceneError
+        if there is nothing to draw
     """
     scale, other = (Scale(scene) for scene in scenes)
     other.axes, other.logarithmic = scale.axes, scale.logarithmic
@@ -30,6 +36,8 @@ def draw_comparison(scenes: Sequence[Scene], datasets: Sequence[xarray.Dataset])
                 drawn.plot(axes, values, **look, label="AB"[number])
         if not axes.lines:
             figure.delaxes(axes)
+    if not figure.axes:
+        raise SceneError("neither has a history or a steady state: nothing can be compared")
     panels[0, 0].invert_yaxis()
     a, b = (scene.title or "untitled" for scene in scenes)
     note = f"{scale.note} of A" if scale.note else ""

@@ -14,11 +14,12 @@ def draw_contact(result: Result) -> Figure:
     """
     scale, data = Scale(result.scene), result.dataset
     figure = new_figure(PAGE, 2.9)
-    panels = where, force, volume = figure.subplots(1, 3)
+    where, force, volume = figure.subplots(1, 3)
     methods = by_method(data.contact_edge)
     for number, (method, edges) in enumerate(methods.items()):
-        look = curve(number) | {"linestyle": "none", "color": method_curve(method)["color"]}
-        scale.plot(where, edges, **look, label=method.upper())
+        look = {"linestyle": "none", "marker": "ox+^"[number % 4], "markerfacecolor": "none"}
+        color = method_curve(method)["color"]
+        scale.plot(where, edges, **look, markersize=4, color=color, label=method.upper())
     for edge in data.ring_outer_radius[:-1]:
         height = scale.shown("radius", float(edge))
         where.axhline(height, color="0.75", linewidth=0.6, zorder=0, label="ring edge")
@@ -33,6 +34,6 @@ def draw_contact(result: Result) -> Figure:
         scale.plot(force, of_ring.ring_force, **look)
         scale.plot(volume, of_ring.ring_worn_volume, **look)
     scale.plot(force, first.normal_force, color="black", linewidth=0.8, label="all rings")
-    for axes in panels:
-        axes.set_ylim(bottom=0)
-    return complete(figure, (result.scene.title, "contact over time"), panels, scale.note)
+    for axes, high in ((where, 1.04 * radii.max()), (force, None), (volume, None)):
+        axes.set_ylim(0, high)
+    return complete(figure, (result.scene.title, "contact over time"), figure.axes, scale.note)

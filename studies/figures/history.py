@@ -35,10 +35,8 @@ def sample_modes(problem: Problem, wear: RunningIn, times: Array) -> xarray.Data
     data = sampler.history(wear.modal(times))
     if problem.steady:
         data = data.merge(sampler.steady(wear.steady))
-    scaled = {name: data[name] * getattr(units, QUANTITIES[str(name)].unit) for name in data}
-    return data.assign(
-        scaled | {"time": data.time * units.time, "radius": data.radius * units.length}
-    )
+    data = data.assign_coords(time=data.time * units.time, radius=data.radius * units.length)
+    return data.map(lambda values: values * getattr(units, QUANTITIES[str(values.name)].unit))
 
 
 def draw_history(result: Result) -> Figure:
@@ -53,9 +51,7 @@ def draw_history(result: Result) -> Figure:
         smooth = sample_modes(problem, modal[1], times)
     rows = min(2, len(by_method(data.indentation)))
     figure = new_figure(PAGE, 2.6 + 0.6 * rows)
-    panels = figure.subplots(
-        rows, 2, sharex=True, squeeze=False, height_ratios=[2.2, 1][:rows]
-    )
+    panels = figure.subplots(rows, 2, sharex=True, squeeze=False, height_ratios=[2.2, 1][:rows])
     for name, (values, *below) in zip(("displacement_max", "rms_slope"), panels.T, strict=True):
         methods = by_method(data[name].where(data.time > 0))
         for method, points in methods.items():
@@ -87,6 +83,10 @@ def _draw_differences(axes: Any, methods: dict[str, xarray.DataArray], scale: Sc
         shown = differences.where(differences > 0)
         axes.plot(scale.shown("time", points.time), shown, **look, label=label)
     axes.set(yscale="log", xlabel=scale.label("time"), ylabel="rel. difference")
+    # whole decades
+    low, high = np.log10(axes.get_ylim())
+    axes.set_ylim(10 ** np.floor(low), 10 ** np.ceil(high))
+    axes.yaxis.set_minor_formatter("")
 
 
 def _mark_running_in(axes: Any, result: Result, scale: Scale) -> None:

@@ -50,51 +50,41 @@ def draw_result_mesh(result: Result) -> Figure:
     """Draw the mesh of the finite elements."""
     fem = result.solutions["fem"]
     assert fem.half_space is not None
-    return draw_mesh(
-        fem.half_space.solid.mesh, fem.settings["mesher"], result.scene.problem.ring_edges
-    )
+    mesh, rings = fem.half_space.solid.mesh, result.scene.problem.ring_edges
+    return draw_mesh(mesh, fem.settings["mesher"], rings)
 
 
 def draw_mesh(mesh: Any, mesher: str, ring_edges: Array) -> Figure:
     """Draw the whole mesh, the mesh under the punch, and the mesh at the rim."""
     figure = new_figure(PAGE, 2.75)
-    whole, under, at_rim = figure.subplots(1, 3)
     rim = max(30 * float(np.diff(contact_radii(mesh)).min()), 1e-6)
-    mesh_panel(whole, mesh, (0, truncation(mesh)), "whole", "$r/a$")
-    mesh_panel(under, mesh, (0, 1.15), "under the punch", "$r/a$")
-    _draw_punch(under, 1.15, ring_edges)
-    mesh_panel(at_rim, mesh, (-rim, rim), "at the rim", "$(r-a)/a$", centre=1.0)
-    whole.set_ylabel("depth $z/a$")
+    power = int(np.floor(np.log10(rim)))
+    views = (
+        ("whole", 0.0, truncation(mesh), "$r/a$"),
+        ("under the punch", 0.0, 1.15, "$r/a$"),
+        ("at the rim", -rim, rim, rf"$(r-a)/a$ in $10^{{{power}}}$"),
+    )
+    panels = figure.subplots(1, 3)
+    for axes, (name, low, high, label) in zip(panels, views, strict=True):
+        centre, unit = (1.0, 10.0**power) if low else (0.0, 1.0)
+        depth = high - low
+        corners = mesh.p[:, mesh.t].transpose(2, 1, 0) - [centre, 0.0]
+        least, most = corners.min(axis=1), corners.max(axis=1)
+        shown = corners[(most[:, 0] >= low) & (least[:, 0] <= high) & (least[:, 1] <= depth)]
+        width = 0.35 if len(shown) < 3000 else 0.15
+        axes.add_collection(
+            PolyCollection(shown / unit, facecolors="none", edgecolors="black", linewidths=width)
+        )
+        _draw_punch(axes, depth / unit, (ring_edges - centre) / unit)
+        axes.set(xlim=(low / unit, high / unit), ylim=(depth / unit, -0.06 * depth / unit))
+        axes.set(aspect="equal", xlabel=label, title=f"{name}: {len(shown)} elements")
+    panels[0].set_ylabel("depth $z/a$")
     title = f"half-space mesh by {mesher}; the punch is red, ring edges are marked"
     return complete(figure, [title])
 
 
 def _draw_punch(axes: Any, depth: float, ring_edges: Array) -> None:
     """Draw the punch as a bar above a view of that depth, and mark its ring edges."""
-    axes.plot([0, 1], [-0.015 * depth] * 2, color=RED, linewidth=2)
+    axes.plot(ring_edges[[0, -1]], [-0.015 * depth] * 2, color=RED, linewidth=2)
     edges = ring_edges[1:-1]
     axes.plot(edges, np.full(len(edges), -0.03 * depth), "|", color=RED, markersize=3)
-
-
-def mesh_panel(
-    axes: Any, mesh: Any, view: tuple[float, float], name: str, label: str, centre: float = 0.0
-) -> None:
-    """Draw the elements in a square view of the surface from `view[0]` to `view[1]`, radii counted
-    from `centre`.
-    """
-    low, high = view
-    depth = high - low
-    corners = mesh.p[:, mesh.t].transpose(2, 1, 0) - [centre, 0.0]
-    inside = (corners[:, :, 0].max(axis=1) >= low) & (corners[:, :, 0].min(axis=1) <= high)
-    shown = corners[inside & (corners[:, :, 1].min(axis=1) <= depth)]
-    width = 0.35 if len(shown) < 3000 else 0.15
-    axes.add_collection(
-        PolyCollection(shown, facecolors="none", edgecolors="black", linewidths=width)
-    )
-    axes.plot([low, min(high, 1 - centre)], [-0.015 * depth] * 2, color=RED, linewidth=2)
-    axes.set(xlim=view, ylim=(depth, -0.06 * depth), aspect="equal")
-    axes.set_title(f"{name}: {len(shown)} elements")
-    power = int(np.floor(np.log10(depth))) if depth < 0.1 else 0
-    axes.set_xlabel(label + (rf" in $10^{{{power}}}$" if power else ""))
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(lambda value, _: f"{value / 10.0**power:g}")

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray
 
-from ...meshes.radial import Array, Indices
+from ...meshes.radial import Indices
 from ..problem.problem import D0, P0, Problem
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames

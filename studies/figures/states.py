@@ -59,6 +59,7 @@ def draw_steady(result: Result) -> Figure:
     scale.plot_radial(lower, result.dataset.steady_pressure)
     upper.invert_yaxis()
     lower.set_ylim(bottom=0)
+    upper.label_outer()
     return _complete(figure, result, "steady state", [upper], scale)
 
 

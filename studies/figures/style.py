@@ -93,15 +93,19 @@ def legend_of(figure: Figure, axes: Iterable[Any], note: str = "") -> None:
         for panel in axes
         for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
     }
+    # a label, and the piece of its curve, take about 16 letters an inch
+    columns = int(
+        18 * figure.get_figwidth() / (8 + np.mean([len(label) for label in handles] or 0))
+    )
     legend = figure.legend(
         handles.values(),
         handles.keys(),
         loc="outside lower center",
-        ncols=max(1, min(len(handles), int(figure.get_figwidth() / 0.75))),
+        ncols=max(1, min(len(handles), columns)),
         frameon=False,
         title=note,
     )
-    legend.get_title().set_parse_math(False)
+    legend.get_title().set(parse_math=False, multialignment="center")
 
 
 def legend_below(axes: Any, **settings: Any) -> None:
@@ -151,7 +155,7 @@ def shade_rings(
         spans, (0, 1), transform=axes.get_xaxis_transform(), color="0.9", linewidth=0, zorder=0
     )
     axes.set_xlim(0, radius)
-    axes.locator_params(axis="x", nbins=4)
+    axes.locator_params(axis="x", nbins=3)
 
 
 def broken_at(ring_edges: Array, radii: Array, values: Array) -> tuple[Array, Array]:
