@@ -109,7 +109,9 @@ QUANTITIES = {
     "steady_rms_slope": Quantity(
         (), "slope", "root mean square slope of the limiting profile (Eq. 18)"
     ),
-    "steady_wear_rate": Quantity((), "wear_rate", "df/dt in the steady state (Eq. 23)"),
+    "steady_wear_rate": Quantity(
+        (), "wear_rate", "height lost in a time, the same on every ring (Eq. 23)"
+    ),
 }
 
 # the answer of a run (`studies/crosscheck/answer.py`), without errors of its own

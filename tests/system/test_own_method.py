@@ -45,7 +45,7 @@ def test_a_method_of_ones_own(name: str, tmp_path: Path) -> None:
     # springs are no half-space, and the verdict says so
     assert summary["verdict"] == "disagree"
     assert any("winkler" in line for line in summary["modelled"])
-    assert "winkler" in str(Account.of(result).methods)
+    assert "winkler" in str(Account(result).methods)
     assert not draw(result, PICTURES, tmp_path)
     assert (tmp_path / "history.png").exists()
 

@@ -111,7 +111,7 @@ def test_every_part_of_a_scene_has_a_page(
     changes: dict[str, Any], states: int, tmp_path: Path
 ) -> None:
     result = run(Scene.load("rubber").changed(accuracy__rtol=1e-3, **changes))
-    write_report(result, Account.of(result), (), tmp_path / "report.html")
+    write_report(result, Account(result), (), tmp_path / "report.html")
     shown = slides(result)
     assert len(shown["labels"] if shown else []) == states
     assert ('id="solid"' in (tmp_path / "report.html").read_text("utf-8")) == bool(states)

@@ -21,7 +21,7 @@ from ringwear.studies.crosscheck.dataset import Result
 from ringwear.studies.crosscheck.scope import time_scale
 from ringwear.studies.problem.unit_names import UnitNames
 from ringwear.studies.report.printed import print_account
-from ringwear.studies.report.words import Account
+from ringwear.studies.report.words import Account, shorten
 from ringwear.studies.wear.time_scale import slowest_relaxation_time
 
 EDGES, K = alternating_edges(5), np.array([1.0, 10.0, 1.0, 10.0, 1.0])
@@ -169,7 +169,7 @@ def test_numbers_for_people(value: float, kind: str, told: str) -> None:
 def test_the_answer_is_printed_before_all_else(
     five: Result, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    print_account(Account.of(five))
+    print_account(Account(five))
     told = capsys.readouterr().out
     parts = ("0.3441", "1.273", "0.9947", "The methods agree", "Accuracy", "Modelled", "Left out")
     assert [told.index(part) for part in parts] == sorted(told.index(part) for part in parts)
@@ -180,16 +180,16 @@ def test_many_rings_are_told_by_the_first_and_the_last() -> None:
     result = run(
         Scene.load("many_rings").changed(methods=["direct"], wear__times=[], punch__rings=200)
     )
-    table = Account.of(result).rings.shortened(16)
-    assert len(table.rows) == 17
-    assert [table.rows[index][0] for index in (0, 8, -1)] == ["1", "...", "200"]
+    table = shorten(Account(result).rings, 16)
+    assert len(table) == 17
+    assert table.ring.iloc[[0, 8, -1]].tolist() == ["1", "...", "200"]
 
 
 def test_defaults_taken_are_said() -> None:
     table = Scene.load("five_rings").table()
     del table["half_space"]["poisson_ratio"], table["load"]["sliding_speed"]
     table["methods"] = ["direct"]
-    said = Account.of(run(Scene.from_table(table))).defaults
+    said = Account(run(Scene.from_table(table))).defaults
     assert any("poisson_ratio" in line and "0.3" in line for line in said)
     assert any("sliding_speed" in line for line in said)
 
@@ -248,7 +248,7 @@ def test_times_that_miss_the_running_in_are_told(times: list[float], told: str) 
     )
     before = time_scale(scene)
     assert "slowest relaxation time 0.344" in before[0]
-    for lines in (before, Account.of(run(scene)).remarks):
+    for lines in (before, Account(run(scene)).remarks):
         missed = [line for line in lines if "the running-in, " in line]
         assert bool(missed) == bool(told)
         assert all(told in line for line in missed)
