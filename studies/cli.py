@@ -64,8 +64,7 @@ def _run(options: argparse.Namespace) -> Status:
     if options.rtol is not None:
         scene = scene.changed(accuracy__rtol=options.rtol)
     if options.methods is not None:
-        names = [name.strip() for name in options.methods.split(",")]
-        scene = scene.changed(methods=list(filter(None, names)))
+        scene = scene.changed(methods=options.methods.replace(",", " ").split())
     from .crosscheck.sizes import beyond_memory, machine_memory, predict_memory
 
     if refusal := beyond_memory(predict_memory(scene), options.memory or machine_memory()):
@@ -78,7 +77,7 @@ def _run(options: argparse.Namespace) -> Status:
     files = {"results.nc", "summary.json", "report.html", INSIDE, *TABLES.values()}
     files |= {picture.file for picture in pictures}
     # that the folder can be written to is known before the work
-    with output_folder(_out(options), "run", files) as folder:
+    with output_folder(_out(options, options.scene), "run", files) as folder:
         from .crosscheck.run import run
         from .report.printed import print_account
         from .report.words import Account
@@ -102,8 +101,8 @@ def _run(options: argparse.Namespace) -> Status:
     return Status.DISAGREE if result.verdict == "disagree" or result.short_of else Status.DONE
 
 
-def _out(options: argparse.Namespace) -> Path:
-    return options.out or Path("results") / Path(options.scene).stem
+def _out(options: argparse.Namespace, name: str) -> Path:
+    return options.out or Path("results") / Path(name).stem
 
 
 def _print_files(folder: Folder, failures: list[str]) -> None:
@@ -141,7 +140,7 @@ def _plan(options: argparse.Namespace) -> Status:
 
 def _mesh(options: argparse.Namespace) -> Status:
     scene = Scene.load(options.scene)
-    with output_folder(_out(options), "mesh", ["mesh.vtu", "mesh.png"]) as folder:
+    with output_folder(_out(options, options.scene), "mesh", ["mesh.vtu", "mesh.png"]) as folder:
         from ..meshes.half_space import quality
         from .methods.fem import half_space_mesh
         from .output.files import write_mesh
@@ -149,7 +148,7 @@ def _mesh(options: argparse.Namespace) -> Status:
         meshed = half_space_mesh(scene.problem)
         write_mesh(scene, meshed, folder.hidden)
     mesh, shape = meshed.mesh, quality(meshed.mesh)
-    kind = {3: "triangles", 4: "quadrilaterals"}[len(mesh.t)]
+    kind = "triangles" if len(mesh.t) == 3 else "quadrilaterals"
     print(
         f"{mesh.nelements} {kind} by {meshed.mesher}, {len(mesh.boundaries['contact'])} facets on "
         f"the contact, quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean "
@@ -163,8 +162,7 @@ def _mesh(options: argparse.Namespace) -> Status:
 
 def _compare(options: argparse.Namespace) -> Status:
     files = ("scenes.csv", "answers.csv", "comparison.png")
-    out = options.out or Path("results/compare")
-    with output_folder(out, "compare", files) as folder:
+    with output_folder(_out(options, "compare"), "compare", files) as folder:
         from .figures.comparison import draw_comparison
         from .figures.style import save
         from .report.comparison import answer_rows, both, scene_rows
@@ -192,7 +190,7 @@ def _study(options: argparse.Namespace) -> Status:
             f"study {options.study} is about flat punches under a force: leave out punch.recess "
             "and punch.profile, and give load.normal_force"
         )
-    out = options.out or Path("results") / options.study
+    out = _out(options, options.study)
     with output_folder(out, f"study {options.study}", ["report.html"]) as folder:
         conclusions, failures = list[str](), list[str]()
         with keeping_rows(conclusions):
@@ -217,8 +215,8 @@ def _sweep(options: argparse.Namespace) -> Status:
         raise SceneError(f"--workers {options.workers}: give 1 or more")
     if options.retry_failed and not options.resume:
         raise SceneError("--retry-failed tries again what is in the directory: give --resume, too")
-    options.scene = options.file
-    conclusions, complete, agree = swept(options.file, _out(options), options)
+    out = _out(options, options.file)
+    conclusions, complete, agree = swept(options.file, out, options)
     print("\n".join(conclusions))
     if not complete:
         return Status.FAILED

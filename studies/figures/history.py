@@ -77,7 +77,7 @@ def _draw_differences(axes: Any, methods: dict[str, xarray.DataArray], scale: Sc
     """Draw differences of each method from the first, over its value, where there are any."""
     (first, reference), *others = methods.items()
     for number, (method, points) in enumerate(others):
-        differences = np.abs(points / reference - 1)
+        differences = abs(points / reference - 1)
         look = curve(number) | {"markersize": 2.5, "linewidth": 0.8}
         label = f"{method.upper()} from {first.upper()}"
         shown = differences.where(differences > 0)

@@ -201,8 +201,8 @@ class Account:
         """What else bears on the accuracy."""
         result, rtol = self.result, self.scene.accuracy.rtol
         lines = [
-            f"As operators, {' and '.join(both.methods)} differ by {both.rings:.1e} over all steady "
-            f"states and {both.history:.1e} along this history; stability "
+            f"As operators, {' and '.join(both.methods)} differ by {both.rings:.1e} over all "
+            f"steady states and {both.history:.1e} along this history; stability "
             f"{both.stability:.2f}, residual {both.residual:.1e}."
             for both in result.operators
         ]
