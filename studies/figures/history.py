@@ -9,34 +9,10 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
-from ..methods.quantities import QUANTITIES
-from ..methods.sampler import Sampler
-from ..problem.problem import Problem
-from ..wear.full_contact import RunningIn
+from .modal import modal_method, sample_modes
 from .scale import Scale, by_method
 from .style import FAINT, PAGE, complete, curve, method_curve, new_figure
-
-
-def modal_method(result: Result) -> tuple[str, RunningIn] | None:
-    """Return the first method whose modes give the state at any time, and its running-in."""
-    for name, solution in result.solutions.items():
-        if solution.wear is not None:
-            return name, solution.wear
-    return None
-
-
-def sample_modes(problem: Problem, wear: RunningIn, times: Array) -> xarray.Dataset:
-    """Return the quantities at non-dimensional times, and of the steady state if that is wanted, in
-    the units of the scene.
-    """
-    sampler, units = Sampler(problem, wear.compliance.space), problem.units
-    data = sampler.history(wear.modal(times))
-    if problem.steady:
-        data = data.merge(sampler.steady(wear.steady))
-    data = data.assign_coords(time=data.time * units.time, radius=data.radius * units.length)
-    return data.map(lambda values: values * getattr(units, QUANTITIES[str(values.name)].unit))
 
 
 def draw_history(result: Result) -> Figure:
@@ -44,7 +20,7 @@ def draw_history(result: Result) -> Figure:
     by how much of the value methods differ from the first.
     """
     scale, problem, data = Scale(result.scene), result.scene.problem, result.dataset
-    modal, smooth = modal_method(result), None
+    modal, smooth = modal_method(result.solutions), None
     if modal is not None and problem.march == "modal":
         space = np.geomspace if scale.logarithmic else np.linspace
         times = space(problem.earliest, float(problem.times[-1]), 80)

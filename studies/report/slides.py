@@ -11,7 +11,7 @@ import xarray
 
 from ...meshes.radial import Array, ring_of
 from ..crosscheck.dataset import Result
-from ..figures.history import modal_method, sample_modes
+from ..figures.modal import modal_method, sample_modes
 from ..figures.scale import Scale, shown_times
 from ..wear.full_contact import RunningIn
 
@@ -24,7 +24,7 @@ def slides(result: Result) -> dict[str, Any] | None:
     Nothing where no state is known over the radius.
     """
     scale, rings = Scale(result.scene), result.scene.problem.rings
-    modal = modal_method(result)
+    modal = modal_method(result.solutions)
     if modal is None or not len(result.scene.problem.times):
         states = _select_times(result)
         labels = [scale.when(time) for time in states.time.values]
