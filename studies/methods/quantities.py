@@ -119,7 +119,9 @@ STATES = ("start", "steady")
 OF_PUNCH, OF_RINGS = (), ("state", "ring")
 ANSWER = {
     "indentation_start": Quantity(
-        OF_PUNCH, "displacement", "indentation by the unworn punch; of a flat one F / (2 a E*)"
+        OF_PUNCH,
+        "displacement",
+        "indentation of the unworn face plane at the start; of a flat punch F / (2 a E*)",
     ),
     "indentation_steady": Quantity(
         OF_PUNCH,
