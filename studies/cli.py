@@ -64,8 +64,7 @@ def _run(options: argparse.Namespace) -> Status:
     if options.rtol is not None:
         scene = scene.changed(accuracy__rtol=options.rtol)
     if options.methods is not None:
-        names = [name.strip() for name in options.methods.split(",")]
-        scene = scene.changed(methods=list(filter(None, names)))
+        scene = scene.changed(methods=options.methods.replace(",", " ").split())
     from .crosscheck.sizes import beyond_memory, machine_memory, predict_memory
 
     if refusal := beyond_memory(predict_memory(scene), options.memory or machine_memory()):
@@ -78,14 +77,14 @@ def _run(options: argparse.Namespace) -> Status:
     files = {"results.nc", "summary.json", "report.html", INSIDE, *TABLES.values()}
     files |= {picture.file for picture in pictures}
     # that the folder can be written to is known before the work
-    with output_folder(_out(options), "run", files) as folder:
+    with output_folder(_out(options, options.scene), "run", files) as folder:
         from .crosscheck.run import run
         from .report.printed import print_account
         from .report.words import Account
 
         result = run(scene)
         write_numbers(result, folder.hidden, options.csv)
-        account = Account.of(result)
+        account = Account(result)
         # nobody waits for the answer until all is drawn
         with suppress(BrokenPipeError):
             print_account(account)
@@ -102,8 +101,8 @@ def _run(options: argparse.Namespace) -> Status:
     return Status.DISAGREE if result.verdict == "disagree" or result.short_of else Status.DONE
 
 
-def _out(options: argparse.Namespace) -> Path:
-    return options.out or Path("results") / Path(options.scene).stem
+def _out(options: argparse.Namespace, name: str) -> Path:
+    return options.out or Path("results") / Path(name).stem
 
 
 def _print_files(folder: Folder, failures: list[str]) -> None:
@@ -141,7 +140,7 @@ def _plan(options: argparse.Namespace) -> Status:
 
 def _mesh(options: argparse.Namespace) -> Status:
     scene = Scene.load(options.scene)
-    with output_folder(_out(options), "mesh", ["mesh.vtu", "mesh.png"]) as folder:
+    with output_folder(_out(options, options.scene), "mesh", ["mesh.vtu", "mesh.png"]) as folder:
         from ..meshes.half_space import quality
         from .methods.fem import half_space_mesh
         from .output.files import write_mesh
@@ -149,7 +148,7 @@ def _mesh(options: argparse.Namespace) -> Status:
         meshed = half_space_mesh(scene.problem)
         write_mesh(scene, meshed, folder.hidden)
     mesh, shape = meshed.mesh, quality(meshed.mesh)
-    kind = {3: "triangles", 4: "quadrilaterals"}[len(mesh.t)]
+    kind = "triangles" if len(mesh.t) == 3 else "quadrilaterals"
     print(
         f"{mesh.nelements} {kind} by {meshed.mesher}, {len(mesh.boundaries['contact'])} facets on "
         f"the contact, quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean "
@@ -163,29 +162,21 @@ def _mesh(options: argparse.Namespace) -> Status:
 
 def _compare(options: argparse.Namespace) -> Status:
     files = ("scenes.csv", "answers.csv", "comparison.png")
-    with output_folder(options.out, "compare", files) as folder:
-        from .figures.comparison import COMPARED, draw_comparison
+    with output_folder(_out(options, "compare"), "compare", files) as folder:
+        from .figures.comparison import draw_comparison
         from .figures.style import save
         from .report.comparison import answer_rows, both, scene_rows
-        from .report.printed import print_rows
-        from .tables import Table
+        from .report.printed import print_table
 
         sides = both(options.A, options.B)
-        pairs = {name: tuple(side.curve(name) for side in sides) for name in COMPARED}
-        curves = {
-            name: pair for name, pair in pairs.items() if any(curve is not None for curve in pair)
-        }
-        if not curves:
-            raise SceneError("neither has a history or a steady state: nothing can be compared")
         tables = scene_rows(*sides), answer_rows(*sides)
-        for file, rows in zip(files, tables, strict=False):
-            Table(folder.hidden / file, *rows)
-        scenes = tuple(side.scene for side in sides)
-        save(folder.hidden / files[-1], draw_comparison, scenes, curves)
+        for file, table in zip(files, tables, strict=False):
+            table.to_csv(folder.hidden / file, index=False)
+        save(folder.hidden / files[-1], draw_comparison, *zip(*sides, strict=True))
     print(f"A: {options.A}\nB: {options.B}")
-    for rows in tables:
+    for table in tables:
         print()
-        print_rows(rows)
+        print_table(table)
     _print_files(folder, [])
     return Status.DONE
 
@@ -199,7 +190,7 @@ def _study(options: argparse.Namespace) -> Status:
             f"study {options.study} is about flat punches under a force: leave out punch.recess "
             "and punch.profile, and give load.normal_force"
         )
-    out = options.out or Path("results") / options.study
+    out = _out(options, options.study)
     with output_folder(out, f"study {options.study}", ["report.html"]) as folder:
         conclusions, failures = list[str](), list[str]()
         with keeping_rows(conclusions):
@@ -224,8 +215,8 @@ def _sweep(options: argparse.Namespace) -> Status:
         raise SceneError(f"--workers {options.workers}: give 1 or more")
     if options.retry_failed and not options.resume:
         raise SceneError("--retry-failed tries again what is in the directory: give --resume, too")
-    options.scene = options.file
-    conclusions, complete, agree = swept(options.file, _out(options), options)
+    out = _out(options, options.file)
+    conclusions, complete, agree = swept(options.file, out, options)
     print("\n".join(conclusions))
     if not complete:
         return Status.FAILED
@@ -244,106 +235,81 @@ def _directory(text: str) -> Path:
     return Path(text)
 
 
-Argument = tuple[str, dict[str, Any]]
-"""Name or flag, and what else argparse takes."""
-
-
 class Command(NamedTuple):
-    """A command: what it does in a line, what does it, and what it takes."""
+    """A command: what it does in a line, what does it, what it takes, and its scene by default."""
 
     help: str
     conduct: Callable[[argparse.Namespace], Status]
-    arguments: tuple[Argument, ...] = ()
+    arguments: tuple[str, ...] = ()
+    scene: str | None = None
 
 
-def _flag(name: str, help: str) -> Argument:
-    return name, {"action": "store_true", "help": help}
-
-
-def _out_argument(default: str) -> Argument:
-    return "--out", {"type": _directory, "help": f"directory (default: {default})"}
-
-
-SCENE: Argument = ("scene", {"help": "a TOML file or a bundled scene"})
-MEMORY: Argument = (
-    "--memory",
-    {
-        "type": float,
-        "metavar": "GIB",
-        "help": "most memory in GiB; what would need more is refused before it starts (default: "
-        "what the machine has)",
-    },
-)
 COMMANDS = {
     "run": Command(
         "compute a scene by every method it names, and compare them",
         _run,
         (
-            (
-                "scene",
-                {
-                    "nargs": "?",
-                    "default": "five_rings",
-                    "help": "a TOML file or a bundled scene (default: five_rings)",
-                },
-            ),
-            _out_argument("results/SCENE"),
-            ("--rtol", {"type": float, "help": "relative accuracy, in place of the scene's"}),
-            ("--methods", {"help": "methods, comma-separated, in place of the scene's"}),
-            _flag("--no-figures", "numbers only: neither figures nor the report"),
-            _flag("--no-report", "figures, but no report.html"),
-            _flag("--csv", "the results as CSV tables, too"),
-            MEMORY,
+            *("scene", "--out", "--rtol", "--methods", "--no-figures", "--no-report", "--csv"),
+            "--memory",
         ),
+        "five_rings",
     ),
     "plan": Command(
-        "say what a scene will take, without computing it",
-        _plan,
-        (
-            SCENE,
-            _flag("--check", "also condense it, and report the stability of the multipliers"),
-        ),
+        "say what a scene will take, without computing it", _plan, ("scene", "--check")
     ),
     "mesh": Command(
-        "mesh the half-space of a scene: a VTU file and a figure",
-        _mesh,
-        (SCENE, _out_argument("results/SCENE")),
+        "mesh the half-space of a scene: a VTU file and a figure", _mesh, ("scene", "--out")
     ),
     "compare": Command(
         "two folders of results, or scenes: what differs, drawn together",
         _compare,
-        (
-            ("A", {"help": "a folder of `ringwear run`, a TOML file or a bundled scene"}),
-            ("B", {"help": "another one"}),
-            ("--out", {"type": _directory, "default": Path("results/compare")}),
-        ),
+        ("A", "B", "--out"),
     ),
     "study": Command("a study: figures, tables and a conclusion", _study),
     "sweep": Command(
         "a map: many scenes over axes of scene keys, kept in one labelled store",
         _sweep,
         (
-            ("file", {"help": "a sweep file (studies/sweep/README.md), or a bundled sweep"}),
-            ("--out", {"type": Path, "help": "directory for the store (default: results/FILE)"}),
-            (
-                "--scheduler",
-                {"metavar": "ADDRESS", "help": "a Dask scheduler, to compute on its workers"},
-            ),
-            (
-                "--workers",
-                {
-                    "type": int,
-                    "default": os.cpu_count() or 1,
-                    "help": "processes on this machine (default: its cores)",
-                },
-            ),
-            MEMORY,
-            _flag("--dry-run", "say what it will take, without computing"),
-            _flag("--resume", "go on with what is in the directory"),
-            _flag("--retry-failed", "with --resume: try again the scenes that failed"),
+            *("file", "--out", "--scheduler", "--workers", "--memory", "--dry-run", "--resume"),
+            "--retry-failed",
         ),
     ),
     "scenes": Command("list the bundled scenes", _scenes),
+}
+FLAGS = {
+    "--no-figures": "numbers only: neither figures nor the report",
+    "--no-report": "figures, but no report.html",
+    "--csv": "the results as CSV tables, too",
+    "--check": "also condense it, and report the stability of the multipliers",
+    "--quick": "a smaller version of the study",
+    "--dry-run": "say what it will take, without computing",
+    "--resume": "go on with what is in the directory",
+    "--retry-failed": "with --resume: try again the scenes that failed",
+}
+ARGUMENTS: dict[str, dict[str, Any]] = {
+    **{flag: {"action": "store_true", "help": help} for flag, help in FLAGS.items()},
+    "scene": {"help": "a TOML file or a bundled scene"},
+    "A": {"help": "a folder of `ringwear run`, a TOML file or a bundled scene"},
+    "B": {"help": "another one"},
+    "file": {"help": "a sweep file (studies/sweep/README.md), or a bundled sweep"},
+    "--out": {
+        "type": _directory,
+        "help": "directory (default: results/ and the name of scene, study or file)",
+    },
+    "--rtol": {"type": float, "help": "relative accuracy, in place of the scene's"},
+    "--methods": {"help": "methods, comma-separated, in place of the scene's"},
+    "--memory": {
+        "type": float,
+        "metavar": "GIB",
+        "help": "most memory in GiB; what would need more is refused before it starts (default: "
+        "what the machine has)",
+    },
+    "--scheduler": {"metavar": "ADDRESS", "help": "a Dask scheduler, to compute on its workers"},
+    "--workers": {
+        "type": int,
+        "default": os.cpu_count() or 1,
+        "help": "processes on this machine (default: its cores)",
+    },
 }
 
 
@@ -357,25 +323,24 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
     for name, command in COMMANDS.items():
         taker = commands.add_parser(name, help=command.help)
-        _add(taker, command.arguments)
+        _add(taker, command.arguments, command.scene)
         if name == "study":
             names = taker.add_subparsers(required=True, metavar="NAME", dest="study")
             for study, row in STUDIES.items():
-                scene = {"nargs": "?", "default": row.scene, "help": f"(default: {row.scene})"}
-                _add(
-                    names.add_parser(study, help=row.purpose),
-                    (
-                        ("scene", scene),
-                        _out_argument(f"results/{study}"),
-                        _flag("--quick", "a smaller version of the study"),
-                        *row.options,
-                    ),
-                )
+                taker = names.add_parser(study, help=row.purpose)
+                _add(taker, ("scene", "--out", "--quick"), row.scene)
+                for option, settings in row.options:
+                    taker.add_argument(option, **settings)
     return parser
 
 
-def _add(parser: argparse.ArgumentParser, arguments: tuple[Argument, ...]) -> None:
-    for name, settings in arguments:
+def _add(parser: argparse.ArgumentParser, names: tuple[str, ...], scene: str | None) -> None:
+    """Add arguments to a command; the scene may be left out where there is one by default."""
+    for name in names:
+        settings = ARGUMENTS[name]
+        if name == "scene" and scene:
+            help = f"{settings['help']} (default: {scene})"
+            settings = {"nargs": "?", "default": scene, "help": help}
         parser.add_argument(name, **settings)
 
 

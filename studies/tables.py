@@ -19,14 +19,12 @@ class Table:
     Columns that a row does not name stay empty.
     """
 
-    def __init__(
-        self, path: Path, fields: Iterable[str], rows: Iterable[Row | tuple[Any, ...]] = ()
-    ) -> None:
+    def __init__(self, path: Path, fields: Iterable[str], rows: Iterable[Row] = ()) -> None:
         self.path, self.fields = path, tuple(fields)
         self.rows: list[Row] = []
         self._append("w", self.fields)
         for row in rows:
-            self.add(*row) if isinstance(row, tuple) else self.add(**row)
+            self.add(**row)
 
     def add(self, *values: Any, **named: Any) -> None:
         """Add a row: values in the order of the columns, or by their names."""

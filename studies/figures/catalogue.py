@@ -32,7 +32,7 @@ PICTURES = (
         "Edges of the contact over time, its inside shaded, and what each ring carries and has "
         "worn off.",
         draw_contact,
-        lambda result: _has_history(result) and bool(result.given("contact_edge")),
+        lambda result: _has_history(result) and "contact_edge" in result.dataset,
     ),
     Picture(
         "steady_state.png",

@@ -4,13 +4,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..crosscheck.dataset import Result
-from .style import GREYS, complete, page, powers, titled
+from .style import GREYS, PAGE, complete, new_figure
 
 
 def draw_operators(result: Result) -> Figure:
     """Draw the relative difference of two methods against the wavelength of the pressure."""
-    figure, panels = page(1, 1, 2.4, left=0.6)
-    axes, least = panels[0, 0], 1e-16
+    figure, least = new_figure(PAGE, 3.4), 1e-16
+    axes = figure.subplots()
     for pair, marker, color in zip(result.operators, "ox^s", GREYS, strict=False):
         axes.loglog(
             pair.wavelengths / result.scene.punch.radius,
@@ -22,21 +22,17 @@ def draw_operators(result: Result) -> Figure:
             markeredgewidth=0.6,
             color=color,
         )
+        label = f"all steady states: {pair.rings:.0e}"
         axes.axhline(
-            max(pair.rings, least),
-            linewidth=0.8,
-            color=color,
-            linestyle="--",
-            label=f"all steady states: {pair.rings:.0e}",
+            max(pair.rings, least), linewidth=0.8, color=color, linestyle="--", label=label
         )
-    powers(axes.xaxis, axes.yaxis)
     shortest = 2 * float(result.scene.problem.rings.widths.min())
     axes.axvline(shortest, color="0.4", linestyle=":", label="two of the narrowest rings")
     axes.set_xlabel("wavelength of the pressure over the punch radius $a$")
     axes.set_ylabel("relative difference of energies")
     return complete(
         figure,
-        titled(result.scene, "the methods compared for every pressure"),
+        (result.scene.title, "the methods compared for every pressure"),
         [axes],
         "Of the same pressure both methods give the elastic energy. Waves shorter than the "
         "elements are beyond either.",

@@ -1,88 +1,150 @@
-"""What the axes of a scene's figures are in.
+"""What a scene's figures are drawn in, and its quantities over the radius or over time.
 
-SI units with their prefixes, or over a, d0 and p0 as in the paper.
-
-``d0 = F/(2 a E*)`` is the indentation of the unworn punch and ``p0 = F/(2 pi a^2)`` its least
-pressure; a figure that uses them says so.
+SI units with their prefixes, or over a, d0 and p0 as in the paper: ``d0 = F/(2 a E*)`` is the
+indentation of the unworn punch and ``p0 = F/(2 pi a^2)`` its least pressure; a figure that uses
+them says so.
 """
 
-from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
+import xarray
 
 from ...meshes.radial import Indices
 from ..problem.problem import D0, P0, Problem
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
+from .style import broken_at, method_curve, shade_rings
+
+LABELS = {
+    "radius": ("radius", "r", "length"),
+    "time": ("time", "t", "time"),
+    "profile": ("worn height", "\\Delta f", "displacement"),
+    "pressure": ("pressure", "p", "pressure"),
+    "steady_profile": ("limiting profile", "f_{stat}", "displacement"),
+    "steady_pressure": ("steady pressure", "p", "pressure"),
+    "displacement_max": ("greatest displacement", "u_{max}", "displacement"),
+    "rms_slope": ("RMS slope", "s", "slope"),
+    "contact_edge": ("contact (shaded), its edges", "r", "length"),
+    "ring_force": ("force", "F_N", "force"),
+    "normal_force": ("force", "F_N", "force"),
+    "ring_worn_volume": ("worn volume", "V", "volume"),
+    "von_mises": ("von Mises stress", "\\sigma", "pressure"),
+}
+"""What is drawn: its name, symbol and kind of unit."""
+MANY = 24
+"""Rings from which on curves are thin and without marks, over the whole width of a page."""
 
 
-@dataclass(frozen=True)
-class Axis:
-    """One axis of a figure.
+class Axis(NamedTuple):
+    """What a kind of quantity is drawn in.
 
     Parameters
     ----------
-    factor : float
-        Non-dimensional values times it are shown.
-    stored : float
-        Non-dimensional values times it are those of the scene's units.
-    unit : str
-        Of the values shown, or what they are over.
+    unit : float
+        Of the axis, in the units of the scene.
+    name : str
+        Of the unit, in SI.
+    over : str
+        Symbol of what values are divided by, where they are not in SI.
     """
 
-    factor: float
-    stored: float
-    unit: str
-    over: bool = False
-
-    def label(self, what: str, symbol: str) -> str:
-        """Return the label of the axis, as ``pressure $p$ (MPa)`` or ``pressure $p/p_0$``."""
-        if self.over:
-            return f"{what} ${symbol}/{self.unit}$"
-        return f"{what} ${symbol}$ ({self.unit})" if self.unit else f"{what} ${symbol}$"
+    unit: float
+    name: str
+    over: str = ""
 
 
 class Scale:
-    """The axes of a scene: its radii, heights, pressures, slopes and times."""
+    """The axes of a scene's figures.
+
+    Attributes
+    ----------
+    axes : dict of Axis
+        By the kind of quantity.
+    logarithmic : bool
+        Whether times span so much that they are drawn from the first after the start.
+    """
 
     def __init__(self, scene: Scene) -> None:
-        self.names, self.units = UnitNames.of(scene.units), scene.problem.units
-        self.radius = self._axis("length", 1.0, "a")
-        self.height = self._axis("displacement", D0, "d_0")
-        self.pressure = self._axis("pressure", P0, "p_0", typical=2 * P0)
-        self.slope = self._axis("slope", D0, "(d_0/a)")
+        self.names, self.problem = UnitNames.of(scene.units), scene.problem
+        units = scene.problem.units
+        self.axes = {}
+        for kind, size, symbol in (
+            ("length", 1.0, "a"),
+            ("displacement", D0, "d_0"),
+            ("pressure", P0, "p_0"),
+            ("slope", D0, "(d_0/a)"),
+            ("force", 1.0, "F"),
+            ("volume", 1.0, "(Fa/E^*)"),
+        ):
+            stored = size * getattr(units, kind)
+            unit, name = self.names.readable(stored, kind)
+            self.axes[kind] = Axis(unit, name) if self.names.si else Axis(stored, "", symbol)
         later = [time for time in scene.wear.times if time] or [0.0]
-        unit, name = self.names.readable(float(np.sqrt(later[0] * later[-1])), "time")
-        self.time = Axis(self.units.time / unit, self.units.time, name)
+        self.axes["time"] = Axis(*self.names.readable(float(np.sqrt(later[0] * later[-1])), "time"))
+        self.logarithmic = later[-1] > 30 * later[0]
 
-    def _axis(self, kind: str, over: float, symbol: str, typical: float = 0.0) -> Axis:
-        stored = getattr(self.units, kind)
-        if not self.names.si:
-            return Axis(1 / over, stored, symbol, over=True)
-        unit, name = self.names.readable((typical or over) * stored, kind)
-        return Axis(stored / unit, stored, name)
+    def shown(self, name: str, values: Any) -> Any:
+        """Return values of a quantity, in the units of the scene, as they are drawn."""
+        return values / self.axes[LABELS[name][2]].unit
+
+    def label(self, name: str) -> str:
+        """Return the label of an axis, as ``pressure $p$ (MPa)`` or ``pressure $p/p_0$``."""
+        what, symbol, kind = LABELS[name]
+        _, unit, over = self.axes[kind]
+        return f"{what} ${symbol}{f'/{over}' if over else ''}$" + (f" ({unit})" if unit else "")
+
+    def plot(self, axes: Any, values: xarray.DataArray, **look: Any) -> None:
+        """Draw a quantity over the radius, broken where pressures jump, or over time."""
+        name, over = str(values.name), str(values.dims[0])
+        places, heights = values[over].values, values.values
+        if over == "time" and self.logarithmic:
+            axes.set_xscale("log")
+            places, heights = places[places > 0], heights[places > 0]
+        if "pressure" in name:
+            edges = self.problem.merged.ring_edges * self.problem.units.length
+            places, heights = broken_at(edges, places, heights)
+        axes.plot(self.shown(over, places), self.shown(name, heights), **look)
+        axes.set(xlabel=self.label(over), ylabel=self.label(name))
+
+    def plot_radial(self, axes: Any, values: xarray.DataArray) -> None:
+        """Draw a quantity over the radius by every method that gives it, and shade the rings."""
+        rings = self.problem.rings
+        for method, curve in by_method(values).items():
+            look = method_curve(method, len(curve))
+            if len(rings.wear_coefficients) > MANY:
+                look |= {"marker": "", "linewidth": 0.5 * look["linewidth"]}
+            self.plot(axes, curve, **look)
+        shade_rings(axes, *rings, self.shown("radius", self.problem.units.length))
 
     def when(self, time: float) -> str:
         """Return a time in the scene's numbers, for people."""
         return f"t = {self.names.write(time, 'time', 3)}"
 
     def worn(self, height: float) -> str:
-        """Return a non-dimensional height, for people."""
+        """Return a height, for people."""
         if self.names.si:
-            return self.names.write(height * self.units.displacement, "displacement", 2)
-        return f"{height / D0:.2g} d₀"
+            return self.names.write(height, "displacement", 2)
+        return f"{self.shown('profile', height):.2g} d₀"
 
     @property
     def note(self) -> str:
         """What the axes are over."""
         if self.names.si:
             return ""
-        units, write = self.units, self.names.write
+        units, write = self.problem.units, self.names.write
+        force = "F" if self.problem.indentation is None else "F = 2aE*d"
         return (
-            f"a = {write(units.length, 'length', 3)}, "
+            f"a = {write(units.length, 'length', 3)}, {force} = {write(units.force, 'force', 3)}, "
             f"d₀ = F/(2aE*) = {write(D0 * units.displacement, 'displacement', 3)}, "
             f"p₀ = F/(2πa²) = {write(P0 * units.pressure, 'pressure', 3)}"
         )
+
+
+def by_method(values: xarray.DataArray) -> dict[str, xarray.DataArray]:
+    """Return a quantity by each method that gives it."""
+    methods = {str(name): values.sel(solver=name, drop=True) for name in values.solver.values}
+    return {name: given for name, given in methods.items() if given.notnull().any()}
 
 
 def shown_times(problem: Problem, most: int) -> Indices:

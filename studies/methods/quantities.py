@@ -109,7 +109,9 @@ QUANTITIES = {
     "steady_rms_slope": Quantity(
         (), "slope", "root mean square slope of the limiting profile (Eq. 18)"
     ),
-    "steady_wear_rate": Quantity((), "wear_rate", "df/dt in the steady state (Eq. 23)"),
+    "steady_wear_rate": Quantity(
+        (), "wear_rate", "height lost in a time, the same on every ring (Eq. 23)"
+    ),
 }
 
 # the answer of a run (`studies/crosscheck/answer.py`), without errors of its own
@@ -117,7 +119,9 @@ STATES = ("start", "steady")
 OF_PUNCH, OF_RINGS = (), ("state", "ring")
 ANSWER = {
     "indentation_start": Quantity(
-        OF_PUNCH, "displacement", "indentation by the unworn punch; of a flat one F / (2 a E*)"
+        OF_PUNCH,
+        "displacement",
+        "indentation of the unworn face plane at the start; of a flat punch F / (2 a E*)",
     ),
     "indentation_steady": Quantity(
         OF_PUNCH,

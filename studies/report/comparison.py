@@ -1,10 +1,10 @@
 """Two results beside each other: what differs between their scenes, and in their answers."""
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray
 
 from ...meshes.errors import SceneError
@@ -12,11 +12,9 @@ from ..crosscheck.run import run
 from ..methods.quantities import ANSWER, QUANTITIES
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
-from .words import Rows
 
 
-@dataclass(frozen=True, eq=False)
-class Side:
+class Side(NamedTuple):
     """One of the two: a folder of results as it is, or a scene, run now."""
 
     scene: Scene
@@ -44,13 +42,10 @@ class Side:
                 "`ringwear run` has written, or a scene"
             ) from None
 
-    def curve(self, name: str) -> xarray.DataArray | None:
-        """Return a quantity by the first method that gives all of it, if any does."""
-        for solver in self.dataset.solver.values if name in self.dataset else ():
-            values = self.dataset[name].sel(solver=solver)
-            if values.size and np.isfinite(values).all():
-                return values
-        return None
+    def number(self, name: str) -> float:
+        """Return a number of the punch by the first method that gives it; NaN if none does."""
+        values = self.dataset[name].values if name in self.dataset else np.empty(0)
+        return float(next(iter(values[np.isfinite(values)]), np.nan))
 
 
 def both(first: str, second: str) -> tuple[Side, Side]:
@@ -61,47 +56,41 @@ def both(first: str, second: str) -> tuple[Side, Side]:
     SceneError
         if their units differ
     """
-    sides = Side.of(first), Side.of(second)
-    one, other = (UnitNames.of(side.scene.units) for side in sides)
-    if one.base != other.base or (one.base is None and one.stated != other.stated):
+    a, b = Side.of(first), Side.of(second)
+    stated = [side.scene.units for side in (a, b)]
+    bases = [UnitNames.of(units).base for units in stated]
+    if bases[0] != bases[1] or (bases[0] is None and stated[0] != stated[1]):
         raise SceneError(
-            f"units = {one.stated!r} and {other.stated!r} differ: compare scenes in the same units"
+            f"units = {stated[0]!r} and {stated[1]!r} differ: compare scenes in the same units"
         )
-    return sides
+    return a, b
 
 
-def scene_rows(a: Side, b: Side) -> Rows:
+def scene_rows(a: Side, b: Side) -> pd.DataFrame:
     """Return the keys of the scenes that differ."""
-    first, second = _flat(a.scene.table()), _flat(b.scene.table())
-    keys = [key for key in first | second if first.get(key) != second.get(key)]
-    rows = [(key, _told(first.get(key)), _told(second.get(key))) for key in keys]
-    return Rows(("key", "A", "B"), rows)
+    tables = [pd.json_normalize(side.scene.table()).iloc[0].astype(str) for side in (a, b)]
+    table = pd.concat(tables, axis=1, keys=["A", "B"]).fillna("not given")
+    return table[table.A != table.B].map(_cut).rename_axis("key").reset_index()
 
 
-def answer_rows(a: Side, b: Side) -> Rows:
+def answer_rows(a: Side, b: Side) -> pd.DataFrame:
     """Return each number of the punch on both sides, and the relative difference."""
     names, rows = UnitNames.of(a.scene.units), []
     for name, quantity in (ANSWER | QUANTITIES).items():
-        values = [side.curve(name) for side in (a, b)]
-        if quantity.dims or all(value is None for value in values):
+        first, second = a.number(name), b.number(name)
+        if quantity.dims or np.isnan([first, second]).all():
             continue
-        first, second = (np.nan if value is None else float(value) for value in values)
         change = second / first - 1 if first else np.nan
-        told = f"{100 * change:+.3g} %" if np.isfinite(change) else ""
-        written = (names.write(value, quantity.unit) for value in (first, second))
-        rows.append((name, *written, told))
-    return Rows(("quantity", "A", "B", "B against A"), rows)
+        rows.append(
+            {
+                "quantity": name,
+                "A": names.write(first, quantity.unit),
+                "B": names.write(second, quantity.unit),
+                "B against A": f"{100 * change:+.3g} %" if np.isfinite(change) else "",
+            }
+        )
+    return pd.DataFrame(rows)
 
 
-def _flat(table: dict[str, Any], before: str = "") -> dict[str, Any]:
-    """Return a nested table with keys as ``punch.radius``."""
-    flat: dict[str, Any] = {}
-    for key, value in table.items():
-        nested = isinstance(value, dict)
-        flat |= _flat(value, f"{before}{key}.") if nested else {f"{before}{key}": value}
-    return flat
-
-
-def _told(value: Any) -> str:
-    text = "not given" if value is None else str(value)
+def _cut(text: str) -> str:
     return text if len(text) <= 60 else f"{text[:56]} ..."

@@ -2,31 +2,33 @@
 
 from collections.abc import Sequence
 
-from .words import Account, Rows
+import pandas as pd
+
+from .words import Account, shorten
 
 
 def print_account(account: Account) -> None:
     """Print all that is told of a run."""
     print(f"\n{account.title}", *account.defaults, sep="\n")
     print(f"\nAnswer, by {account.answered_by} (every method's: summary.json)")
-    print_table(account.answers)
+    print_lines(account.answers)
     print()
-    print_rows(account.rings.shortened(16))
+    print_table(shorten(account.rings, 16))
     print(f"\n{account.verdict_line}\n\nAccuracy and cost")
-    print_rows(account.methods)
-    if account.agreement.rows:
+    print_table(account.methods)
+    if not account.agreement.empty:
         print("\nDifferences, relative; of each quantity the pair that differs most")
-        print_rows(account.agreement)
+        print_table(account.agreement)
     print(*account.remarks, "", sep="\n")
     print_scope(account.modelled, account.left_out)
 
 
-def print_rows(rows: Rows) -> None:
+def print_table(table: pd.DataFrame) -> None:
     """Print a table with its heads."""
-    print_table([rows.headers, *rows.rows])
+    print_lines([list(table.columns), *table.astype(str).values.tolist()])
 
 
-def print_table(lines: Sequence[Sequence[str]]) -> None:
+def print_lines(lines: Sequence[Sequence[str]]) -> None:
     """Print lines in columns."""
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     for line in lines:

@@ -186,7 +186,7 @@ def test_the_default_scene_reaches_its_accuracy_by_its_own_word() -> None:
     result = run(Scene.load("five_rings"))
     assert result.verdict == "agree"
     assert all(not method["beyond_rtol"] for method in result.summary["methods"].values())
-    assert not any("says of itself" in line for line in Account.of(result).remarks)
+    assert not any("says of itself" in line for line in Account(result).remarks)
 
 
 @pytest.mark.parametrize(
@@ -233,6 +233,6 @@ def test_an_annulus_that_is_only_pressed_on_does_not_disagree() -> None:
     )
     result = run(scene)
     assert result.verdict == "agree"
-    lines = [line for line in Account.of(result).remarks if "undecided" in line]
+    lines = [line for line in Account(result).remarks if "undecided" in line]
     assert len(lines) == len({row.quantity for row in result.agreement if row.remark})
     assert not any("worn" in line for line in lines)

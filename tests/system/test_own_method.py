@@ -38,7 +38,7 @@ def test_a_method_of_ones_own(name, tmp_path):
     # springs are no half-space, and the verdict says so
     assert result.verdict == "disagree"
     assert any("winkler" in line for line in result.summary["modelled"])
-    assert "winkler" in str(Account.of(result).methods)
+    assert "winkler" in str(Account(result).methods)
     assert not draw(result, PICTURES, tmp_path)
     assert (tmp_path / "history.png").exists()
 

@@ -9,7 +9,6 @@ import argparse
 import json
 import re
 from collections.abc import Iterator
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -20,27 +19,13 @@ from browser import Browser, installed
 from ringwear import Scene, run
 from ringwear.studies.cli import main
 from ringwear.studies.crosscheck.dataset import Result
-from ringwear.studies.report.page import write_report, write_study
+from ringwear.studies.report.page import write_report
 from ringwear.studies.report.slides import slides
 from ringwear.studies.report.words import Account
 
 RUBBER = Scene.load("rubber").changed(
     title="Stone & binder </script><b> $x_{", methods=["mdr", "direct"]
 )
-
-
-class Loads(HTMLParser):
-    """The tags of a page, and all that it would load."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.tags: list[str] = []
-        self.addresses: list[str | None] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        loading = ("src", "href", "srcset", "data", "action")
-        self.addresses += [value for name, value in attrs if name in loading]
 
 
 @pytest.fixture(scope="module")
@@ -59,15 +44,15 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_page_is_one_small_file_that_loads_nothing(page: Path) -> None:
     text = page.read_text("utf-8")
     assert len(text) < 3e6
-    page_loads = Loads()
-    page_loads.feed(text)
-    assert page_loads.addresses
-    assert all(str(address).startswith("data:image/png") for address in page_loads.addresses)
+    addresses = re.findall(r'\s(?:src|href|srcset|data|action)="([^"]*)"', text)
+    assert addresses
+    assert all(address.startswith("data:image/png") for address in addresses)
     assert "default-src 'none'" in text
     # the title is text, whatever is in it
     assert "Stone &amp; binder &lt;/script&gt;&lt;b&gt;" in text
-    assert not {"link", "b"} & set(page_loads.tags)
-    assert page_loads.tags.count("script") == 2
+    tags = re.findall(r"<(\w+)", text)
+    assert not {"link", "b"} & set(tags)
+    assert tags.count("script") == 2
 
 
 def test_a_page_says_what_was_asked(page: Path, result: Result) -> None:
@@ -111,35 +96,27 @@ def test_every_part_of_a_scene_has_a_page(
     changes: dict[str, Any], states: int, tmp_path: Path
 ) -> None:
     result = run(Scene.load("rubber").changed(accuracy__rtol=1e-3, **changes))
-    write_report(result, Account.of(result), (), tmp_path / "report.html")
+    write_report(result, Account(result), (), tmp_path / "report.html")
     shown = slides(result)
     assert len(shown["labels"] if shown else []) == states
     assert ('id="solid"' in (tmp_path / "report.html").read_text("utf-8")) == bool(states)
 
 
-def test_the_page_of_a_study(tmp_path: Path) -> None:
-    (tmp_path / "rows.csv").write_text("method,error\nmdr,0.000123456\n<fem>,\n", "utf-8")
-    (tmp_path / "curve.png").write_bytes(b"\x89PNG")
-    page = tmp_path / "report.html"
-    conclusions = ["All is well.", "| a | table |"]
-    write_study("march", "orders of marches", Scene.load("five_rings"), conclusions, page)
-    text = page.read_text("utf-8")
-    assert "| a |" not in text
-    for told in ("All is well.", "0.0001235", "&lt;fem&gt;", "base64,iVBORw==", "orders of"):
-        assert told in text
-
-
-def test_a_study_has_its_page_among_its_files(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_page_of_a_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def conduct(_: Scene, out: Path, __: argparse.Namespace) -> list[str]:
-        (out / "rows.csv").write_text("a,b\n1,2\n", "utf-8")
-        return ["Done."]
+        rows = "method,error,count\nmdr,0.000123456,25378\n<fem>,,\n"
+        (out / "rows.csv").write_text(rows, "utf-8")
+        (out / "curve.png").write_bytes(b"\x89PNG")
+        return ["All is well.", "| a | table |"]
 
     monkeypatch.setattr("ringwear.studies.numerics.march.conduct", conduct)
     assert main(["study", "march", "--out", str(tmp_path)]) == 0
-    assert {file.name for file in tmp_path.glob("[!.]*")} == {"report.html", "rows.csv"}
-    assert "Done." in (tmp_path / "report.html").read_text("utf-8")
+    files = {file.name for file in tmp_path.glob("[!.]*")}
+    assert files == {"report.html", "rows.csv", "curve.png"}
+    text = (tmp_path / "report.html").read_text("utf-8")
+    assert "| a |" not in text
+    for told in ("All is well.", "0.0001235", "25378", "&lt;fem&gt;", "iVBORw==", "orders of"):
+        assert told in text, told
 
 
 def test_flags_leave_out_what_they_say(tmp_path: Path) -> None:

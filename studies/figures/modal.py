@@ -1,0 +1,32 @@
+"""A punch in full contact at any time, by its relaxation modes."""
+
+from collections.abc import Mapping
+
+import xarray
+
+from ...meshes.radial import Array
+from ..methods.base import Solution
+from ..methods.quantities import QUANTITIES
+from ..methods.sampler import Sampler
+from ..problem.problem import Problem
+from ..wear.full_contact import RunningIn
+
+
+def modal_method(solutions: Mapping[str, Solution]) -> tuple[str, RunningIn] | None:
+    """Return the first method whose modes give the state at any time, and its running-in."""
+    for name, solution in solutions.items():
+        if solution.wear is not None:
+            return name, solution.wear
+    return None
+
+
+def sample_modes(problem: Problem, wear: RunningIn, times: Array) -> xarray.Dataset:
+    """Return the quantities at non-dimensional times, and of the steady state if that is wanted, in
+    the units of the scene.
+    """
+    sampler, units = Sampler(problem, wear.compliance.space), problem.units
+    data = sampler.history(wear.modal(times))
+    if problem.steady:
+        data = data.merge(sampler.steady(wear.steady))
+    data = data.assign_coords(time=data.time * units.time, radius=data.radius * units.length)
+    return data.map(lambda values: values * getattr(units, QUANTITIES[str(values.name)].unit))
