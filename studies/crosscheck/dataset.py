@@ -20,6 +20,7 @@ from ..methods.quantities import (
     OF_PROFILES,
     QUANTITIES,
     STATES,
+    Quantity,
     common,
     error_name,
     values,
@@ -97,10 +98,6 @@ class Result:
         if not all(anchor.holds for anchor in self.anchors):
             return DISAGREE
         return overall(self.agreement)
-
-    @property
-    def agrees(self) -> bool:
-        return self.verdict == AGREE
 
     @property
     def quantities(self) -> dict[str, str]:
@@ -199,12 +196,24 @@ def dataset(result: Result) -> xarray.Dataset:
 
     NaN where a method does not give a quantity.
     """
-    scene, problem, solutions = result.scene, result.scene.problem, result.solutions
+    scene, problem = result.scene, result.scene.problem
     units, names = problem.units, UnitNames.of(scene.units)
-    results = [values(solution.results) for solution in solutions.values()]
-    errors = [solution.errors for solution in solutions.values()]
-    answers = list(result.answers.values())
-    edges = [given["contact_edge"].shape[1] for given in results if "contact_edge" in given]
+    reported, table = [], dict[str, Quantity]()
+    for name, solution in result.solutions.items():
+        given = {
+            key: value * getattr(units, QUANTITIES[key].unit)
+            for key, value in values(solution.results).items()
+        }
+        errors = {error_name(key): error for key, error in solution.errors.items()}
+        reported.append(given | errors | result.answers[name])
+    for name, quantity in QUANTITIES.items():
+        # a flat punch has no more to say
+        if name not in OF_PROFILES or any(name in given for given in reported):
+            table[name] = quantity
+            if name not in ("contact", "contact_edge"):
+                definition = ERROR.format(name, NORMS[quantity.norm])
+                table[error_name(name)] = Quantity(quantity.error_dims, "number", definition)
+    edges = [given["contact_edge"].shape[1] for given in reported if "contact_edge" in given]
     sizes = {
         "time": len(problem.times),
         "radius": len(problem.radii),
@@ -213,70 +222,41 @@ def dataset(result: Result) -> xarray.Dataset:
         "state": len(STATES),
         "edge": max(edges, default=0),
     }
-    variables: dict[str, Any] = {}
 
-    def about(definition: str, kind: str = "number") -> dict[str, str]:
+    def describe(definition: str, kind: str) -> dict[str, str]:
         return {"long_name": definition, "units": names.name(kind) or scene.units or UNSTATED}
 
-    def add(
-        name: str,
-        given: Sequence[Mapping[str, Array]],
-        dims: tuple[str, ...],
-        scale: float,
-        attributes: dict[str, str],
-    ) -> None:
-        gathered = np.full((len(given), *(sizes[dim] for dim in dims)), np.nan)
-        for row, of_method in enumerate(given):
-            if name in of_method:
-                shared = common(of_method[name].shape, gathered.shape[1:])
-                gathered[row, ...][shared] = of_method[name][shared]
-        variables[name] = ("solver", *dims), scale * gathered, attributes
-
-    for name, quantity in QUANTITIES.items():
-        # a flat punch has no more to say
-        if name in OF_PROFILES and not any(name in given for given in results):
-            continue
-        scale = getattr(units, quantity.unit)
-        add(name, results, quantity.dims, scale, about(quantity.definition, quantity.unit))
-        if name not in ("contact", "contact_edge"):
-            estimates = [{error_name(of): error for of, error in given.items()} for given in errors]
-            attributes = about(ERROR.format(name, NORMS[quantity.norm]))
-            add(error_name(name), estimates, quantity.error_dims, 1.0, attributes)
-    for name, quantity in ANSWER.items():
-        add(name, answers, quantity.dims, 1.0, about(quantity.definition, quantity.unit))
+    variables: dict[str, Any] = {}
+    for name, quantity in (table | ANSWER).items():
+        gathered = np.full((len(reported), *(sizes[dim] for dim in quantity.dims)), np.nan)
+        for row, given in enumerate(reported):
+            if name in given:
+                shared = common(given[name].shape, gathered.shape[1:])
+                gathered[(row, *shared)] = given[name][shared]
+        attributes = describe(quantity.definition, quantity.unit)
+        variables[name] = ("solver", *quantity.dims), gathered, attributes
     # as they were asked for: by way of the non-dimensional ones they would differ in the last digit
     radius = problem.radii * units.length if scene.output.radii is None else scene.output.radii
-    ring_edges = problem.ring_edges * units.length
+    inner, outer = problem.ring_edges[:-1] * units.length, problem.ring_edges[1:] * units.length
     coefficients = problem.wear_coefficients * units.wear_coefficient
-    coordinates = [
-        ("time", "time", scene.wear.times, about("time of sliding", "time")),
-        ("radius", "radius", radius, about("distance from the axis", "length")),
-        ("ring_inner_radius", "ring", ring_edges[:-1], about("inner edge of the ring", "length")),
-        ("ring_outer_radius", "ring", ring_edges[1:], about("outer edge of the ring", "length")),
-        (
-            "wear_coefficient",
-            "ring",
-            coefficients,
-            about("k of df/dt = k p v0 on the ring", "wear_coefficient"),
-        ),
-    ]
-    numbered = {
-        "ring": "ring, counted from the centre",
-        "mode": "wear mode, slowest first",
-        "edge": "edge of the contact: inner and outer of each part in turn, from the centre",
+    about_coefficients = describe("k of df/dt = k p v0 on the ring", "wear_coefficient")
+    coordinates: dict[str, Any] = {
+        "solver": list(result.solutions),
+        "state": list(STATES),
+        "time": ("time", scene.wear.times, describe("time of sliding", "time")),
+        "radius": ("radius", radius, describe("distance from the axis", "length")),
+        "ring_inner_radius": ("ring", inner, describe("inner edge of the ring", "length")),
+        "ring_outer_radius": ("ring", outer, describe("outer edge of the ring", "length")),
+        "wear_coefficient": ("ring", coefficients, about_coefficients),
     }
-    coordinates += [
-        (dim, dim, np.arange(1, sizes[dim] + 1), {"long_name": meaning})
-        for dim, meaning in numbered.items()
-        if sizes[dim]
-    ]
-    labels = {name: (dim, np.asarray(given), of) for name, dim, given, of in coordinates}
-    states = {"solver": list(solutions), "state": list(STATES)}
-    return xarray.Dataset(variables, labels | states, _attributes(scene))
-
-
-def _attributes(scene: Scene) -> dict[str, str]:
-    return {
+    for dim, meaning in (
+        ("ring", "ring, counted from the centre"),
+        ("mode", "wear mode, slowest first"),
+        ("edge", "edge of the contact: inner and outer of each part in turn, from the centre"),
+    ):
+        if sizes[dim]:
+            coordinates[dim] = dim, np.arange(1, sizes[dim] + 1), {"long_name": meaning}
+    about = {
         "title": scene.title,
         "units": scene.units or UNSTATED,
         "definitions": (
@@ -287,6 +267,7 @@ def _attributes(scene: Scene) -> dict[str, str]:
         "versions": json.dumps(versions()),
         "scene": scene.to_toml(),
     }
+    return xarray.Dataset(variables, coordinates, about)
 
 
 def summary(result: Result) -> dict[str, Any]:
@@ -322,7 +303,7 @@ def summary(result: Result) -> dict[str, Any]:
         },
         "methods": methods,
         "agreement": [asdict(row) | {"agrees": row.agrees} for row in result.agreement],
-        "agrees": result.agrees,
+        "agrees": result.verdict == AGREE,
         "anchors": [asdict(anchor) | {"holds": anchor.holds} for anchor in result.anchors],
         "operator_difference": [
             {name: getattr(row, name) for name in numbers} for row in result.operators

@@ -10,11 +10,10 @@ two to six times the error (`tests/physics/test_stresses.py`). Points within `NE
 ring edge, where stresses are infinite or jump, are left out of the estimate.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import ceil, log
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -34,8 +33,7 @@ SHARE = 10
 NEAR = 0.2
 
 
-@dataclass(frozen=True)
-class Limits:
+class Limits(NamedTuple):
     """What goes with a kind of elements.
 
     Parameters
@@ -50,17 +48,12 @@ class Limits:
     degree: int
     poisson_ratio: float
 
-    @classmethod
-    def of(cls, half_space: "HalfSpace") -> "Limits":
-        quads = type(half_space.solid.mesh).__name__ == "MeshQuad1"
-        return cls(3, 14, 0.499999) if quads else cls(2, 4, 0.49999)
-
 
 @dataclass(frozen=True, eq=False)
-class Fields:
-    """Fields of the half-space, non-dimensional, on small triangles within each element.
+class Interior:
+    """Fields of the half-space, and how good they are; non-dimensional.
 
-    Not averaged between elements.
+    On small triangles within each element, not averaged between elements.
 
     Parameters
     ----------
@@ -68,21 +61,6 @@ class Fields:
     displacement : (states, n, 2) radial, and into the half-space
     stress : (states, n, 4) rr, zz, rz, hoop
     von_mises : (states, n)
-    """
-
-    points: Array
-    triangles: Indices
-    displacement: Array
-    stress: Array
-    von_mises: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Interior(Fields):
-    """The fields, and how good they are.
-
-    Parameters
-    ----------
     labels : of the states, `t=...` and `steady`
     degree : of the displacement
     errors : of each field, by its name, in each state (states,): estimate of its greatest error
@@ -90,6 +68,11 @@ class Interior(Fields):
         indentation, of stresses over the mean pressure
     """
 
+    points: Array
+    triangles: Indices
+    displacement: Array
+    stress: Array
+    von_mises: Array
     labels: tuple[str, ...]
     degree: int
     errors: dict[str, Array]
@@ -103,7 +86,8 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     """
     half_space, problem = fem.half_space, scene.problem
     assert half_space is not None
-    limits = Limits.of(half_space)
+    triangles = len(half_space.solid.mesh.t) == 3
+    limits = Limits(2, 4, 0.49999) if triangles else Limits(3, 14, 0.499999)
     times, steady = scene.output.field_times, ("steady",) if problem.steady else ()
     if times is None:
         times = [0.0] if steady else [0.0, scene.wear.times[-1]]
@@ -115,91 +99,85 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     highest = degree if given else max(degree, limits.degree)
     with threadpool_limits(1):
         while True:
-            fine, coarse = (
-                fields_of(problem, each, np.array(times) / problem.units.time)
-                for each in refined(problem, half_space, degree)
-            )
-            errors = estimates(problem, fine, coarse, limits.poisson_ratio)
-            result = Interior(**vars(fine), labels=labels, degree=degree, errors=errors)
-            excess = errors["stress"].max() / (SHARE * problem.rtol)
+            result = _solve(problem, half_space, degree, limits, labels, np.array(times))
+            excess = result.errors["stress"].max() / (SHARE * problem.rtol)
             if excess <= 1 or degree == highest:
                 return result
             # three times as accurate by each degree
             degree = min(degree + ceil(log(excess, 3)), highest)
             # matrices of more pressures are dense, and not worth it for the sake of the inside
-            if next(refined(problem, half_space, degree)).space.size > 2000:
+            if refine(problem, half_space, degree, limits)[0].space.size > 2000:
                 return result
 
 
-def refined(problem: Problem, half_space: "HalfSpace", degree: int) -> Iterator["HalfSpace"]:
-    """Yield the half-space in another degree, with enough poles, then in one degree and with one
+def _solve(
+    problem: Problem,
+    half_space: "HalfSpace",
+    degree: int,
+    limits: Limits,
+    labels: tuple[str, ...],
+    times: Array,
+) -> Interior:
+    """Return the fields in a degree, at times in the scene's units and when steady.
+
+    The error estimate of each is the greatest difference to those of a lower degree, and what
+    Poisson's ratio 1/2 adds to it.
+    """
+    from ...fem.stresses import sampled, von_mises
+
+    times = times / problem.units.time
+    fields = []
+    for refined in refine(problem, half_space, degree, limits):
+        earliest = float(min(times[times > 0], default=0.0))
+        wear = RunningIn(refined.compliance(), problem.merged.wear_coefficients, earliest)
+        # no modes are needed for the start
+        at_start = [wear.flat.pressure] * len(times)
+        pressures = list(wear.modal(times).pressure) if times.any() else at_start
+        if problem.steady:
+            pressures.append(wear.steady.pressure)
+        fields.append(sampled(refined, np.array(pressures), limits.refinements))
+    (points, triangles, moved, stress), (_, _, coarsely_moved, coarse_stress) = fields
+    r, z = points
+    far = np.hypot(r - problem.merged.ring_edges[1:, None], z).min(axis=0) > NEAR
+    # fields are in proportion to 1 - 2 nu, plus a constant, and neither is much more than the unit
+    modelled = 2 * max(0.0, problem.poisson_ratio - limits.poisson_ratio)
+    difference = (stress - coarse_stress)[:, far] / (2 * P0)
+    differences = {
+        "displacement": (moved - coarsely_moved)[:, far] / D0,
+        "stress": difference,
+        # a norm: that of the difference is at least the difference of two
+        "von_mises": von_mises(difference)[..., None],
+    }
+    errors = {name: np.abs(of).max(axis=(1, 2)) + modelled for name, of in differences.items()}
+    return Interior(points, triangles, moved, stress, von_mises(stress), labels, degree, errors)
+
+
+def refine(
+    problem: Problem, half_space: "HalfSpace", degree: int, limits: Limits
+) -> list["HalfSpace"]:
+    """Return the half-space in another degree, with enough poles, then in one degree and with one
     pole less.
     """
     from ...fem.far_field import enough_poles
-    from ...fem.half_space import pressure_space
+    from ...fem.half_space import HalfSpace, pressure_space
     from ...meshes.half_space import truncation
 
-    highest_ratio = Limits.of(half_space).poisson_ratio
     # what the poles leave to the truncation is of the energy, where stresses feel its root
     accuracy = 1e-3 * min(SHARE * problem.rtol, 1e-3) ** 2
     enough = enough_poles(truncation(half_space.solid.mesh), accuracy)
     # a clamped boundary is judged by one that is not: the difference is the error itself, far
     # greater than any other
-    poles: tuple[int, ...] = ()
-    fewer = enough
+    orders: tuple[tuple[int, ...], tuple[int, ...]] = (), enough
     if half_space.poles:
         poles = half_space.poles if problem.fem.poles else enough
-        fewer = poles[:-1]
-    for order, tied in ((degree, poles), (degree - 1, fewer)):
-        solid = replace(half_space.solid, degree=order, highest_ratio=highest_ratio)
-        before = half_space.solid.degree, half_space.solid.poisson_ratio, half_space.poles
-        if (order, solid.poisson_ratio, tied) == before:
-            yield half_space
-        else:
-            space = pressure_space(solid, problem.merged.ring_edges)
-            yield replace(half_space, solid=solid, space=space, poles=tied)
-
-
-def fields_of(problem: Problem, half_space: "HalfSpace", times: Array) -> Fields:
-    """Return the fields of a half-space at non-dimensional times, and when steady, all from its
-    pressures.
-    """
-    from ...fem.stresses import sampled, von_mises
-
-    earliest = float(min(times[times > 0], default=0.0))
-    wear = RunningIn(half_space.compliance(), problem.merged.wear_coefficients, earliest)
-    # no modes are needed for the start
-    pressures = (
-        list(wear.modal(times).pressure) if times.any() else [wear.flat.pressure] * len(times)
-    )
-    if problem.steady:
-        pressures.append(wear.steady.pressure)
-    refinements = Limits.of(half_space).refinements
-    points, triangles, moved, stress = sampled(half_space, np.array(pressures), refinements)
-    return Fields(points, triangles, moved, stress, von_mises(stress))
-
-
-def estimates(
-    problem: Problem, fine: Fields, coarse: Fields, highest_ratio: float
-) -> dict[str, Array]:
-    """Return the error estimate of each field in each state, by its name.
-
-    It is the greatest difference, and what Poisson's ratio 1/2 adds to it.
-    """
-    from ...fem.stresses import von_mises
-
-    r, z = fine.points
-    far = np.hypot(r - problem.merged.ring_edges[1:, None], z).min(axis=0) > NEAR
-    # fields are in proportion to 1 - 2 nu, plus a constant, and neither is much more than the unit
-    modelled = 2 * max(0.0, problem.poisson_ratio - highest_ratio)
-    stress = (fine.stress - coarse.stress)[:, far] / (2 * P0)
-    differences = {
-        "displacement": (fine.displacement - coarse.displacement)[:, far] / D0,
-        "stress": stress,
-        # a norm: that of the difference is at least the difference of two
-        "von_mises": von_mises(stress)[..., None],
-    }
-    return {name: np.abs(of).max(axis=(1, 2)) + modelled for name, of in differences.items()}
+        orders = poles, poles[:-1]
+    refined = []
+    for lower, poles in enumerate(orders):
+        changes = {"degree": degree - lower, "highest_ratio": limits.poisson_ratio}
+        solid = replace(half_space.solid, **changes)
+        space = pressure_space(solid, problem.merged.ring_edges)
+        refined.append(HalfSpace(solid, space, poles))
+    return refined
 
 
 def write_half_space(fields: Interior, units: Units, path: Path) -> None:
@@ -212,13 +190,12 @@ def write_half_space(fields: Interior, units: Units, path: Path) -> None:
     data: dict[str, Array] = {}
     r, z = fields.points * units.length
     nothing = np.zeros_like(r)
-    signs = {"rr": 1, "zz": 1, "rz": -1, "hoop": 1}
     for state, label in enumerate(fields.labels):
-        radial, down = fields.displacement[state].T
-        moved = np.stack([radial, -down, nothing], axis=1)
-        data[f"displacement {label}"] = moved * units.displacement
-        for (name, sign), values in zip(signs.items(), fields.stress[state].T, strict=True):
-            data[f"stress_{name} {label}"] = sign * values * units.pressure
+        radial, down = fields.displacement[state].T * units.displacement
+        data[f"displacement {label}"] = np.stack([radial, -down, nothing], axis=1)
+        stress = fields.stress[state] * [1, 1, -1, 1] * units.pressure
+        for name, values in zip(("rr", "zz", "rz", "hoop"), stress.T, strict=True):
+            data[f"stress_{name} {label}"] = values
         data[f"von_mises {label}"] = fields.von_mises[state] * units.pressure
     upright = np.stack([r, -z, nothing], axis=1)
     meshio.Mesh(upright, [("triangle", fields.triangles.T)], point_data=data).write(

@@ -1,4 +1,4 @@
-"""The plan: sizes are near those of the run, and what does not fit is refused before it starts."""
+"""The plan: sizes are those of the run, and what does not fit is refused before it starts."""
 
 from __future__ import annotations
 
@@ -10,23 +10,17 @@ import pytest
 
 from ringwear import Scene, plan, run
 from ringwear.studies.cli import main
-from ringwear.studies.crosscheck.plan import coarsen, measure
-from ringwear.studies.crosscheck.sizes import predict_memory, predict_size
+from ringwear.studies.crosscheck.plan import coarsen, count_unknowns
+from ringwear.studies.crosscheck.sizes import predict_memory
 from ringwear.studies.problem.scene import bundled
 
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("name", bundled())
-def test_sizes_are_near_those_of_the_run(name: str) -> None:
+def test_unknowns_are_those_of_the_run(name: str) -> None:
     scene = Scene.load(name)
-    measured, _ = measure(scene)
     for method, solution in run(scene).solutions.items():
-        size, seconds = measured[method]
-        assert seconds > 0
-        if solution.unknowns:
-            closed = predict_size(method, scene.problem).unknowns
-            assert 1 / 2 <= closed / solution.unknowns <= 2
-            assert 1 / 1.5 <= size.unknowns / solution.unknowns <= 1.5
+        assert count_unknowns(method, scene.problem)[0] == solution.unknowns
 
 
 def test_a_probe_is_small() -> None:
@@ -66,8 +60,8 @@ def test_what_does_not_fit_is_refused(tmp_path: Path, capsys: pytest.CaptureFixt
 @pytest.mark.parametrize("load", [{"normal_force": 1.0}, {"indentation": 0.05}], ids=str)
 def test_a_plan_tells_seconds_and_gib_of_any_punch(load: dict[str, float]) -> None:
     scene = Scene.load("recessed_binder").changed(methods=["mdr"], load=load, accuracy__rtol=1e-3)
-    method, costs, *_, memory = plan(scene)
-    assert method.startswith("mdr: linear pressures on ")
-    assert costs.endswith(" s")
-    assert "nan" not in costs
+    mdr, _, memory = plan(scene)
+    assert mdr.startswith("mdr: ")
+    assert mdr.endswith(" s")
+    assert "nan" not in mdr
     assert "GiB" in memory
