@@ -226,7 +226,7 @@ def remedy(problem: Problem, quantity: str, blamed: str, error: float) -> str:
 
 def worst_verdict(verdicts: Collection[str]) -> str:
     """Return the least of some verdicts."""
-    return next((verdict for verdict in (DISAGREE, UNDECIDED) if verdict in verdicts), AGREE)
+    return max(verdicts, key=(AGREE, UNDECIDED, DISAGREE).index, default=AGREE)
 
 
 def overall(rows: Sequence[Agreement]) -> str:
@@ -236,7 +236,8 @@ def overall(rows: Sequence[Agreement]) -> str:
 
 def by_quantity(rows: Sequence[Agreement]) -> dict[str, str]:
     """Return the least verdict on each quantity over all pairs of methods."""
-    verdicts: dict[str, list[str]] = {}
-    for row in rows:
-        verdicts.setdefault(row.quantity, []).append(row.verdict)
-    return {quantity: worst_verdict(of) for quantity, of in verdicts.items()}
+    quantities = dict.fromkeys(row.quantity for row in rows)
+    return {
+        quantity: worst_verdict([row.verdict for row in rows if row.quantity == quantity])
+        for quantity in quantities
+    }

@@ -16,7 +16,9 @@ hold, with ``F = 1``,
     d'(2 t) = int k p^2 dA                   power; by the symmetry of compliance and wear
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray
@@ -28,6 +30,8 @@ from ..methods.quantities import ANSWER, FIELDS, QUANTITIES, array, radial_weigh
 from ..problem.problem import D0, P0
 from ..problem.scene import Scene
 from ..wear.time_scale import COARSE, FINE, slowest_relaxation_time
+
+Rows = Iterator[tuple[Any, ...]]
 
 # of sums and of closed forms to roundoff, where the accuracy asked for has no say
 EXACT = 1e-9
@@ -62,84 +66,88 @@ def anchors(scene: Scene, name: str, dataset: xarray.Dataset, solution: Solution
     dataset : what is written of it, in the scene's units
     solution : what the method said of the face, and of its own errors
     """
-    of_method = _Anchors(scene, name, dataset, solution)
+    reported = _Reported(scene, dataset, solution)
     groups = [
-        ("ring_force pressure", of_method.hold_forces),
-        ("ring_worn_volume", of_method.hold_volume),
+        ("ring_force pressure", reported.check_forces),
+        ("ring_worn_volume", reported.check_volume),
         (
             "steady_pressure steady_profile steady_wear_rate steady_displacement_max "
             "steady_rms_slope",
-            of_method.hold_steady_state,
+            reported.check_steady_state,
         ),
     ]
     if scene.problem.full_contact:
         groups += [
-            ("indentation pressure ring_force", of_method.hold_start),
+            ("indentation pressure ring_force", reported.check_start),
             (
                 "indentation profile displacement displacement_centre displacement_max",
-                of_method.hold_fields,
+                reported.check_fields,
             ),
-            ("profile rms_slope", of_method.hold_slopes),
+            ("profile rms_slope", reported.check_slopes),
         ]
     if scene.problem.full_contact and scene.problem.earliest:
         groups += [
-            ("indentation pressure profile", of_method.hold_wear),
-            ("indentation pressure profile displacement", of_method.hold_output),
-            ("pressure relaxation_time", of_method.hold_modes),
+            ("indentation pressure profile", reported.check_wear),
+            ("indentation pressure profile displacement", reported.check_output),
+            ("pressure relaxation_time", reported.check_modes),
         ]
     given = set(solution.checked) & set(solution.errors)
-    for quantities, hold in groups:
-        if given.issuperset(quantities.split()):
-            hold()
-    return of_method.anchors
+    return [
+        anchor
+        for quantities, rows in groups
+        if given.issuperset(quantities.split())
+        for label, *numbers in rows()
+        for anchor in judge(label, name, *numbers)
+    ]
 
 
-class _Anchors:
-    """The anchors of one method."""
+def judge(
+    name: str,
+    method: str,
+    value: Array | float,
+    reference: Array | float,
+    tolerance: Array | float,
+    scale: Array | float | None = None,
+) -> Iterator[Anchor]:
+    """Yield an anchor where the difference to a reference is the greatest part of what is
+    tolerated.
 
-    def __init__(
-        self, scene: Scene, name: str, dataset: xarray.Dataset, solution: Solution
-    ) -> None:
-        self.name, self.solution, self.dataset = name, solution, dataset
+    It is relative to the reference, or to a scale. What is no number holds to nothing, and what may
+    be infinitely wrong is no anchor.
+    """
+    difference = np.abs((value - reference) / (reference if scale is None else scale))
+    # JSON cannot hold what is no number
+    difference = np.nan_to_num(difference, nan=1e99)
+    differences, tolerances = np.broadcast_arrays(np.atleast_1d(difference), tolerance)
+    if (bound := np.isfinite(tolerances)).any():
+        differences, tolerances = differences[bound], tolerances[bound]
+        worst = np.argmax(differences / tolerances)
+        yield Anchor(name, method, float(differences[worst]), float(tolerances[worst]))
+
+
+class _Reported:
+    """What a method reports, non-dimensional, and the anchors that it is held to.
+
+    Each is a row: its name, value, reference and tolerance, and a scale if the difference is not
+    relative to the reference.
+    """
+
+    def __init__(self, scene: Scene, dataset: xarray.Dataset, solution: Solution) -> None:
+        self.solution, self.dataset = solution, dataset
         self.problem, self.units = scene.problem, scene.problem.units
-        self.face, self.rtol, self.anchors = self.problem.face, self.problem.rtol, list[Anchor]()
+        self.face, self.rtol = self.problem.face, self.problem.rtol
         self.radii = dataset["radius"].values / self.units.length
-        times = dataset["time"].values / self.units.time
-        self.times, self.starts = times[self.problem.checked], (times == 0).any()
+        self.times = dataset["time"].values[self.problem.checked] / self.units.time
         self.later = self.times > 0
         self.steady_pressures = direct.steady_pressures(*self.problem.merged)
         self.wear_rate = self.steady_pressures[0] * self.problem.merged.wear_coefficients[0]
-
-    def hold(
-        self,
-        name: str,
-        value: Array | float,
-        reference: Array | float,
-        tolerance: Array | float,
-        scale: Array | float | None = None,
-    ) -> None:
-        """Add an anchor where the difference to a reference is the greatest part of what is
-        tolerated.
-
-        It is relative to the reference, or to a scale. What is no number holds to nothing, and what
-        may be infinitely wrong is no anchor.
-        """
-        difference = np.abs((value - reference) / (reference if scale is None else scale))
-        # JSON cannot hold what is no number
-        difference = np.nan_to_num(difference, nan=1e99)
-        differences, tolerances = np.broadcast_arrays(np.atleast_1d(difference), tolerance)
-        if (bound := np.isfinite(tolerances)).any():
-            differences, tolerances = differences[bound], tolerances[bound]
-            worst = np.argmax(differences / tolerances)
-            numbers = float(differences[worst]), float(tolerances[worst])
-            self.anchors.append(Anchor(name, self.name, *numbers))
 
     def _read(self, name: str) -> Array:
         """Return a variable of the dataset, non-dimensional."""
         unit = getattr(self.units, (QUANTITIES | ANSWER)[name].unit)
         return np.asarray(self.dataset[name].values / unit)
 
-    def _check(self, name: str) -> Array:
+    def _take(self, name: str) -> Array:
         """Return a quantity at the times that are checked.
 
         Fields over the face, numbers as they are reported.
@@ -161,106 +169,101 @@ class _Anchors:
         parts = values * weights * self.face.areas
         return parts.sum(axis=1), DOUBT * self.face.integral_doubt(parts)
 
-    def hold_forces(self) -> None:
-        forces, parts = self._check("ring_force"), self.face.areas * self._check("pressure")
+    def check_forces(self) -> Rows:
+        forces, parts = self._take("ring_force"), self.face.areas * self._take("pressure")
         whole = forces.sum(axis=1)
         if self.problem.indentation is None:
             error = self.solution.checked_error(self.problem, "ring_force")
-            self.hold("ring forces add up to F", whole, 1.0, np.maximum(error, EXACT))
+            yield "ring forces add up to F", whole, 1.0, np.maximum(error, EXACT)
         doubt = DOUBT * self.face.integral_doubt(parts)
         tolerance = (self._tolerate("pressure") * whole + doubt)[:, None]
         sums = self.face.ring_sums(parts)
-        self.hold("ring forces are integrals of the pressure", sums, forces, tolerance, 1.0)
+        yield "ring forces are integrals of the pressure", sums, forces, tolerance, 1.0
 
-    def hold_volume(self) -> None:
+    def check_volume(self) -> Rows:
         """Hold what is worn where contact opens, closes and spreads."""
         if self.problem.indentation is None:
-            worn = self._check("ring_worn_volume")[self.later] / self.problem.wear_coefficients
-            self.hold("worn volume over k, F v0 t", worn.sum(1), self.times[self.later], EXACT)
+            worn = self._take("ring_worn_volume")[self.later] / self.problem.wear_coefficients
+            yield "worn volume over k, F v0 t", worn.sum(1), self.times[self.later], EXACT
 
-    def hold_start(self) -> None:
+    def check_start(self) -> Rows:
         edges, inside = self.problem.ring_edges, self.radii < 1
         depth, pressure, force = (
             self._tolerate(name) for name in ("indentation", "pressure", "ring_force")
         )
-        if self.starts:
+        if self.times[0] == 0:
             value = self._read("indentation")[0]
-            self.hold("flat start, d = F / (2 a E*)", value, D0, depth[0])
+            yield "flat start, d = F / (2 a E*)", value, D0, depth[0]
             value, reference = self._read("pressure")[0, inside], P0 / _root(self.radii[inside])
-            self.hold("flat start, p = p0 / sqrt(1 - r^2/a^2)", value, reference, pressure[0])
+            yield "flat start, p = p0 / sqrt(1 - r^2/a^2)", value, reference, pressure[0]
             value, reference = self._read("ring_force")[0], -np.diff(_root(edges))
-            self.hold("flat start, forces of the rings", value, reference, force[0], 1.0)
+            yield "flat start, forces of the rings", value, reference, force[0], 1.0
         if self.solution.wear is not None:
             value = self._read("indentation_start")
-            self.hold("flat start of the answer", value, D0, depth.max())
+            yield "flat start of the answer", value, D0, depth.max()
             least, greatest = self._read("pressure_min")[0], self._read("pressure_max")[0]
             value, reference = np.append(least, greatest[:-1]), P0 / _root(edges[:-1])
             reference = np.append(reference, reference[1:])
-            self.hold("flat start of the answer, pressures", value, reference, pressure.max())
+            yield "flat start of the answer, pressures", value, reference, pressure.max()
 
-    def hold_wear(self) -> None:
+    def check_wear(self) -> Rows:
         """Hold what is worn, over all of the face."""
         times, face, later = self.times, self.face, self.later
-        profile, depth = self._check("profile"), self._check("indentation")
+        profile, depth = self._take("profile"), self._take("indentation")
         worn, doubt = self._integrate(profile, 1 / face.wear)
         # the profile is promised relative to the indentation
         doubt += self._tolerate("profile") * depth * (face.areas / face.wear).sum()
         tolerance = np.maximum(doubt[later] / times[later], self.rtol)
-        self.hold("worn volume over k, F v0 t", worn[later], times[later], tolerance)
+        yield "worn volume over k, F v0 t", worn[later], times[later], tolerance
         worn = self._read("worn_volume") / self.problem.wear_coefficients
         if np.isfinite(worn).all():
-            name = "worn volume of the answer over k, F v0 t"
-            self.hold(name, worn.sum(), times[-1], tolerance[-1])
+            yield "worn volume of the answer over k, F v0 t", worn.sum(), times[-1], tolerance[-1]
         tolerance = self._tolerate("indentation", "profile")
         lost, doubt = self._integrate(profile, P0 / _root(face.radii))
-        name = "reciprocity with the flat punch"
-        self.hold(name, D0 + lost, depth, tolerance + doubt / depth)
+        yield "reciprocity with the flat punch", D0 + lost, depth, tolerance + doubt / depth
         tolerance = self._tolerate("indentation", "profile", "pressure")
         lost, _ = self._integrate(profile, self.wear_rate / face.wear)
-        moved, doubt = self._integrate(
-            self._check("pressure"), self._displace(self.problem.face.radii)
-        )
-        name = "reciprocity with the steady state"
-        self.hold(name, moved + lost, depth, tolerance + doubt / depth)
+        moved, doubt = self._integrate(self._take("pressure"), self._displace(face.radii))
+        yield "reciprocity with the steady state", moved + lost, depth, tolerance + doubt / depth
 
-    def hold_fields(self) -> None:
+    def check_fields(self) -> Rows:
         """Hold the numbers that are read off fields."""
-        depth, moved = self._check("indentation"), self._check("displacement")
-        sum_of_both, each = moved + self._check("profile"), depth[:, None]
-        self.hold("displacement, u = d - f", sum_of_both, each, self.rtol, each)
+        depth, moved = self._take("indentation"), self._take("displacement")
+        sum_of_both, each = moved + self._take("profile"), depth[:, None]
+        yield "displacement, u = d - f", sum_of_both, each, self.rtol, each
         centre, doubt = (part[:, 0] for part in self.face.interpolate(moved, np.zeros(1)))
         tolerance = self._tolerate("displacement_centre") + DOUBT * doubt / depth
-        value = self._check("displacement_centre")
-        self.hold("displacement at the centre", value, centre, tolerance, depth)
+        value = self._take("displacement_centre")
+        yield "displacement at the centre", value, centre, tolerance, depth
         # between the greatest and its neighbours there may be a greater one
         near = np.clip(moved.argmax(axis=1)[:, None] + [-1, 0, 1], 0, moved.shape[1] - 1)
         near = np.take_along_axis(moved, near, axis=1)
         tolerance = self._tolerate("displacement_max") + np.ptp(near, axis=1) / depth
-        value = self._check("displacement_max")
-        self.hold("greatest displacement", value, near.max(axis=1), tolerance, depth)
+        value = self._take("displacement_max")
+        yield "greatest displacement", value, near.max(axis=1), tolerance, depth
 
-    def hold_slopes(self) -> None:
-        slope, face = self._check("rms_slope"), self.face
+    def check_slopes(self) -> Rows:
+        slope, face = self._take("rms_slope"), self.face
         resolved = np.isfinite(self._tolerate("rms_slope")) & (slope > 0)
         weights = radial_weight(face.radii, self.problem.gradient_average) * face.lengths
         slopes, fewer = (
             np.sqrt(values[resolved] ** 2 @ weights) / slope[resolved]
-            for values in face.slopes(self._check("profile"))
+            for values in face.slopes(self._take("profile"))
         )
         # it crosses zero now and then in time
         doubt = DOUBT * np.max(np.abs(slopes - fewer), initial=0.0)
         # slopes on the face that are as doubtful tell nothing
         if doubt <= 0.1:
-            self.hold("RMS slope of the profile", slopes, 1.0, self.rtol + doubt)
+            yield "RMS slope of the profile", slopes, 1.0, self.rtol + doubt
 
-    def hold_output(self) -> None:
+    def check_output(self) -> Rows:
         """Hold the fields at the radii of the output to those over the face."""
         # not at the rim, where pressures of the start are infinite
         inside, later = self.radii < self.face.breakpoints[-2], self.later
         if not inside.any():
             return
         for name in ("pressure", "profile", "displacement"):
-            values, size = self._check(name)[later], self._check("indentation")[later]
+            values, size = self._take(name)[later], self._take("indentation")[later]
             if name == "pressure":
                 size = np.abs(values).max(axis=1)
             reference, doubt = self.face.interpolate(values, self.radii[inside])
@@ -270,9 +273,9 @@ class _Anchors:
                 np.sqrt((part**2).mean(axis=1)) / size for part in (reported - reference, doubt)
             )
             tolerance = self._tolerate(name)[later] + DOUBT * doubt
-            self.hold(f"{name} at the radii reported", wrong, 0.0, tolerance, 1.0)
+            yield f"{name} at the radii reported", wrong, 0.0, tolerance, 1.0
 
-    def hold_modes(self) -> None:
+    def check_modes(self) -> Rows:
         """Hold what the law of wear asks of the running-in."""
         wear, times, step = self.solution.wear, self.times, 0.005
         if wear is None:
@@ -281,9 +284,13 @@ class _Anchors:
             slowest_relaxation_time(self.problem.rings, size) for size in (COARSE, FINE)
         )
         tolerance = self._tolerate("relaxation_time")[0] + DOUBT * abs(coarse / fine - 1)
-        name = "slowest relaxation time, by a small problem of its own"
-        self.hold(name, self._read("relaxation_time")[0], fine, tolerance)
-        self.hold("modes add up to the flat start", wear.share_of_modes, 1.0, EXACT)
+        yield (
+            "slowest relaxation time, by a small problem of its own",
+            self._read("relaxation_time")[0],
+            fine,
+            tolerance,
+        )
+        yield "modes add up to the flat start", wear.share_of_modes, 1.0, EXACT
         tolerated = self._tolerate("pressure")
         later = np.flatnonzero(self.later & np.isfinite(tolerated))
         if self.problem.march != "modal" or not len(later):
@@ -293,21 +300,21 @@ class _Anchors:
         twice = 2 * times[some]
         depths = wear.modal(np.outer(twice, 1 + step * np.array([-2, -1, 1, 2])).ravel())
         rates = depths.indentation.reshape(-1, 4) @ [1, -8, 8, -1] / (12 * step * twice)
-        # of what is not yet steady, to which the steady rate is added: their product integrates to 0
-        pressure = self._check("pressure")[some] - self.wear_rate / self.face.wear
+        # of what is not yet steady; its product with what is steady integrates to 0
+        pressure = self._take("pressure")[some] - self.wear_rate / self.face.wear
         spent, doubt = self._integrate(pressure**2, self.face.wear)
         power = spent + self.wear_rate
         tolerance = self.rtol + 2 * tolerated[some] * np.sqrt(spent / power)
         tolerance += (doubt + 2e-14 / step / twice) / power
-        self.hold("power, F d'(2t) = int k p^2 dA", rates, power, tolerance)
+        yield "power, F d'(2t) = int k p^2 dA", rates, power, tolerance
 
-    def hold_steady_state(self) -> None:
+    def check_steady_state(self) -> Rows:
         problem, merged = self.problem, (self.problem.merged.ring_edges, self.steady_pressures)
         by_rings = self.wear_rate / problem.wear_coefficients
         pressures = by_rings[ring_of(problem.ring_edges, self.radii)]
-        self.hold("steady pressures of Eq. 24", self._read("steady_pressure"), pressures, self.rtol)
+        yield "steady pressures of Eq. 24", self._read("steady_pressure"), pressures, self.rtol
         reported = np.array([self._read(name)[1] for name in ("pressure_min", "pressure_max")])
-        self.hold("steady pressures of the answer", reported, by_rings, self.rtol)
+        yield "steady pressures of the answer", reported, by_rings, self.rtol
         greatest = direct.greatest_displacement(*merged)
         limit = greatest - self._displace(self.radii)
         for name, reference, scale in (
@@ -316,9 +323,9 @@ class _Anchors:
             ("steady_profile", limit, greatest),
         ):
             tolerance = self._tolerate(name)
-            self.hold(f"{name} in closed form", self._read(name), reference, tolerance, scale)
+            yield f"{name} in closed form", self._read(name), reference, tolerance, scale
         name = "steady_wear_rate"
-        self.hold(f"{name} in closed form", self._read(name), self.wear_rate, EXACT)
+        yield f"{name} in closed form", self._read(name), self.wear_rate, EXACT
 
     def _displace(self, radii: Array) -> Array:
         """Return the steady displacement at radii."""

@@ -3,9 +3,11 @@ units.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+import tomllib
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -36,34 +38,6 @@ from .answer import ALSO, answer
 from .interior import Interior, interior
 from .operators import OperatorDifference
 from .scope import left_out, modelled
-
-DEFINITIONS = {
-    "verdict": "agree: every difference is within the uncertainty, or within rtol, and the "
-    "uncertainty within a few rtol; "
-    "disagree: a difference is beyond both, though neither method states an error above rtol, or "
-    "an anchor does not hold; "
-    "undecided: anything else. Where edges of a "
-    "contact move, what is local to them (`promised` false) does not make the whole undecided, "
-    "but can make it disagree",
-    "difference": "relative, in the norm of the quantity, where it decides the verdict",
-    "uncertainty": "sum of the two methods' own error estimates at that time",
-    "anchors": "closed forms and balances that each method is held to by itself",
-    "operator_difference": "of the energies two methods give the same pressures, relative: "
-    "greatest over all "
-    "ring-wise constant pressures (rings), along the history (history), over the first method's "
-    "whole space "
-    "(space, worst at worst_radius); stability: their least ratio, the square of the inf-sup "
-    "constant; residual: "
-    "first method's pressures put into the second, against the worn profile, in the energy norm",
-    "error_estimate": "relative, of the indentation, over all times",
-    "answer": "by each method, in the scene's units; of rings a list from the centre, first at "
-    "the start, then steady; "
-    "null: infinite, or not given",
-    "beyond_rtol": (
-        "quantities that the method cannot bring to rtol by its own estimate, with the greatest "
-        "estimate"
-    ),
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,9 +95,11 @@ class Result:
     @property
     def short_of(self) -> dict[str, float]:
         """Error estimates of the indentation that are above the accuracy asked for, by method."""
-        estimates = {name: solution.error_estimate for name, solution in self.solutions.items()}
-        rtol = self.scene.accuracy.rtol
-        return {name: estimate for name, estimate in estimates.items() if estimate > rtol}
+        return {
+            name: solution.error_estimate
+            for name, solution in self.solutions.items()
+            if solution.error_estimate > self.scene.accuracy.rtol
+        }
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -149,8 +125,11 @@ class Result:
 
     def given(self, quantity: str) -> dict[str, xarray.Dataset]:
         """Return the non-dimensional results of the methods that give a quantity."""
-        every = {name: solution.results for name, solution in self.solutions.items()}
-        return {name: results for name, results in every.items() if quantity in results}
+        return {
+            name: solution.results
+            for name, solution in self.solutions.items()
+            if quantity in solution.results
+        }
 
     def first_answer(self, key: str) -> Array:
         """Return an answer by the first method that gives it; NaN if none does."""
@@ -276,6 +255,7 @@ def summary(result: Result) -> dict[str, Any]:
     Verdict, cost, error estimates, agreement, what was modelled and what was left out.
     """
     scene, rtol = result.scene, result.scene.accuracy.rtol
+    definitions = files("ringwear.studies") / "crosscheck" / "definitions.toml"
     methods = {
         name: {
             "seconds": {
@@ -285,13 +265,12 @@ def summary(result: Result) -> dict[str, Any]:
             "settings": solution.settings,
             "rtol_asked": rtol,
             "error_estimate": solution.error_estimate,
-            "reaches_rtol": name not in result.short_of,
             "error_estimate_parts": solution.parts,
             "beyond_rtol": solution.beyond(rtol),
         }
         for name, solution in result.solutions.items()
     }
-    numbers = ("methods", "rings", "history", "space", "worst_radius", "stability", "residual")
+    numbers = ("methods", "rings", "history", "space", "stability")
     return {
         "title": scene.title,
         "units": scene.units,
@@ -308,7 +287,7 @@ def summary(result: Result) -> dict[str, Any]:
         "operator_difference": [
             {name: getattr(row, name) for name in numbers} for row in result.operators
         ],
-        "definitions": DEFINITIONS
+        "definitions": tomllib.loads(definitions.read_text("utf-8"))
         | {name: NORMS[quantity.norm] for name, quantity in QUANTITIES.items()}
         | {name: quantity.definition for name, quantity in ANSWER.items()},
         "modelled": modelled(scene, result.methods),

@@ -10,10 +10,12 @@ two to six times the error (`tests/physics/test_stresses.py`). Points within `NE
 ring edge, where stresses are infinite or jump, are left out of the estimate.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import ceil, log
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -33,22 +35,6 @@ SHARE = 10
 NEAR = 0.2
 
 
-class Limits(NamedTuple):
-    """What goes with a kind of elements.
-
-    Parameters
-    ----------
-    refinements : times that each is refined to show what its polynomials say
-    degree : highest worth its cost
-    poisson_ratio : stands for 1/2: inside, its error shows, but triangles lock the more the closer
-        it is
-    """
-
-    refinements: int
-    degree: int
-    poisson_ratio: float
-
-
 @dataclass(frozen=True, eq=False)
 class Interior:
     """Fields of the half-space, and how good they are; non-dimensional.
@@ -60,7 +46,6 @@ class Interior:
     points, triangles : (2, n) radius and depth, and the small triangles (3, m) between them
     displacement : (states, n, 2) radial, and into the half-space
     stress : (states, n, 4) rr, zz, rz, hoop
-    von_mises : (states, n)
     labels : of the states, `t=...` and `steady`
     degree : of the displacement
     errors : of each field, by its name, in each state (states,): estimate of its greatest error
@@ -72,10 +57,16 @@ class Interior:
     triangles: Indices
     displacement: Array
     stress: Array
-    von_mises: Array
     labels: tuple[str, ...]
     degree: int
     errors: dict[str, Array]
+
+    @cached_property
+    def von_mises(self) -> Array:
+        """(states, n) equivalent stress."""
+        from ...fem.stresses import von_mises
+
+        return von_mises(self.stress)
 
 
 def interior(scene: Scene, fem: Solution) -> Interior:
@@ -84,100 +75,105 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     Its degree is raised until the estimate of the stresses is `SHARE` times `rtol`, unless the user
     has given it, or poles.
     """
-    half_space, problem = fem.half_space, scene.problem
+    from ...fem.far_field import enough_poles
+    from ...fem.half_space import HalfSpace, pressure_space
+    from ...meshes.half_space import truncation
+
+    half_space, problem, times = fem.half_space, scene.problem, scene.output.field_times
     assert half_space is not None
-    triangles = len(half_space.solid.mesh.t) == 3
-    limits = Limits(2, 4, 0.49999) if triangles else Limits(3, 14, 0.499999)
-    times, steady = scene.output.field_times, ("steady",) if problem.steady else ()
+    # times that each element is refined to show what its polynomials say, highest degree worth its
+    # cost, and what stands for Poisson's ratio 1/2: inside, its error shows, but triangles lock the
+    # more the closer it is
+    refinements, highest, ratio = 3, 14, 0.499999
+    if len(half_space.solid.mesh.t) == 3:
+        refinements, highest, ratio = 2, 4, 0.49999
     if times is None:
-        times = [0.0] if steady else [0.0, scene.wear.times[-1]]
-    labels = (*(f"t={time:g}" for time in times), *steady)
+        times = [0.0] if problem.steady else [0.0, scene.wear.times[-1]]
+    labels = [f"t={time:g}" for time in times] + ["steady"] * problem.steady
+    # what the poles leave to the truncation is of the energy, where stresses feel its root
+    accuracy = 1e-3 * min(SHARE * problem.rtol, 1e-3) ** 2
+    poles = enough_poles(truncation(half_space.solid.mesh), accuracy)
+    if problem.fem.poles:
+        poles = half_space.poles
+    # a clamped boundary is judged by one that is not: the difference is the error itself, far
+    # greater than any other
+    orders = (poles, poles[:-1]) if half_space.poles else ((), poles)
     # of a lower degree there may be no stable pressures
     degree = max(half_space.solid.degree, 3)
     # what the user has given stays, and no degree mends the truncation
     given = problem.fem.degree or problem.fem.poles or not half_space.poles
-    highest = degree if given else max(degree, limits.degree)
+    highest = degree if given else max(degree, highest)
+
+    def refine(degree: int) -> list[HalfSpace]:
+        solids = [
+            replace(half_space.solid, degree=lower, highest_ratio=ratio)
+            for lower in (degree, degree - 1)
+        ]
+        return [
+            HalfSpace(solid, pressure_space(solid, problem.merged.ring_edges), tied)
+            for solid, tied in zip(solids, orders, strict=True)
+        ]
+
     with threadpool_limits(1):
         while True:
-            result = _solve(problem, half_space, degree, limits, labels, np.array(times))
-            excess = result.errors["stress"].max() / (SHARE * problem.rtol)
+            fine, coarse = (
+                sample(problem, refined, np.array(times) / problem.units.time, refinements)
+                for refined in refine(degree)
+            )
+            errors = estimate(problem, fine, coarse, ratio)
+            excess = errors["stress"].max() / (SHARE * problem.rtol)
+            result = Interior(*fine, tuple(labels), degree, errors)
             if excess <= 1 or degree == highest:
                 return result
             # three times as accurate by each degree
             degree = min(degree + ceil(log(excess, 3)), highest)
             # matrices of more pressures are dense, and not worth it for the sake of the inside
-            if refine(problem, half_space, degree, limits)[0].space.size > 2000:
+            if refine(degree)[0].space.size > 2000:
                 return result
 
 
-def _solve(
-    problem: Problem,
-    half_space: "HalfSpace",
-    degree: int,
-    limits: Limits,
-    labels: tuple[str, ...],
-    times: Array,
-) -> Interior:
-    """Return the fields in a degree, at times in the scene's units and when steady.
-
-    The error estimate of each is the greatest difference to those of a lower degree, and what
-    Poisson's ratio 1/2 adds to it.
+def sample(
+    problem: Problem, half_space: "HalfSpace", times: Array, refinements: int
+) -> tuple[Array, Indices, Array, Array]:
+    """Return the fields of a half-space at non-dimensional times, and when steady, all from its
+    pressures.
     """
-    from ...fem.stresses import sampled, von_mises
+    from ...fem.stresses import sampled
 
-    times = times / problem.units.time
-    fields = []
-    for refined in refine(problem, half_space, degree, limits):
-        earliest = float(min(times[times > 0], default=0.0))
-        wear = RunningIn(refined.compliance(), problem.merged.wear_coefficients, earliest)
-        # no modes are needed for the start
-        at_start = [wear.flat.pressure] * len(times)
-        pressures = list(wear.modal(times).pressure) if times.any() else at_start
-        if problem.steady:
-            pressures.append(wear.steady.pressure)
-        fields.append(sampled(refined, np.array(pressures), limits.refinements))
-    (points, triangles, moved, stress), (_, _, coarsely_moved, coarse_stress) = fields
-    r, z = points
+    earliest = float(min(times[times > 0], default=0.0))
+    wear = RunningIn(half_space.compliance(), problem.merged.wear_coefficients, earliest)
+    # no modes are needed for the start
+    pressures = [wear.flat.pressure] * len(times)
+    if times.any():
+        pressures = list(wear.modal(times).pressure)
+    if problem.steady:
+        pressures.append(wear.steady.pressure)
+    return sampled(half_space, np.array(pressures), refinements)
+
+
+def estimate(
+    problem: Problem, fine: Sequence[Array], coarse: Sequence[Array], highest_ratio: float
+) -> dict[str, Array]:
+    """Return the error estimate of each field in each state, by its name.
+
+    It is the greatest difference, and what Poisson's ratio 1/2 adds to it.
+    """
+    from ...fem.stresses import von_mises
+
+    r, z = fine[0]
     far = np.hypot(r - problem.merged.ring_edges[1:, None], z).min(axis=0) > NEAR
     # fields are in proportion to 1 - 2 nu, plus a constant, and neither is much more than the unit
-    modelled = 2 * max(0.0, problem.poisson_ratio - limits.poisson_ratio)
-    difference = (stress - coarse_stress)[:, far] / (2 * P0)
+    modelled = 2 * max(0.0, problem.poisson_ratio - highest_ratio)
+    moved, stress = (
+        part[:, far] - other[:, far] for part, other in zip(fine[2:], coarse[2:], strict=True)
+    )
     differences = {
-        "displacement": (moved - coarsely_moved)[:, far] / D0,
-        "stress": difference,
+        "displacement": moved / D0,
+        "stress": stress / (2 * P0),
         # a norm: that of the difference is at least the difference of two
-        "von_mises": von_mises(difference)[..., None],
+        "von_mises": von_mises(stress)[..., None] / (2 * P0),
     }
-    errors = {name: np.abs(of).max(axis=(1, 2)) + modelled for name, of in differences.items()}
-    return Interior(points, triangles, moved, stress, von_mises(stress), labels, degree, errors)
-
-
-def refine(
-    problem: Problem, half_space: "HalfSpace", degree: int, limits: Limits
-) -> list["HalfSpace"]:
-    """Return the half-space in another degree, with enough poles, then in one degree and with one
-    pole less.
-    """
-    from ...fem.far_field import enough_poles
-    from ...fem.half_space import HalfSpace, pressure_space
-    from ...meshes.half_space import truncation
-
-    # what the poles leave to the truncation is of the energy, where stresses feel its root
-    accuracy = 1e-3 * min(SHARE * problem.rtol, 1e-3) ** 2
-    enough = enough_poles(truncation(half_space.solid.mesh), accuracy)
-    # a clamped boundary is judged by one that is not: the difference is the error itself, far
-    # greater than any other
-    orders: tuple[tuple[int, ...], tuple[int, ...]] = (), enough
-    if half_space.poles:
-        poles = half_space.poles if problem.fem.poles else enough
-        orders = poles, poles[:-1]
-    refined = []
-    for lower, poles in enumerate(orders):
-        changes = {"degree": degree - lower, "highest_ratio": limits.poisson_ratio}
-        solid = replace(half_space.solid, **changes)
-        space = pressure_space(solid, problem.merged.ring_edges)
-        refined.append(HalfSpace(solid, space, poles))
-    return refined
+    return {name: np.abs(of).max(axis=(1, 2)) + modelled for name, of in differences.items()}
 
 
 def write_half_space(fields: Interior, units: Units, path: Path) -> None:

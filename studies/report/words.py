@@ -307,7 +307,7 @@ def _remarks(result: Result) -> list[str]:
     lines = [
         f"As operators, {both.methods[0]} and {both.methods[1]} differ by {both.rings:.1e} over "
         f"all steady states and {both.history:.1e} along this history; stability "
-        f"{both.stability:.2f}, residual {both.residual:.1e}."
+        f"{both.stability:.2f}."
         for both in result.operators
     ]
     lines += [
