@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -38,16 +38,15 @@ def test_a_probe_is_small() -> None:
     assert problem.times[-1] <= 101 * problem.step
 
 
-def needed(**changes: Any) -> dict[str, float]:
-    return predict_memory(Scene.load("five_rings").changed(**changes))
-
-
 def test_memory_is_told_by_what_needs_it() -> None:
-    few, rings = needed(), needed(punch__rings=300)
-    times = needed(wear__times=np.linspace(0, 1, 100_000).tolist())
-    assert max(rings, key=rings.__getitem__) == "punch.rings and accuracy"
-    assert max(times, key=times.__getitem__) == "wear.times and output.radii"
-    assert sum(few.values()) < 1 < min(sum(rings.values()), sum(times.values()))
+    scene, times = Scene.load("five_rings"), np.linspace(0, 1, 100_000).tolist()
+    assert sum(predict_memory(scene).values()) < 1
+    for key, changes in (
+        ("punch.rings and accuracy", {"punch__rings": 300}),
+        ("wear.times and output.radii", {"wear__times": times}),
+    ):
+        memory = predict_memory(scene.changed(**changes))
+        assert memory[key] == max(memory.values()) > 1
 
 
 def test_what_does_not_fit_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -61,7 +60,5 @@ def test_what_does_not_fit_is_refused(tmp_path: Path, capsys: pytest.CaptureFixt
 def test_a_plan_tells_seconds_and_gib_of_any_punch(load: dict[str, float]) -> None:
     scene = Scene.load("recessed_binder").changed(methods=["mdr"], load=load, accuracy__rtol=1e-3)
     mdr, _, memory = plan(scene)
-    assert mdr.startswith("mdr: ")
-    assert mdr.endswith(" s")
-    assert "nan" not in mdr
+    assert re.fullmatch(r"mdr: \d+ unknowns, \d+ pressures, about [\d.]+ s", mdr)
     assert "GiB" in memory
