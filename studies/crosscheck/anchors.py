@@ -53,7 +53,7 @@ class Anchor:
 
     @property
     def holds(self) -> bool:
-        return bool(self.difference <= self.tolerance)
+        return self.difference <= self.tolerance
 
 
 def anchors(scene: Scene, name: str, dataset: xarray.Dataset, solution: Solution) -> list[Anchor]:

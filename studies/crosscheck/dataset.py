@@ -211,7 +211,7 @@ def dataset(result: Result) -> xarray.Dataset:
         for row, given in enumerate(reported):
             if name in given:
                 shared = common(given[name].shape, gathered.shape[1:])
-                gathered[(row, *shared)] = given[name][shared]
+                gathered[row, ...][shared] = given[name][shared]
         attributes = describe(quantity.definition, quantity.unit)
         variables[name] = ("solver", *quantity.dims), gathered, attributes
     # as they were asked for: by way of the non-dimensional ones they would differ in the last digit
@@ -277,7 +277,11 @@ def summary(result: Result) -> dict[str, Any]:
         "verdict": result.verdict,
         "quantities": result.quantities,
         "answer": {
-            name: {key: _without_infinity(value.tolist()) for key, value in given.items()}
+            # JSON has null for what is infinite or not given
+            name: {
+                key: np.where(np.isfinite(value), value, np.array(None)).tolist()
+                for key, value in given.items()
+            }
             for name, given in result.answers.items()
         },
         "methods": methods,
@@ -295,10 +299,3 @@ def summary(result: Result) -> dict[str, Any]:
         "notes": result.notes,
         "versions": versions(),
     }
-
-
-def _without_infinity(value: Any) -> Any:
-    """Return numbers as JSON has them: null for what is infinite or not given."""
-    if isinstance(value, list):
-        return [_without_infinity(part) for part in value]
-    return value if np.isfinite(value) else None

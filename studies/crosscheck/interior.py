@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil, log
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -152,7 +152,7 @@ def sample(
 
 
 def estimate(
-    problem: Problem, fine: Sequence[Array], coarse: Sequence[Array], highest_ratio: float
+    problem: Problem, fine: Sequence[Any], coarse: Sequence[Any], highest_ratio: float
 ) -> dict[str, Array]:
     """Return the error estimate of each field in each state, by its name.
 

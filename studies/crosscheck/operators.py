@@ -64,11 +64,7 @@ def difference(
     problem: Problem, methods: tuple[str, str], first: RunningIn, second: RunningIn
 ) -> OperatorDifference:
     """Compare two compliances, each with the running-in on it, on the same pressure space."""
-    pair, times, history = (
-        (first.compliance, second.compliance),
-        problem.times[problem.checked],
-        0.0,
-    )
+    pair, times = (first.compliance, second.compliance), problem.times[problem.checked]
     try:
         ratios = eigh(pair[0].matrix, pair[1].matrix, eigvals_only=True)
     except np.linalg.LinAlgError as error:
@@ -77,15 +73,16 @@ def difference(
         ) from error
     # the span of the modes would not do: it holds short waves that the history hardly touches, and
     # no method resolves
+    history = np.zeros(len(times) + 1)
     for wear in (first, second):
         pressures = np.concatenate([wear.modal(times).pressure, wear.steady.pressure[None]])
-        history = history + _energy_differences(*pair, pressures)
+        history += _energy_differences(*pair, pressures)
     # on a long wave of length L a half-space gives u = p L / pi: the length of any mode
     values, modes = eigh(pair[1].matrix, pair[0].space.mass().toarray())
     return OperatorDifference(
         methods=methods,
         rings=_over_rings(*pair),
-        history=float(np.max(history)),
+        history=float(history.max()),
         space=float(np.abs(ratios - 1).max()),
         stability=float(ratios.min()),
         wavelengths=np.pi * np.abs(values[::-1]) * problem.units.length,

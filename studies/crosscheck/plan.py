@@ -21,10 +21,9 @@ from .sizes import predict_memory
 
 def count_unknowns(name: str, problem: Problem) -> tuple[int, int]:
     """Return the unknowns of the system behind a method's compliance, and its pressures."""
-    if name == "direct":
-        return 0, len(problem.merged.widths)
-    if name == "mdr-grid":
-        return problem.mdr.grid + 1, problem.mdr.grid + 1
+    without_space = {"direct": 0, "mdr-grid": problem.mdr.grid + 1}
+    if name in without_space:
+        return without_space[name], without_space[name]
     if name != "fem":
         space = pressure_spaces(problem)[0]
         return space.size, space.size

@@ -39,6 +39,7 @@ COMMANDS: list[tuple[list[str], tuple[str, ...]]] = [
     (["run", "five_rings", "--out", "{tmp}/file/below"], ("--out", "another directory")),
     (["run", "five_rings", "--out", "{tmp}/dangling"], ("--out", "give a directory")),
     (["run", "five_rings", "--out", "/dev/null/nothing"], ("--out", "cannot be written to")),
+    (["run", "five_rings", "--memory", "0.1"], ("--memory GIB", "punch.rings")),
     (["run", "five_rings", "--rtol", "small"], ("--rtol", "small")),
     (["run", "five_rings", "--rtol", "nan"], ("rtol", "1e-9 to 0.1")),
     (["run", "five_rings", "--rtol", "-1e-4"], ("--rtol",)),
