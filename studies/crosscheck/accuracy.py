@@ -15,7 +15,7 @@ from ..progress import LOG, Stages
 
 
 def solved_to_accuracy(
-    method: Method, problems: Sequence[Problem], stages: Stages, refinements: int = 4
+    method: Method, problems: Sequence[Problem], stages: Stages
 ) -> list[Solution]:
     """Solve problems on the same ring edges, and those again whose estimates fall short.
 
@@ -27,7 +27,7 @@ def solved_to_accuracy(
     errors = [error_of_sizes(*pair) for pair in zip(problems, solutions, strict=True)]
     working = [problem.rtol for problem in problems]
     short = [at for at, problem in enumerate(problems) if not problem.sizes_given(method.name)]
-    for _ in range(refinements):
+    for _ in range(4):
         short = [at for at in short if working[at] > FINEST and errors[at] > problems[at].rtol]
         if not short:
             break
@@ -37,14 +37,11 @@ def solved_to_accuracy(
             LOG.info(
                 "%8s  its estimate %.1e is above %.1e: refining ...", method.name, errors[at], rtol
             )
-        refined = method.solve_all(
-            [replace(problems[at], rtol=working[at]) for at in short], stages
-        )
-        halved = []
-        for at, solution in zip(short, refined, strict=True):
+        finer = [replace(problems[at], rtol=working[at]) for at in short]
+        for at, solution in zip(short[:], method.solve_all(finer, stages), strict=True):
             error = error_of_sizes(problems[at], solution)
-            if 2 * error <= errors[at]:
-                halved.append(at)
+            if 2 * error > errors[at]:
+                short.remove(at)
             if error < errors[at]:
                 note = (
                     f"{method.name}: refined from rtol {problems[at].rtol:.1e} to "
@@ -52,7 +49,6 @@ def solved_to_accuracy(
                 )
                 solutions[at] = replace(solution, notes=(*solution.notes, note))
                 errors[at] = error
-        short = halved
     return solutions
 
 

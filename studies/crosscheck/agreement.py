@@ -118,7 +118,7 @@ def agreements(
         doubtful = (uncertainty > A_FEW * rtol) | (size > np.maximum(uncertainty, rtol))
         # where many are as uncertain, the one that differs most
         worst = int(np.lexsort((size, uncertainty, doubtful))[-1])
-        verdict, remark, promised = AGREE, "", is_promised(problem, quantity)
+        verdict, remark, promised = AGREE, "", not unresolved(problem, quantity, "")
         if (over > 1).any():
             worst, verdict, promised = int(np.argmax(over)), DISAGREE, True
         elif doubtful.any():
@@ -161,13 +161,25 @@ def worst(problem: Problem, solutions: Collection[Solution], keep: Collection[st
     return Worst(float(disagreement), float(effectivity) if np.isfinite(effectivity) else np.nan)
 
 
-def is_promised(problem: Problem, quantity: str) -> bool:
-    """Whether the accuracy asked for is promised of a quantity; not of fields beyond resolution."""
+def unresolved(problem: Problem, quantity: str, blamed: str) -> str:
+    """Return why the accuracy asked for is not promised of a quantity; empty if it is."""
     if not problem.full_contact:
-        return quantity not in AT_EDGES
+        edges = "pressures may be infinite at edges"
+        if problem.earliest:
+            edges = "pressures jump at edges of worn faces that move"
+        words = f"{edges}, and fields are known to a cell there; ask for a smaller rtol"
+        return words if quantity in AT_EDGES else ""
     if quantity in EARLY and at_smallest(problem):
-        return False
-    return quantity in ENERGIES or field_accuracy(problem) <= problem.rtol
+        return (
+            f"the layers that wear makes by the first times are thinner than {blamed} can resolve; "
+            "ask for later times"
+        )
+    if quantity not in ENERGIES and (accuracy := field_accuracy(problem)) > problem.rtol:
+        return (
+            f"with so many rings fields are resolved to {accuracy:.0e} only; give degree and "
+            f"ring_size of {blamed} for more"
+        )
+    return ""
 
 
 def _when(problem: Problem, quantity: str, undecided: NDArray[np.bool_]) -> str:
@@ -182,51 +194,25 @@ def _when(problem: Problem, quantity: str, undecided: NDArray[np.bool_]) -> str:
 
 def remedy(problem: Problem, quantity: str, blamed: str, error: float) -> str:
     """Return what would decide a quantity: an accuracy to ask for, other sizes, or other times."""
-    local, full, fields = quantity not in ENERGIES, problem.full_contact, field_accuracy(problem)
     rtol = problem.rtol**2 / error
-    edges = "pressures may be infinite at edges"
-    if problem.earliest:
-        edges = "pressures jump at edges of worn faces that move"
-    remedies = [
-        (
-            blamed == "fem" and problem.fem.far_field == "fixed",
-            "the clamped boundary errs by 1.1 a/R; far_field = 'boussinesq' does not",
-        ),
-        (
-            local and not full,
-            f"{edges}, and fields are known to a cell there; ask for a smaller rtol",
-        ),
-        (
-            quantity in EARLY and at_smallest(problem),
-            f"the layers that wear makes by the first times are thinner than {blamed} can resolve; "
-            "ask for later times",
-        ),
-        (
-            local and fields > problem.rtol,
-            f"with so many rings fields are resolved to {fields:.0e} only; give degree and "
-            f"ring_size of {blamed} for more",
-        ),
-        (
-            blamed == "mdr-grid",
-            f"{blamed} is of first order; give a finer accuracy.mdr.grid",
-        ),
-        (
-            problem.sizes_given(blamed),
-            f"the sizes given for {blamed} are too coarse; leave them out",
-        ),
-        (problem.march != "modal", "the step is too long; march = 'modal' has none"),
-        (
-            rtol < FINEST,
-            f"{blamed} states {error:.1e}; no accuracy that can be asked for decides it",
-        ),
-        (True, f"{blamed} states {error:.1e}; rtol = {rtol:.0e} would decide it"),
-    ]
-    return next(words for holds, words in remedies if holds)
+    if blamed == "fem" and problem.fem.far_field == "fixed":
+        return "the clamped boundary errs by 1.1 a/R; far_field = 'boussinesq' does not"
+    if reason := unresolved(problem, quantity, blamed):
+        return reason
+    if blamed == "mdr-grid":
+        return f"{blamed} is of first order; give a finer accuracy.mdr.grid"
+    if problem.sizes_given(blamed):
+        return f"the sizes given for {blamed} are too coarse; leave them out"
+    if problem.march != "modal":
+        return "the step is too long; march = 'modal' has none"
+    if rtol < FINEST:
+        return f"{blamed} states {error:.1e}; no accuracy that can be asked for decides it"
+    return f"{blamed} states {error:.1e}; rtol = {rtol:.0e} would decide it"
 
 
 def worst_verdict(verdicts: Collection[str]) -> str:
     """Return the least of some verdicts."""
-    return next((verdict for verdict in (DISAGREE, UNDECIDED) if verdict in verdicts), AGREE)
+    return max(verdicts, key=(AGREE, UNDECIDED, DISAGREE).index, default=AGREE)
 
 
 def overall(rows: Sequence[Agreement]) -> str:
@@ -236,7 +222,8 @@ def overall(rows: Sequence[Agreement]) -> str:
 
 def by_quantity(rows: Sequence[Agreement]) -> dict[str, str]:
     """Return the least verdict on each quantity over all pairs of methods."""
-    verdicts: dict[str, list[str]] = {}
-    for row in rows:
-        verdicts.setdefault(row.quantity, []).append(row.verdict)
-    return {quantity: worst_verdict(of) for quantity, of in verdicts.items()}
+    quantities = dict.fromkeys(row.quantity for row in rows)
+    return {
+        quantity: worst_verdict([row.verdict for row in rows if row.quantity == quantity])
+        for quantity in quantities
+    }

@@ -5,8 +5,6 @@ holder shows: once it has run in, it rises in a straight line. What ``d(t) - w t
 falls as a sum of positive exponentials.
 """
 
-from typing import Any
-
 import numpy as np
 
 from ...meshes.radial import Array
@@ -29,42 +27,29 @@ def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
         for name, quantity in ANSWER.items()
     }
     results, checked, face = solution.results, solution.checked, problem.face
-    start: dict[str, Any] = {}
-    steady: dict[str, Any] = {}
     if len(problem.times) and solution.wear is not None:
         wear, flat = solution.wear, solution.wear.flat
         # continuous, and rising from the centre to the rim
         pressures = flat.pressure_at(problem.ring_edges[:-1])
-        values |= {
-            "running_in_time": np.asarray(wear.relaxation_times[0]),
-            "time_to_90": np.asarray(wear.time_to(0.9)),
-            "time_to_99": np.asarray(wear.time_to(0.99)),
-            "indentation_start": np.asarray(flat.indentation),
-        }
-        start = {
-            "pressure_min": pressures,
-            "pressure_max": [*pressures[1:], np.inf],
-            "force_share": flat.ring_forces(problem.ring_edges),
-        }
+        values["running_in_time"][...] = wear.relaxation_times[0]
+        values["time_to_90"][...], values["time_to_99"][...] = wear.time_to(0.9), wear.time_to(0.99)
+        values["indentation_start"][...] = flat.indentation
+        values["pressure_min"][0], values["pressure_max"][0] = pressures, [*pressures[1:], np.inf]
+        values["force_share"][0] = flat.ring_forces(problem.ring_edges)
     if "ring_worn_volume" in results:
         values["worn_volume"] = array(results, "ring_worn_volume")[-1]
         # pressures at the start may be infinite, and have no closed form
         if problem.times[0] == 0:
             values["indentation_start"] = array(results, "indentation")[0]
             force = array(results, "normal_force")[0]
-            start = {"force_share": array(results, "ring_force")[0] / force}
+            values["force_share"][0] = array(results, "ring_force")[0] / force
     elif problem.full_contact and "profile" in checked:
         values["worn_volume"] = face.ring_sums(face.areas * array(checked, "profile")[-1])
     if "steady_pressure" in checked:
         values["indentation_steady"] = array(checked, "steady_displacement_max")
         pressure = array(checked, "steady_pressure")
         first = np.flatnonzero(np.diff(face.ring, prepend=-1))
-        steady = {
-            "pressure_min": np.minimum.reduceat(pressure, first),
-            "pressure_max": np.maximum.reduceat(pressure, first),
-            "force_share": face.ring_sums(face.areas * pressure),
-        }
-    for row, of_state in enumerate((start, steady)):
-        for name, of_rings in of_state.items():
-            values[name][row] = of_rings
+        values["pressure_min"][1] = np.minimum.reduceat(pressure, first)
+        values["pressure_max"][1] = np.maximum.reduceat(pressure, first)
+        values["force_share"][1] = face.ring_sums(face.areas * pressure)
     return values

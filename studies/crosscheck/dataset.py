@@ -3,9 +3,11 @@ units.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+import tomllib
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -20,6 +22,7 @@ from ..methods.quantities import (
     OF_PROFILES,
     QUANTITIES,
     STATES,
+    Quantity,
     common,
     error_name,
     values,
@@ -35,34 +38,6 @@ from .answer import ALSO, answer
 from .interior import Interior, interior
 from .operators import OperatorDifference
 from .scope import left_out, modelled
-
-DEFINITIONS = {
-    "verdict": "agree: every difference is within the uncertainty, or within rtol, and the "
-    "uncertainty within a few rtol; "
-    "disagree: a difference is beyond both, though neither method states an error above rtol, or "
-    "an anchor does not hold; "
-    "undecided: anything else. Where edges of a "
-    "contact move, what is local to them (`promised` false) does not make the whole undecided, "
-    "but can make it disagree",
-    "difference": "relative, in the norm of the quantity, where it decides the verdict",
-    "uncertainty": "sum of the two methods' own error estimates at that time",
-    "anchors": "closed forms and balances that each method is held to by itself",
-    "operator_difference": "of the energies two methods give the same pressures, relative: "
-    "greatest over all "
-    "ring-wise constant pressures (rings), along the history (history), over the first method's "
-    "whole space "
-    "(space, worst at worst_radius); stability: their least ratio, the square of the inf-sup "
-    "constant; residual: "
-    "first method's pressures put into the second, against the worn profile, in the energy norm",
-    "error_estimate": "relative, of the indentation, over all times",
-    "answer": "by each method, in the scene's units; of rings a list from the centre, first at "
-    "the start, then steady; "
-    "null: infinite, or not given",
-    "beyond_rtol": (
-        "quantities that the method cannot bring to rtol by its own estimate, with the greatest "
-        "estimate"
-    ),
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,10 +74,6 @@ class Result:
         return overall(self.agreement)
 
     @property
-    def agrees(self) -> bool:
-        return self.verdict == AGREE
-
-    @property
     def quantities(self) -> dict[str, str]:
         """The verdict on each quantity, over all pairs of methods."""
         return by_quantity(self.agreement)
@@ -124,9 +95,11 @@ class Result:
     @property
     def short_of(self) -> dict[str, float]:
         """Error estimates of the indentation that are above the accuracy asked for, by method."""
-        estimates = {name: solution.error_estimate for name, solution in self.solutions.items()}
-        rtol = self.scene.accuracy.rtol
-        return {name: estimate for name, estimate in estimates.items() if estimate > rtol}
+        return {
+            name: solution.error_estimate
+            for name, solution in self.solutions.items()
+            if solution.error_estimate > self.scene.accuracy.rtol
+        }
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -152,8 +125,11 @@ class Result:
 
     def given(self, quantity: str) -> dict[str, xarray.Dataset]:
         """Return the non-dimensional results of the methods that give a quantity."""
-        every = {name: solution.results for name, solution in self.solutions.items()}
-        return {name: results for name, results in every.items() if quantity in results}
+        return {
+            name: solution.results
+            for name, solution in self.solutions.items()
+            if quantity in solution.results
+        }
 
     def first_answer(self, key: str) -> Array:
         """Return an answer by the first method that gives it; NaN if none does."""
@@ -199,12 +175,24 @@ def dataset(result: Result) -> xarray.Dataset:
 
     NaN where a method does not give a quantity.
     """
-    scene, problem, solutions = result.scene, result.scene.problem, result.solutions
+    scene, problem = result.scene, result.scene.problem
     units, names = problem.units, UnitNames.of(scene.units)
-    results = [values(solution.results) for solution in solutions.values()]
-    errors = [solution.errors for solution in solutions.values()]
-    answers = list(result.answers.values())
-    edges = [given["contact_edge"].shape[1] for given in results if "contact_edge" in given]
+    reported, table = [], dict[str, Quantity]()
+    for name, solution in result.solutions.items():
+        given = {
+            key: value * getattr(units, QUANTITIES[key].unit)
+            for key, value in values(solution.results).items()
+        }
+        errors = {error_name(key): error for key, error in solution.errors.items()}
+        reported.append(given | errors | result.answers[name])
+    for name, quantity in QUANTITIES.items():
+        # a flat punch has no more to say
+        if name not in OF_PROFILES or any(name in given for given in reported):
+            table[name] = quantity
+            if name not in ("contact", "contact_edge"):
+                definition = ERROR.format(name, NORMS[quantity.norm])
+                table[error_name(name)] = Quantity(quantity.error_dims, "number", definition)
+    edges = [given["contact_edge"].shape[1] for given in reported if "contact_edge" in given]
     sizes = {
         "time": len(problem.times),
         "radius": len(problem.radii),
@@ -213,70 +201,41 @@ def dataset(result: Result) -> xarray.Dataset:
         "state": len(STATES),
         "edge": max(edges, default=0),
     }
-    variables: dict[str, Any] = {}
 
-    def about(definition: str, kind: str = "number") -> dict[str, str]:
+    def describe(definition: str, kind: str) -> dict[str, str]:
         return {"long_name": definition, "units": names.name(kind) or scene.units or UNSTATED}
 
-    def add(
-        name: str,
-        given: Sequence[Mapping[str, Array]],
-        dims: tuple[str, ...],
-        scale: float,
-        attributes: dict[str, str],
-    ) -> None:
-        gathered = np.full((len(given), *(sizes[dim] for dim in dims)), np.nan)
-        for row, of_method in enumerate(given):
-            if name in of_method:
-                shared = common(of_method[name].shape, gathered.shape[1:])
-                gathered[row, ...][shared] = of_method[name][shared]
-        variables[name] = ("solver", *dims), scale * gathered, attributes
-
-    for name, quantity in QUANTITIES.items():
-        # a flat punch has no more to say
-        if name in OF_PROFILES and not any(name in given for given in results):
-            continue
-        scale = getattr(units, quantity.unit)
-        add(name, results, quantity.dims, scale, about(quantity.definition, quantity.unit))
-        if name not in ("contact", "contact_edge"):
-            estimates = [{error_name(of): error for of, error in given.items()} for given in errors]
-            attributes = about(ERROR.format(name, NORMS[quantity.norm]))
-            add(error_name(name), estimates, quantity.error_dims, 1.0, attributes)
-    for name, quantity in ANSWER.items():
-        add(name, answers, quantity.dims, 1.0, about(quantity.definition, quantity.unit))
+    variables: dict[str, Any] = {}
+    for name, quantity in (table | ANSWER).items():
+        gathered = np.full((len(reported), *(sizes[dim] for dim in quantity.dims)), np.nan)
+        for row, given in enumerate(reported):
+            if name in given:
+                shared = common(given[name].shape, gathered.shape[1:])
+                gathered[row, ...][shared] = given[name][shared]
+        attributes = describe(quantity.definition, quantity.unit)
+        variables[name] = ("solver", *quantity.dims), gathered, attributes
     # as they were asked for: by way of the non-dimensional ones they would differ in the last digit
     radius = problem.radii * units.length if scene.output.radii is None else scene.output.radii
-    ring_edges = problem.ring_edges * units.length
+    inner, outer = problem.ring_edges[:-1] * units.length, problem.ring_edges[1:] * units.length
     coefficients = problem.wear_coefficients * units.wear_coefficient
-    coordinates = [
-        ("time", "time", scene.wear.times, about("time of sliding", "time")),
-        ("radius", "radius", radius, about("distance from the axis", "length")),
-        ("ring_inner_radius", "ring", ring_edges[:-1], about("inner edge of the ring", "length")),
-        ("ring_outer_radius", "ring", ring_edges[1:], about("outer edge of the ring", "length")),
-        (
-            "wear_coefficient",
-            "ring",
-            coefficients,
-            about("k of df/dt = k p v0 on the ring", "wear_coefficient"),
-        ),
-    ]
-    numbered = {
-        "ring": "ring, counted from the centre",
-        "mode": "wear mode, slowest first",
-        "edge": "edge of the contact: inner and outer of each part in turn, from the centre",
+    about_coefficients = describe("k of df/dt = k p v0 on the ring", "wear_coefficient")
+    coordinates: dict[str, Any] = {
+        "solver": list(result.solutions),
+        "state": list(STATES),
+        "time": ("time", scene.wear.times, describe("time of sliding", "time")),
+        "radius": ("radius", radius, describe("distance from the axis", "length")),
+        "ring_inner_radius": ("ring", inner, describe("inner edge of the ring", "length")),
+        "ring_outer_radius": ("ring", outer, describe("outer edge of the ring", "length")),
+        "wear_coefficient": ("ring", coefficients, about_coefficients),
     }
-    coordinates += [
-        (dim, dim, np.arange(1, sizes[dim] + 1), {"long_name": meaning})
-        for dim, meaning in numbered.items()
-        if sizes[dim]
-    ]
-    labels = {name: (dim, np.asarray(given), of) for name, dim, given, of in coordinates}
-    states = {"solver": list(solutions), "state": list(STATES)}
-    return xarray.Dataset(variables, labels | states, _attributes(scene))
-
-
-def _attributes(scene: Scene) -> dict[str, str]:
-    return {
+    for dim, meaning in (
+        ("ring", "ring, counted from the centre"),
+        ("mode", "wear mode, slowest first"),
+        ("edge", "edge of the contact: inner and outer of each part in turn, from the centre"),
+    ):
+        if sizes[dim]:
+            coordinates[dim] = dim, np.arange(1, sizes[dim] + 1), {"long_name": meaning}
+    about = {
         "title": scene.title,
         "units": scene.units or UNSTATED,
         "definitions": (
@@ -287,6 +246,7 @@ def _attributes(scene: Scene) -> dict[str, str]:
         "versions": json.dumps(versions()),
         "scene": scene.to_toml(),
     }
+    return xarray.Dataset(variables, coordinates, about)
 
 
 def summary(result: Result) -> dict[str, Any]:
@@ -295,6 +255,7 @@ def summary(result: Result) -> dict[str, Any]:
     Verdict, cost, error estimates, agreement, what was modelled and what was left out.
     """
     scene, rtol = result.scene, result.scene.accuracy.rtol
+    definitions = files("ringwear.studies") / "crosscheck" / "definitions.toml"
     methods = {
         name: {
             "seconds": {
@@ -304,30 +265,33 @@ def summary(result: Result) -> dict[str, Any]:
             "settings": solution.settings,
             "rtol_asked": rtol,
             "error_estimate": solution.error_estimate,
-            "reaches_rtol": name not in result.short_of,
             "error_estimate_parts": solution.parts,
             "beyond_rtol": solution.beyond(rtol),
         }
         for name, solution in result.solutions.items()
     }
-    numbers = ("methods", "rings", "history", "space", "worst_radius", "stability", "residual")
+    numbers = ("methods", "rings", "history", "space", "stability")
     return {
         "title": scene.title,
         "units": scene.units,
         "verdict": result.verdict,
         "quantities": result.quantities,
         "answer": {
-            name: {key: _without_infinity(value.tolist()) for key, value in given.items()}
+            # JSON has null for what is infinite or not given
+            name: {
+                key: np.where(np.isfinite(value), value, np.array(None)).tolist()
+                for key, value in given.items()
+            }
             for name, given in result.answers.items()
         },
         "methods": methods,
         "agreement": [asdict(row) | {"agrees": row.agrees} for row in result.agreement],
-        "agrees": result.agrees,
+        "agrees": result.verdict == AGREE,
         "anchors": [asdict(anchor) | {"holds": anchor.holds} for anchor in result.anchors],
         "operator_difference": [
             {name: getattr(row, name) for name in numbers} for row in result.operators
         ],
-        "definitions": DEFINITIONS
+        "definitions": tomllib.loads(definitions.read_text("utf-8"))
         | {name: NORMS[quantity.norm] for name, quantity in QUANTITIES.items()}
         | {name: quantity.definition for name, quantity in ANSWER.items()},
         "modelled": modelled(scene, result.methods),
@@ -335,10 +299,3 @@ def summary(result: Result) -> dict[str, Any]:
         "notes": result.notes,
         "versions": versions(),
     }
-
-
-def _without_infinity(value: Any) -> Any:
-    """Return numbers as JSON has them: null for what is infinite or not given."""
-    if isinstance(value, list):
-        return [_without_infinity(part) for part in value]
-    return value if np.isfinite(value) else None

@@ -10,11 +10,12 @@ two to six times the error (`tests/physics/test_stresses.py`). Points within `NE
 ring edge, where stresses are infinite or jump, are left out of the estimate.
 """
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import ceil, log
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -34,55 +35,17 @@ SHARE = 10
 NEAR = 0.2
 
 
-@dataclass(frozen=True)
-class Limits:
-    """What goes with a kind of elements.
-
-    Parameters
-    ----------
-    refinements : times that each is refined to show what its polynomials say
-    degree : highest worth its cost
-    poisson_ratio : stands for 1/2: inside, its error shows, but triangles lock the more the closer
-        it is
-    """
-
-    refinements: int
-    degree: int
-    poisson_ratio: float
-
-    @classmethod
-    def of(cls, half_space: "HalfSpace") -> "Limits":
-        quads = type(half_space.solid.mesh).__name__ == "MeshQuad1"
-        return cls(3, 14, 0.499999) if quads else cls(2, 4, 0.49999)
-
-
 @dataclass(frozen=True, eq=False)
-class Fields:
-    """Fields of the half-space, non-dimensional, on small triangles within each element.
+class Interior:
+    """Fields of the half-space, and how good they are; non-dimensional.
 
-    Not averaged between elements.
+    On small triangles within each element, not averaged between elements.
 
     Parameters
     ----------
     points, triangles : (2, n) radius and depth, and the small triangles (3, m) between them
     displacement : (states, n, 2) radial, and into the half-space
     stress : (states, n, 4) rr, zz, rz, hoop
-    von_mises : (states, n)
-    """
-
-    points: Array
-    triangles: Indices
-    displacement: Array
-    stress: Array
-    von_mises: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Interior(Fields):
-    """The fields, and how good they are.
-
-    Parameters
-    ----------
     labels : of the states, `t=...` and `steady`
     degree : of the displacement
     errors : of each field, by its name, in each state (states,): estimate of its greatest error
@@ -90,9 +53,20 @@ class Interior(Fields):
         indentation, of stresses over the mean pressure
     """
 
+    points: Array
+    triangles: Indices
+    displacement: Array
+    stress: Array
     labels: tuple[str, ...]
     degree: int
     errors: dict[str, Array]
+
+    @cached_property
+    def von_mises(self) -> Array:
+        """(states, n) equivalent stress."""
+        from ...fem.stresses import von_mises
+
+        return von_mises(self.stress)
 
 
 def interior(scene: Scene, fem: Solution) -> Interior:
@@ -101,86 +75,84 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     Its degree is raised until the estimate of the stresses is `SHARE` times `rtol`, unless the user
     has given it, or poles.
     """
-    half_space, problem = fem.half_space, scene.problem
+    from ...fem.far_field import enough_poles
+    from ...fem.half_space import HalfSpace, pressure_space
+    from ...meshes.half_space import truncation
+
+    half_space, problem, times = fem.half_space, scene.problem, scene.output.field_times
     assert half_space is not None
-    limits = Limits.of(half_space)
-    times, steady = scene.output.field_times, ("steady",) if problem.steady else ()
+    # times that each element is refined to show what its polynomials say, highest degree worth its
+    # cost, and what stands for Poisson's ratio 1/2: inside, its error shows, but triangles lock the
+    # more the closer it is
+    refinements, highest, ratio = 3, 14, 0.499999
+    if len(half_space.solid.mesh.t) == 3:
+        refinements, highest, ratio = 2, 4, 0.49999
     if times is None:
-        times = [0.0] if steady else [0.0, scene.wear.times[-1]]
-    labels = (*(f"t={time:g}" for time in times), *steady)
+        times = [0.0] if problem.steady else [0.0, scene.wear.times[-1]]
+    labels = [f"t={time:g}" for time in times] + ["steady"] * problem.steady
+    # what the poles leave to the truncation is of the energy, where stresses feel its root
+    accuracy = 1e-3 * min(SHARE * problem.rtol, 1e-3) ** 2
+    poles = enough_poles(truncation(half_space.solid.mesh), accuracy)
+    if problem.fem.poles:
+        poles = half_space.poles
+    # a clamped boundary is judged by one that is not: the difference is the error itself, far
+    # greater than any other
+    orders = (poles, poles[:-1]) if half_space.poles else ((), poles)
     # of a lower degree there may be no stable pressures
     degree = max(half_space.solid.degree, 3)
     # what the user has given stays, and no degree mends the truncation
     given = problem.fem.degree or problem.fem.poles or not half_space.poles
-    highest = degree if given else max(degree, limits.degree)
+    highest = degree if given else max(degree, highest)
+
+    def refine(degree: int) -> list[HalfSpace]:
+        solids = [
+            replace(half_space.solid, degree=lower, highest_ratio=ratio)
+            for lower in (degree, degree - 1)
+        ]
+        return [
+            HalfSpace(solid, pressure_space(solid, problem.merged.ring_edges), tied)
+            for solid, tied in zip(solids, orders, strict=True)
+        ]
+
     with threadpool_limits(1):
         while True:
             fine, coarse = (
-                fields_of(problem, each, np.array(times) / problem.units.time)
-                for each in refined(problem, half_space, degree)
+                sample(problem, refined, np.array(times) / problem.units.time, refinements)
+                for refined in refine(degree)
             )
-            errors = estimates(problem, fine, coarse, limits.poisson_ratio)
-            result = Interior(**vars(fine), labels=labels, degree=degree, errors=errors)
+            errors = estimate(problem, fine, coarse, ratio)
             excess = errors["stress"].max() / (SHARE * problem.rtol)
+            result = Interior(*fine, tuple(labels), degree, errors)
             if excess <= 1 or degree == highest:
                 return result
             # three times as accurate by each degree
             degree = min(degree + ceil(log(excess, 3)), highest)
             # matrices of more pressures are dense, and not worth it for the sake of the inside
-            if next(refined(problem, half_space, degree)).space.size > 2000:
+            if refine(degree)[0].space.size > 2000:
                 return result
 
 
-def refined(problem: Problem, half_space: "HalfSpace", degree: int) -> Iterator["HalfSpace"]:
-    """Yield the half-space in another degree, with enough poles, then in one degree and with one
-    pole less.
-    """
-    from ...fem.far_field import enough_poles
-    from ...fem.half_space import pressure_space
-    from ...meshes.half_space import truncation
-
-    highest_ratio = Limits.of(half_space).poisson_ratio
-    # what the poles leave to the truncation is of the energy, where stresses feel its root
-    accuracy = 1e-3 * min(SHARE * problem.rtol, 1e-3) ** 2
-    enough = enough_poles(truncation(half_space.solid.mesh), accuracy)
-    # a clamped boundary is judged by one that is not: the difference is the error itself, far
-    # greater than any other
-    poles: tuple[int, ...] = ()
-    fewer = enough
-    if half_space.poles:
-        poles = half_space.poles if problem.fem.poles else enough
-        fewer = poles[:-1]
-    for order, tied in ((degree, poles), (degree - 1, fewer)):
-        solid = replace(half_space.solid, degree=order, highest_ratio=highest_ratio)
-        before = half_space.solid.degree, half_space.solid.poisson_ratio, half_space.poles
-        if (order, solid.poisson_ratio, tied) == before:
-            yield half_space
-        else:
-            space = pressure_space(solid, problem.merged.ring_edges)
-            yield replace(half_space, solid=solid, space=space, poles=tied)
-
-
-def fields_of(problem: Problem, half_space: "HalfSpace", times: Array) -> Fields:
+def sample(
+    problem: Problem, half_space: "HalfSpace", times: Array, refinements: int
+) -> tuple[Array, Indices, Array, Array]:
     """Return the fields of a half-space at non-dimensional times, and when steady, all from its
     pressures.
     """
-    from ...fem.stresses import sampled, von_mises
+    from ...fem.stresses import sampled
 
     earliest = float(min(times[times > 0], default=0.0))
     wear = RunningIn(half_space.compliance(), problem.merged.wear_coefficients, earliest)
     # no modes are needed for the start
-    pressures = (
-        list(wear.modal(times).pressure) if times.any() else [wear.flat.pressure] * len(times)
-    )
+    pressures = [wear.flat.pressure] * len(times)
+    if times.any():
+        pressures = list(wear.modal(times).pressure)
     if problem.steady:
         pressures.append(wear.steady.pressure)
-    refinements = Limits.of(half_space).refinements
-    points, triangles, moved, stress = sampled(half_space, np.array(pressures), refinements)
-    return Fields(points, triangles, moved, stress, von_mises(stress))
+    return sampled(half_space, np.array(pressures), refinements)
 
 
-def estimates(
-    problem: Problem, fine: Fields, coarse: Fields, highest_ratio: float
+def estimate(
+    problem: Problem, fine: Sequence[Any], coarse: Sequence[Any], highest_ratio: float
 ) -> dict[str, Array]:
     """Return the error estimate of each field in each state, by its name.
 
@@ -188,16 +160,18 @@ def estimates(
     """
     from ...fem.stresses import von_mises
 
-    r, z = fine.points
+    r, z = fine[0]
     far = np.hypot(r - problem.merged.ring_edges[1:, None], z).min(axis=0) > NEAR
     # fields are in proportion to 1 - 2 nu, plus a constant, and neither is much more than the unit
     modelled = 2 * max(0.0, problem.poisson_ratio - highest_ratio)
-    stress = (fine.stress - coarse.stress)[:, far] / (2 * P0)
+    moved, stress = (
+        part[:, far] - other[:, far] for part, other in zip(fine[2:], coarse[2:], strict=True)
+    )
     differences = {
-        "displacement": (fine.displacement - coarse.displacement)[:, far] / D0,
-        "stress": stress,
+        "displacement": moved / D0,
+        "stress": stress / (2 * P0),
         # a norm: that of the difference is at least the difference of two
-        "von_mises": von_mises(stress)[..., None],
+        "von_mises": von_mises(stress)[..., None] / (2 * P0),
     }
     return {name: np.abs(of).max(axis=(1, 2)) + modelled for name, of in differences.items()}
 
@@ -212,13 +186,12 @@ def write_half_space(fields: Interior, units: Units, path: Path) -> None:
     data: dict[str, Array] = {}
     r, z = fields.points * units.length
     nothing = np.zeros_like(r)
-    signs = {"rr": 1, "zz": 1, "rz": -1, "hoop": 1}
     for state, label in enumerate(fields.labels):
-        radial, down = fields.displacement[state].T
-        moved = np.stack([radial, -down, nothing], axis=1)
-        data[f"displacement {label}"] = moved * units.displacement
-        for (name, sign), values in zip(signs.items(), fields.stress[state].T, strict=True):
-            data[f"stress_{name} {label}"] = sign * values * units.pressure
+        radial, down = fields.displacement[state].T * units.displacement
+        data[f"displacement {label}"] = np.stack([radial, -down, nothing], axis=1)
+        stress = fields.stress[state] * [1, 1, -1, 1] * units.pressure
+        for name, values in zip(("rr", "zz", "rz", "hoop"), stress.T, strict=True):
+            data[f"stress_{name} {label}"] = values
         data[f"von_mises {label}"] = fields.von_mises[state] * units.pressure
     upright = np.stack([r, -z, nothing], axis=1)
     meshio.Mesh(upright, [("triangle", fields.triangles.T)], point_data=data).write(

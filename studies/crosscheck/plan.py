@@ -1,22 +1,40 @@
 """What a run will take, before it runs.
 
-Sizes are those of one probe, the scene itself at a coarse accuracy, scaled by closed forms
-(`sizes.py`), and so are its seconds: a sparse factor goes as unknowns^1.5, dense algebra as
+Sizes are counted on the meshes that it will have. Seconds are those of one probe, the scene itself
+at a coarse accuracy, and go with the sizes: a sparse factor as unknowns^1.5, dense algebra as
 pressures^2, and as pressures^3 once matrices are large, a march as its steps times pressures^2.
 """
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ..methods.spaces import contact_cells, pressure_spaces
 from ..problem import defaults
 from ..problem.marching import steps_between
 from ..problem.problem import Problem
 from ..problem.scene import Scene
 from .run import run
 from .scope import methods_of, refusals
-from .sizes import Size, predict_memory, predict_size
+from .sizes import predict_memory
+
+
+def count_unknowns(name: str, problem: Problem) -> tuple[int, int]:
+    """Return the unknowns of the system behind a method's compliance, and its pressures."""
+    without_space = {"direct": 0, "mdr-grid": problem.mdr.grid + 1}
+    if name in without_space:
+        return without_space[name], without_space[name]
+    if name != "fem":
+        space = pressure_spaces(problem)[0]
+        return space.size, space.size
+    from ...fem.contact_meshes import even_half_space
+    from ..methods.fem import half_space_mesh, half_space_on
+
+    if problem.full_contact:
+        half_space = half_space_on(problem, half_space_mesh(problem))
+    else:
+        half_space = even_half_space(contact_cells(problem)[0], problem.poisson_ratio)
+    return half_space.unknowns, half_space.space.size
 
 
 def predict_work(name: str, problem: Problem) -> float:
@@ -24,7 +42,7 @@ def predict_work(name: str, problem: Problem) -> float:
 
     The factors between its parts were measured on the bundled scenes.
     """
-    _, unknowns, pressures = predict_size(name, problem)
+    unknowns, pressures = count_unknowns(name, problem)
     order, step = pressures / 1e3, problem.step
     if name == "mdr-grid":
         step = defaults.grid_step(problem, 4 / np.pi / problem.mdr.grid)
@@ -63,32 +81,8 @@ def coarsen(scene: Scene) -> Scene:
     return scene.changed(**changes)
 
 
-def measure(scene: Scene) -> tuple[dict[str, tuple[Size, float]], list[str]]:
-    """Return sizes and seconds by method, scaled from the probe of a scene, and notes on meshes."""
-    probe = coarsen(scene)
-    run(probe)  # loads libraries, and is not timed
-    result = run(probe)
-    measured = {}
-    for name, solution in result.solutions.items():
-        settings, seconds = solution.settings, sum(result.stages[name].seconds.values())
-        # where the mesher has been replaced, both are by the other
-        mesher = {"mesher": settings.get("mesher", scene.problem.fem.meshed_by)}
-        problem, coarse = (
-            replace(each, fem=each.fem.model_copy(update=mesher))
-            for each in (scene.problem, probe.problem)
-        )
-        size, before = predict_size(name, problem), predict_size(name, coarse)
-        if size.unknowns:
-            pressures = settings.get("multipliers", settings.get("pressures", solution.unknowns))
-            scales = solution.unknowns / before.unknowns, pressures / before.pressures
-            size = Size(size.made_of, size.unknowns * scales[0], size.pressures * scales[1])
-        work = predict_work(name, problem) / predict_work(name, coarse)
-        measured[name] = size, seconds * work
-    return measured, [note for note in result.notes if note.startswith("meshed by")]
-
-
 def plan(scene: Scene) -> list[str]:
-    """Say what each method will be made of and take, by closed forms and one coarse probe.
+    """Say how large each method's system will be, and what it will take by one coarse probe.
 
     Parameters
     ----------
@@ -100,17 +94,23 @@ def plan(scene: Scene) -> list[str]:
     list of str
         Lines of text: sizes, seconds on one thread, GiB, refusals and notes.
     """
-    refused = refusals(scene, methods_of(scene.methods))
-    if refused:
+    if refused := refusals(scene, methods_of(scene.methods)):
         return [f"refused: {reason}" for reason in refused]
-    lines, (measured, notes) = list[str](), measure(scene)
-    for name, (size, seconds) in measured.items():
-        unknowns, pressures = (float(f"{count:.2g}") for count in size[1:])
-        counts = f"about {unknowns:.0f} unknowns, {pressures:.0f} pressures, " if unknowns else ""
-        lines += [f"{name}: {size.made_of}", f"    {counts}about {seconds:.2g} s"]
-    total = sum(seconds for _, seconds in measured.values())
-    lines.append(f"in all: about {total:.2g} s, and a few for loading, files and figures")
+    probe, lines, total = coarsen(scene), list[str](), 0.0
+    run(probe)  # loads libraries, and is not timed
+    result = run(probe)
+    for name, stages in result.stages.items():
+        unknowns, pressures = count_unknowns(name, scene.problem)
+        seconds = sum(stages.seconds.values())
+        seconds *= predict_work(name, scene.problem) / predict_work(name, probe.problem)
+        lines.append(f"{name}: {unknowns} unknowns, {pressures} pressures, about {seconds:.2g} s")
+        total += seconds
     memory = predict_memory(scene)
     parts = ", ".join(f"{value:.2g} for {key}" for key, value in memory.items())
-    lines.append(f"memory: about {sum(memory.values()):.2g} GiB: {parts}")
-    return lines + [f"note: {note}" for note in notes]
+    notes = [f"note: {note}" for note in result.notes if note.startswith("meshed by")]
+    return [
+        *lines,
+        f"in all: about {total:.2g} s, and a few for loading, files and figures",
+        f"memory: about {sum(memory.values()):.2g} GiB: {parts}",
+        *notes,
+    ]

@@ -20,29 +20,22 @@ def methods_of(entries: Sequence[str | Method]) -> Methods:
     return {entry.name: entry for entry in methods}
 
 
-def _marches(methods: Methods) -> bool:
-    """Return whether a method marches from the start to the steady state; others tell their way."""
-    return not all(entry.lacks for entry in methods.values())
-
-
 def modelled(scene: Scene, methods: Methods) -> list[str]:
     """Return what is computed, a line each."""
     problem = scene.problem
     lines = [f"{name}: {entry.what or 'a method of the user'}" for name, entry in methods.items()]
-    if scene.wear.times and _marches(methods):
-        ways = {
-            (True, "modal"): "exactly in time, by its relaxation modes",
-            (False, "modal"): "in implicit steps of second order that suit rtol",
-            (False, "implicit"): "by steps of implicit Euler",
-        }
-        how = ways.get((problem.full_contact, problem.march), f"by {problem.march} steps")
-        start = "the flat start" if problem.full_contact else "the unworn face"
+    # what lacks nothing marches from the start to the steady state; others tell their way
+    if scene.wear.times and not all(entry.lacks for entry in methods.values()):
+        start, way = "the flat start", "exactly in time, by its relaxation modes"
         if not problem.full_contact:
+            start, way = "the unworn face", "in implicit steps of second order that suit rtol"
             lines.append(
                 "inequality: pressure >= 0, gap >= 0, one of them zero; contact opens, closes and "
                 "spreads"
             )
-        lines.append(f"history: {len(scene.wear.times)} times from {start}, {how}")
+        if problem.march != "modal":
+            way = f"by steps of {problem.march} Euler"
+        lines.append(f"history: {len(scene.wear.times)} times from {start}, {way}")
     lacking = all("steady state" in entry.lacks for entry in methods.values())
     if problem.steady and problem.indentation is None and not lacking:
         flat = ", that of the flat punch: wear ends with all of the face in contact"
@@ -53,59 +46,42 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
 def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
     """Return what is not computed, with the reason."""
     problem = scene.problem
-    full, times, indentation = problem.full_contact, scene.wear.times, problem.indentation
-    stepless = full and problem.march == "modal" and _marches(methods)
-    merged = len(problem.wear_coefficients) - len(problem.merged.wear_coefficients)
-    rows = [
-        (
-            full,
-            "inequality p >= 0",
+    reasons = {
+        "friction and temperature": "not part of the model: the punch is rigid and frictionless"
+    }
+    if problem.full_contact:
+        reasons["inequality p >= 0"] = (
             "a punch that starts flat never loses contact: pressure can only rise where it is near "
-            "zero",
-        ),
-        (
-            True,
-            "friction and temperature",
-            "not part of the model: the punch is rigid and frictionless",
-        ),
-        (
-            not full,
-            "springs' rule of the MDR",
-            "q = d - g holds only while contact is one disc; the energy of the MDR needs no disc",
-        ),
-        (
-            not full,
-            "relaxation modes",
-            "they, and the running-in times, are those of a contact that does not change",
-        ),
-        (
-            not full,
-            "ring pressures at the start",
-            "they may be infinite at edges of the contact, or on its axis",
-        ),
-        (not full, "inside of the half-space", "stresses are computed for flat punches only"),
-        (not full, "methods as operators", "compared for flat punches only"),
-        (not times, "history", "the scene gives no times"),
-        (times and stepless, "time steps", "the modal march is exact in time"),
-        (not problem.steady, "steady state", "the scene says steady = false"),
-        (
-            problem.steady and indentation is not None,
-            "steady state",
-            "at a fixed indentation wear goes on until nothing presses any more",
-        ),
-    ]
-    reasons = {what: why for holds, what, why in rows if holds}
-    for name, of_method in methods.items():
-        for what, why in of_method.lacks.items():
-            if what not in reasons:
-                reasons[f"{what} by {name}"] = why
-    if "fem" not in methods:
-        reasons["mesh"] = "no method of the scene needs one: neither gmsh nor scikit-fem was loaded"
-    elif problem.fem.far_field == "fixed":
+            "zero"
+        )
+    else:
+        reasons |= {
+            "springs' rule of the MDR": "q = d - g holds only while contact is one disc; the "
+            "energy of the MDR needs no disc",
+            "relaxation modes": "they, and the running-in times, are those of a contact that does "
+            "not change",
+            "ring pressures at the start": "they may be infinite at edges of the contact, or on "
+            "its axis",
+            "stresses inside, and methods as operators": "computed for flat punches only",
+        }
+    if not scene.wear.times:
+        reasons["history"] = "the scene gives no times"
+    if not problem.steady:
+        reasons["steady state"] = "the scene says steady = false"
+    elif problem.indentation is not None:
+        reasons["steady state"] = (
+            "at a fixed indentation wear goes on until nothing presses any more"
+        )
+    for name, entry in methods.items():
+        lacks = {
+            f"{what} by {name}": why for what, why in entry.lacks.items() if what not in reasons
+        }
+        reasons |= lacks
+    if "fem" in methods and problem.fem.far_field == "fixed":
         reasons["far field"] = (
             "the scene clamps the outer boundary: expect the indentation to err by 1.1 a/R"
         )
-    if merged:
+    if merged := len(problem.wear_coefficients) - len(problem.merged.wear_coefficients):
         reasons["ring edges"] = (
             f"{merged} of them separate rings of equal wear, so nothing happens there"
         )

@@ -203,7 +203,7 @@ class Account:
         lines = [
             f"As operators, {' and '.join(both.methods)} differ by {both.rings:.1e} over all "
             f"steady states and {both.history:.1e} along this history; stability "
-            f"{both.stability:.2f}, residual {both.residual:.1e}."
+            f"{both.stability:.2f}."
             for both in result.operators
         ]
         lines += [

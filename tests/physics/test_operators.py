@@ -108,7 +108,6 @@ def test_three_operators_in_one_run() -> None:
     theory = pairs["mdr", "bem"]
     assert max(theory.rings, theory.history) <= 1e-9
     assert theory.space <= 1e-6
-    assert theory.residual <= 1e-6
     assert pairs["fem", "mdr"].rings == pytest.approx(pairs["fem", "bem"].rings, rel=1e-3)
     # long waves are resolved best
     by_wave = pairs["fem", "mdr"].differences

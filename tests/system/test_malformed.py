@@ -36,6 +36,7 @@ COMMANDS = [
     ("study refinement --mesh there/file --out new", "--mesh file"),
     ("study refinement --mesh there --out new", "--mesh directory"),
     ("study refinement --mesh '' --out new", "--mesh"),
+    ("run five_rings --memory 0.1", "--memory punch.rings"),
 ]
 
 

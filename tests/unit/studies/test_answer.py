@@ -17,7 +17,6 @@ from ringwear import Scene, run
 from ringwear.mdr import direct
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.radial import alternating_edges, ring_areas
-from ringwear.studies.crosscheck.anchors import energy_of_rings
 from ringwear.studies.crosscheck.dataset import Result
 from ringwear.studies.crosscheck.scope import time_scale
 from ringwear.studies.problem.unit_names import UnitNames
@@ -41,7 +40,8 @@ def test_running_in_against_an_independent_history(five: Result, reference: dict
     assert five.answers["mdr"]["running_in_time"] == pytest.approx(slowest, rel=1e-9)
     # in closed form: where the approach, less steady wear, ends for a force of 2 (d F = int u p dA)
     pressures = direct.steady_pressures(EDGES, K, force=2.0)
-    rate, end = K[0] * pressures[0], energy_of_rings(EDGES, pressures) / 2.0
+    rate, steps = K[0] * pressures[0], direct.pressure_steps(pressures)
+    end = steps @ direct.disc_energies(EDGES[1:]) @ steps / 2.0
     for state in reference["states"]:
         way = (state["indentation"] - rate * state["time"] - 1.0) / (end - 1.0)
         # ten times as fast as the unit of the scene, for the greatest coefficient is ten
