@@ -12,7 +12,7 @@ from ..problem.scene import Scene
 from ..tables import Table, keeping_rows, write_page
 from . import claims, figures
 from .gradients import compute_gradients
-from .running_in import compute_five_rings, compute_relaxation_times
+from .running_in import FiveRings, compute_relaxation_times
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
@@ -24,7 +24,7 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     # the matrices are small: threads would only wait on each other
     with threadpool_limits(1), keeping_rows(conclusions):
         if wanted & {4, 5}:
-            five = compute_five_rings(problem)
+            five = FiveRings(problem)
             conclusions.append(
                 f"Figs. 4, 5: {', '.join(five.evolutions)}; 70 % of the displacement difference "
                 f"after {float(five.states.time[4]):.1%} of t_stat"
@@ -49,7 +49,8 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
             slowest.to_dataframe("over_slower").to_csv(out / "relaxation.csv")
             many = (64, 128) if quick else (256, 512, 1024)
             quantities = claims.measure_running_in(five, slowest)
-            quantities |= claims.measure_gradients(curves[6], curves[7], many)
+            quantities |= claims.measure_wear_ratios(curves[6], many)
+            quantities |= claims.measure_width_ratios(curves[7], quantities["wear"])
             rows = claims.judge_claims(quantities)
             tables["The paper's claims"] = Table(out / "claims.csv", rows[0], rows)
             conclusions += claims.conclude(rows)
