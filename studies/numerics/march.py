@@ -1,9 +1,9 @@
 """Steps in time: orders of the explicit and the implicit march, and where the former blows up.
 
-Both march the compliance on which the modes are exact: their difference is the step's alone.
-The limit of stability is bisected on whether a march blows up, and stands beside theory: two over
-the greatest rate of relaxation, which on the uniform grid of the paper with n springs is about
-``4/(pi n k)``.
+Both march the compliance on which the modes are exact: their difference is the step's alone. There
+the explicit march is stable below two over the greatest rate of relaxation. On the uniform grid of
+the paper with n springs that is about ``4/(pi n k)``: the limit is bisected on whether a march
+blows up, and stands beside this theory.
 """
 
 import argparse
@@ -11,53 +11,44 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import bisect
 
 from ...mdr.energy import compliance
 from ...mdr.uniform_grid import UniformGrid
-from ...meshes.radial import Array
+from ..methods.spaces import radial_space
 from ..problem.problem import Problem
 from ..problem.scene import Scene
-from ..progress import LOG
-from ..registry import INTERRUPTED
-from ..tables import Row, Table, keeping_rows
+from ..tables import Row
 from ..wear.full_contact import RunningIn
-from .core import graded_space, run_in
-from .sequences import Family, Theory, draw_orders, levels, publish, study_orders
+from .sequences import Family, Theory, draw_orders, levels, study_orders
 
 TIME = 0.5
 """When errors are taken, non-dimensional."""
 ERRORS = ("indentation error", "profile error")
+LIMIT = "limit of the explicit march over 4/(pi n k), less 1"
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Vary the step; writes `march`, `orders` and `limits`."""
+    """Vary the step, and the springs of the paper's grid; writes `march` and `orders`."""
     problem, conclusions = replace(scene.problem, times=np.array([])), list[str]()
-    columns = ("march", "unknowns", "theory", "limit by theory", "by bisection", "ratio")
-    limits = Table(out / "limits.csv", columns)
     # so coarse that the explicit march is stable in a few thousand steps
-    sizes = {"degree": 2, "rim_size": 0.02, "ring_size": 0.02, "grading": 0.5}
-    wear = run_in(problem, compliance(graded_space(problem, **sizes)))
-    marches = (
-        refine_step(wear, march, 4 if options.quick else 7) for march in ("explicit", "implicit")
-    )
-    sequences, orders = study_orders(marches, out, "march", conclusions)
+    space = radial_space(problem, degree=2, rim_size=0.02, ring_size=0.02, grading=0.5)
+    wear = RunningIn(compliance(space), problem.merged.wear_coefficients)
+    halvings = 4 if options.quick else 7
     springs = (25, 50) if options.quick else (25, 50, 100, 200, 400)
-    with keeping_rows(conclusions):
-        if INTERRUPTED not in conclusions:
-            find_limits(wear, problem, springs, limits)
-    panels = {r"step $\Delta t$ over $a/(E^*k_{max}v_0)$": sequences}
+    families = [refine_step(wear, march, halvings) for march in ("explicit", "implicit")]
+    sequences = study_orders([*families, refine_grid(problem, springs)], out, "march", conclusions)
+    marches = [sequence for sequence in sequences if sequence.quantity in ERRORS]
+    panels = {r"step $\Delta t$ over $a/(E^*k_{max}v_0)$": marches}
     draw_orders(out / "march.png", panels, f"relative error at $t$ = {TIME:g}")
     conclusions[0] += " The modal march has no step."
-    for theory in dict.fromkeys(row["theory"] for row in limits.rows):
-        ratios = [row["ratio"] for row in limits.rows if row["theory"] == theory]
+    for limits in sequences[len(marches) :]:
+        beyond = 1 + limits.signed
         conclusions.append(
-            f"The explicit march blows up at {min(ratios):.3f} to {max(ratios):.3f} times its "
-            f"limit by theory, {theory}."
+            f"On the paper's grid the explicit march blows up at {beyond.min():.3f} to "
+            f"{beyond.max():.3f} times 4/(pi n k), the limit by theory for many springs."
         )
-    tables = {"Orders in the step": orders, "Limits of stability of the explicit march": limits}
-    return publish(out / "march.md", "Marching in time", conclusions, tables)
+    return conclusions
 
 
 def refine_step(wear: RunningIn, march: str, count: int) -> Family:
@@ -83,49 +74,27 @@ def refine_step(wear: RunningIn, march: str, count: int) -> Family:
     return Family(f"{march} march", levels(sizes, solve), dict.fromkeys(ERRORS, Theory(1.0)))
 
 
-def find_limits(wear: RunningIn, problem: Problem, springs: tuple[int, ...], limits: Table) -> None:
-    """Tabulate the limits of the explicit march on a compliance, then on the paper's grids."""
-    space, wear_coefficients = wear.compliance.space, wear.wear_coefficients
-    # wear rates x of which A x' = d' b - K x, b . x = F
-    pressures = space.joined(wear_coefficients)
-    energy = cho_factor(pressures.T @ wear.compliance.matrix @ pressures)
-    mass = pressures.T @ space.mass(wear_coefficients) @ pressures
-    weights = pressures.T @ space.weights
-    rate, start = -cho_solve(energy, mass.toarray()), cho_solve(energy, weights)
-    start /= weights @ start
-    rate -= np.outer(start, weights @ rate)
-    theories = {"2 tau_min": wear.stability_limit()}
-    tabulate_limits(limits, "on a compliance", rate, start, theories)
-    for count in springs:
-        grid = UniformGrid(*problem.merged, count)
-        rate = grid.rate_matrix()
-        start = grid.coefficients * grid.contact(np.zeros(count + 1))[0]
-        greatest_rate = float(np.abs(np.linalg.eigvals(rate)).max())
-        theories = {"4/(pi n k)": grid.stability_limit(), "2 / greatest rate": 2 / greatest_rate}
-        tabulate_limits(limits, "on the paper's grid", rate, start, theories)
-
-
-def tabulate_limits(
-    limits: Table, march: str, rate: Array, start: Array, theories: dict[str, float]
-) -> None:
-    """Bisect the greatest step, to 0.1 %, at which the explicit march ``x' = rate x`` is bounded.
-
-    Parameters
-    ----------
-    rate : (n, n) of wear rates, which begin at `start` (n,)
-    theories : the limit by each theory
+def refine_grid(problem: Problem, springs: tuple[int, ...]) -> Family:
+    """Return the paper's grids, with the greatest step at which the explicit march is bounded, to
+    0.1 %.
     """
-    LOG.info("   march  limit of the explicit one %s, %d unknowns ...", march, len(start) - 1)
     # steps enough for one 1 % above the limit to grow by 1e13
-    steps, bound, guess = 1500, 1e3 / np.pi, np.log(next(iter(theories.values())))
+    steps, bound = 1500, 1e3 / np.pi
 
-    def excess(log_step: float) -> float:
-        rates, step = start, np.exp(log_step)
-        with np.errstate(all="ignore"):
-            for _ in range(steps):
-                rates = rates + step * (rate @ rates)
-            return -1.0 if np.abs(rates).max() < bound else 1.0
+    def solve(count: int) -> Row:
+        grid = UniformGrid(*problem.merged, count)
+        rate, expected = grid.rate_matrix(), grid.stability_limit()
+        start = grid.coefficients * grid.contact(np.zeros(count + 1))[0]
 
-    limit = np.exp(bisect(excess, guess - np.log(4), guess + np.log(4), xtol=1e-3))
-    for theory, expected in theories.items():
-        limits.add(march, len(start) - 1, theory, expected, limit, limit / expected)
+        def excess(log_ratio: float) -> float:
+            rates, step = start, expected * np.exp(log_ratio)
+            with np.errstate(all="ignore"):
+                for _ in range(steps):
+                    rates = rates + step * (rate @ rates)
+                return -1.0 if np.abs(rates).max() < bound else 1.0
+
+        log_ratio = bisect(excess, -np.log(4), np.log(4), xtol=1e-3)
+        return {"unknowns": count, LIMIT: np.expm1(log_ratio)}
+
+    sizes = {count: 1 / count for count in springs}
+    return Family("springs of the paper's grid", levels(sizes, solve), {LIMIT: Theory()})

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
@@ -21,7 +22,7 @@ from ...meshes.errors import RingwearError
 from ...meshes.radial import Array
 from ..figures.style import curve, legend_below, new_figure
 from ..progress import LOG
-from ..tables import Row, Table, keeping_rows, write_page
+from ..tables import Row, Table, keeping_rows
 
 WITHIN = 0.15
 """How far an observed order may be from theory's, by least squares and between the last levels."""
@@ -34,13 +35,10 @@ class Theory(NamedTuple):
     ----------
     order : slope of log error over log size; NaN if there is no theory
     floor : relative errors below it are shown but not counted
-    coarsest : levels of a greater size are shown but not counted: what theory neglects is not small
-        there
     """
 
     order: float = np.nan
     floor: float = 0.0
-    coarsest: float = np.inf
 
 
 class Level(NamedTuple):
@@ -89,7 +87,7 @@ class Sequence:
     @property
     def counted(self) -> NDArray[np.bool_]:
         """(n,) whether a level counts for the order."""
-        return (self.errors > self.theory.floor) & (self.sizes <= self.theory.coarsest)
+        return self.errors > self.theory.floor
 
     @property
     def order(self) -> float:
@@ -113,19 +111,20 @@ class Sequence:
 
     @property
     def verdict(self) -> str:
-        """Whether observed orders are those of theory, and if not, what is seen of the reason."""
-        expected, between = self.theory.order, self.counted[1:] & self.counted[:-1]
-        if np.isnan(expected):
+        """Whether observed orders are those of theory."""
+        if np.isnan(self.theory.order):
             return ""
         if np.isnan(self.order):
             return "too few levels above the floor"
-        if max(abs(self.order - expected), abs(self.last_order - expected)) <= WITHIN:
-            return "yes"
-        if np.ptp(np.sign(self.signed[self.counted])):
-            return "no: the error changes sign"
-        distance = np.abs(self.orders - expected)[between]
-        approaching = len(distance) > 1 and (np.diff(distance) < 0).all()
-        return "no: still approaching" if approaching else "no"
+        off = np.array([self.order, self.last_order]) - self.theory.order
+        return "yes" if (np.abs(off) <= WITHIN).all() else "no"
+
+    @property
+    def label(self) -> str:
+        """The observed order, with that of theory and the verdict."""
+        if not self.verdict:
+            return f"{self.order:.2f}"
+        return f"{self.order:.2f} (theory {self.theory.order:.3g}: {self.verdict})"
 
     def summary(self) -> Row:
         """Return a row of the table of orders; in brackets where not both levels count."""
@@ -183,42 +182,26 @@ def fit(families: Iterable[Family], rows: Iterable[Row]) -> list[Sequence]:
 
 def study_orders(
     families: Iterable[Family], out: Path, name: str, conclusions: list[str]
-) -> tuple[list[Sequence], Table]:
+) -> list[Sequence]:
     """Solve families and fit their orders; writes `orders` and a table of the study's name.
 
-    Returns
-    -------
-    the sequences, and the table of their orders; how they agree with theory becomes the first of
-    the conclusions
+    The orders, and how they agree with theory, become the first of the conclusions.
     """
     families = list(families)
     quantities = dict.fromkeys(quantity for family in families for quantity in family.theory)
     fields = ("family", "setting", "size", "unknowns", *quantities, "remark")
     table = Table(out / f"{name}.csv", fields)
     sequences = fit(solve_all(families, table, conclusions), table.rows)
-    named = ("refined", "quantity", "levels", "expected order", "least squares", "last levels")
-    rows = (sequence.summary() for sequence in sequences)
-    orders = Table(
-        out / "orders.csv", (*named, f"within {WITHIN}", "between levels", "finest error"), rows
+    pd.DataFrame(sequence.summary() for sequence in sequences).to_csv(
+        out / "orders.csv", index=False
     )
-    judged = [sequence for sequence in sequences if sequence.verdict]
-    off = [
-        f"{sequence.name}, {sequence.quantity} ({sequence.verdict})"
-        for sequence in judged
-        if sequence.verdict != "yes"
+    verdicts = [sequence.verdict for sequence in sequences if sequence.verdict]
+    conclusions[:0] = [
+        f"{verdicts.count('yes')} of {len(verdicts)} orders are within {WITHIN} of theory, "
+        "fitted and between the last levels.",
+        *(f"{sequence.name}, {sequence.quantity}: {sequence.label}" for sequence in sequences),
     ]
-    line = f"{len(judged) - len(off)} of {len(judged)} orders are within {WITHIN} of theory"
-    line = f"{line}, fitted and between the last levels"
-    conclusions.insert(0, f"{line}; but {'; '.join(off)}." if off else f"{line}.")
-    return sequences, orders
-
-
-def publish(
-    path: Path, title: str, conclusions: list[str], tables: Mapping[str, Table]
-) -> list[str]:
-    """Write the page of a study, and return what is printed: its conclusions and its tables."""
-    write_page(path, title, conclusions, tables)
-    return [*conclusions, *(f"{table.markdown()}{name}\n" for name, table in tables.items())]
+    return sequences
 
 
 def draw_errors(axes: Any, curves: Mapping[str, Any], **labels: str) -> None:
@@ -242,9 +225,7 @@ def draw_orders(path: Path, panels: Mapping[str, list[Sequence]], ylabel: str) -
     for axes, (xlabel, sequences) in zip(row, panels.items(), strict=True):
         curves = {}
         for sequence in sequences:
-            label = f"{sequence.name}, {sequence.quantity}: {sequence.order:.2f}"
-            if np.isfinite(sequence.theory.order):
-                label += f" (theory {sequence.theory.order:g})"
+            label = f"{sequence.name}, {sequence.quantity}: {sequence.label}"
             curves[label] = sequence.sizes, sequence.errors
         draw_errors(axes, curves, xlabel=xlabel, ylabel=ylabel)
         axes.label_outer()
