@@ -38,7 +38,7 @@ from ..problem.problem import D0, Problem
 from ..problem.scene import Scene
 from ..tables import Row
 from .core import evaluate
-from .sequences import Family, Theory, draw_orders, levels, study_orders
+from .sequences import Family, Theory, levels, study_orders
 from .subdivision import FLAT, Discretised, condense, flat_d0, subdivided, triangulated
 
 PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
@@ -52,6 +52,12 @@ GRADINGS = {
     4: (0.4, 0.5, 0.6, 0.65),
 }
 """MDR: by degree, ratios of neighbouring sizes of the mesh graded to the rim."""
+XLABELS = {
+    "FEM P": "element size over the base mesh's, $1/n$",
+    "FEM quads": "$10^{-k}$, $k$ the degree on quadrilaterals",
+    "MDR": r"$(1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of sizes",
+}
+"""Sizes by the beginning of a family's name."""
 QUAD_DEGREES = range(4, 12)
 GAIN = ((1 + FACTOR**0.5) / (1 - FACTOR**0.5)) ** 2
 """Factor per degree on quadrilaterals, by theory."""
@@ -59,20 +65,8 @@ GAIN = ((1 + FACTOR**0.5) / (1 - FACTOR**0.5)) ** 2
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     """Refine everything; writes `convergence` and `orders`."""
-    conclusions: list[str] = []
     refined = families(scene.problem, options.quick)
-    sequences = study_orders(refined, out, "convergence", conclusions)
-    xlabels = {
-        "FEM P": "element size over the base mesh's, $1/n$",
-        "FEM quads": "$10^{-k}$, $k$ the degree on quadrilaterals",
-        "MDR": r"$(1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of sizes",
-    }
-    panels = {
-        xlabel: [sequence for sequence in sequences if sequence.name.startswith(kind)]
-        for kind, xlabel in xlabels.items()
-    }
-    draw_orders(out / "convergence.png", panels, "relative error")
-    return conclusions
+    return study_orders(refined, out, "convergence", "relative error")
 
 
 def families(problem: Problem, quick: bool) -> Iterator[Family]:
@@ -96,7 +90,8 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
             errors = {quantity: values[quantity] / exact[quantity] - 1 for quantity in exact}
             return {"unknowns": unknowns} | errors
 
-        return Family(name, levels(sizes, solve), theory)
+        (xlabel,) = (label for kind, label in XLABELS.items() if name.startswith(kind))
+        return Family(name, levels(sizes, solve), theory, xlabel)
 
     # errors below the floors are of roundoff, or of the innermost elements
     for degree in (1, 2) if quick else (1, 2, 3, 4):

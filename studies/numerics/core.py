@@ -1,4 +1,4 @@
-"""What the studies take from the methods and the march. Non-dimensional."""
+"""What studies measure on a compliance, and what is exact. Non-dimensional."""
 
 from dataclasses import replace
 
@@ -9,15 +9,8 @@ from ...mdr import energy
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..methods.evaluation import FullContact
-from ..methods.pipeline import compliance_method
 from ..methods.spaces import radial_space
 from ..problem.problem import D0, Problem
-from ..progress import Stages
-
-
-def prepare(name: str, problem: Problem) -> Compliance:
-    """Return the compliance that a method has for a problem, on its own pressure space."""
-    return compliance_method(name).discretise(problem, Stages(name)).compliance
 
 
 def exact_indentation(problem: Problem) -> Array:

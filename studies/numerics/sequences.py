@@ -50,11 +50,14 @@ class Level(NamedTuple):
 
 
 class Family(NamedTuple):
-    """Levels from coarse to fine, and the theory of the quantities whose orders are fitted."""
+    """Levels from coarse to fine, the theory of the quantities whose orders are fitted, and what
+    their size is called.
+    """
 
     name: str
     levels: Iterable[Level]
     theory: Mapping[str, Theory] = {}
+    xlabel: str = ""
 
 
 def levels(sizes: Mapping[Any, float], solve: Callable[[Any], Row]) -> list[Level]:
@@ -121,10 +124,11 @@ class Sequence:
 
     @property
     def label(self) -> str:
-        """The observed order, with that of theory and the verdict."""
+        """What was computed, with the observed order, that of theory and the verdict."""
+        label = f"{self.name}, {self.quantity}: {self.order:.2f}"
         if not self.verdict:
-            return f"{self.order:.2f}"
-        return f"{self.order:.2f} (theory {self.theory.order:.3g}: {self.verdict})"
+            return label
+        return f"{label} (theory {self.theory.order:.3g}: {self.verdict})"
 
     def summary(self) -> Row:
         """Return a row of the table of orders; in brackets where not both levels count."""
@@ -180,14 +184,15 @@ def fit(families: Iterable[Family], rows: Iterable[Row]) -> list[Sequence]:
     return sequences
 
 
-def study_orders(
-    families: Iterable[Family], out: Path, name: str, conclusions: list[str]
-) -> list[Sequence]:
-    """Solve families and fit their orders; writes `orders` and a table of the study's name.
+def study_orders(families: Iterable[Family], out: Path, name: str, ylabel: str) -> list[str]:
+    """Solve families, fit their orders and draw them; writes `orders`, and a table and a figure of
+    the study's name.
 
-    The orders, and how they agree with theory, become the first of the conclusions.
+    Returns
+    -------
+    conclusions: how the orders agree with theory
     """
-    families = list(families)
+    families, conclusions = list(families), list[str]()
     quantities = dict.fromkeys(quantity for family in families for quantity in family.theory)
     fields = ("family", "setting", "size", "unknowns", *quantities, "remark")
     table = Table(out / f"{name}.csv", fields)
@@ -199,9 +204,15 @@ def study_orders(
     conclusions[:0] = [
         f"{verdicts.count('yes')} of {len(verdicts)} orders are within {WITHIN} of theory, "
         "fitted and between the last levels.",
-        *(f"{sequence.name}, {sequence.quantity}: {sequence.label}" for sequence in sequences),
+        *(f"{sequence.label}, finest error {sequence.errors[-1]:.1e}" for sequence in sequences),
     ]
-    return sequences
+    panels: dict[str, list[Sequence]] = {}
+    names = {family.name: family.xlabel for family in families}
+    for sequence in sequences:
+        panels.setdefault(names[sequence.name], []).append(sequence)
+    if panels:
+        draw_orders(out / f"{name}.png", panels, ylabel)
+    return conclusions
 
 
 def draw_errors(axes: Any, curves: Mapping[str, Any], **labels: str) -> None:
@@ -223,10 +234,7 @@ def draw_orders(path: Path, panels: Mapping[str, list[Sequence]], ylabel: str) -
     figure = new_figure(4.4 * len(panels), 5 + 0.2 * max(map(len, panels.values())))
     row = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     for axes, (xlabel, sequences) in zip(row, panels.items(), strict=True):
-        curves = {}
-        for sequence in sequences:
-            label = f"{sequence.name}, {sequence.quantity}: {sequence.label}"
-            curves[label] = sequence.sizes, sequence.errors
+        curves = {sequence.label: (sequence.sizes, sequence.errors) for sequence in sequences}
         draw_errors(axes, curves, xlabel=xlabel, ylabel=ylabel)
         axes.label_outer()
         legend_below(axes, title="observed order")

@@ -19,7 +19,7 @@ from ...meshes.compliance import Compliance
 from ...meshes.sizes import SizeField
 from ..problem.scene import Scene
 from ..tables import Row
-from .sequences import Family, Theory, draw_orders, levels, study_orders
+from .sequences import Family, Theory, levels, study_orders
 from .subdivision import FLAT, condense, flat_d0, triangulated
 
 FAR_FIELDS = {"fixed": 1.0, "1 pole": 5.0, "2 poles": 9.0, "3 poles": 13.0}
@@ -33,14 +33,9 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     families = [
         move_outwards(radii, ratio) for ratio in sorted(ratios | {scene.problem.poisson_ratio})
     ]
-    conclusions: list[str] = []
-    sequences = study_orders(families, out, "truncation", conclusions)
-    panels = {
-        f"$a/R$, {family.name}": [fitted for fitted in sequences if fitted.name == family.name]
-        for family in families
-    }
-    draw_orders(out / "truncation.png", panels, "truncation part of the relative error of $d_0$")
-    return conclusions
+    return study_orders(
+        families, out, "truncation", "truncation part of the relative error of $d_0$"
+    )
 
 
 def move_outwards(radii: tuple[float, ...], poisson_ratio: float) -> Family:
@@ -54,7 +49,8 @@ def move_outwards(radii: tuple[float, ...], poisson_ratio: float) -> Family:
         return {"unknowns": unknowns} | far_field_errors(compliance, poles=6)
 
     theory = {far: Theory(order, roundoff) for far, order in FAR_FIELDS.items()}
-    return Family(f"nu = {poisson_ratio:g}", levels({r: 1 / r for r in radii}, solve), theory)
+    name, sizes = f"nu = {poisson_ratio:g}", {outer: 1 / outer for outer in radii}
+    return Family(name, levels(sizes, solve), theory, f"$a/R$, {name}")
 
 
 def far_field_errors(compliance: Compliance, poles: int) -> dict[str, float]:

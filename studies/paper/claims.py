@@ -37,10 +37,10 @@ class Writer(Formatter):
         return ", ".join(written)
 
 
-def judge_claims(quantities: Quantities) -> list[dict[str, str]]:
-    """Return the rows of all claims."""
+def judge_claims(quantities: Quantities) -> pd.DataFrame:
+    """Return the table of all claims."""
     text = (files("ringwear.studies") / "paper" / "claims.toml").read_text("utf-8")
-    return [judge(claim, quantities) for claim in tomllib.loads(text)["claim"]]
+    return pd.DataFrame(judge(claim, quantities) for claim in tomllib.loads(text)["claim"])
 
 
 def judge(claim: dict[str, Any], quantities: Quantities) -> dict[str, str]:
@@ -77,14 +77,13 @@ def is_so(condition: str, quantities: Quantities) -> bool:
     return bool(so.all())
 
 
-def conclude(rows: list[dict[str, str]]) -> list[str]:
+def conclude(claims: pd.DataFrame) -> list[str]:
     """Return how many claims have which verdict, and those that do not hold."""
-    verdicts = [row["verdict"] for row in rows]
-    counts = ", ".join(f"{verdicts.count(verdict)} {verdict}" for verdict in VERDICTS)
-    refuted = [row for row in rows if row["verdict"] == VERDICTS[2]]
+    counts = claims.verdict.value_counts().reindex(VERDICTS, fill_value=0)
+    refuted = claims[claims.verdict == VERDICTS[2]]
     return [
-        f"claims: {counts}",
-        *(f"{VERDICTS[2]}: {row['the paper says']}: {row['computed']}" for row in refuted),
+        "claims: " + ", ".join(f"{count} {verdict}" for verdict, count in counts.items()),
+        *(VERDICTS[2] + ": " + refuted["the paper says"] + ": " + refuted["computed"]),
     ]
 
 

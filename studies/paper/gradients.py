@@ -22,10 +22,10 @@ import xarray
 from ...mdr import direct
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array, alternating_edges, ring_areas
+from ..methods.pipeline import compliance_method
 from ..methods.sampler import AVERAGES, Sampler
-from ..numerics.core import prepare
 from ..problem.problem import Problem, Rings
-from ..progress import progress
+from ..progress import Stages, progress
 from ..wear.full_contact import RunningIn
 
 # k2/k1 of Fig. 7, whose width ratio varies
@@ -91,7 +91,8 @@ def condense(problem: Problem, count: int, width_ratio: float) -> Compliance:
     """
     # any two wear coefficients do: the compliance knows only where the edges are
     rings = Rings.alternating(count, width_ratio, WEAR_RATIO_OF_WIDTHS)
-    return prepare("fem", replace(problem, rings=rings, rtol=1e-6))
+    problem = replace(problem, rings=rings, rtol=1e-6)
+    return compliance_method("fem").discretise(problem, Stages("fem")).compliance
 
 
 def compliance_gradients(problem: Problem, compliance: Compliance, wear_ratios: Array) -> Array:

@@ -16,16 +16,21 @@ from ...mdr import direct
 from ...mdr.transforms import line_density
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array, ring_of
+from ..methods.pipeline import compliance_method
 from ..methods.sampler import AVERAGES, Sampler
-from ..numerics.core import prepare
 from ..problem.problem import D0, P0, Problem, Rings
-from ..progress import progress
+from ..progress import Stages, progress
 from ..wear.full_contact import RunningIn
 
 # of the way of the greatest displacement, by which Fig. 4 tells its states
 PERCENTS = (0, 10, 30, 50, 70, 90, 100)
 # part of the way at which the paper's run ends, t_stat: by its printed 27 % of the time for 70 %
 STATIONARY = 0.984
+
+
+def discretise(name: str, problem: Problem) -> Compliance:
+    """Return the compliance by a method that suits a problem."""
+    return compliance_method(name).discretise(problem, Stages(name)).compliance
 
 
 class Evolution:
@@ -99,7 +104,7 @@ class FiveRings:
             rtol=min(3e-6, problem.rtol),  # slopes are less accurate than the indentation
         )
         self.evolutions = {
-            name: Evolution(problem, prepare(name, problem)) for name in ("mdr", "fem", "bem")
+            name: Evolution(problem, discretise(name, problem)) for name in ("mdr", "fem", "bem")
         }
         reference = self.evolutions["mdr"]
         self.stationary = reference.time_of(STATIONARY)
@@ -130,7 +135,7 @@ def compute_relaxation_times(problem: Problem, counts: tuple[int, ...]) -> xarra
     for count in progress(counts, "rings"):
         rings = Rings.alternating(count, 1.0, 10.0)
         # measured: the slowest time to 1e-7
-        compliance = prepare("mdr", replace(problem, rings=rings, times=np.empty(0), rtol=1e-3))
+        compliance = discretise("mdr", replace(problem, rings=rings, times=np.empty(0), rtol=1e-3))
         for ratio in ratios:
             coefficients = Rings.alternating(count, 1.0, ratio).wear_coefficients
             wear = RunningIn(compliance, coefficients / coefficients.min())
