@@ -20,7 +20,7 @@ from ...mdr.direct import greatest_displacement, steady_pressures
 from ...meshes import files
 from ...meshes.errors import MeshError, SceneError
 from ..figures.mesh import draw_mesh
-from ..figures.style import FAINT, new_figure, save
+from ..figures.style import save
 from ..methods.fem import half_space_mesh
 from ..problem.defaults import triangle_degree
 from ..problem.problem import D0, Problem, Rings
@@ -30,14 +30,14 @@ from ..tables import Row, Table
 from ..wear.flat_contact import press_flat
 from .adaptive import DEGREE, SolvedMesh, refine_adaptively, solve_on, uniform_mesh
 from .core import evaluate, exact_indentation
-from .sequences import Family, Level, draw_errors, solve_all
+from .sequences import Curves, Family, Level, draw_errors, solve_all
 
 GOAL = 1e-5
 """Error in every quantity for which the unknowns of each way are told."""
 ADAPTIVE, OWN = "adaptive triangles", "file"
 """Ways whose finest meshes are drawn: by the indicator, and a file of the user's."""
-ERRORS = {"d0": "of $d_0$", "history": "of $d(t)$, greatest", "steady": "of steady $u_{z,max}$"}
-"""Errors of each mesh, and how figures call them."""
+ERRORS = ("d0", "history", "steady")
+"""Errors of each mesh: of d0, the greatest of d(t), and of the greatest steady displacement."""
 
 
 class Case:
@@ -96,13 +96,14 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
         for case, of_case in rows.groupby("case", sort=False)
         for line in conclude(case, of_case)
     ]
-    draw(rows, out / "error_against_unknowns.png")
-    for case in cases:
-        for way in (ADAPTIVE, OWN):
-            meshes = rows.mesh[(rows.case == case.name) & (rows.family == way)]
-            path = out / f"{way} of {case.name}.png".replace(" ", "_")
-            for finest in meshes[-1:]:
-                save(path, draw_mesh, finest, way, case.problem.merged.ring_edges)
+    panels: dict[str, Curves] = {}
+    for (case, way), of_way in rows.groupby(["case", "family"], sort=False):
+        panels.setdefault(f"unknowns, {case}", {})[way] = of_way.unknowns, of_way.greatest
+        if way in (ADAPTIVE, OWN):
+            path = out / f"{way} of {case}.png".replace(" ", "_")
+            edges = next(each for each in cases if each.name == case).problem.merged.ring_edges
+            save(path, draw_mesh, of_way.mesh.iloc[-1], way, edges)
+    draw_errors(out / "error_against_unknowns.png", panels, "greatest relative error")
     return conclusions
 
 
@@ -181,22 +182,3 @@ def conclude(case: str, rows: pd.DataFrame) -> Iterator[str]:
         for way in rows.family.unique()
     ]
     yield f"{case}: unknowns to {GOAL:g} in every quantity: {'; '.join(unknowns)}"
-
-
-def draw(rows: pd.DataFrame, path: Path) -> None:
-    """Draw errors against unknowns: a column for each case, a row for each quantity."""
-    cases = rows.case.unique()
-    figure = new_figure(0.6 + 3.2 * len(cases), 8.2)
-    panels = figure.subplots(len(ERRORS), len(cases), sharex="col", sharey=True, squeeze=False)
-    for line, (quantity, label) in zip(panels, ERRORS.items(), strict=True):
-        for axes, case in zip(line, cases, strict=True):
-            ways = rows[rows.case == case].groupby("family", sort=False)
-            curves = {str(way): (of.unknowns, of[quantity]) for way, of in ways}
-            ylabel = f"relative error\n{label}"
-            draw_errors(axes, curves, title=case, xlabel="unknowns", ylabel=ylabel)
-            axes.axhline(GOAL, **FAINT)
-            axes.label_outer()
-    place = {"loc": "outside lower center", "ncols": 1 + len(cases), "frameon": False}
-    figure.legend(*panels[0, 0].get_legend_handles_labels(), **place)
-    figure.suptitle(f"uniform, graded and adaptive meshes\n(goal {GOAL:g}: dotted)", fontsize=10)
-    figure.savefig(path)

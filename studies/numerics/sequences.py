@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
@@ -26,6 +25,10 @@ from ..tables import Row, Table, keeping_rows
 
 WITHIN = 0.15
 """How far an observed order may be from theory's, by least squares and between the last levels."""
+
+
+Curves = dict[str, tuple[Any, Any]]
+"""Sizes (n,) and errors (n,) of each curve, by its label."""
 
 
 class Theory(NamedTuple):
@@ -206,36 +209,25 @@ def study_orders(families: Iterable[Family], out: Path, name: str, ylabel: str) 
         "fitted and between the last levels.",
         *(f"{sequence.label}, finest error {sequence.errors[-1]:.1e}" for sequence in sequences),
     ]
-    panels: dict[str, list[Sequence]] = {}
-    names = {family.name: family.xlabel for family in families}
+    panels: dict[str, Curves] = {}
+    xlabels = {family.name: family.xlabel for family in families}
     for sequence in sequences:
-        panels.setdefault(names[sequence.name], []).append(sequence)
-    if panels:
-        draw_orders(out / f"{name}.png", panels, ylabel)
+        curves = panels.setdefault(xlabels[sequence.name], {})
+        curves[sequence.label] = sequence.sizes, sequence.errors
+    draw_errors(out / f"{name}.png", panels, ylabel)
     return conclusions
 
 
-def draw_errors(axes: Any, curves: Mapping[str, Any], **labels: str) -> None:
-    """Draw errors over sizes, unknowns or seconds, logarithmic: a curve (2, n) for each label."""
-    for number, (label, (places, errors)) in enumerate(curves.items()):
-        shown = np.where(errors > 0, errors, np.nan)
-        axes.loglog(places, shown, label=label, **curve(number))
-    axes.set(**labels)
-    if curves:  # there are none after an early interruption
-        low, high = axes.get_xlim()
-        ticks = LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,))
-        axes.xaxis.set(major_locator=ticks, minor_formatter=NullFormatter())
-    axes.title.set_fontsize(9)
-    axes.grid(True, which="major", color="0.88", linewidth=0.6)
-
-
-def draw_orders(path: Path, panels: Mapping[str, list[Sequence]], ylabel: str) -> None:
-    """Draw errors over sizes, a panel for each label of these, with orders in the legend."""
-    figure = new_figure(4.4 * len(panels), 5 + 0.2 * max(map(len, panels.values())))
-    row = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
-    for axes, (xlabel, sequences) in zip(row, panels.items(), strict=True):
-        curves = {sequence.label: (sequence.sizes, sequence.errors) for sequence in sequences}
-        draw_errors(axes, curves, xlabel=xlabel, ylabel=ylabel)
+def draw_errors(path: Path, panels: Mapping[str, Curves], ylabel: str) -> None:
+    """Draw errors over sizes, unknowns or seconds, logarithmic: a panel for each label of these."""
+    longest = max(map(len, panels.values()), default=0)
+    figure = new_figure(4.4 * max(len(panels), 1), 5 + 0.2 * longest)
+    row = figure.subplots(1, max(len(panels), 1), sharey=True, squeeze=False)[0]
+    for axes, (xlabel, curves) in zip(row, panels.items(), strict=False):
+        for number, (label, (places, errors)) in enumerate(curves.items()):
+            axes.loglog(places, np.where(errors > 0, errors, np.nan), label=label, **curve(number))
+        axes.set(xlabel=xlabel, ylabel=ylabel)
+        axes.grid(True, which="major", color="0.88", linewidth=0.6)
         axes.label_outer()
-        legend_below(axes, title="observed order")
+        legend_below(axes)
     figure.savefig(path)

@@ -20,7 +20,6 @@ import numpy as np
 import pandas as pd
 
 from ...meshes.radial import Array
-from ..figures.style import legend_below, new_figure
 from ..methods.base import method
 from ..problem.problem import Problem
 from ..problem.scene import Scene
@@ -42,7 +41,14 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     rows = pd.DataFrame(table.rows, columns=fields).dropna(subset="error")
     front = find_front(rows)
     front.to_csv(out / "front.csv", index=False)
-    draw(rows, front, f"{scene.title}: what accuracy costs", out / "tradeoff.png")
+    by_family = dict(iter(rows.groupby("family", sort=False)))
+    curves = {
+        name: (of_name.seconds, of_name.error)
+        for name, of_name in (by_family | {"Pareto front": front}).items()
+    }
+    panels = {"seconds for the whole history, one thread": curves}
+    ylabel = "relative error of the indentation over all times"
+    draw_errors(out / "tradeoff.png", panels, ylabel)
     conclusions.append(f"Measured on {platform.platform()}, one thread of {os.cpu_count()}.")
     return conclusions
 
@@ -99,20 +105,3 @@ def find_front(rows: pd.DataFrame) -> pd.DataFrame:
     """Return rows than which none is faster and as accurate, the fastest first."""
     rows = rows.sort_values("seconds")
     return rows[rows.error < rows.error.cummin().shift(fill_value=np.inf)]
-
-
-def draw(rows: pd.DataFrame, front: pd.DataFrame, title: str, path: Path) -> None:
-    """Draw precision against work, a line for each family, and the Pareto front behind."""
-    figure = new_figure(7.5, 5.6)
-    axes = figure.subplots()
-    families = rows.groupby("family", sort=False)
-    labels = {
-        "xlabel": "seconds for the whole history, one thread",
-        "ylabel": "relative error of the indentation over all times",
-    }
-    draw_errors(axes, {str(name): (of.seconds, of.error) for name, of in families}, **labels)
-    behind = {"color": "0.85", "linewidth": 5, "zorder": 0, "label": "Pareto front"}
-    axes.plot(front.seconds, front.error, **behind)
-    legend_below(axes, ncols=4)
-    figure.suptitle(title, fontsize=10)
-    figure.savefig(path)
