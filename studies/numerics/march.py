@@ -23,7 +23,7 @@ from .sequences import Family, Theory, levels, study_orders
 TIME = 0.5
 """When errors are taken, non-dimensional."""
 ERROR = "indentation error"
-LIMIT = "limit of the explicit march over 4/(pi n k), less 1"
+LIMIT = "limit over 4/(pi n k), less 1"
 XLABEL = r"step $\Delta t$ over $a/(E^*k_{max}v_0)$"
 
 
@@ -64,5 +64,5 @@ def refine_grid(problem: Problem, springs: tuple[int, ...]) -> Family:
         return {"unknowns": count, LIMIT: float(2 / greatest_rate / grid.stability_limit() - 1)}
 
     sizes = {count: 1 / count for count in springs}
-    name = "springs of the paper's grid"
+    name = "explicit march on the paper's grid"
     return Family(name, levels(sizes, solve), {LIMIT: Theory()}, "1 / number of springs")

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
@@ -227,6 +228,9 @@ def draw_errors(path: Path, panels: Mapping[str, Curves], ylabel: str) -> None:
         for number, (label, (places, errors)) in enumerate(curves.items()):
             axes.loglog(places, np.where(errors > 0, errors, np.nan), label=label, **curve(number))
         axes.set(xlabel=xlabel, ylabel=ylabel)
+        low, high = axes.get_xlim()
+        ticks = LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,))
+        axes.xaxis.set(major_locator=ticks, minor_formatter=NullFormatter())
         axes.grid(True, which="major", color="0.88", linewidth=0.6)
         axes.label_outer()
         legend_below(axes)

@@ -47,7 +47,7 @@ def judge(claim: dict[str, Any], quantities: Quantities) -> dict[str, str]:
     """Return the row of a claim: what is computed for it, and the verdict."""
     write, remark = Writer().vformat, claim.get("remark", "")
     holds = all(is_so(condition, quantities) for condition in claim["holds_if"])
-    methods = quantities.get(claim.get("uncertainty"))
+    methods = quantities.get(claim.get("uncertainty", ""))
     return {
         "where": claim["where"],
         "the paper says": claim["says"],
