@@ -320,12 +320,10 @@ class _Anchors:
         pressure = self._checked("pressure")[some]
         self._hold_power("power, F d'(2t) = int k p^2 dA", times[some], pressure, tolerated[some])
         # what is left of the running-in is then most of it the slowest mode, and is looked at alone
-        # much later nothing is left of it either
-        if problem.earliest > 5 * slowest:
-            return
         half = np.array([max(slowest / 2, problem.earliest)])
-        at_radii = wear.compliance.space.matrix(self.face.radii)
-        pressure = (at_radii @ wear.modal(half).pressure.T).T
+        if half[0] > 5 * slowest:  # nothing is left of it
+            return
+        pressure = (wear.compliance.space.matrix(self.face.radii) @ wear.modal(half).pressure.T).T
         name = "power of the slowest mode"
         self._hold_power(name, half, pressure, tolerated[some[-1:]], alone=True)
 
@@ -369,11 +367,8 @@ class _Anchors:
     def hold_compliance(self) -> None:
         wear, edges = self.solution.wear, self.problem.merged.ring_edges
         assert wear is not None
-        beyond = self.solution.beyond(self.rtol).keys()
-        if self.solution.error_estimate > self.rtol or beyond & {
-            "steady_displacement_max",
-            "steady_rms_slope",
-        }:
+        beyond = self.solution.beyond(self.rtol)
+        if self.solution.error_estimate > self.rtol or "steady_rms_slope" in beyond:
             return
         steady = direct.steady_pressures(*self.problem.merged)
         uniform = np.where(wear.compliance.space.order == 1, 1.0, 0.0)
@@ -402,5 +397,4 @@ def _greatest(values: Array) -> tuple[Array, Array]:
     """Return the greatest of each row, and by how much the neighbours of it are less."""
     rows, at = np.arange(len(values)), values.argmax(axis=1)
     beside = [values[rows, np.clip(at + way, 0, values.shape[1] - 1)] for way in (-1, 1)]
-    greatest = values[rows, at]
-    return greatest, greatest - np.minimum(*beside)
+    return values[rows, at], values[rows, at] - np.minimum(*beside)
