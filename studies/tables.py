@@ -1,12 +1,10 @@
-"""Tables of studies: on disk row by row as CSV, and at the end as a page in Markdown."""
+"""Tables of studies: on disk row by row, as CSV."""
 
 import csv
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from .registry import INTERRUPTED
 
@@ -35,27 +33,6 @@ class Table:
     def _append(self, mode: str, values: Iterable[Any]) -> None:
         with self.path.open(mode, newline="", encoding="utf-8") as file:
             csv.writer(file, lineterminator="\n").writerow(list(values))
-
-    def markdown(self) -> str:
-        """The rows as a Markdown table; numbers to four digits."""
-        lines = [self.fields, ["---"] * len(self.fields)]
-        lines += [[_cell(row.get(name, "")) for name in self.fields] for row in self.rows]
-        return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
-
-
-def _cell(value: object) -> str:
-    if isinstance(value, float):
-        return f"{value:.4g}" if np.isfinite(value) else ""
-    return str(value).replace("|", "\\|")
-
-
-def write_page(
-    path: Path, title: str, conclusions: Iterable[str], tables: Mapping[str, Table]
-) -> None:
-    """A page in Markdown: the conclusions first, then each table under its heading."""
-    text = [f"# {title}\n", *(f"{line}\n" for line in conclusions)]
-    text += [f"## {heading}\n\n{table.markdown()}" for heading, table in tables.items()]
-    path.write_text("\n".join(text), "utf-8")
 
 
 @contextmanager

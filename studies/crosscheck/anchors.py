@@ -2,9 +2,9 @@
 
 Closed forms and balances that its *reported* results are held to, each method by itself.
 
-They take the dataset that is written, so that what is sampled or derived on the way shows, too, and
-what all methods share. Fields over the whole face stand beside it, of which the dataset has some
-radii.
+They take the dataset that is written, made non-dimensional by the numbers of the scene itself, so
+that what is scaled, sampled or derived on the way shows, too, and what all methods share. Fields
+over the whole face stand beside it, of which the dataset has some radii.
 
 A flat start is closed form (Eqs. 10, 11), and so is the steady state (Eqs. 21 to 27). In between
 hold, with ``F = 1``,
@@ -27,7 +27,7 @@ from ...mdr import direct
 from ...meshes.radial import Array, ring_of
 from ..methods.base import Solution
 from ..methods.quantities import ANSWER, FIELDS, QUANTITIES, array, radial_weight
-from ..problem.problem import D0, P0
+from ..problem.problem import D0, P0, Units
 from ..problem.scene import Scene
 from ..wear.time_scale import COARSE, FINE, slowest_relaxation_time
 
@@ -125,6 +125,19 @@ def judge(
         yield Anchor(name, method, float(differences[worst]), float(tolerances[worst]))
 
 
+def natural_units(scene: Scene) -> Units:
+    """Return the natural units by the scene itself, so that what is scaled wrongly shows."""
+    load, solid, punch = scene.load_, scene.half_space, scene.punch
+    if load.indentation is not None:
+        return scene.problem.units
+    force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * punch.radius**2
+    modulus = solid.plane_strain_modulus
+    modulus = modulus or (solid.youngs_modulus or 0.0) / (1 - solid.poisson_ratio**2)
+    greatest = max(punch.coefficients[: punch.rings or len(punch.ring_edges or [])])
+    time = punch.radius / (modulus * greatest * load.sliding_speed)
+    return Units(punch.radius, modulus, force, time, greatest)
+
+
 class _Reported:
     """What a method reports, non-dimensional, and the anchors that it is held to.
 
@@ -134,7 +147,7 @@ class _Reported:
 
     def __init__(self, scene: Scene, dataset: xarray.Dataset, solution: Solution) -> None:
         self.solution, self.dataset = solution, dataset
-        self.problem, self.units = scene.problem, scene.problem.units
+        self.problem, self.units = scene.problem, natural_units(scene)
         self.face, self.rtol = self.problem.face, self.problem.rtol
         self.radii = dataset["radius"].values / self.units.length
         self.times = dataset["time"].values[self.problem.checked] / self.units.time

@@ -38,7 +38,7 @@ from ..problem.problem import D0, Problem
 from ..problem.scene import Scene
 from ..tables import Row
 from .core import evaluate
-from .sequences import Family, Sequence, Theory, draw_orders, levels, publish, study_orders
+from .sequences import Family, Theory, levels, study_orders
 from .subdivision import FLAT, Discretised, condense, flat_d0, subdivided, triangulated
 
 PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
@@ -52,6 +52,12 @@ GRADINGS = {
     4: (0.4, 0.5, 0.6, 0.65),
 }
 """MDR: by degree, ratios of neighbouring sizes of the mesh graded to the rim."""
+XLABELS = {
+    "FEM P": "element size over the base mesh's, $1/n$",
+    "FEM quads": "$10^{-k}$, $k$ the degree on quadrilaterals",
+    "MDR": r"$(1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of sizes",
+}
+"""Sizes by the beginning of a family's name."""
 QUAD_DEGREES = range(4, 12)
 GAIN = ((1 + FACTOR**0.5) / (1 - FACTOR**0.5)) ** 2
 """Factor per degree on quadrilaterals, by theory."""
@@ -59,18 +65,8 @@ GAIN = ((1 + FACTOR**0.5) / (1 - FACTOR**0.5)) ** 2
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     """Refine everything; writes `convergence` and `orders`."""
-    conclusions: list[str] = []
     refined = families(scene.problem, options.quick)
-    sequences, orders = study_orders(refined, out, "convergence", conclusions)
-    panels = {
-        "element size over the base mesh's, $1/n$": select(sequences, "FEM P"),
-        "$10^{-k}$, $k$ the degree on quadrilaterals": select(sequences, "FEM quads"),
-        r"$(1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of sizes": select(sequences, "MDR"),
-    }
-    draw_orders(out / "convergence.png", panels, "relative error")
-    conclusions[:0] = conclude(sequences)
-    page = out / "convergence.md"
-    return publish(page, "Orders of convergence", conclusions, {"Orders": orders})
+    return study_orders(refined, out, "convergence", "relative error")
 
 
 def families(problem: Problem, quick: bool) -> Iterator[Family]:
@@ -80,17 +76,13 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
     # exact values: of rings by a fine MDR, and their gradient in closed form
     flat, worn = {"d0": D0}, rings(by_mdr(edges, RING_EDGE, 10, 0.15)[0])
     worn["RMS gradient"] = direct.rms_slope(edges, direct.steady_pressures(*problem.merged))
-    # relative errors below which roundoff or the innermost elements count: their part of d0 is 0.06
-    # of their size
-    roundoff, rim_floor, ring_floor = 1e-13, 0.06 * PUNCH_MESH.rim_size, 2e-10
 
     def refine(
         name: str,
         discretise: Callable[[Any], Discretised],
         sizes: Mapping[Any, float],
         exact: Mapping[str, float],
-        order: float = np.nan,
-        floor: float = 0.0,
+        theory: Mapping[str, Theory],
     ) -> Family:
         def solve(setting: Any) -> Row:
             compliance, unknowns = discretise(setting)
@@ -98,40 +90,37 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
             errors = {quantity: values[quantity] / exact[quantity] - 1 for quantity in exact}
             return {"unknowns": unknowns} | errors
 
-        theory = dict.fromkeys(exact, Theory(order, floor))
-        if "RMS gradient" in exact:  # of two orders less, and it feels the smallest elements more
-            theory["RMS gradient"] = Theory(order - 2, RING_EDGE)
-        return Family(name, levels(sizes, solve), theory)
+        (xlabel,) = (label for kind, label in XLABELS.items() if name.startswith(kind))
+        return Family(name, levels(sizes, solve), theory, xlabel)
 
+    # errors below the floors are of roundoff, or of the innermost elements
     for degree in (1, 2) if quick else (1, 2, 3, 4):
         by_grading, sizes = partial(by_mdr, FLAT, PUNCH_RIM, degree), ellipses(GRADINGS[degree])
-        order = 2 * degree + 3
-        yield refine(f"MDR degree {degree}, graded", by_grading, sizes, flat, order, roundoff)
+        theory = {"d0": Theory(2 * degree + 3, floor=1e-13)}
+        yield refine(f"MDR degree {degree}, graded", by_grading, sizes, flat, theory)
     # degrees above 1 meet zeros or roundoff too early
-    sizes = ellipses((0.6, 0.7, 0.78, 0.84))
-    by_grading = partial(by_mdr, edges, RING_EDGE, 1)
-    yield refine("MDR degree 1, rings", by_grading, sizes, worn, 4, ring_floor)
+    by_grading, sizes = partial(by_mdr, edges, RING_EDGE, 1), ellipses((0.6, 0.7, 0.78, 0.84))
+    # the gradient is of two orders less, and feels the smallest elements more
+    theory = dict.fromkeys(worn, Theory(4, floor=2e-10)) | {"RMS gradient": Theory(2, RING_EDGE)}
+    yield refine("MDR degree 1, rings", by_grading, sizes, worn, theory)
 
-    ring_mesh = replace(
-        PUNCH_MESH, ring_edges=tuple(edges.tolist()), rim_size=RING_EDGE, ring_size=RING_EDGE
-    )
-    for name, field, exact, floor in (
-        ("graded", PUNCH_MESH, flat, rim_floor),
-        ("uniform", UNIFORM_MESH, flat, rim_floor),
-        ("rings, graded", ring_mesh, worn, ring_floor),
-    )[: 2 if quick else 3]:
+    for field in (PUNCH_MESH, UNIFORM_MESH):
         for degree, counts in {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}.items():
             by_count = partial(by_triangles, field, degree, ratio)
-            order = 2 * degree if field.growth else 1
+            name, order = ("graded", 2 * degree) if field.growth else ("uniform", 1)
             sizes = {count: 1 / count for count in counts}
-            yield refine(f"FEM P{degree}, {name}", by_count, sizes, exact, order, floor)
+            # the innermost elements cost d0 0.06 of their size
+            theory = {"d0": Theory(order, floor=0.06 * PUNCH_MESH.rim_size)}
+            yield refine(f"FEM P{degree}, {name}", by_count, sizes, flat, theory)
 
     raised = {degree: 0.1**degree for degree in QUAD_DEGREES}
     by_degree = partial(by_quads, FLAT, 0.0, ratio)
-    yield refine("FEM quads, digits per degree", by_degree, raised, flat, floor=roundoff)
+    theory = {"d0": Theory(np.log10(GAIN), floor=1e-13)}
+    yield refine("FEM quads, digits per degree", by_degree, raised, flat, theory)
     if not quick:
         by_degree = partial(by_quads, edges, RING_EDGE, ratio)
-        yield refine("FEM quads, rings, digits per degree", by_degree, raised, worn, floor=roundoff)
+        theory = dict.fromkeys(worn, Theory(floor=1e-13))
+        yield refine("FEM quads, rings, digits per degree", by_degree, raised, worn, theory)
 
 
 def ellipses(gradings: Iterable[float]) -> dict[Any, float]:
@@ -177,31 +166,3 @@ def ring_quantities(problem: Problem, compliance: Compliance) -> dict[str, float
         "slowest relaxation time": float(results["relaxation_time"][0]),
         "RMS gradient": float(results["steady_rms_slope"]),
     }
-
-
-def select(sequences: Iterable[Sequence], begin: str, end: str = "") -> list[Sequence]:
-    """Return the sequences of families whose names begin and end so."""
-    return [
-        sequence
-        for sequence in sequences
-        if sequence.name.startswith(begin) and sequence.name.endswith(end)
-    ]
-
-
-def conclude(sequences: list[Sequence]) -> list[str]:
-    """Say the orders of d0, and what a degree gains on quadrilaterals."""
-    punch = [sequence for sequence in sequences if sequence.quantity == "d0"]
-    on_graded, on_uniform = (
-        ", ".join(f"{fem.name[4:6]} {fem.order:.2f}" for fem in select(punch, "FEM P", mesh))
-        for mesh in ("graded", "uniform")
-    )
-    return [
-        f"d0 converges with order {on_graded} on graded meshes (theory 4, 6, 8), but {on_uniform} "
-        "on uniform ones (1).",
-        *(
-            f"On quadrilaterals each degree takes the error of d0 down by {10**raised.order:.1f} "
-            f"(theory: in the end {GAIN:.0f}), to {raised.errors[-1]:.0e} at degree "
-            f"{-np.log10(raised.sizes[-1]):.0f}."
-            for raised in select(punch, "FEM quads")
-        ),
-    ]

@@ -8,69 +8,60 @@ beside theory.
 
 import argparse
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+import pandas as pd
 from skfem import Mesh, MeshQuad
 
 from ...mdr.direct import greatest_displacement, steady_pressures
 from ...meshes import files
 from ...meshes.errors import MeshError, SceneError
-from ...meshes.radial import Array
 from ..figures.mesh import draw_mesh
-from ..figures.style import FAINT, new_figure, save
+from ..figures.style import save
 from ..methods.fem import half_space_mesh
-from ..problem.defaults import WIDER_TRUNCATION, triangle_degree
+from ..problem.defaults import triangle_degree
 from ..problem.problem import D0, Problem, Rings
 from ..problem.scene import Scene
 from ..problem.sections import FemAccuracy
-from ..tables import Row, Table, write_page
+from ..tables import Row, Table
 from ..wear.flat_contact import press_flat
 from .adaptive import DEGREE, SolvedMesh, refine_adaptively, solve_on, uniform_mesh
 from .core import evaluate, exact_indentation
-from .sequences import Family, Level, draw_errors, solve_all
+from .sequences import Curves, Family, Level, draw_errors, solve_all
 
 GOAL = 1e-5
 """Error in every quantity for which the unknowns of each way are told."""
-"""When the history is looked at."""
 ADAPTIVE, OWN = "adaptive triangles", "file"
 """Ways whose finest meshes are drawn: by the indicator, and a file of the user's."""
-ERRORS = {"d0": "of $d_0$", "history": "of $d(t)$, greatest", "steady": "of steady $u_{z,max}$"}
-"""Errors of each mesh, and how figures call them."""
+ERRORS = ("d0", "history", "steady")
+"""Errors of each mesh: of d0, the greatest of d(t), and of the greatest steady displacement."""
 
 
-@dataclass(frozen=True, eq=False)
 class Case:
-    """A problem, with its exact indentation at `TIMES`."""
+    """A problem, with what is exact of it: its indentation at twelve times, and its greatest steady
+    displacement.
+    """
 
-    name: str
-    problem: Problem
-
-    @cached_property
-    def watched(self) -> Problem:
-        """The problem at twelve times; meshes suit those of the scene."""
-        times = np.geomspace(1e-3, 20, 12)
-        return replace(self.problem, times=times)
-
-    @cached_property
-    def exact(self) -> Array:
-        return exact_indentation(self.watched)
+    def __init__(self, name: str, problem: Problem) -> None:
+        self.name, self.problem, rings = name, problem, problem.merged
+        # meshes suit the times of the scene
+        self._watched = replace(problem, times=np.geomspace(1e-3, 20, 12))
+        self._exact = exact_indentation(self._watched)
+        self._greatest = greatest_displacement(rings.ring_edges, steady_pressures(*rings))
 
     def row(self, solved: SolvedMesh) -> Row:
         """Return what a mesh costs, relative errors by the name of the quantity, their estimate,
         and the mesh itself.
         """
-        rings, solid = self.problem.merged, solved.half_space.solid
-        compliance = solved.wear.compliance
-        results = evaluate(self.watched, compliance)
-        greatest = greatest_displacement(rings.ring_edges, steady_pressures(*rings))
+        solid, compliance = solved.half_space.solid, solved.wear.compliance
+        results = evaluate(self._watched, compliance)
         errors = {
             "d0": abs(press_flat(compliance).indentation / D0 - 1),
-            "history": float(np.abs(results["indentation"] / self.exact - 1).max()),
-            "steady": abs(float(results["steady_displacement_max"]) / greatest - 1),
+            "history": float(np.abs(results["indentation"] / self._exact - 1).max()),
+            "steady": abs(float(results["steady_displacement_max"]) / self._greatest - 1),
         }
         return errors | {
             "case": self.name,
@@ -95,79 +86,69 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
             own_mesh(cases[0].problem, options.mesh)
         except MeshError as error:  # what does not fit the flat punch fits nothing
             raise SceneError(f"--mesh {error}") from error
-    elif options.quick:
-        cases = cases[::2]
     ways = (family for case in cases for family in families(case, options.quick, options.mesh))
     solve_all(ways, table, conclusions)
-    by_case: dict[str, dict[str, list[Row]]] = {}
-    for row in table.rows:
-        if "greatest" in row:
-            by_case.setdefault(row["case"], {}).setdefault(row["family"], []).append(row)
-    conclusions[:0] = [line for case, ways in by_case.items() for line in conclude(case, ways)]
-    if by_case:
-        draw(by_case, out / "error_against_unknowns.png")
-    for case in cases:
-        for way in {ADAPTIVE, OWN} & by_case.get(case.name, {}).keys():
-            path = out / f"{way} of {case.name}.png".replace(" ", "_")
-            finest = by_case[case.name][way][-1]["mesh"]
-            save(path, draw_mesh, finest, way, case.problem.merged.ring_edges)
-    write_page(out / "refinement.md", "Refinement of the mesh", conclusions, {"Rows": table})
+    rows = pd.DataFrame(row for row in table.rows if "greatest" in row)
+    if rows.empty:
+        return conclusions
+    conclusions[:0] = [
+        line
+        for case, of_case in rows.groupby("case", sort=False)
+        for line in conclude(case, of_case)
+    ]
+    panels: dict[str, Curves] = {}
+    for (case, way), of_way in rows.groupby(["case", "family"], sort=False):
+        panels.setdefault(f"unknowns, {case}", {})[way] = of_way.unknowns, of_way.greatest
+        if way in (ADAPTIVE, OWN):
+            path = out / f"{way} of {case}.png".replace(" ", "_")
+            edges = next(each for each in cases if each.name == case).problem.merged.ring_edges
+            save(path, draw_mesh, of_way.mesh.iloc[-1], way, edges)
+    draw_errors(out / "error_against_unknowns.png", panels, "greatest relative error")
     return conclusions
 
 
 def list_cases(problem: Problem) -> list[Case]:
-    """Return the flat punch, the problem, and the problem with its middle ring narrow."""
+    """Return the flat punch, and the problem if it has rings."""
     flat = Case("flat punch", replace(problem, rings=Rings(np.array([0.0, 1.0]), np.ones(1))))
-    ring_edges, wear_coefficients = problem.rings
-    if len(wear_coefficients) == 1:
-        return [flat]
-    narrow, middle = ring_edges.copy(), (len(wear_coefficients) - 1) // 2
-    narrow[middle + 1] = min(narrow[middle + 1], narrow[middle] + 1e-3)
-    narrow_ring = replace(problem, rings=Rings(narrow, wear_coefficients))
-    return [flat, Case("scene", problem), Case("narrow ring", narrow_ring)]
+    return [flat, Case("scene", problem)] if len(problem.merged.wear_coefficients) > 1 else [flat]
 
 
 def families(case: Case, quick: bool, mesh_file: str | None = None) -> Iterator[Family]:
     """Yield each way to refine a mesh of a case, from coarse to fine; last a mesh file."""
     problem = case.problem
 
-    def mesh_at(rtol: float, mesher: str, **sizes: Any) -> Mesh:
-        fem = FemAccuracy.model_validate({"mesher": mesher} | sizes)
+    def mesh_at(rtol: float, mesher: str) -> Mesh:
+        fem = FemAccuracy.model_validate({"mesher": mesher})
         return half_space_mesh(replace(problem, rtol=rtol, fem=fem)).mesh
 
     def solve(mesh: Mesh, degree: int) -> Row:
         return case.row(solve_on(problem, mesh, degree))
 
-    def solve_own() -> Row:
-        mesh, remark = own_mesh(problem, mesh_file or "")
+    def solve_own(path: str) -> Row:
+        mesh, remark = own_mesh(problem, path)
         quads = isinstance(mesh, MeshQuad)
         degree = (problem.fem.degree or 6) if quads else triangle_degree(problem)
         return dict(solve(mesh, degree), remark=remark)
 
-    times = range(3 if quick else 4)
     tolerances = (1e-2, GOAL) if quick else (1e-1, 1e-2, 1e-3, 1e-4, GOAL, 1e-6)
-    coarse, graded = uniform_mesh(problem.merged.ring_edges), mesh_at(GOAL, "gmsh")
+    coarse, layered = uniform_mesh(problem.merged.ring_edges), mesh_at(1e-7, "quads")
     ways = {
-        "h, triangles": [(f"{n} times", coarse.refined(n), DEGREE) for n in times],
-        "p, triangles": [(f"degree {k}", graded, k) for k in range(2, 5)],
-        "graded triangles": [(f"rtol {x:g}", mesh_at(x, "gmsh"), DEGREE) for x in tolerances],
+        "uniform triangles": {
+            f"halved {n} times": (coarse.refined(n), DEGREE) for n in range(3 if quick else 4)
+        },
+        "graded triangles": {f"rtol {x:g}": (mesh_at(x, "gmsh"), DEGREE) for x in tolerances},
     }
-    layered = mesh_at(1e-7, "quads")
     if isinstance(layered, MeshQuad):  # triangles take their place where gmsh cannot be used
-        plain = mesh_at(GOAL, "quads", rim_size=0.5, ring_size=0.5, truncation=WIDER_TRUNCATION)
-        # without subdomains of lower degree
-        plain = replace(plain, _subdomains=None)
-        ways["h, quadrilaterals"] = [(f"{n} times", plain.refined(n), DEGREE) for n in times]
         degrees = range(4, 8 if quick else 10)
-        ways["p, quadrilaterals"] = [(f"degree {k}", layered, k) for k in degrees]
+        ways["quadrilaterals of rising degree"] = {f"degree {k}": (layered, k) for k in degrees}
     for way, meshes in ways.items():
-        settings = [Level(setting, partial(solve, *of)) for setting, *of in meshes]
+        settings = [Level(setting, partial(solve, *of)) for setting, of in meshes.items()]
         yield Family(way, settings)
     rounds = enumerate(refine_adaptively(problem, coarse, GOAL / 2 if quick else GOAL / 10))
     adapted = (Level(f"round {number}", partial(case.row, solved)) for number, solved in rounds)
     yield Family(ADAPTIVE, adapted)
     if mesh_file:
-        yield Family(OWN, [Level(Path(mesh_file).name, solve_own)])
+        yield Family(OWN, [Level(Path(mesh_file).name, partial(solve_own, mesh_file))])
 
 
 def own_mesh(problem: Problem, path: str) -> tuple[Mesh, str]:
@@ -181,44 +162,23 @@ def own_mesh(problem: Problem, path: str) -> tuple[Mesh, str]:
     return files.read(path, problem.merged.ring_edges, problem.units.length)
 
 
-def conclude(case: str, ways: dict[str, list[Row]]) -> list[str]:
-    """Say the errors on the user's mesh, orders, and the unknowns with which each way reaches the
-    goal.
+def conclude(case: str, rows: pd.DataFrame) -> Iterator[str]:
+    """Yield the errors on the user's mesh, the order on uniform ones, and the unknowns with which
+    each way reaches the goal.
     """
-    lines, unknowns = [], []
-    for row in ways.get(OWN, ()):
+    for row in rows[rows.family == OWN].to_dict("records"):
         errors = ", ".join(f"{name} {row[name]:.1e}" for name in (*ERRORS, "estimate"))
         elements = f"{row['elements']} elements of degree {row['degree']}"
-        lines.append(f"{case}: {row['setting']}, {elements}, errors: {errors}")
-    for way, rows in ways.items():
-        if way.startswith("h, ") and len(rows) > 1:  # sizes are halved
-            order = np.log2(rows[-2]["d0"] / rows[-1]["d0"])
-            lines.append(
-                f"{case}: {way}: d0 is of order {order:.2f} between the finest, by theory 1"
-            )
-        reached = [
-            f"{row['unknowns']} ({row['setting']})" for row in rows if row["greatest"] <= GOAL
-        ]
-        unknowns.append(f"{way} {reached[0] if reached else 'do not reach it'}")
-    return [*lines, f"{case}: unknowns to {GOAL:g} in every quantity: {'; '.join(unknowns)}"]
-
-
-def draw(by_case: dict[str, dict[str, list[Row]]], path: Path) -> None:
-    """Draw errors against unknowns: a column for each case, a row for each quantity."""
-    figure = new_figure(0.6 + 3.2 * len(by_case), 8.2)
-    panels = figure.subplots(len(ERRORS), len(by_case), sharex="col", sharey=True, squeeze=False)
-    for line, (quantity, label) in zip(panels, ERRORS.items(), strict=True):
-        for axes, (case, ways) in zip(line, by_case.items(), strict=True):
-            curves = {
-                way: np.array([(row["unknowns"], row[quantity]) for row in rows]).T
-                for way, rows in ways.items()
-            }
-            ylabel = f"relative error\n{label}"
-            draw_errors(axes, curves, title=case, xlabel="unknowns", ylabel=ylabel)
-            axes.axhline(GOAL, **FAINT)
-            axes.label_outer()
-    place = {"loc": "outside lower center", "ncols": 1 + len(by_case), "frameon": False}
-    figure.legend(*panels[0, 0].get_legend_handles_labels(), **place)
-    title = f"refinement in size (h), in degree (p),\ngraded and adaptive (goal {GOAL:g}: dotted)"
-    figure.suptitle(title, fontsize=10)
-    figure.savefig(path)
+        yield f"{case}: {row['setting']}, {elements}, errors: {errors}"
+    finest = rows.d0[rows.family == "uniform triangles"].to_numpy()[-2:]
+    if len(finest) > 1:
+        order = np.log2(finest[0] / finest[1])
+        yield f"{case}: uniform triangles: d0 is of order {order:.2f} between the finest (theory 1)"
+    reached = rows[rows.greatest <= GOAL].groupby("family").first()
+    unknowns = [
+        f"{way} {reached.unknowns[way]} ({reached.setting[way]})"
+        if way in reached.index
+        else f"{way} do not reach it"
+        for way in rows.family.unique()
+    ]
+    yield f"{case}: unknowns to {GOAL:g} in every quantity: {'; '.join(unknowns)}"

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
@@ -21,10 +22,14 @@ from ...meshes.errors import RingwearError
 from ...meshes.radial import Array
 from ..figures.style import curve, legend_below, new_figure
 from ..progress import LOG
-from ..tables import Row, Table, keeping_rows, write_page
+from ..tables import Row, Table, keeping_rows
 
 WITHIN = 0.15
 """How far an observed order may be from theory's, by least squares and between the last levels."""
+
+
+Curves = dict[str, tuple[Any, Any]]
+"""Sizes (n,) and errors (n,) of each curve, by its label."""
 
 
 class Theory(NamedTuple):
@@ -34,13 +39,10 @@ class Theory(NamedTuple):
     ----------
     order : slope of log error over log size; NaN if there is no theory
     floor : relative errors below it are shown but not counted
-    coarsest : levels of a greater size are shown but not counted: what theory neglects is not small
-        there
     """
 
     order: float = np.nan
     floor: float = 0.0
-    coarsest: float = np.inf
 
 
 class Level(NamedTuple):
@@ -52,11 +54,14 @@ class Level(NamedTuple):
 
 
 class Family(NamedTuple):
-    """Levels from coarse to fine, and the theory of the quantities whose orders are fitted."""
+    """Levels from coarse to fine, the theory of the quantities whose orders are fitted, and what
+    their size is called.
+    """
 
     name: str
     levels: Iterable[Level]
     theory: Mapping[str, Theory] = {}
+    xlabel: str = ""
 
 
 def levels(sizes: Mapping[Any, float], solve: Callable[[Any], Row]) -> list[Level]:
@@ -89,7 +94,7 @@ class Sequence:
     @property
     def counted(self) -> NDArray[np.bool_]:
         """(n,) whether a level counts for the order."""
-        return (self.errors > self.theory.floor) & (self.sizes <= self.theory.coarsest)
+        return self.errors > self.theory.floor
 
     @property
     def order(self) -> float:
@@ -113,19 +118,21 @@ class Sequence:
 
     @property
     def verdict(self) -> str:
-        """Whether observed orders are those of theory, and if not, what is seen of the reason."""
-        expected, between = self.theory.order, self.counted[1:] & self.counted[:-1]
-        if np.isnan(expected):
+        """Whether observed orders are those of theory."""
+        if np.isnan(self.theory.order):
             return ""
         if np.isnan(self.order):
             return "too few levels above the floor"
-        if max(abs(self.order - expected), abs(self.last_order - expected)) <= WITHIN:
-            return "yes"
-        if np.ptp(np.sign(self.signed[self.counted])):
-            return "no: the error changes sign"
-        distance = np.abs(self.orders - expected)[between]
-        approaching = len(distance) > 1 and (np.diff(distance) < 0).all()
-        return "no: still approaching" if approaching else "no"
+        off = np.array([self.order, self.last_order]) - self.theory.order
+        return "yes" if (np.abs(off) <= WITHIN).all() else "no"
+
+    @property
+    def label(self) -> str:
+        """What was computed, with the observed order, that of theory and the verdict."""
+        label = f"{self.name}, {self.quantity}: {self.order:.2f}"
+        if not self.verdict:
+            return label
+        return f"{label} (theory {self.theory.order:.3g}: {self.verdict})"
 
     def summary(self) -> Row:
         """Return a row of the table of orders; in brackets where not both levels count."""
@@ -181,72 +188,50 @@ def fit(families: Iterable[Family], rows: Iterable[Row]) -> list[Sequence]:
     return sequences
 
 
-def study_orders(
-    families: Iterable[Family], out: Path, name: str, conclusions: list[str]
-) -> tuple[list[Sequence], Table]:
-    """Solve families and fit their orders; writes `orders` and a table of the study's name.
+def study_orders(families: Iterable[Family], out: Path, name: str, ylabel: str) -> list[str]:
+    """Solve families, fit their orders and draw them; writes `orders`, and a table and a figure of
+    the study's name.
 
     Returns
     -------
-    the sequences, and the table of their orders; how they agree with theory becomes the first of
-    the conclusions
+    conclusions: how the orders agree with theory
     """
-    families = list(families)
+    families, conclusions = list(families), list[str]()
     quantities = dict.fromkeys(quantity for family in families for quantity in family.theory)
     fields = ("family", "setting", "size", "unknowns", *quantities, "remark")
     table = Table(out / f"{name}.csv", fields)
     sequences = fit(solve_all(families, table, conclusions), table.rows)
-    named = ("refined", "quantity", "levels", "expected order", "least squares", "last levels")
-    rows = (sequence.summary() for sequence in sequences)
-    orders = Table(
-        out / "orders.csv", (*named, f"within {WITHIN}", "between levels", "finest error"), rows
+    pd.DataFrame(sequence.summary() for sequence in sequences).to_csv(
+        out / "orders.csv", index=False
     )
-    judged = [sequence for sequence in sequences if sequence.verdict]
-    off = [
-        f"{sequence.name}, {sequence.quantity} ({sequence.verdict})"
-        for sequence in judged
-        if sequence.verdict != "yes"
+    verdicts = [sequence.verdict for sequence in sequences if sequence.verdict]
+    conclusions[:0] = [
+        f"{verdicts.count('yes')} of {len(verdicts)} orders are within {WITHIN} of theory, "
+        "fitted and between the last levels.",
+        *(f"{sequence.label}, finest error {sequence.errors[-1]:.1e}" for sequence in sequences),
     ]
-    line = f"{len(judged) - len(off)} of {len(judged)} orders are within {WITHIN} of theory"
-    line = f"{line}, fitted and between the last levels"
-    conclusions.insert(0, f"{line}; but {'; '.join(off)}." if off else f"{line}.")
-    return sequences, orders
+    panels: dict[str, Curves] = {}
+    xlabels = {family.name: family.xlabel for family in families}
+    for sequence in sequences:
+        curves = panels.setdefault(xlabels[sequence.name], {})
+        curves[sequence.label] = sequence.sizes, sequence.errors
+    draw_errors(out / f"{name}.png", panels, ylabel)
+    return conclusions
 
 
-def publish(
-    path: Path, title: str, conclusions: list[str], tables: Mapping[str, Table]
-) -> list[str]:
-    """Write the page of a study, and return what is printed: its conclusions and its tables."""
-    write_page(path, title, conclusions, tables)
-    return [*conclusions, *(f"{table.markdown()}{name}\n" for name, table in tables.items())]
-
-
-def draw_errors(axes: Any, curves: Mapping[str, Any], **labels: str) -> None:
-    """Draw errors over sizes, unknowns or seconds, logarithmic: a curve (2, n) for each label."""
-    for number, (label, (places, errors)) in enumerate(curves.items()):
-        shown = np.where(errors > 0, errors, np.nan)
-        axes.loglog(places, shown, label=label, **curve(number))
-    axes.set(**labels)
-    if curves:  # there are none after an early interruption
+def draw_errors(path: Path, panels: Mapping[str, Curves], ylabel: str) -> None:
+    """Draw errors over sizes, unknowns or seconds, logarithmic: a panel for each label of these."""
+    longest = max(map(len, panels.values()), default=0)
+    figure = new_figure(4.4 * max(len(panels), 1), 5 + 0.2 * longest)
+    row = figure.subplots(1, max(len(panels), 1), sharey=True, squeeze=False)[0]
+    for axes, (xlabel, curves) in zip(row, panels.items(), strict=False):
+        for number, (label, (places, errors)) in enumerate(curves.items()):
+            axes.loglog(places, np.where(errors > 0, errors, np.nan), label=label, **curve(number))
+        axes.set(xlabel=xlabel, ylabel=ylabel)
         low, high = axes.get_xlim()
         ticks = LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,))
         axes.xaxis.set(major_locator=ticks, minor_formatter=NullFormatter())
-    axes.title.set_fontsize(9)
-    axes.grid(True, which="major", color="0.88", linewidth=0.6)
-
-
-def draw_orders(path: Path, panels: Mapping[str, list[Sequence]], ylabel: str) -> None:
-    """Draw errors over sizes, a panel for each label of these, with orders in the legend."""
-    figure = new_figure(4.4 * len(panels), 5 + 0.2 * max(map(len, panels.values())))
-    row = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
-    for axes, (xlabel, sequences) in zip(row, panels.items(), strict=True):
-        curves = {}
-        for sequence in sequences:
-            label = f"{sequence.name}, {sequence.quantity}: {sequence.order:.2f}"
-            if np.isfinite(sequence.theory.order):
-                label += f" (theory {sequence.theory.order:g})"
-            curves[label] = sequence.sizes, sequence.errors
-        draw_errors(axes, curves, xlabel=xlabel, ylabel=ylabel)
+        axes.grid(True, which="major", color="0.88", linewidth=0.6)
         axes.label_outer()
-        legend_below(axes, title="observed order")
+        legend_below(axes)
     figure.savefig(path)

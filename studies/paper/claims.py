@@ -3,7 +3,6 @@
 Here are the quantities that it names. A pandas series has a value for each number of rings.
 """
 
-import operator
 import time
 import tomllib
 from importlib.resources import files
@@ -15,7 +14,7 @@ import pandas as pd
 import xarray
 
 from ...mdr import direct
-from ...meshes.radial import Array, alternating_edges, ring_areas
+from ...meshes.radial import alternating_edges, ring_areas
 from ..problem.problem import P0, Rings
 from .gradients import WEAR_RATIO_OF_WIDTHS, direct_gradients, homogeneous, many_rings
 from .running_in import STATIONARY, Evolution, FiveRings
@@ -38,26 +37,24 @@ class Writer(Formatter):
         return ", ".join(written)
 
 
-def judge_claims(quantities: Quantities) -> list[dict[str, str]]:
-    """Return the rows of all claims."""
+def judge_claims(quantities: Quantities) -> pd.DataFrame:
+    """Return the table of all claims."""
     text = (files("ringwear.studies") / "paper" / "claims.toml").read_text("utf-8")
-    return [judge(claim, quantities) for claim in tomllib.loads(text)["claim"]]
+    return pd.DataFrame(judge(claim, quantities) for claim in tomllib.loads(text)["claim"])
 
 
 def judge(claim: dict[str, Any], quantities: Quantities) -> dict[str, str]:
     """Return the row of a claim: what is computed for it, and the verdict."""
     write, remark = Writer().vformat, claim.get("remark", "")
     holds = all(is_so(condition, quantities) for condition in claim["holds_if"])
-    uncertainty = claim.get("uncertainty", "")
-    if uncertainty in quantities:
-        uncertainty = f"{np.ptp(quantities[uncertainty]):.0e}"
+    methods = quantities.get(claim.get("uncertainty", ""))
     return {
         "where": claim["where"],
         "the paper says": claim["says"],
         "computed": write(claim["computed"], (), quantities),
         "verdict": VERDICTS[bool(remark) if holds else 2],
         "why, or what to add": write(remark, (), quantities),
-        "uncertainty": uncertainty,
+        "uncertainty": "" if methods is None else f"{np.ptp(methods):.0e}",
     }
 
 
@@ -66,25 +63,28 @@ def is_so(condition: str, quantities: Quantities) -> bool:
 
     Conditions are "name < number", "name > number", "name increases" and "name decreases".
     """
-    relations = {"<": operator.lt, ">": operator.gt}
     name, relation, *bound = condition.split()
     values = np.asarray(Formatter().get_field(name, (), quantities)[0])
-    if bound:
-        return bool(relations[relation](values, float(bound[0])).all())
-    steps = np.diff(values)
-    return bool(np.all(steps > 0 if relation == "increases" else steps < 0))
+    match relation:
+        case "<":
+            so = values < float(*bound)
+        case ">":
+            so = values > float(*bound)
+        case "increases":
+            so = np.diff(values) > 0
+        case _:
+            so = np.diff(values) < 0
+    return bool(so.all())
 
 
-def conclude(rows: list[dict[str, str]]) -> list[str]:
+def conclude(claims: pd.DataFrame) -> list[str]:
     """Return how many claims have which verdict, and those that do not hold."""
-    verdicts = [row["verdict"] for row in rows]
-    counts = [f"{verdicts.count(verdict)} {verdict}" for verdict in VERDICTS]
-    refuted = [
-        f"{row['verdict']}: {row['the paper says']}: {row['computed']}"
-        for row in rows
-        if row["verdict"] == VERDICTS[2]
+    counts = claims.verdict.value_counts().reindex(VERDICTS, fill_value=0)
+    refuted = claims[claims.verdict == VERDICTS[2]]
+    return [
+        "claims: " + ", ".join(f"{count} {verdict}" for verdict, count in counts.items()),
+        *(VERDICTS[2] + ": " + refuted["the paper says"] + ": " + refuted["computed"]),
     ]
-    return [f"claims: {', '.join(counts)}", *refuted]
 
 
 def definitions() -> str:
@@ -105,7 +105,6 @@ def measure_running_in(five: FiveRings, slowest: xarray.DataArray) -> Quantities
 
     What every method measures is an array of values by MDR, FEM and BEM.
     """
-    in_fast = slowest / np.maximum(slowest.wear_ratio, 1 / slowest.wear_ratio)
     least, greatest = float(slowest.min()), float(slowest.max())
     return {
         **_measure_states(five),
@@ -115,7 +114,6 @@ def measure_running_in(five: FiveRings, slowest: xarray.DataArray) -> Quantities
         "counts": slowest.rings.values[[0, -1]],
         "slowest": [least, greatest],
         "slowest_factor": greatest / least,
-        "slowest_factor_in_fast": float(in_fast.max() / in_fast.min()),
     }
 
 
@@ -126,6 +124,7 @@ def _measure_states(five: FiveRings) -> Quantities:
     differences = np.linalg.norm(pressure - pressure[0], axis=2)
     late = five.evolutions["mdr"].states(five.stationary * np.array([1.0, 3.0, 10.0]))
     errors = np.abs(profile[:, -1] - five.limiting.f_over_d0.values).max(axis=1)
+    # in the 10 % state
     worn = (states.f_over_d0 + states.least_wear_over_d0)[:, 1]
     at_middles = worn.interp(radius=middles).values
     return {
@@ -151,38 +150,33 @@ def _measure_ring_forces(five: FiveRings) -> Quantities:
     carried = forces[:, fast] @ (steady * ring_areas(edges))[fast]
     times = 2 * np.linspace(0, 1, 2001) ** 3
     states = five.evolutions["mdr"].states(five.stationary * times)
-    change = np.abs(states.ring_force.values - 1) * steady
-
-    def times_to_settle(scale: Array | float) -> list[float]:
-        """Return when the fast rings, and the slow ones, come within 0.1 of their end for good."""
-        moving = (change > 0.1 * scale)[::-1]
-        return [times[-moving[:, rings].any(axis=1).argmax()] for rings in (fast, ~fast)]
-
-    settled = times_to_settle(P0)
+    # after fast rings, and slow ones, are last further than 0.1 p0 from their end
+    moving = np.abs(states.ring_force.values - 1) * steady > 0.1 * P0
+    settled = [
+        times[np.flatnonzero(moving[:, rings].any(axis=1))[-1] + 1] for rings in (fast, ~fast)
+    ]
     return {
         "carried": carried,
         "carried_at_first": carried[:2],
+        "carried_least": carried.min(),
         "centre": forces[:, 0],
         "settled": settled,
         "settled_ratio": settled[0] / settled[1],
-        "carried_least": carried.min(),
-        "settled_relative": times_to_settle(steady),
     }
 
 
 def _measure_way(five: FiveRings) -> Quantities:
-    way, times = five.history.way[0, 1:], five.states.time.values
-    rates = way.differentiate("time")
-    early, late = rates.interp(time=times[[1, 5]]).values
-    printed = five.stationary * times[4] / np.array([0.275, 0.27, 0.265])
-    stationary = [evolution.time_of(STATIONARY) for evolution in five.evolutions.values()]
-    seventy = [evolution.time_of(0.7) for evolution in five.evolutions.values()]
+    rates = five.history.way[0, 1:].differentiate("time")
+    early, late = rates.interp(time=five.states.time.values[[1, 5]]).values
+    seventy, stationary = (
+        np.array([evolution.time_of(way) for evolution in five.evolutions.values()])
+        for way in (0.7, STATIONARY)
+    )
     return {
         "rates": rates,
         "slowing": early / late,
-        "seventy": np.divide(seventy, stationary),
+        "seventy": seventy / stationary,
         "stationary": STATIONARY,
-        "ended": five.evolutions["mdr"].states(printed).way.values,
     }
 
 
@@ -190,104 +184,80 @@ def _measure_cost(five: FiveRings) -> Quantities:
     start = time.perf_counter()
     direct.rms_slope(five.problem.ring_edges, direct.steady_pressures(*five.problem.rings))
     integrated = time.perf_counter()
-    Evolution(five.problem, five.evolutions["mdr"].compliance).states(np.ones(1))
+    Evolution(five.problem, five.evolutions["mdr"].wear.compliance).states(np.ones(1))
     integration, march = integrated - start, time.perf_counter() - integrated
     return {"milliseconds": [1e3 * integration, 1e3 * march], "cost": integration / march}
 
 
-def measure_gradients(
-    wear: xarray.Dataset, width: xarray.Dataset, many: tuple[int, ...]
-) -> Quantities:
-    """Return what claims about Figs. 6 (`wear`) and 7 (`width`) name.
+def tabulate_by_rings(curves: xarray.Dataset, names: dict[float, str]) -> list[pd.DataFrame]:
+    """Return tables of the gradients, averaged over the radius and over the area.
+
+    A row for each number of rings, a column for each ratio; some ratios have names.
+    """
+    return [
+        curves.direct.sel(average=average).to_pandas().rename(columns=names)
+        for average in curves.average.values
+    ]
+
+
+def measure_wear_ratios(curves: xarray.Dataset, many: tuple[int, ...]) -> Quantities:
+    """Return what claims about Fig. 6 name.
 
     Parameters
     ----------
     many : numbers of rings that are compared with the limit of many rings
     """
-    wear_line, wear_area = tabulate_by_rings(wear, "lowest hundredth equal hundred highest")
-    width_line, width_area = tabulate_by_rings(width, "thin equal wide")
-    return {
-        "wear": wear_line,
-        "wear_area": wear_area,
-        "width": width_line,
-        "width_area": width_area,
-        "order": wear_line["hundred"] / wear_line["hundredth"],
-        "figures_differ": np.abs(width_line["equal"] / wear_line["hundredth"] - 1).max(),
-        **_measure_limit(wear, many),
-        **_measure_shape(wear),
-        **_measure_widths(width),
-    }
-
-
-def tabulate_by_rings(curves: xarray.Dataset, ratios: str) -> list[pd.DataFrame]:
-    """Return tables of the gradients at equally spaced ratios, a row for each number of rings.
-
-    One is averaged over the radius, one over the area.
-    """
-    names, rows = ratios.split(), curves.rings.values
-    chosen = curves.direct.values[:, :, :: 200 // (len(names) - 1)]
-    return [pd.DataFrame(chosen[:, average], rows, names) for average in (0, 1)]
-
-
-def _measure_limit(wear: xarray.Dataset, many: tuple[int, ...]) -> Quantities:
-    counts, ratios = [*wear.rings.values, *many], wear.ratio.values
-    more = [direct_gradients(alternating_edges(count), ratios)[0] for count in many]
-    curves = np.vstack([wear.direct[:, 0], more])
-    limit = many_rings(EXTREMES, np.ones(1))[:, 0]
-    skew = np.abs(curves / curves[:, ::-1] - 1).max(axis=1)
-    distance = np.abs(curves[:, [0, -1]] / limit[0] - 1).max(axis=1)
-    return {
-        "limit": limit,
-        "skew_of_many": skew[-1],
-        "skew": pd.Series(skew, counts),
-        "skew_power": power_of_fall(counts, skew),
-        "distance": pd.Series(distance, counts),
-    }
-
-
-def power_of_fall(counts: Any, values: Array) -> float:
-    """Return the power of the number of rings by which the last two of the values fall."""
-    return float(np.log(values[-2] / values[-1]) / np.log(counts[-1] / counts[-2]))
-
-
-def _measure_shape(wear: xarray.Dataset) -> Quantities:
-    counts, ratios, both = wear.rings.values, wear.ratio.values, wear.direct.values
-    curves = both[:, 0]
+    names = {1e-4: "lowest", 0.01: "hundredth", 100.0: "hundred", 1e4: "highest"}
+    by_ratio, by_ratio_area = tabulate_by_rings(curves, names)
+    counts, ratios, both = curves.rings.values, curves.ratio.values, curves.direct.values
+    line, decades = both[:, 0], np.log10(ratios)
+    of_many = [direct_gradients(alternating_edges(count), ratios)[0] for count in many]
+    all_rings = np.vstack([line, *of_many])
+    skew = np.abs(all_rings / all_rings[:, ::-1] - 1).max(axis=1)
     alone = [direct_gradients(alternating_edges(count), EXTREMES)[0] for count in counts]
-    decades = np.log10(ratios)
-    changes, middle = np.abs(np.gradient(curves, decades, axis=1)), np.abs(decades) <= 2
+    changes, middle = np.abs(np.gradient(line, decades, axis=1)), np.abs(decades) <= 2
     within = np.trapezoid(changes[:, middle], decades[middle]) / np.trapezoid(changes, decades)
     steepest = 10 ** np.abs(decades[changes.argmax(axis=1)])
-    lowest = pd.Series(curves.min(axis=1), counts)
+    lowest = by_ratio.min(axis=1)
     return {
-        "from_alone": np.abs(curves[:, [0, -1]] / alone - 1).max(),
+        "wear": by_ratio,
+        "wear_area": by_ratio_area,
+        "order": by_ratio["hundred"] / by_ratio["hundredth"],
+        "limit": many_rings(EXTREMES, np.ones(1))[:, 0],
+        "skew": pd.Series(skew, [*counts, *many]),
+        "skew_of_many": skew[-1],
+        "from_alone": np.abs(line[:, [0, -1]] / alone - 1).max(),
         "within_hundred": within.min(),
         "steepest": [steepest.min(), steepest.max()],
         "change_above": np.abs(both[:, :, 200] / both[:, :, 150] - 1).max(),
         "change_below": np.abs(both[:, :, 0] / both[:, :, 50] - 1).max(),
         "lowest_gradients": lowest[lowest < 1 - 1e-6],
-        "lowest_at": ratios[curves[0].argmin()],
-        "below_one": ratios[curves[0] < 1 - 1e-6][[0, -1]],
+        "lowest_at": ratios[line[0].argmin()],
     }
 
 
-def _measure_widths(width: xarray.Dataset) -> Quantities:
-    counts, curves = width.rings.values, width.direct[:, 0].values
+def measure_width_ratios(curves: xarray.Dataset, by_wear_ratio: pd.DataFrame) -> Quantities:
+    """Return what claims about Fig. 7 name, by the table of Fig. 6."""
+    names = {0.1: "thin", 1.0: "equal", 10.0: "wide"}
+    by_ratio, by_ratio_area = tabulate_by_rings(curves, names)
     rings = Rings.alternating(8, 0.1, WEAR_RATIO_OF_WIDTHS)
     forces = direct.steady_pressures(*rings) * ring_areas(rings.ring_edges)
-    slow_area = [
-        [ring_areas(alternating_edges(count, ratio))[1::2].sum() / np.pi for ratio in (0.1, 1, 10)]
-        for count in counts
-    ]
-    limit = many_rings(np.array([WEAR_RATIO_OF_WIDTHS]), np.array([10.0, 100.0, 1e4]))[0]
-    distance = width.limit.values[0, 0] - curves[:, 0]
+    slow_area = {
+        name: [
+            ring_areas(alternating_edges(count, ratio))[1::2].sum() / np.pi
+            for count in by_ratio.index
+        ]
+        for ratio, name in names.items()
+    }
     return {
-        "slow_area": pd.DataFrame(slow_area, counts, ["thin", "equal", "wide"]),
-        "over_widths": curves,
-        "limit_of_wide": limit,
+        "width": by_ratio,
+        "width_area": by_ratio_area,
+        "figures_differ": (by_ratio["equal"] / by_wear_ratio["hundredth"] - 1).abs().max(),
+        "slow_area": pd.DataFrame(slow_area, by_ratio.index),
+        "limit_of_wide": many_rings(np.array([WEAR_RATIO_OF_WIDTHS]), np.array([10.0, 100.0, 1e4]))[
+            0
+        ],
         "thin_carry": forces[1::2].sum(),
         "thin_alone": direct_gradients(rings.ring_edges, EXTREMES)[0, 0],
-        "thin_limit": width.limit.values[:, 0],
-        "thin_distance": pd.Series(distance, counts),
-        "thin_power": power_of_fall(counts, distance),
+        "thin_limit": curves.limit.values[:, 0],
     }

@@ -21,6 +21,7 @@ from .gradients import WEAR_RATIO_OF_WIDTHS
 from .running_in import PERCENTS, STATIONARY, FiveRings
 
 AVERAGES = ("average over the radius (line)", "average over the area")
+FIVE_RINGS = "five rings, $k_2/k_1$ = 10, $h_2/h_1$ = 1"
 
 
 def draw_states(five: FiveRings, path: Path) -> None:
@@ -39,20 +40,19 @@ def draw_states(five: FiveRings, path: Path) -> None:
         least = f"$f_{{min}}$ = {worn:.3g} $d_0$"
         title = f"{percent} %\n{when}\n{least}" if percent < 100 else "100 %\nsteady state\n"
         panels[0, state].set_title(title, fontsize=8.5)
-        for (field, label), axes in zip(fields.items(), panels[:, state], strict=True):
-            for order, solver in enumerate(five.evolutions):
-                # markers of different methods on different points
-                look = method_curve(solver, len(radii)) | {"markevery": (9 * order, 28)}
-                values = five.states[field].values[order, state]
-                axes.plot(*broken_at(rings.ring_edges, radii, values), **look)
-            if percent == 100 and field in five.limiting:
-                values = broken_at(rings.ring_edges, radii, five.limiting[field].values)
-                axes.plot(*values, **method_curve("direct", len(radii)))
-            shade_rings(axes, *rings)
-            if state == 0:
-                axes.set_ylabel(label)
         panels[2, state].plot(radii, 1 / np.sqrt(1 - radii**2), label="unworn", **FAINT)
         panels[2, state].set_xlabel("$r/a$, $x/a$")
+        for field, axes in zip(fields, panels[:, state], strict=True):
+            curves = dict(zip(five.evolutions, five.states[field].values[:, state], strict=True))
+            if percent == 100 and field in five.limiting:
+                curves["direct"] = five.limiting[field].values
+            for order, (solver, values) in enumerate(curves.items()):
+                # markers of different methods on different points
+                look = method_curve(solver, len(radii)) | {"markevery": (9 * order, 28)}
+                axes.plot(*broken_at(rings.ring_edges, radii, values), **look)
+            shade_rings(axes, *rings)
+    for axes, label in zip(panels[:, 0], fields.values(), strict=True):
+        axes.set_ylabel(label)
     panels[0, 0].invert_yaxis()
     # a worn rim carries no line density, so that g(a) = d; at the start the pressure at the rim is
     # infinite
@@ -60,8 +60,8 @@ def draw_states(five: FiveRings, path: Path) -> None:
     panels[2, 0].set_ylim(0, 1.3 * np.quantile(five.states.p_over_p0[:, 1:], 0.98))
     legend_of(figure, panels[2, -1:])
     figure.suptitle(
-        "Fig. 4: five rings, $k_2/k_1$ = 10, $h_2/h_1$ = 1, by the displacement difference over "
-        f"that of the steady state; $t_{{stat}}$: {STATIONARY:.1%}; shaded rings wear faster",
+        f"Fig. 4: {FIVE_RINGS}, by the displacement difference over that of the steady state; "
+        f"$t_{{stat}}$: {STATIONARY:.1%}; shaded rings wear faster",
         fontsize=10,
     )
     figure.savefig(path)
@@ -71,65 +71,59 @@ def draw_history(five: FiveRings, path: Path) -> None:
     """Draw Fig. 5: RMS gradient over time, the states of Fig. 4 marked."""
     figure = new_figure(10, 4)
     panels = figure.subplots(1, 2, sharey=True)
-    marked = {"markerfacecolor": "white", "zorder": 5, "label": "states of Fig. 4"}
     times, gradient = five.history.time.values, five.history.gradient.values
     for average, axes in enumerate(panels):
         for order, solver in enumerate(five.evolutions):
             look = method_curve(solver, len(times)) | {"markevery": (4 * order, 12)}
             axes.plot(times, gradient[order, average], **look)
         states = five.states.gradient[0, average, :-1]
+        marked = {"markerfacecolor": "white", "zorder": 5, "label": "states of Fig. 4"}
         axes.plot(states.time, states, "kD", **marked)
-        for percent, time, value in zip(PERCENTS, states.time.values, states.values, strict=False):
-            place = {"xytext": (8, -9), "textcoords": "offset points", "fontsize": 8}
-            axes.annotate(f"{percent} %", (time, value), **place)
+        for percent, *place in zip(PERCENTS, states.time.values, states.values, strict=False):
+            beside = {"xytext": (8, -9), "textcoords": "offset points", "fontsize": 8}
+            axes.annotate(f"{percent} %", place, **beside)
         axes.axhline(1, **FAINT)
-        axes.set_xlabel("time $t/t_{stat}$")
-        axes.set_title(AVERAGES[average], fontsize=9)
-    panels[0].set_ylim(-0.09, 1.09)
-    panels[0].set_ylabel(r"RMS gradient $\nabla f/\nabla f_{stat}$")
+        axes.set(xlabel="time $t/t_{stat}$", title=AVERAGES[average])
+    panels[0].set(ylim=(-0.09, 1.09), ylabel=r"RMS gradient $\nabla f/\nabla f_{stat}$")
     legend_of(figure, panels[:1])
-    figure.suptitle(
-        "Fig. 5: gradient of the worn surface, five rings, $k_2/k_1$ = 10, $h_2/h_1$ = 1",
-        fontsize=10,
-    )
+    figure.suptitle(f"Fig. 5: gradient of the worn surface, {FIVE_RINGS}", fontsize=10)
     figure.savefig(path)
 
 
 def draw_gradients(number: int, curves: xarray.Dataset, path: Path) -> None:
     """Draw Fig. 6 or 7: gradient against a ratio, and limiting profiles of two punches."""
+    ratios, fem = curves.ratio.values, method_curve("fem") | {"linestyle": "none"}
     if number == 6:
-        ratio, constant, count = "wear ratio $k_2/k_1$", "$h_2/h_1$ = 1", 4
+        ratio, constant = "wear ratio $k_2/k_1$", "$h_2/h_1$ = 1"
         punches = {value: Rings.alternating(4, 1.0, value) for value in (0.01, 100.0)}
     else:
-        ratio, constant, count = "width ratio $h_2/h_1$", "$k_2/k_1$ = 0.01", 8
+        ratio, constant = "width ratio $h_2/h_1$", "$k_2/k_1$ = 0.01"
         punches = {
             value: Rings.alternating(8, value, WEAR_RATIO_OF_WIDTHS) for value in (0.1, 10.0)
         }
     figure = new_figure(13, 5)
     panels: Any = figure.subplot_mosaic("012\n013", width_ratios=[3, 3, 1.3])
-    ratios, fem = curves.ratio.values, method_curve("fem") | {"linestyle": "none"}
     for average, title in enumerate(AVERAGES):
         axes = panels[str(average)]
         limit = {"color": "0.65", "linewidth": 2.6, "label": r"$N \to \infty$"}
         axes.plot(ratios, curves.limit[average], **limit)
         for row, (rings, line) in enumerate(zip(curves.rings.values, LINES, strict=False)):
-            look = {"linestyle": line, "linewidth": 1.1, "label": f"$N$ = {rings}"}
-            axes.plot(ratios, curves.direct[row, average], color="black", **look)
+            look = {"color": "black", "linestyle": line, "label": f"$N$ = {rings}"}
+            axes.plot(ratios, curves.direct[row, average], **look)
         axes.plot(ratios, curves.fem[:, average].T, **fem)
         axes.axhline(1, **FAINT)
-        axes.set_xscale("log")
-        axes.set_xlim(ratios[0], ratios[-1])
-        axes.set_xlabel(ratio)
+        axes.set(xscale="log", xlim=ratios[[0, -1]], xlabel=ratio, title=title)
         axes.set_ylabel(r"RMS gradient $\nabla f/\nabla f_0$")
-        axes.set_title(title, fontsize=9)
     radii = np.linspace(0, 1, 600)
     for panel, (value, rings) in zip("23", punches.items(), strict=True):
+        axes = panels[panel]
         profile = direct.limiting_profile(rings.ring_edges, direct.steady_pressures(*rings), radii)
-        panels[panel].plot(radii, profile / D0, color="black", linewidth=1)
-        shade_rings(panels[panel], *rings)
-        panels[panel].invert_yaxis()
-        panels[panel].set_ylabel("$f_{stat}/d_0$")
-        panels[panel].set_title(f"$N$ = {count}, {ratio.split()[-1]} = {value:g}", fontsize=9)
+        axes.plot(radii, profile / D0, color="black")
+        shade_rings(axes, *rings)
+        axes.invert_yaxis()
+        axes.set_ylabel("$f_{stat}/d_0$")
+        count, symbol = len(rings.wear_coefficients), ratio.split()[-1]
+        axes.set_title(f"$N$ = {count}, {symbol} = {value:g}", fontsize=9)
     legend_of(figure, [panels["0"]])
     figure.suptitle(
         f"Fig. {number}: RMS gradient of the limiting profile against the {ratio}, {constant}",

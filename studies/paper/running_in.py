@@ -6,7 +6,7 @@ Normalised as in the paper: heights by ``d0 = F/(2 a E*)``, pressures by ``p0 = 
 lengths by `a`.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import xarray
@@ -22,13 +22,10 @@ from ..problem.problem import D0, P0, Problem, Rings
 from ..progress import Stages, progress
 from ..wear.full_contact import RunningIn
 
-COUNT, WEAR_RATIO = 5, 10.0
 # of the way of the greatest displacement, by which Fig. 4 tells its states
 PERCENTS = (0, 10, 30, 50, 70, 90, 100)
 # part of the way at which the paper's run ends, t_stat: by its printed 27 % of the time for 70 %
 STATIONARY = 0.984
-# k2/k1 of the relaxation times
-WEAR_RATIOS = 10.0 ** np.linspace(-4, 4, 33)
 
 
 def discretise(name: str, problem: Problem) -> Compliance:
@@ -40,18 +37,14 @@ class Evolution:
     """The running-in of a punch on one compliance."""
 
     def __init__(self, problem: Problem, compliance: Compliance) -> None:
-        self.problem, self.compliance = problem, compliance
         self.wear = RunningIn(compliance, problem.merged.wear_coefficients)
+        # the time at which the steady state is reached to roundoff
+        self.end = 50 * float(self.wear.relaxation_times[0])
         self._samplers = [
             Sampler(replace(problem, gradient_average=average), compliance.space)
             for average in AVERAGES
         ]
         self._line_density = line_density(compliance.space, np.maximum(problem.radii, 1e-6))
-
-    @property
-    def end(self) -> float:
-        """Time at which the steady state is reached to roundoff."""
-        return 50 * float(self.wear.relaxation_times[0])
 
     def states(self, times: Array) -> xarray.Dataset:
         """Return the states at increasing times.
@@ -80,83 +73,72 @@ class Evolution:
 
     def time_of(self, way: float) -> float:
         """Return the time at which the greatest displacement has made a part of its way."""
-        return float(
-            brentq(
-                lambda time: float(self.states(np.array([time])).way[0]) - way,
-                0.0,
-                self.end / 2,
-                xtol=1e-14,
-                rtol=1e-12,
-            )
-        )
+
+        def way_left(time: float) -> float:
+            return way - float(self.states(np.array([time])).way[0])
+
+        return float(brentq(way_left, 0.0, self.end / 2, xtol=1e-14, rtol=1e-12))
 
 
-@dataclass(frozen=True, eq=False)
 class FiveRings:
-    """The paper's example by every method.
+    """The paper's example by every method, on the half-space of a problem.
 
     Parameters
     ----------
-    problem : five rings on the half-space of the scene
+    problem : of which the half-space and the accuracy are taken
+
+    Attributes
+    ----------
     evolutions : by MDR, which gives the times, FEM and BEM
     stationary : t_stat
     states, history : of Figs. 4 and 5, over (solver, time), times in t_stat
     limiting : `f_over_d0` and `p_over_p0` of the steady state by direct integration
     """
 
-    problem: Problem
-    evolutions: dict[str, Evolution]
-    stationary: float
-    states: xarray.Dataset
-    history: xarray.Dataset
-    limiting: xarray.Dataset
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem = replace(
+            problem,
+            rings=Rings.alternating(5, 1.0, 10.0),
+            times=np.empty(0),
+            output_radii=None,
+            rtol=min(3e-6, problem.rtol),  # slopes are less accurate than the indentation
+        )
+        self.evolutions = {
+            name: Evolution(problem, discretise(name, problem)) for name in ("mdr", "fem", "bem")
+        }
+        reference = self.evolutions["mdr"]
+        self.stationary = reference.time_of(STATIONARY)
+        between = [reference.time_of(percent / 100) for percent in PERCENTS[1:-1]]
+        self.states = self._by_solver(np.array([0.0, *between, reference.end]))
+        # dense at the start, where the rim wears
+        self.history = self._by_solver(1.25 * self.stationary * np.linspace(0, 1, 161) ** 3)
+        edges, radii = problem.ring_edges, problem.radii
+        pressures = direct.steady_pressures(*problem.rings)
+        fields = {
+            "f_over_d0": direct.limiting_profile(edges, pressures, radii) / D0,
+            "p_over_p0": pressures[ring_of(edges, radii)] / P0,
+        }
+        self.limiting = xarray.Dataset(
+            {name: ("radius", values) for name, values in fields.items()}, {"radius": radii}
+        )
 
-
-def compute_five_rings(problem: Problem) -> FiveRings:
-    """Return the paper's example on the half-space of a problem."""
-    problem = replace(
-        problem,
-        rings=Rings.alternating(COUNT, 1.0, WEAR_RATIO),
-        times=np.empty(0),
-        output_radii=None,
-        rtol=min(3e-6, problem.rtol),  # slopes are less accurate than the indentation
-    )
-    evolutions = {
-        name: Evolution(problem, discretise(name, problem)) for name in ("mdr", "fem", "bem")
-    }
-    reference = evolutions["mdr"]
-    stationary = reference.time_of(STATIONARY)
-
-    def by_solver(times: Array) -> xarray.Dataset:
-        states = [evolution.states(times) for evolution in evolutions.values()]
-        joined = xarray.concat(states, xarray.Variable("solver", list(evolutions)))
-        return joined.assign_coords(time=times / stationary)
-
-    between = [reference.time_of(percent / 100) for percent in PERCENTS[1:-1]]
-    states = by_solver(np.array([0.0, *between, reference.end]))
-    # dense at the start, where the rim wears
-    history = by_solver(1.25 * stationary * np.linspace(0, 1, 161) ** 3)
-    pressures = direct.steady_pressures(*problem.rings)
-    profile = direct.limiting_profile(problem.ring_edges, pressures, problem.radii)
-    limiting = xarray.Dataset(
-        {
-            "f_over_d0": ("radius", profile / D0),
-            "p_over_p0": ("radius", pressures[ring_of(problem.ring_edges, problem.radii)] / P0),
-        },
-        {"radius": problem.radii},
-    )
-    return FiveRings(problem, evolutions, stationary, states, history, limiting)
+    def _by_solver(self, times: Array) -> xarray.Dataset:
+        states = [evolution.states(times) for evolution in self.evolutions.values()]
+        joined = xarray.concat(states, xarray.Variable("solver", list(self.evolutions)))
+        return joined.assign_coords(time=times / self.stationary)
 
 
 def compute_relaxation_times(problem: Problem, counts: tuple[int, ...]) -> xarray.DataArray:
     """Return (rings, wear_ratio) slowest relaxation times over ``a / (E* k_slow v0)``, by MDR."""
-    slowest = np.empty((len(counts), len(WEAR_RATIOS)))
-    for row, count in enumerate(progress(counts, "rings")):
-        rings = Rings.alternating(count, 1.0, WEAR_RATIO)
+    ratios = 10.0 ** np.linspace(-4, 4, 33)
+    slowest = []
+    for count in progress(counts, "rings"):
+        rings = Rings.alternating(count, 1.0, 10.0)
         # measured: the slowest time to 1e-7
         compliance = discretise("mdr", replace(problem, rings=rings, times=np.empty(0), rtol=1e-3))
-        for column, ratio in enumerate(WEAR_RATIOS):
+        for ratio in ratios:
             coefficients = Rings.alternating(count, 1.0, ratio).wear_coefficients
             wear = RunningIn(compliance, coefficients / coefficients.min())
-            slowest[row, column] = wear.slowest_times[0]
-    return xarray.DataArray(slowest, {"rings": list(counts), "wear_ratio": WEAR_RATIOS})
+            slowest.append(wear.slowest_times[0])
+    times = np.reshape(slowest, (len(counts), len(ratios)))
+    return xarray.DataArray(times, {"rings": list(counts), "wear_ratio": ratios})

@@ -9,10 +9,10 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from ..problem.scene import Scene
-from ..tables import Table, keeping_rows, write_page
+from ..tables import keeping_rows
 from . import claims, figures
 from .gradients import compute_gradients
-from .running_in import compute_five_rings, compute_relaxation_times
+from .running_in import FiveRings, compute_relaxation_times
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
@@ -20,11 +20,10 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     problem, quick = scene.problem, options.quick
     wanted = {options.fig} if options.fig else {4, 5, 6, 7}
     conclusions: list[str] = []
-    tables: dict[str, Table] = {}
     # the matrices are small: threads would only wait on each other
     with threadpool_limits(1), keeping_rows(conclusions):
         if wanted & {4, 5}:
-            five = compute_five_rings(problem)
+            five = FiveRings(problem)
             conclusions.append(
                 f"Figs. 4, 5: {', '.join(five.evolutions)}; 70 % of the displacement difference "
                 f"after {float(five.states.time[4]):.1%} of t_stat"
@@ -49,9 +48,9 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
             slowest.to_dataframe("over_slower").to_csv(out / "relaxation.csv")
             many = (64, 128) if quick else (256, 512, 1024)
             quantities = claims.measure_running_in(five, slowest)
-            quantities |= claims.measure_gradients(curves[6], curves[7], many)
-            rows = claims.judge_claims(quantities)
-            tables["The paper's claims"] = Table(out / "claims.csv", rows[0], rows)
-            conclusions += claims.conclude(rows)
-    write_page(out / "paper.md", "The paper again", [*conclusions, claims.definitions()], tables)
+            quantities |= claims.measure_wear_ratios(curves[6], many)
+            quantities |= claims.measure_width_ratios(curves[7], quantities["wear"])
+            table = claims.judge_claims(quantities)
+            table.to_csv(out / "claims.csv", index=False)
+            conclusions += [*claims.conclude(table), claims.definitions()]
     return conclusions

@@ -6,38 +6,36 @@ Limits from both sides, methods against each other, and the files it writes.
 from __future__ import annotations
 
 import argparse
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from conftest import Prepare
-from mpmath import mp
+from scipy.integrate import quad
 
 from ringwear import Scene
 from ringwear.mdr import direct
 from ringwear.mdr.transforms import profile_transform
 from ringwear.meshes.radial import alternating_edges
-from ringwear.studies.numerics.steady_rings import SteadyRings
 from ringwear.studies.paper import study as paper
 from ringwear.studies.paper.claims import judge
 from ringwear.studies.paper.gradients import (
-    compliance_grams,
+    compliance_gradients,
     direct_gradients,
-    fem_grams,
-    gradients,
     homogeneous,
     many_rings,
     odd_and_even,
 )
-from ringwear.studies.paper.running_in import PERCENTS, STATIONARY, FiveRings, compute_five_rings
+from ringwear.studies.paper.running_in import PERCENTS, STATIONARY, FiveRings
 
 RATIOS = 10.0 ** np.linspace(-4, 4, 41)
 
 
 @pytest.fixture(scope="module")
 def five() -> FiveRings:
-    return compute_five_rings(Scene.load("five_rings").problem)
+    return FiveRings(Scene.load("five_rings").problem)
 
 
 @pytest.fixture(scope="module")
@@ -52,21 +50,17 @@ def conduct(out: Path, fig: int | None = None) -> None:
     paper.conduct(Scene.load("five_rings"), out, argparse.Namespace(fig=fig, quick=True))
 
 
-@pytest.mark.parametrize("rings", [2, 16, 64])
-@pytest.mark.parametrize("width_ratio", [0.1, 1.0, 10.0])
-def test_slopes_against_carlsons_integrals(rings: int, width_ratio: float) -> None:
-    """The quadrature that all curves rest on, against one of another kind."""
-    edges = alternating_edges(rings, width_ratio)
-    line, _ = direct.slope_gram(edges, odd_and_even(rings))
-    np.testing.assert_allclose(line, SteadyRings(edges).grams[0], rtol=1e-9)
+@pytest.mark.parametrize("width_ratio", [0.1, 10.0])
+def test_slopes_against_another_quadrature(width_ratio: float) -> None:
+    """The quadrature that all curves rest on, which knows where slopes have logarithmic poles."""
+    edges = alternating_edges(8, width_ratio)
+    pressures = odd_and_even(8) @ [1.0, 0.01]
 
+    def square(radius: float) -> float:
+        return float(direct.slope(edges, pressures, np.array([radius]))[0] ** 2)
 
-@pytest.mark.parametrize("ratio", [1e-9, 0.1, 0.1999999, 0.2000001, 0.7, 1 - 1e-6])
-def test_slope_where_series_and_closed_form_meet(ratio: float) -> None:
-    value = direct.disc_slope(np.array([1.0]), np.array([ratio]))[0]
-    with mp.workdps(40):
-        exact = 4 / mp.pi * (mp.ellipe(mp.mpf(ratio) ** 2) - mp.ellipk(mp.mpf(ratio) ** 2)) / ratio
-    assert value == pytest.approx(float(exact), rel=1e-9 if ratio > 0.99 else 1e-13)
+    squares = [quad(square, *ends, epsabs=0.0, epsrel=1e-10)[0] for ends in pairwise(edges)]
+    assert direct.rms_slope(edges, pressures) == pytest.approx(np.sqrt(sum(squares)), rel=1e-9)
 
 
 def test_one_quadratic_form_serves_all_wear_ratios() -> None:
@@ -81,16 +75,8 @@ def test_gradient_by_mdr(prepare: Prepare) -> None:
     """The other theory: line densities, no elliptic integrals, no closed form of a ring."""
     ready = prepare("five_rings", "mdr", accuracy__rtol=1e-8)
     edges = ready.problem.ring_edges
-    values = gradients(compliance_grams(ready.compliance), edges, RATIOS)
+    values = compliance_gradients(ready.problem, ready.compliance, RATIOS)
     np.testing.assert_allclose(values, direct_gradients(edges, RATIOS), rtol=1e-4)
-
-
-@pytest.mark.parametrize(("rings", "width_ratio"), [(2, 1.0), (4, 0.1), (8, 10.0)])
-def test_gradient_by_finite_elements(rings: int, width_ratio: float) -> None:
-    edges = alternating_edges(rings, width_ratio)
-    grams = fem_grams(Scene.load("five_rings").problem, rings, width_ratio)
-    values = gradients(grams, edges, RATIOS)
-    np.testing.assert_allclose(values, direct_gradients(edges, RATIOS), rtol=5e-4)
 
 
 def test_many_rings_from_both_sides() -> None:
@@ -126,11 +112,6 @@ def test_extreme_ratios_leave_the_slower_rings_alone(ratios: list[float]) -> Non
     edges = alternating_edges(6, 2.0)
     nearly, alone = direct_gradients(edges, np.array(ratios)).T
     np.testing.assert_allclose(alone, nearly, rtol=1e-8)
-    slow = odd_and_even(6)[:, int(ratios[0] < 1)]
-    with np.errstate(divide="ignore"):
-        pressures = direct.steady_pressures(edges, 1 / slow)
-    line = direct.rms_slope(edges, pressures, "line")
-    assert alone[0] == pytest.approx(line * np.pi / homogeneous()[0], rel=1e-12)
 
 
 def test_times_of_the_states(five: FiveRings) -> None:
@@ -176,7 +157,7 @@ def test_steady_state_in_units_of_the_paper(five: FiveRings) -> None:
 
 def test_files(written: Path) -> None:
     figures = {f"fig{number}{end}" for number in (4, 5, 6, 7) for end in (".png", ".csv")}
-    tables = {"claims.csv", "relaxation.csv", "paper.md"}
+    tables = {"claims.csv", "relaxation.csv"}
     assert {file.name for file in written.iterdir()} == figures | tables
     for number in (6, 7):
         rows = pd.read_csv(written / f"fig{number}.csv")
@@ -196,8 +177,6 @@ def test_claims(written: Path) -> None:
     (refuted,) = claims[claims.verdict == "does not hold"].values.tolist()
     assert "2.4" in refuted[1]
     assert "2.2840" in refuted[2]
-    text = (written / "paper.md").read_text("utf-8")
-    assert all(claim in text for claim in claims["the paper says"])
 
 
 @pytest.mark.parametrize(
@@ -219,4 +198,4 @@ def test_verdicts(condition: str, holds: bool) -> None:
 
 def test_one_figure_only(tmp_path: Path) -> None:
     conduct(tmp_path, fig=5)
-    assert sorted(file.name for file in tmp_path.iterdir()) == ["fig5.csv", "fig5.png", "paper.md"]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["fig5.csv", "fig5.png"]

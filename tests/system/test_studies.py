@@ -38,7 +38,7 @@ def interrupted_at(line: int) -> Iterator[None]:
         left = line
 
         def emit(self, record: logging.LogRecord) -> None:
-            self.left -= record.name == LOG.name  # stages of methods are not lines of a study
+            self.left -= "level" in record.getMessage()
             if self.left == 0:
                 raise KeyboardInterrupt
 
@@ -69,7 +69,6 @@ def test_a_study_stopped_early_keeps_its_tables(name: str, line: int, tmp_path: 
         lines = STUDIES[name].conduct(Scene.load("five_rings"), tmp_path, options)
     assert INTERRUPTED in lines
     assert len(rows(tmp_path / f"{name}.csv")) == line - 1
-    assert INTERRUPTED in (tmp_path / f"{name}.md").read_text("utf-8")
 
 
 def test_ctrl_c_outside_of_a_studys_rows_leaves_nothing(
@@ -130,7 +129,7 @@ def test_ctrl_c_while_the_page_is_written_keeps_all_the_rest(
     assert main(["study", "march", "--quick", "--out", str(tmp_path)]) == 1
     assert INTERRUPTED in capsys.readouterr().out
     names = {file.name for file in tmp_path.iterdir()}
-    assert {"march.csv", "march.md", "march.png"} <= names
+    assert {"march.csv", "orders.csv", "march.png"} <= names
     assert "report.html" not in names
 
 

@@ -37,25 +37,6 @@ def test_indentation_by_graded_radii(degree: int, exponent: int, cap: float) -> 
     assert errors[-1] <= cap
 
 
-@pytest.mark.parametrize("march", ["implicit", "explicit"])
-def test_marches_tend_to_the_modes(prepare: Any, march: str) -> None:
-    """First order in the step, over a history long enough for many of them."""
-    # few unknowns: the explicit march is stable at these steps
-    sizes = {f"accuracy__mdr__{size}": 0.05 for size in ("rim_size", "ring_size")}
-    wear = prepare("five_rings", "mdr", accuracy__mdr__degree=1, **sizes).wear
-    times, steps = np.array([0.5, 1.0, 5.0]), np.array([4e-3, 2e-3, 1e-3])
-    exact = wear.modal(times)
-    errors = []
-    for step in steps:
-        marched = wear.history(times, march, step)
-        errors.append(np.abs(marched.indentation - exact.indentation))
-        # Euler's sums leave the balance of forces alone
-        assert np.abs(marched.pressure @ wear.compliance.space.weights - 1).max() <= 1e-12
-    for of_time in np.array(errors).T:
-        assert order(steps, of_time) == pytest.approx(1, abs=0.05)
-    assert errors[-1].max() <= 1e-5
-
-
 def paper_grid(count: int) -> UniformGrid:
     return UniformGrid(alternating_edges(5), np.array([0.1, 1, 0.1, 1, 0.1]), count)
 
