@@ -23,6 +23,7 @@ import xarray
 from ringwear import Scene, sweep
 from ringwear.meshes.errors import RingwearError, SceneError, SolverError
 from ringwear.studies.cli import main
+from ringwear.studies.output.folder import lock_folder
 from ringwear.studies.sweep import compute, store
 from ringwear.studies.sweep.store import Store
 from ringwear.studies.versions import differing, fingerprint
@@ -183,7 +184,7 @@ def test_damaged_metadata_are_made_again(tmp_path: Path, undisturbed: Path, file
 
 
 def test_one_sweep_to_a_directory(tmp_path: Path) -> None:
-    with store.lock_folder(tmp_path), pytest.raises(SceneError, match="another sweep is writing"):
+    with lock_folder(tmp_path), pytest.raises(SceneError, match="another run"):
         swept(tmp_path)
     swept(tmp_path)
     with pytest.raises(SceneError, match="--resume"):
