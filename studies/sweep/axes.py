@@ -206,9 +206,7 @@ class Sweep:
 
     def part(self, region: tuple[slice, ...]) -> "Sweep":
         """Return a box of the grid as a sweep of its own."""
-        axes = {
-            dim: self.axes[dim][places] for dim, places in zip(self.axes, region, strict=True)
-        }
+        axes = {dim: self.axes[dim][places] for dim, places in zip(self.axes, region, strict=True)}
         return replace(self, table={"base": self.table["base"]}, axes=axes)
 
     @property

@@ -53,7 +53,11 @@ def template(sweep: Sweep) -> xarray.Dataset:
 
     coordinates: dict[str, tuple[str, Any, dict[str, Any]]] = {
         "time": ("time", first.wear.times, described("time of sliding", "time")),
-        "radius": ("radius", first.output.radii or [], described("distance from the axis", "length")),
+        "radius": (
+            "radius",
+            first.output.radii or [],
+            described("distance from the axis", "length"),
+        ),
         "ring": ("ring", np.arange(1, rings + 1), {"long_name": "ring, counted from the centre"}),
         "mode": ("mode", np.arange(1, SHOWN + 1), {"long_name": "wear mode, slowest first"}),
         "state": ("state", np.array(STATES, dtype=object), {}),

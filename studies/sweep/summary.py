@@ -70,8 +70,8 @@ def draw(dataset: xarray.Dataset, sweep: Sweep) -> bytes:
     texts = [name for name, label in dataset.coords.items() if label.dtype.kind in "OTU"]
     for name in texts:
         # matplotlib would read a formula between two dollars
-        escaped = dataset[name].astype(object).str.replace("$", r"\$", regex=False)
-        dataset = dataset.assign_coords({name: escaped})
+        escaped = [str(text).replace("$", r"\$") for text in dataset[name].values]
+        dataset = dataset.assign_coords({name: (dataset[name].dims, escaped)})
     dims: list[Any] = sorted(sweep.dims, key=lambda dim: (dim in texts, -dataset.sizes[dim]))
     shown = [DRAW] if DRAW in dims else dims[:2]
     places = {dim: 0 for dim in ("mode", "solver", *dims) if dim not in shown} | {"time": -1}
