@@ -18,7 +18,7 @@ A dimension has the name of the last part of its key, or of its last two where t
 
 import copy
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib.resources import files
@@ -77,10 +77,10 @@ class Sweep:
     """
 
     table: Table
-    axes: Mapping[str, list[Table]]
+    axes: dict[str, list[Table]]
     name: str
     keep: tuple[str, ...] = ()
-    labels: Mapping[str, list[float]] = field(default_factory=dict)
+    labels: dict[str, list[float]] = field(default_factory=dict)
 
     @classmethod
     def load(cls, source: str | Path) -> Self:
@@ -335,16 +335,12 @@ def _checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
             for name, quantity in QUANTITIES.items()
             if name in computed and not {"radius", "ring"} & set(quantity.dims)
         )
-    if not (isinstance(keep, list) and keep and set(map(str, keep)) <= set(KEEPABLE)):
+    computed.add("relaxation_time")
+    if not (isinstance(keep, list) and keep and set(map(str, keep)) <= computed):
         raise SceneError(
-            f"{name}: keep = {keep!r} names what is no quantity of a flat punch: give a list of "
-            f"{', '.join(KEEPABLE)}"
-        )
-    if missing := set(keep) - computed - {"relaxation_time"}:
-        quantity = min(missing)
-        remedy = "wear.steady = true" if quantity.startswith("steady_") else "wear.times"
-        raise SceneError(
-            f"{name}: keep names '{quantity}', which the base does not ask for: give it {remedy}"
+            f"{name}: keep = {keep!r} names what is no quantity of a flat punch like the base: give a list of "
+            f"{', '.join(sorted(computed))}; histories need wear.times, and steady quantities "
+            "wear.steady = true"
         )
     return tuple(dict.fromkeys(keep))
 

@@ -23,13 +23,14 @@ from ..crosscheck.accuracy import solved_to_accuracy
 from ..crosscheck.agreement import worst
 from ..crosscheck.answer import answer
 from ..methods.base import Method, Solution, method
-from ..methods.quantities import ANSWER, QUANTITIES, common, error_name
+from ..methods.quantities import common, error_name
+from ..methods.quantities import values as read_values
 from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..problem.shared import groups
 from ..progress import LOG, Stages
 from ..versions import differing, fingerprint
-from .axes import ANSWERS, Sweep
+from .axes import ANSWERS, KEEPABLE, Sweep
 from .store import DONE, FAILED, PENDING
 
 # of the code that this process has loaded: files may change later
@@ -228,16 +229,20 @@ def solve(solver: Method, problems: Sequence[Problem]) -> list[Solution | Except
 
 def _quantities(problem: Problem, solution: Solution, keep: tuple[str, ...]) -> dict[str, Array]:
     """Return quantities to keep, their errors, and answers, in the scene's units."""
-    results: dict[str, Array] = {}
-    answers = answer(problem, solution) if ANSWERS.keys() & set(keep) else {}
-    for name in keep:
-        if name in answers:
-            results[name] = answers[name] * getattr(problem.units, ANSWER[name].unit)
-        elif name in solution.results:
-            scale = getattr(problem.units, QUANTITIES[name].unit)
-            results[name] = solution.results.variables[name].values * scale
-            results[error_name(name)] = np.asarray(solution.errors[name])
-    return results
+    results = read_values(solution.results)
+    if ANSWERS.keys() & set(keep):
+        results |= answer(problem, solution)
+    scaled = {
+        name: results[name] * getattr(problem.units, KEEPABLE[name].unit)
+        for name in keep
+        if name in results
+    }
+    errors = {
+        error_name(name): np.asarray(solution.errors[name])
+        for name in keep
+        if name in solution.results
+    }
+    return scaled | errors
 
 
 def estimate_cost(sweep: Sweep, blank: xarray.Dataset, workers: int) -> list[str]:

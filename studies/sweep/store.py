@@ -99,26 +99,24 @@ def block_shape(sweep: Sweep, blank: xarray.Dataset) -> tuple[int, ...]:
     A block holds the scenes of one geometry as far as that is not too many, for they share a
     discretisation; of few scenes it takes several geometries. Large sweeps have larger blocks.
     """
-    # closed forms take a fraction of a millisecond
-    closed = blank["solver"].values.tolist() == ["direct"]
-    least, most = (256, 1024) if closed else (8, 64)
-    larger = min(max(sweep.count // (128 * most), 1), 16)
-    room = 2**27 * sweep.count // blank.nbytes
     # beginnings of keys that scenes may differ in and yet share a discretisation
     sharing = (
         *("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs"),
         *("load.", "wear.", "output.", "title"),
     )
-    alike = [all(key.startswith(sharing) for key in rows[0]) for rows in sweep.axes.values()]
-    block = [1] * len(alike)
+    # closed forms take a fraction of a millisecond
+    largest = 256 if blank["solver"].values.tolist() == ["direct"] else 16
+    larger = min(max(sweep.count // 8192, 1), largest)
+    in_memory = 2**27 * sweep.count // blank.nbytes
+    block = dict.fromkeys(sweep.axes, 1)
     # the last axes first, as their scenes stand side by side in the store
-    for scenes, shares in ((most, True), (least, False)):
-        for at in reversed(range(len(alike))):
-            lengths = min(scenes * larger, room) // prod(block)
-            if alike[at] == shares and lengths > 1:
+    for scenes, shared in ((64, True), (8, False)):
+        for dim, rows in reversed(sweep.axes.items()):
+            room = min(scenes * larger, in_memory) // prod(block.values())
+            if room > 1 and shared == all(key.startswith(sharing) for key in rows[0]):
                 # in parts of about one length
-                block[at] = ceil(sweep.shape[at] / ceil(sweep.shape[at] / lengths))
-    return tuple(block)
+                block[dim] = ceil(len(rows) / ceil(len(rows) / room))
+    return tuple(block.values())
 
 
 class Store:

@@ -32,10 +32,9 @@ def write_summary(dataset: xarray.Dataset, sweep: Sweep, out: Path) -> tuple[lis
         "sweep": sweep.table,
     }
     lines = [f"{done} scenes finished, {failed} failed, {left} left"]
-    for word, key, flag in (("failed", "reasons", FAILED), ("left", "reasons_pending", PENDING)):
-        texts = reasons[(status == flag) & (reasons != "")].value_counts().head(10)
-        summary[key] = texts.to_dict()
-        lines += [f"{word}: {reason} ({count} scenes)" for reason, count in texts.items()]
+    texts = reasons[reasons != ""].value_counts().head(10)
+    summary["reasons"] = texts.to_dict()
+    lines += [f"{reason} ({count} scenes)" for reason, count in texts.items()]
     if failed or left:
         lines.append("--resume computes what is left, and with --retry-failed what failed")
     disagreeing = int((dataset["disagreement"] > 1).sum()) if "disagreement" in dataset else 0

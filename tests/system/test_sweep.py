@@ -253,7 +253,7 @@ def test_answers_are_those_of_run() -> None:
         assert here[name].dims == alone[name].dims
         assert here[name].notnull().any()
         np.testing.assert_allclose(here[name], alone[name], rtol=1e-3, err_msg=name)
-    with pytest.raises(SceneError, match=r"worn_volume.* give it wear.times"):
+    with pytest.raises(SceneError, match=r"worn_volume.* need wear.times"):
         sweep(FIVE.changed(wear__times=[]), {"punch.rings": [2]}, ["worn_volume"])
 
 

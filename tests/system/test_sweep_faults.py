@@ -73,7 +73,8 @@ def compute_into(directory: Path, **options: Any) -> xarray.Dataset:
 
 
 def statuses(directory: Path) -> list[int]:
-    return xarray.open_zarr(directory / "sweep.zarr")["status"].values.ravel().tolist()
+    path = directory / "sweep.zarr"
+    return xarray.open_zarr(path)["status"].values.ravel().tolist() if path.exists() else []
 
 
 @pytest.fixture(scope="module")
@@ -194,12 +195,8 @@ def fail_for_three_rings(patch: pytest.MonkeyPatch, error: Exception) -> None:
 
 
 @pytest.mark.parametrize(
-    ("error", "status", "word"),
-    [
-        (ValueError("a bad day"), 2, "failed"),
-        (MemoryError("no room"), 0, "left"),
-        (OSError("too many files"), 0, "left"),
-    ],
+    ("error", "status"),
+    [(ValueError("a bad day"), 2), (MemoryError("no room"), 0), (OSError("too many files"), 0)],
     ids=str,
 )
 def test_failures_and_what_the_machine_lacked(
@@ -208,7 +205,6 @@ def test_failures_and_what_the_machine_lacked(
     capsys: pytest.CaptureFixture[str],
     error: Exception,
     status: int,
-    word: str,
 ) -> None:
     """The command ends with 1, and says why; neighbours are there.
 
@@ -221,7 +217,7 @@ def test_failures_and_what_the_machine_lacked(
         fail_for_three_rings(patch, error)
         assert main(command) == 1
     said = capsys.readouterr().out
-    assert f"{word}: mdr: {type(error).__name__}: {error} (8 scenes)" in said
+    assert f"mdr: {type(error).__name__}: {error} (8 scenes)" in said
     assert statuses(out) == [1] * 8 + [status] * 8 + [1] * 8
     results = xarray.open_zarr(out / "sweep.zarr")["steady_rms_slope"].isel(solver=0)
     np.testing.assert_array_equal(results.notnull().all("wear_ratio"), [True, False, True])
