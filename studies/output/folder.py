@@ -163,7 +163,7 @@ def lock_folder(out: Path) -> Iterator[None]:
         handle = os.open(out, os.O_RDONLY)
     except OSError as error:
         raise SceneError(
-            f"--out {out} cannot be written to: {error.strerror}; give another directory"
+            f"--out {out} cannot be written to: {error.strerror}; give a directory that can be"
         ) from error
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

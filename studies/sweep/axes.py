@@ -338,9 +338,9 @@ def _checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
     computed.add("relaxation_time")
     if not (isinstance(keep, list) and keep and set(map(str, keep)) <= computed):
         raise SceneError(
-            f"{name}: keep = {keep!r} names what is no quantity of a flat punch like the base: give a list of "
-            f"{', '.join(sorted(computed))}; histories need wear.times, and steady quantities "
-            "wear.steady = true"
+            f"{name}: keep = {keep!r} names what is no quantity of a flat punch like the base: "
+            f"give a list of {', '.join(sorted(computed))}; histories need wear.times, and steady "
+            "quantities wear.steady = true"
         )
     return tuple(dict.fromkeys(keep))
 
