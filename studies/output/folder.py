@@ -118,6 +118,8 @@ def output_folder(out: Path, command: str, names: Iterable[str] = ()) -> Iterato
         if the folder cannot be written to, another run holds it, or files of others have names
         that are needed
     """
+    if os.path.lexists(out) and not out.is_dir():
+        raise SceneError(f"--out {out} is not a directory: give a directory")
     out = out.resolve()
     made = [folder for folder in (out, *out.parents) if not folder.exists()]
     old, new = _beside(out, "old"), _beside(out, "new")
@@ -163,7 +165,7 @@ def lock_folder(out: Path) -> Iterator[None]:
         handle = os.open(out, os.O_RDONLY)
     except OSError as error:
         raise SceneError(
-            f"--out {out} cannot be written to: {error.strerror}; give a directory that can be"
+            f"--out {out} cannot be written to: {error.strerror}; give another directory"
         ) from error
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
