@@ -62,11 +62,15 @@ def compute_blocks(
         return
     from distributed import KilledWorker, wait
 
-    rest, running = iter(blocks.items()), dict[Any, int]()
+    rest, running, checked = iter(blocks.items()), dict[Any, int](), set[str]()
     with connect(scheduler, min(workers, len(blocks)), memory) as client:
         while True:
             # none waits behind another, with which its worker might die
-            window = max(1, sum(client.nthreads().values()))
+            threads = client.nthreads()
+            if set(threads) - checked:
+                _check_workers(client)
+                checked |= set(threads)
+            window = max(1, sum(threads.values()))
             for number, block in islice(rest, max(0, window - len(running))):
                 future = client.submit(compute_block, block, blank, FINGERPRINT, pure=False)
                 running[future] = number
@@ -85,12 +89,17 @@ def compute_blocks(
                     LOG.warning("   sweep  %d scenes kill worker after worker: left out", count)
                 elif error:
                     reason = f"{type(error).__name__}: {error}".splitlines()[0]
-                    raise SolverError(
-                        f"a worker cannot compute ({reason}): install the same ringwear on the "
-                        f"scheduler and all workers; {RESUME}"
-                    ) from error
+                    raise SolverError(f"a worker cannot compute ({reason}); {RESUME}") from error
                 else:
                     yield number, future.result()
+
+
+def _check_workers(client: Any) -> None:
+    """Refuse workers with another ringwear, or none, before they are given anything."""
+    for worker, reply in client.run(fingerprint, on_error="return").items():
+        if reply != FINGERPRINT:
+            other = differing(reply) if isinstance(reply, str) else f"ringwear ({reply})"
+            raise SolverError(f"{worker} has another {other}: install the same on it; {RESUME}")
 
 
 @contextmanager
@@ -148,7 +157,7 @@ def compute_block(sweep: Sweep, blank: xarray.Dataset, computed_by: str) -> dict
         if this is another ringwear
     """
     if computed_by != FINGERPRINT:
-        raise SolverError(f"it has another {differing(computed_by)} than the process that asks")
+        raise SolverError(f"it has another {differing(computed_by)}: install the same on it")
     values = {
         str(name): np.stack([variable.values] * sweep.count)
         for name, variable in blank.data_vars.items()

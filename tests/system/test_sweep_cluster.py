@@ -170,7 +170,7 @@ def test_a_worker_without_ringwear_is_told(cluster: Cluster) -> None:
     while not (cluster.out).exists():
         time.sleep(0.1)
     cluster.worker(WITHOUT)
-    expect(sweep, 1, "install the same ringwear")
+    expect(sweep, 1, "has another ringwear")
 
 
 def test_a_block_that_kills_its_workers_is_left_out(cluster: Cluster, here: Path) -> None:
