@@ -51,6 +51,7 @@ DEADLY = PRELOAD.format("""
 ENDLESS = PRELOAD.format("time.sleep(1000)")
 # until a file is gone, from the second block on
 HALTING = PRELOAD.format("""
+    Path("begun").touch()
     while Path("halt").exists():
         time.sleep(0.1)
     Path("halt").touch()
@@ -167,7 +168,7 @@ def test_a_worker_without_ringwear_is_told(cluster: Cluster) -> None:
     """Also where it comes later, and others compute."""
     cluster.worker(ENDLESS)
     sweep = cluster.sweep()
-    while not (cluster.out).exists():
+    while not cluster.out.exists():
         time.sleep(0.1)
     cluster.worker(WITHOUT)
     expect(sweep, 1, "has another ringwear")
@@ -198,9 +199,8 @@ def test_a_worker_that_is_lost(cluster: Cluster, here: Path) -> None:
     (cluster.directory / "halt").touch()
     first = cluster.worker(HALTING)
     sweep = cluster.sweep()
-    while not statuses(cluster.out):
+    while not (cluster.directory / "begun").exists():
         time.sleep(0.2)
-    time.sleep(1)
     first.kill()
     assert sweep.stderr is not None
     while "from 0 workers" not in (line := sweep.stderr.readline()):
