@@ -313,8 +313,9 @@ def begin(directory: Path, *arguments: str) -> subprocess.Popen[str]:
 
 
 def children(process: subprocess.Popen[str]) -> list[int]:
-    listed = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text()
-    return [int(number) for number in listed.split()]
+    """Processes that any of its threads has started, in their order."""
+    threads = Path(f"/proc/{process.pid}/task").glob("*/children")
+    return sorted(int(number) for thread in threads for number in thread.read_text().split())
 
 
 def alive(process: int) -> bool:
