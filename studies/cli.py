@@ -209,14 +209,14 @@ def _study(options: argparse.Namespace) -> Status:
 
 
 def _sweep(options: argparse.Namespace) -> Status:
-    from .sweep.conduct import swept
+    from .sweep.conduct import conduct
 
     if options.workers < 1:
         raise SceneError(f"--workers {options.workers}: give 1 or more")
     if options.retry_failed and not options.resume:
         raise SceneError("--retry-failed tries again what is in the directory: give --resume, too")
     out = _out(options, options.file)
-    conclusions, complete, agree = swept(options.file, out, options)
+    conclusions, complete, agree = conduct(options.file, out, options)
     print("\n".join(conclusions))
     if not complete:
         return Status.FAILED

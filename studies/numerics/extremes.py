@@ -26,9 +26,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ...mdr import direct
 from ...meshes.errors import RingwearError
 from ..crosscheck.dataset import Result
-from ..crosscheck.known import energy_of_rings, steady_state
 from ..crosscheck.run import run
 from ..figures.style import GREYS, RED, legend_of, new_figure
 from ..methods.quantities import QUANTITIES
@@ -121,18 +121,21 @@ def rank(judged: dict[str, Any]) -> tuple[int, float]:
 def judge_quantities(result: Result) -> Iterator[dict[str, Any]]:
     """Yield the verdict on every number that has a closed form, and on every anchor."""
     problem, ((_, solution),) = result.scene.problem, result.solutions.items()
-    steady, times = steady_state(problem), problem.times
+    edges, times = problem.merged.ring_edges, problem.times
+    pressures = direct.steady_pressures(*problem.merged)
+    wear_rate = pressures[0] * problem.merged.wear_coefficients[0]
     expected: dict[str, Any] = {
-        "steady_wear_rate": steady.wear_rate,
-        "steady_displacement_max": steady.greatest,
-        "steady_rms_slope": steady.slope,
+        "steady_wear_rate": wear_rate,
+        "steady_displacement_max": direct.greatest_displacement(edges, pressures),
+        "steady_rms_slope": direct.rms_slope(edges, pressures, problem.gradient_average),
     }
     if solution.wear and len(times):
         # after fifty of the slowest relaxation times, 0.4 / k_min, only the steady state is left
         late = times > 50 * 0.4 / problem.wear_coefficients.min()
-        work = energy_of_rings(problem.merged.ring_edges, steady.merged_pressures)
+        steps = direct.pressure_steps(pressures)
+        work = steps @ direct.disc_energies(edges[1:]) @ steps
         between = np.where(times > 0, np.nan, D0)
-        expected["indentation"] = np.where(late, steady.wear_rate * times + work, between)
+        expected["indentation"] = np.where(late, wear_rate * times + work, between)
     for name, exact in expected.items():
         unit = getattr(problem.units, QUANTITIES[name].unit)
         errors = np.abs(result.dataset[name].values[0] / unit / exact - 1)

@@ -12,6 +12,7 @@ import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from ...meshes.errors import SceneError
 from .signals import signals_wait
@@ -121,39 +122,51 @@ def output_folder(out: Path, command: str, names: Iterable[str] = ()) -> Iterato
         raise SceneError(f"--out {out} is not a directory: give a directory")
     out = out.resolve()
     made = [folder for folder in (out, *out.parents) if not folder.exists()]
-    leftovers = _beside(out, "old"), _beside(out, "new"), out / ".writing"
-    try:
-        if leftovers[0].exists() and not out.exists():
-            leftovers[0].rename(out)
-        out.mkdir(parents=True, exist_ok=True)
-        lock = _lock(out)
-        for directory in leftovers:
-            shutil.rmtree(directory, ignore_errors=True)
+    old, new = _beside(out, "old"), _beside(out, "new")
+    if old.exists() and not out.exists():
+        old.rename(out)
+    with lock_folder(out):
         folder = Folder(out, command)
-        folder.hidden.mkdir()
+        for leftover in (old, new, folder.hidden):
+            shutil.rmtree(leftover, ignore_errors=True)
+        try:
+            folder.hidden.mkdir()
+            folder.refuse_to_replace(names)
+            yield folder
+            with signals_wait():
+                folder.publish()
+        finally:
+            with signals_wait():
+                shutil.rmtree(folder.hidden, ignore_errors=True)
+                for directory in made:
+                    with suppress(OSError):
+                        directory.rmdir()
+
+
+@contextmanager
+def lock_folder(out: Path) -> Iterator[None]:
+    """Make a folder and be the only run that writes to it.
+
+    The lock is the system's, and ends with the process, however that ends.
+
+    Raises
+    ------
+    SceneError
+        if it cannot be written to, or another run is writing to it
+    """
+    import fcntl
+
+    # a Path of "s3://bucket" has one slash left
+    if ":/" in str(out):
+        raise SceneError(f"--out {out} is no directory of this machine: give one, and copy from it")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        TemporaryFile(dir=out).close()
+        handle = os.open(out, os.O_RDONLY)
     except OSError as error:
         raise SceneError(
             f"--out {out} cannot be written to: {error.strerror}; give another directory"
         ) from error
-    try:
-        folder.refuse_to_replace(names)
-        yield folder
-        with signals_wait():
-            folder.publish()
-    finally:
-        with signals_wait():
-            shutil.rmtree(folder.hidden, ignore_errors=True)
-            os.close(lock)
-            for directory in made:
-                with suppress(OSError):
-                    directory.rmdir()
-
-
-def _lock(out: Path) -> int:
-    """Lock a folder until the process ends, however it ends, or the handle returned is closed."""
-    import fcntl
-
-    handle = os.open(out, os.O_RDONLY)
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -165,4 +178,7 @@ def _lock(out: Path) -> int:
     except OSError:
         # the file system has no locks
         pass
-    return handle
+    try:
+        yield
+    finally:
+        os.close(handle)

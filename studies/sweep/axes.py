@@ -18,21 +18,22 @@ A dimension has the name of the last part of its key, or of its last two where t
 
 import copy
 import tomllib
-from collections import Counter
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib.resources import files
+from itertools import permutations, product
 from math import prod
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
+from pandas import DataFrame
 
 from ...meshes.errors import SceneError
 from ..methods.quantities import ANSWER, HISTORIES, OF_PROFILES, QUANTITIES
 from ..problem.problem import Problem
-from ..problem.scene import Scene, declaration
+from ..problem.scene import Scene
 from ..problem.sections import WearSection
 
 Table = dict[str, Any]
@@ -58,36 +59,16 @@ RESERVED = ("solver", "time", "radius", "ring", "mode", "state", "status", "reas
 
 
 @dataclass(frozen=True, eq=False)
-class Axis:
-    """One dimension: its name, and the values of one or several scene keys along it."""
-
-    dim: str
-    columns: Mapping[str, list[Any]]
-
-    def __len__(self) -> int:
-        return len(next(iter(self.columns.values())))
-
-    @property
-    def shares_discretisation(self) -> bool:
-        """Whether scenes along it can share a discretisation."""
-        # beginnings of keys that scenes may differ in and yet share a discretisation
-        sharing = (
-            *("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs"),
-            *("load.", "wear.", "output.", "title"),
-        )
-        return all(key.startswith(sharing) for key in self.columns)
-
-
-@dataclass(frozen=True, eq=False)
 class Sweep:
     """Scenes over a labelled grid.
 
     Parameters
     ----------
     table : the sweep as nested dictionaries, its base a table: enough to make it again
-    axes : the dimensions
-    keep : names of the quantities to keep
+    axes : by dimension the changes of the base along it, as values of scene keys
     name : for messages
+    keep : names of the quantities to keep
+    labels : times and radii of the quantities to keep, by dimension: all scenes have the same
 
     Raises
     ------
@@ -96,22 +77,24 @@ class Sweep:
     """
 
     table: Table
-    axes: tuple[Axis, ...]
-    keep: tuple[str, ...]
-    name: str = "sweep"
+    axes: dict[str, list[Table]]
+    name: str
+    keep: tuple[str, ...] = ()
+    labels: dict[str, list[float]] = field(default_factory=dict)
 
     @classmethod
     def load(cls, source: str | Path) -> Self:
         """Read a sweep file, or a bundled one by its name."""
-        path, folder = Path(source), files("ringwear.studies") / "sweep" / "files"
-        bundled = {entry.name.removesuffix(".toml"): entry for entry in folder.iterdir()}
+        path, folder = Path(source), Path(str(files("ringwear.studies"))) / "sweep" / "files"
+        bundled = folder / f"{source}.toml"
         try:
-            file = path if path.exists() else bundled.get(str(source), path)
+            file = bundled if bundled.exists() and not path.exists() else path
             table = tomllib.loads(file.read_text("utf-8"))
         except (OSError, ValueError) as error:
+            names = ", ".join(sorted(entry.stem for entry in folder.iterdir()))
             raise SceneError(
                 f"{source} cannot be read ({error}): give a sweep file, TOML in UTF-8, or one of "
-                f"{', '.join(sorted(bundled))}"
+                f"{names}"
             ) from error
         return cls.of(table, str(source), path.parent)
 
@@ -122,32 +105,45 @@ class Sweep:
         Of each axis up to 200 values are tried, beside the first of the others. Values that are
         bad beyond that fail as scenes, with the reason.
         """
+        tables = ("axes", "zip", "random")
         for key, value in table.items():
-            if key not in ("base", "keep", "axes", "zip", "random"):
+            if key not in ("base", "keep", *tables) or (
+                key in tables and not isinstance(value, dict)
+            ):
                 raise SceneError(
-                    f"{name}: unknown key {key}: give base, keep, [axes], [zip] and [random]"
+                    f"{name}: {key} = {value!r} is not understood: give base, keep, and tables "
+                    "[axes], [zip] and [random] of scene keys"
                 )
-            if key in ("axes", "zip", "random") and not isinstance(value, dict):
-                raise SceneError(f"{name}: {key} = {value!r} is no table of scene keys")
-        axes = tuple(_axes(table, name))
+        axes = dict(_axes(table, name))
         if not axes:
             raise SceneError(f"{name}: nothing varies: give [axes], [zip] or [random]")
-        keys = {key for axis in axes for key in axis.columns}
-        base = _without_alternatives(_base_table(table.get("base"), name, folder), keys, name)
-        sweep = cls(table | {"base": base}, axes, (), name)
-        for number, axis in enumerate(axes):
-            for at in range(min(len(axis), 200)):
-                sweep.scene(tuple(at * (number == other) for other in range(len(axes))))
-        keep = _checked_keep(table.get("keep"), sweep.first.wear, name)
-        return replace(sweep, table=sweep.table | {"keep": list(keep)}, keep=keep)
+        base = table.get("base")
+        if not isinstance(base, str | dict):
+            raise SceneError(f"{name}: missing key base: give a file, a bundled scene or [base]")
+        if isinstance(base, str):
+            beside = (folder or Path()) / base
+            base = Scene.load(beside if beside.is_file() else base).table()
+        keys = {key for rows in axes.values() for key in rows[0]}
+        table = table | {"base": _without_alternatives(base, keys, name)}
+        first = cls(table, axes, name).first
+        keep = _checked_keep(table.get("keep"), first.wear, name)
+        dims = {dim for quantity in keep for dim in KEEPABLE[quantity].dims}
+        if "worn_volume" in keep and "wear.times" not in keys:
+            dims.add("time")  # by the last of which it is worn
+        labels = {dim: values for dim, values in _labels(first).items() if dim in dims}
+        sweep = cls(table | {"keep": list(keep)}, axes, name, keep, labels)
+        for rows in axes.values():
+            for row in rows[:200]:
+                sweep.scene(next(sweep.changes()) | row)
+        return sweep
 
     @property
     def dims(self) -> tuple[str, ...]:
-        return tuple(axis.dim for axis in self.axes)
+        return tuple(self.axes)
 
     @property
     def shape(self) -> tuple[int, ...]:
-        return tuple(len(axis) for axis in self.axes)
+        return tuple(map(len, self.axes.values()))
 
     @property
     def count(self) -> int:
@@ -157,130 +153,135 @@ class Sweep:
     @cached_property
     def first(self) -> Scene:
         """The scene of the first values."""
-        return self.scene((0,) * len(self.axes))
+        return self.scene(next(self.changes()))
 
-    def changes(self, index: tuple[int, ...]) -> Table:
-        """Return keys and values of one scene, by its place on each axis."""
-        places = zip(self.axes, index, strict=True)
-        return {key: values[at] for axis, at in places for key, values in axis.columns.items()}
+    def changes(self) -> Iterator[Table]:
+        """Yield what each scene changes of the base, in the order of the store."""
+        for rows in product(*self.axes.values()):
+            yield {key: value for row in rows for key, value in row.items()}
 
-    def scene(self, index: tuple[int, ...]) -> Scene:
-        """Return one scene, by its place on each axis."""
-        table, changes = copy.deepcopy(self.table["base"]), self.changes(index)
+    def scene(self, changes: Table) -> Scene:
+        """Return the scene of some changes.
+
+        Raises
+        ------
+        SceneError
+            if there is no such scene, or it does not fit the others
+        """
+        table = copy.deepcopy(self.table["base"])
         for key, value in changes.items():
             *path, last = key.split(".")
             section = table
             for step in path:
                 section = section.setdefault(step, {})
             section[last] = value
-        name = f"{self.name}, {', '.join(f'{key} = {changes[key]}' for key in changes)}"
+        name = f"{self.name}, {_in_words(changes)}"
         scene = Scene.from_table(table, name)
         if not scene.problem.full_contact:
             raise SceneError(
                 f"{name}: sweeps are over flat punches under a force: leave out punch.recess and "
                 "punch.profile, and give load.normal_force; or run such scenes one by one"
             )
+        for dim, values in self.labels.items():
+            if not values or values != _labels(scene)[dim]:
+                key = {"time": "wear.times", "radius": "output.radii"}[dim]
+                raise SceneError(
+                    f"{name}: something is kept over the {dim}, and not all scenes have the same "
+                    f"{key}: give the base {key} as numbers, or keep only what is not over them"
+                )
         return scene
 
     def problem(self, scene: Scene) -> Problem:
         """Return the problem of a scene, asking for what is to be kept and nothing else."""
-        needed = {quantity for name in self.keep for quantity in ANSWERS.get(name, (name,))}
         quantities = frozenset(
-            name for name in needed if name == "relaxation_time" or _is_computed(scene.wear, name)
+            part
+            for name in self.keep
+            for part in ANSWERS.get(name, (name,))
+            if part == "relaxation_time" or _is_computed(scene.wear, part)
         )
+        problem = replace(scene.problem, quantities=quantities)
         if quantities & HISTORIES:
-            return replace(scene.problem, quantities=quantities)
-        return replace(scene.problem, quantities=quantities, times=np.empty(0), march="modal")
-
-    @property
-    def last(self) -> "Sweep":
-        """The scene of the last values, as a sweep of its own."""
-        return self.part((slice(-1, None),) * len(self.axes))
+            return problem
+        return replace(problem, times=np.empty(0), march="modal")
 
     def part(self, region: tuple[slice, ...]) -> "Sweep":
         """Return a box of the grid as a sweep of its own."""
-        axes = (
-            Axis(axis.dim, {key: values[places] for key, values in axis.columns.items()})
-            for axis, places in zip(self.axes, region, strict=True)
-        )
-        return replace(self, table={"base": self.table["base"]}, axes=tuple(axes))
+        axes = {dim: self.axes[dim][places] for dim, places in zip(self.axes, region, strict=True)}
+        return replace(self, table={"base": self.table["base"]}, axes=axes)
 
     @property
     def coordinates(self) -> dict[str, tuple[str, str, list[Any]]]:
-        """Dimension, key and values of each coordinate; lists and tables become text."""
-        taken, coordinates = {*RESERVED, *self.dims}, {}
-        for axis in self.axes:
-            for number, (key, values) in enumerate(axis.columns.items()):
-                name = axis.dim if not number and axis.dim != DRAW else _named(key, taken)
-                plain = all(isinstance(value, int | float | str) for value in values)
-                coordinates[name] = axis.dim, key, values if plain else list(map(str, values))
-        return coordinates
+        """Dimension, key and values of each coordinate."""
+        dims = {key: dim for dim, rows in self.axes.items() for key in rows[0]}
+        return {
+            name: (dims[key], key, [row[key] for row in self.axes[dims[key]]])
+            for key, name in _coordinate_names(dims).items()
+        }
 
 
-def _base_table(base: Any, name: str, folder: Path | None) -> Table:
-    if isinstance(base, dict):
-        return base
-    if not isinstance(base, str):
-        raise SceneError(f"{name}: missing key base: give a file, a bundled scene or [base]")
-    beside = None if folder is None else folder / base
-    return Scene.load(beside if beside is not None and beside.is_file() else base).table()
+def _labels(scene: Scene) -> dict[str, list[float]]:
+    return {"time": scene.wear.times, "radius": scene.output.radii or []}
 
 
-def _axes(table: Table, name: str) -> Iterator[Axis]:
-    taken = set(RESERVED)
+def _in_words(changes: Table) -> str:
+    return ", ".join(f"{key} = {value}" for key, value in changes.items())
+
+
+def _axes(table: Table, name: str) -> Iterator[tuple[str, list[Table]]]:
+    """Yield each dimension, and the changes of the base along it."""
+    crossed, zipped = table.get("axes", {}), table.get("zip", {})
     draws = dict(table.get("random", {}))
     count, seed = draws.pop("count", 0), draws.pop("seed", None)
-    if bool(draws) != (isinstance(count, int) and count > 0 and isinstance(seed, int)):
+    if "random" in table and not (
+        draws and isinstance(count, int) and count > 0 and isinstance(seed, int)
+    ):
         raise SceneError(
             f"{name}: random.count = {count} and random.seed = {seed}: give how many, a whole "
             "number that the draws begin from, and scene keys to draw"
         )
-    for columns in [
-        *({key: table["axes"][key]} for key in table.get("axes", {})),
-        table.get("zip"),
-    ]:
-        if not columns:
-            continue
-        values = {key: _values(key, columns[key], name) for key in columns}
-        if len({len(column) for column in values.values()}) > 1:
+    names = _coordinate_names([*crossed, *zipped, *draws])
+    for given in filter(None, [*({key: crossed[key]} for key in crossed), zipped, draws]):
+        number = count if given is draws else 0
+        columns = [_values(key, given[key], name, number, seed) for key in given]
+        if len(set(map(len, columns))) > 1:
             raise SceneError(f"{name}: columns of [zip] go together: give them one length")
-        # numbers that are equal, such as 1 and 1.0, give one scene; lists cannot be counted
-        rows = Counter(
-            tuple(str(value) if isinstance(value, list | dict) else value for value in row)
-            for row in zip(*values.values(), strict=True)
-        )
-        if twins := [row for row in rows if rows[row] > 1]:
-            text = ", ".join(map(str, twins[0]))
-            raise SceneError(f"{name}: {', '.join(values)} = {text} is there twice: give it once")
-        yield Axis(_named(next(iter(values)), taken), values)
-    if draws:
-        yield Axis(DRAW, {key: _values(key, draws[key], name, count, seed) for key in draws})
+        rows = [dict(zip(given, row, strict=True)) for row in zip(*columns, strict=True)]
+        # numbers that are equal, such as 1 and 1.0, give one scene
+        twice = DataFrame(rows).astype(str).duplicated()
+        if twice.any() and not number:
+            raise SceneError(
+                f"{name}: {_in_words(rows[twice.argmax()])} is there twice: give it once"
+            )
+        yield DRAW if number else names[next(iter(given))], rows
 
 
-def _named(key: str, taken: set[str]) -> str:
-    """Return the last part of a key, or its last two; remember it as taken."""
-    parts = key.split(".")
-    choices = parts[-1], "_".join(parts[-2:]), "_".join(parts), f"{key}_"
-    name = next(choice for choice in choices if choice not in taken)
-    taken.add(name)
-    return name
+def _coordinate_names(keys: Iterable[str]) -> dict[str, str]:
+    """Return the name of each key's coordinate: its last part, or its last two."""
+    names: dict[str, str] = {}
+    for key in keys:
+        *_, last = parts = key.split(".")
+        names[key] = "_".join(parts[-2:]) if last in {*RESERVED, *names.values()} else last
+    return names
 
 
-def _values(key: str, values: Any, name: str, draws: int = 0, seed: int = 0) -> list[Any]:
+def _values(key: str, values: Any, name: str, draws: int, seed: int | None) -> list[Any]:
     """Return the values of an axis: a list, evenly spaced, or drawn by a generator of its own."""
-    generator = np.random.default_rng([seed, *key.encode()])
+    # how to space values, and a scale on which they are drawn evenly, with its inverse
+    kinds: Any = {
+        "linspace": (np.linspace, float, np.array),
+        "geomspace": (np.geomspace, np.log, np.exp),
+    }
+    generator = np.random.default_rng([seed or 0, *key.encode()])
     try:
         if isinstance(values, list) and values:
             places = generator.integers(len(values), size=draws) if draws else range(len(values))
             return [values[at] for at in places]
         ((kind, (first, last, *count)),) = values.items()
-        if draws:
-            scales: Any = {"linspace": (float, np.array), "geomspace": (np.log, np.exp)}
-            scale, back = scales[kind]
-            return back(generator.uniform(scale(first), scale(last), draws)).tolist()
-        spacings: Any = {"linspace": np.linspace, "geomspace": np.geomspace}
+        space, scale, unscale = kinds[kind]
         with np.errstate(all="raise"):
-            spaced = spacings[kind](float(first), float(last), int(count[0]))
+            if draws:
+                return unscale(generator.uniform(scale(first), scale(last), draws)).tolist()
+            spaced = space(first, last, count[0])
         if not spaced.size:
             raise ValueError
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
@@ -288,9 +289,7 @@ def _values(key: str, values: Any, name: str, draws: int = 0, seed: int = 0) -> 
             f"{name}: {key} = {values!r}: give a list of values, or linspace or geomspace = [first,"
             " last, count] in braces, without count to draw from"
         ) from None
-    _, field = declaration(key.split("."))
-    wants_whole = field is not None and field.annotation in (int, int | None)
-    whole = wants_whole and (spaced == spaced.round()).all()
+    whole = isinstance(first, int) and (spaced == spaced.round()).all()
     return (spaced.astype(int) if whole else spaced).tolist()
 
 
@@ -299,13 +298,12 @@ def _without_alternatives(base: Table, keys: set[str], name: str) -> Table:
 
     Two materials stay two, whichever way they are given.
     """
-    # keys that say the same in other ways: what an axis gives takes the place of what the base
-    # gives
+    # keys of a section that say the same in two ways
     alternatives = (
-        ({"punch.wear_coefficients"}, {"punch.wear_coefficient", "punch.wear_ratio"}),
-        ({"punch.rings", "punch.width_ratio"}, {"punch.ring_edges"}),
-        ({"half_space.plane_strain_modulus"}, {"half_space.youngs_modulus"}),
-        ({"load.normal_force"}, {"load.mean_pressure"}),
+        ("punch", ("wear_coefficients",), ("wear_coefficient", "wear_ratio")),
+        ("punch", ("rings", "width_ratio"), ("ring_edges",)),
+        ("half_space", ("plane_strain_modulus",), ("youngs_modulus",)),
+        ("load", ("normal_force",), ("mean_pressure",)),
     )
     table = copy.deepcopy(base)
     punch = table.get("punch", {})
@@ -317,35 +315,33 @@ def _without_alternatives(base: Table, keys: set[str], name: str) -> Table:
                 f"base gives {len(pair)} wear_coefficients: give it two"
             )
         punch["wear_coefficient"], punch["wear_ratio"] = pair[0], pair[1] / pair[0]
-    for these, those in alternatives:
-        for given, dropped in ((these, those), (those, these)):
-            for key in dropped if keys & given else ():
-                section, last = key.split(".")
-                table.get(section, {}).pop(last, None)
+    for section, *ways in alternatives:
+        for given, dropped in permutations(ways):
+            for key in dropped if keys.intersection(f"{section}.{way}" for way in given) else ():
+                table.get(section, {}).pop(key, None)
     return table
 
 
 def _checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
     """Return the quantities to keep: those named, or all that need no radius and no ring."""
     computed = {
-        quantity: any(_is_computed(wear, part) for part in ANSWERS.get(quantity, (quantity,)))
+        quantity
         for quantity in KEEPABLE
+        if any(_is_computed(wear, part) for part in ANSWERS.get(quantity, (quantity,)))
     }
     if keep is None:
-        plain = [key for key in QUANTITIES if not {"radius", "ring"} & set(QUANTITIES[key].dims)]
-        return tuple(quantity for quantity in plain if computed.get(quantity))
-    if not (isinstance(keep, list) and keep and set(map(str, keep)) <= set(KEEPABLE)):
-        raise SceneError(
-            f"{name}: keep = {keep!r} names what is no quantity of a flat punch: give a list of "
-            f"{', '.join(KEEPABLE)}"
+        return tuple(
+            name
+            for name, quantity in QUANTITIES.items()
+            if name in computed and not {"radius", "ring"} & set(quantity.dims)
         )
-    for quantity in keep:
-        if not computed[quantity] and quantity != "relaxation_time":
-            missing = "wear.steady = true" if quantity.startswith("steady_") else "wear.times"
-            raise SceneError(
-                f"{name}: keep names '{quantity}', which the base does not ask for: give it "
-                f"{missing}"
-            )
+    computed.add("relaxation_time")
+    if not (isinstance(keep, list) and keep and set(map(str, keep)) <= computed):
+        raise SceneError(
+            f"{name}: keep = {keep!r} names what is no quantity of a flat punch like the base: "
+            f"give a list of {', '.join(sorted(computed))}; histories need wear.times, and steady "
+            "quantities wear.steady = true"
+        )
     return tuple(dict.fromkeys(keep))
 
 

@@ -3,18 +3,18 @@
 import argparse
 import time
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import xarray
 
+from ..output.folder import lock_folder
 from ..problem.scene import Scene
 from ..progress import LOG
 from .axes import Sweep
 from .compute import compute_blocks, estimate_cost
-from .store import Store, lock_folder, template
+from .store import Store, template
 from .summary import write_summary
 
 
@@ -67,15 +67,42 @@ def sweep(
         "random": random,
     }
     given = Sweep.of({name: value for name, value in table.items() if value is not None})
-    with ExitStack() as stack:
-        folder = Path(stack.enter_context(TemporaryDirectory()) if out is None else out)
-        stack.enter_context(lock_folder(folder))
-        store = Store(given, template(given), folder, resume, retry_failed)
-        compute_store(store, given.count, workers, scheduler)
-        return store.dataset().load() if out is None else store.dataset()
+    options = resume, retry_failed, workers, scheduler
+    if out is not None:
+        return compute(given, Path(out), *options)
+    with TemporaryDirectory() as folder:
+        return compute(given, Path(folder), *options).load()
 
 
-def swept(source: str, out: Path, options: argparse.Namespace) -> tuple[list[str], bool, bool]:
+def compute(
+    sweep: Sweep,
+    folder: Path,
+    resume: bool,
+    retry_failed: bool,
+    workers: int,
+    scheduler: str | None,
+    memory: float | None = None,
+) -> xarray.Dataset:
+    """Compute what is not finished of the store in a folder, and return all that is there."""
+    with lock_folder(folder):
+        store = Store(sweep, template(sweep), folder, resume, retry_failed)
+        index, began = store.index, time.perf_counter()
+        before = int(index["done"].sum() + index["failed"].sum())
+        if before:
+            LOG.info("   sweep  %d of %d scenes are finished and sound", before, sweep.count)
+        blocks = compute_blocks(store.unfinished(), store.blank, workers, scheduler, memory)
+        for number, values in blocks:
+            store.write(number, values)
+            done, failed = int(index["done"].sum()), int(index["failed"].sum())
+            left = sweep.count - done - failed
+            rate = (done + failed - before) / (time.perf_counter() - began)
+            ahead = f", about {left / rate:.0f} s left ..." if left and rate else ""
+            counts = f"{done} finished, {failed} failed, {left} left; {rate:.3g} scenes/s"
+            LOG.info("   sweep  %s%s", counts, ahead)
+        return store.dataset()
+
+
+def conduct(source: str, out: Path, options: argparse.Namespace) -> tuple[list[str], bool, bool]:
     """Conduct the command.
 
     Returns
@@ -83,35 +110,9 @@ def swept(source: str, out: Path, options: argparse.Namespace) -> tuple[list[str
     What there is to say, a line each; whether all scenes are done; whether methods agree.
     """
     plan = Sweep.load(source)
-    blank = template(plan)
     if options.dry_run:
-        return estimate_cost(plan, blank, options.workers), True, True
-    with lock_folder(out):
-        store = Store(plan, blank, out, options.resume, options.retry_failed)
-        compute_store(store, plan.count, options.workers, options.scheduler, options.memory)
-        return write_summary(store.dataset(), plan, out)
-
-
-def compute_store(
-    store: Store,
-    count: int,
-    workers: int,
-    scheduler: str | None = None,
-    memory: float | None = None,
-) -> None:
-    """Compute the blocks of a store that are not finished, of so many scenes in all."""
-    index, began, last = store.index, time.perf_counter(), 0.0
-    before = left = count - int(index["done"].sum() + index["failed"].sum())
-    if left < count:
-        LOG.info("   sweep  %d of %d scenes are finished and sound", count - left, count)
-    for number, values in compute_blocks(
-        store.unfinished(), store.blank, workers, scheduler, memory
-    ):
-        store.write(number, values)
-        done, failed = int(index["done"].sum()), int(index["failed"].sum())
-        left, now = count - done - failed, time.perf_counter()
-        if now - last > 2 or not left:
-            last, rate = now, (before - left) / (now - began)
-            counts = f"{done} finished, {failed} failed, {left} left; {rate:.3g} scenes/s"
-            ahead = f", about {left / rate:.0f} s left ..." if left and rate else ""
-            LOG.info("   sweep  %s%s", counts, ahead)
+        return estimate_cost(plan, template(plan), options.workers), True, True
+    kinds = options.resume, options.retry_failed
+    workers = options.workers, options.scheduler, options.memory
+    dataset = compute(plan, out, *kinds, *workers)
+    return write_summary(dataset, plan, out)

@@ -1,6 +1,6 @@
 """The store: a Zarr group whose axes are the sweep's, readable by xarray while it grows.
 
-A block of scenes is computed at once, and written at once as one file (a shard) of each array. The
+A block of scenes is computed at once, and written at once as one file (a chunk) of each array. The
 index has a row for each block, written after its files: the checksum of their bytes, by which a
 block is known to be finished and undamaged, and how many of its scenes are done and have failed.
 Nothing in the store depends on the order of the blocks, on the clock or on the machine's name: an
@@ -10,9 +10,8 @@ interrupted sweep ends with the same bytes.
 import json
 import shutil
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from hashlib import blake2b
+from itertools import product
 from math import ceil, prod
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -21,7 +20,6 @@ from typing import Any
 import numpy as np
 import xarray
 import zarr
-from filelock import FileLock, Timeout
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
@@ -39,143 +37,86 @@ def template(sweep: Sweep) -> xarray.Dataset:
     """Return the results of all scenes before any is computed, as views that take no memory.
 
     Dimensions are the sweep's, then `solver` and those of each quantity.
-
-    Raises
-    ------
-    SceneError
-        if scenes differ in the times or radii that the quantities to keep are at
     """
     first = sweep.first
-    varied = {key: values for axis in sweep.axes for key, values in axis.columns.items()}
-    quantities = {name: KEEPABLE[name] for name in sweep.keep}
-    _check_times(sweep, varied)
-    at_radii = [name for name, quantity in quantities.items() if "radius" in quantity.dims]
-    if at_radii and (not first.output.radii or {"output.radii", "punch.radius"} & set(varied)):
-        raise SceneError(
-            f"{sweep.name}: {at_radii[0]} is kept at radii that all scenes share: give the base "
-            "output.radii, and vary neither them nor punch.radius"
-        )
-    edges = [first.punch.ring_edges or [], *varied.get("punch.ring_edges", [])]
-    rings = max([first.punch.rings or 0, *varied.get("punch.rings", []), *map(len, edges)])
-    methods = varied.get("methods", [first.methods])
-    solvers = list(dict.fromkeys(name for names in methods for name in names))
+    varied = {key: values for _, key, values in sweep.coordinates.values()}
+    edges = varied.get("punch.ring_edges", [])
+    rings = max([len(first.problem.rings.widths), *varied.get("punch.rings", []), *map(len, edges)])
+    solvers = [name for names in varied.get("methods", [first.methods]) for name in names]
     stated = "" if "units" in varied else first.units
 
-    def about(text: str, kind: str) -> dict[str, str]:
+    def described(text: str, kind: str) -> dict[str, Any]:
         return {
             "long_name": text,
             "units": UnitNames.of(stated).name(kind) or stated or UNSTATED,
         }
 
-    coordinates: dict[str, tuple[str, Any, dict[str, str]]] = {
-        "time": ("time", first.wear.times, about("time of sliding", "time")),
-        "radius": ("radius", first.output.radii or [], about("distance from the axis", "length")),
+    coordinates: dict[str, tuple[str, Any, dict[str, Any]]] = {
+        "time": ("time", first.wear.times, described("time of sliding", "time")),
+        "radius": (
+            "radius",
+            first.output.radii or [],
+            described("distance from the axis", "length"),
+        ),
         "ring": ("ring", np.arange(1, rings + 1), {"long_name": "ring, counted from the centre"}),
         "mode": ("mode", np.arange(1, SHOWN + 1), {"long_name": "wear mode, slowest first"}),
         "state": ("state", np.array(STATES, dtype=object), {}),
-        "solver": ("solver", np.array(solvers, dtype=object), {}),
+        "solver": ("solver", np.array([*dict.fromkeys(solvers)], dtype=object), {}),
     }
     for name, (dim, key, values) in sweep.coordinates.items():
-        text = any(isinstance(value, str) for value in values)
-        plain = text and key not in KINDS
-        label = {"long_name": key} if plain else about(key, KINDS.get(key, "number"))
-        coordinates[name] = dim, np.array(values, dtype=object if text else None), label
-    sizes = {dim: len(values) for dim, values, _ in coordinates.values()}
-    variables: dict[str, tuple[tuple[str, ...], Any, dict[str, Any]]] = {}
+        label: dict[str, Any] = {"long_name": key}
+        numbers = all(isinstance(value, int | float) for value in values)
+        if numbers or key in KINDS:
+            label = described(key, KINDS.get(key, "number"))
+        array = np.array(values) if numbers else np.array([*map(str, values)], dtype=object)
+        coordinates[name] = dim, array, label
+    title = f"Sweep of {sweep.table['base'].get('title', 'a scene')}"
+    dataset = xarray.Dataset(coords=coordinates, attrs={"title": title})
 
-    def add(name: str, dims: tuple[str, ...], about: dict[str, Any], fill: Any = np.nan) -> None:
+    def add(name: str, dims: tuple[str, ...], label: dict[str, Any], fill: Any = np.nan) -> None:
         dims = sweep.dims + dims
-        variables[name] = dims, np.broadcast_to(fill, [sizes[dim] for dim in dims]), about
+        dataset[name] = dims, np.broadcast_to(fill, [dataset.sizes[dim] for dim in dims]), label
 
-    for name, quantity in quantities.items():
-        add(name, ("solver", *quantity.dims), about(quantity.definition, quantity.unit))
+    for name in sweep.keep:
+        quantity = KEEPABLE[name]
+        add(name, ("solver", *quantity.dims), described(quantity.definition, quantity.unit))
         if name not in ANSWERS:
-            error = about(ERROR.format(name, NORMS[quantity.norm]), "number")
+            error = described(ERROR.format(name, NORMS[quantity.norm]), "number")
             add(error_name(name), ("solver", *quantity.error_dims), error)
-    if len(solvers) > 1:
+    if dataset.sizes["solver"] > 1:
         for name, definition in JUDGED.items():
-            add(name, (), about(definition, "number"))
+            add(name, (), described(definition, "number"))
     flags = {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"}
     add("status", (), {"long_name": "what became of the scene"} | flags, np.uint8(PENDING))
     add("reason", (), {"long_name": "why it is not done"}, np.array("", dtype=object))
-    used = {dim for dims, *_ in variables.values() for dim in dims}
-    return xarray.Dataset(
-        variables,
-        {name: values for name, values in coordinates.items() if values[0] in used},
-        {"title": f"Sweep of {sweep.table['base'].get('title', 'a scene')}"},
-    )
+    # without labels that no variable has
+    return dataset[[*dataset.data_vars]]
 
 
-def _check_times(sweep: Sweep, varied: dict[str, list[Any]]) -> None:
-    """Refuse to keep anything over times that scenes do not have in common."""
-    # beginnings of keys that leave relaxation times as they are
-    of_one_time_scale = (
-        *("load.normal_force", "load.mean_pressure", "accuracy.", "output.", "wear."),
-        *("methods", "title", "units"),
-    )
-    over_time = [name for name in sweep.keep if "time" in KEEPABLE[name].dims]
-    if over_time and "wear.times" in varied:
-        raise SceneError(f"{sweep.name}: wear.times varies, and {over_time[0]} is kept over time")
-    over_time += {"worn_volume"} & set(sweep.keep)
-    others = [key for key in varied if not key.startswith(of_one_time_scale)]
-    times = [sweep.table["base"].get("wear", {}).get("times"), *varied.get("wear.times", [])]
-    if over_time and others and any(isinstance(value, str | dict) for value in times):
-        raise SceneError(
-            f"{sweep.name}: wear.times counts relaxation times, which {others[0]} may change, and "
-            f"{over_time[0]} is kept at times that all scenes share: give wear.times as numbers, "
-            "or keep only what is not over time"
-        )
+def block_shape(sweep: Sweep, blank: xarray.Dataset) -> tuple[int, ...]:
+    """Return how many scenes along each axis are computed, written and read at once.
 
-
-def block_shape(sweep: Sweep, blank: xarray.Dataset) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Return scenes along each axis of a chunk (what is read at once), and of a block of chunks.
-
-    A chunk holds the scenes of one geometry as far as that is not too many, for they share a
-    discretisation; of few scenes it takes several geometries. Of small sweeps it is the block.
+    A block holds the scenes of one geometry as far as that is not too many, for they share a
+    discretisation; of few scenes it takes several geometries. Large sweeps have larger blocks.
     """
+    # beginnings of keys that scenes may differ in and yet share a discretisation
+    sharing = (
+        *("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs"),
+        *("load.", "wear.", "output.", "title"),
+    )
     # closed forms take a fraction of a millisecond
-    closed = blank["solver"].values.tolist() == ["direct"]
-    least, most = (256, 1024) if closed else (8, 64)
-    most = max(1, min(most, 2**26 * sweep.count // blank.nbytes))
+    largest = 256 if blank["solver"].values.tolist() == ["direct"] else 16
+    larger = min(max(sweep.count // 8192, 1), largest)
+    in_memory = 2**27 * sweep.count // blank.nbytes
+    block = dict.fromkeys(sweep.axes, 1)
     # the last axes first, as their scenes stand side by side in the store
-    order = range(len(sweep.axes))[::-1]
-    alike = [at for at in order if sweep.axes[at].shares_discretisation]
-    chunk, several = [1] * len(order), [1] * len(order)
-    _fill(chunk, sweep.shape, alike, most)
-    _fill(chunk, sweep.shape, [at for at in order if at not in alike], min(least, most))
-    chunks = [ceil(length / step) for length, step in zip(sweep.shape, chunk, strict=True)]
-    _fill(several, chunks, order, min(16, prod(chunks) // 128))
-    return tuple(chunk), tuple(step * times for step, times in zip(chunk, several, strict=True))
-
-
-def _fill(shape: list[int], lengths: Any, order: Any, most: int) -> None:
-    """Lengthen a box along axes, in parts of about one length, to at most so many places."""
-    for at in order:
-        if (room := most // prod(shape)) > 1:
-            shape[at] = ceil(lengths[at] / ceil(lengths[at] / room))
-
-
-@contextmanager
-def lock_folder(folder: Path) -> Iterator[None]:
-    """Be the only sweep in a folder; the lock is the system's, and ends with the process."""
-    # a Path of "s3://bucket" has one slash left
-    if ":/" in str(folder):
-        remedy = "give one, and copy the store from there"
-        raise SceneError(f"--out {folder} is no directory of this machine: {remedy}")
-    lock = FileLock(folder / ".lock", blocking=False)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        lock.acquire()
-    except Timeout:
-        raise SceneError(
-            f"another sweep is writing to {folder}: wait for it, or give another --out"
-        ) from None
-    except OSError as error:
-        raise SceneError(f"--out {folder} cannot be written to: {error.strerror}") from error
-    try:
-        yield
-    finally:
-        lock.release()
+    for scenes, shared in ((64, True), (8, False)):
+        for dim, rows in reversed(sweep.axes.items()):
+            room = min(scenes * larger, in_memory) // prod(block.values())
+            if room > 1 and shared == all(key.startswith(sharing) for key in rows[0]):
+                # in parts of about one length
+                block[dim] = ceil(len(rows) / ceil(len(rows) / room))
+    return tuple(block.values())
 
 
 class Store:
@@ -206,9 +147,11 @@ class Store:
         about = {"sweep": json.dumps(sweep.table), "versions": fingerprint()}
         self._check(about)
         self.blank = blank.isel(dict.fromkeys(sweep.dims, 0), drop=True)
-        self._sweep = sweep
-        self._chunk, self._block = block_shape(sweep, blank)
-        self._blocks = [ceil(a / b) for a, b in zip(sweep.shape, self._block, strict=True)]
+        self._sweep, self._block = sweep, block_shape(sweep, blank)
+        steps = zip(sweep.shape, self._block, strict=True)
+        parts = ([slice(at, at + step) for at in range(0, end, step)] for end, step in steps)
+        # the box of the grid that each block is
+        self._regions = list(product(*parts))
         with TemporaryDirectory() as fresh:
             self._create(Path(fresh), blank.assign_attrs(about))
             shutil.copytree(fresh, self.path, dirs_exist_ok=True)
@@ -217,7 +160,7 @@ class Store:
         index = folder / "sweep.index"
         index.touch()
         row = [("checksum", "<u8"), ("done", "<u4"), ("failed", "<u4")]
-        self.index: Any = np.memmap(index, row, "r+", shape=(prod(self._blocks),))
+        self.index: Any = np.memmap(index, row, "r+", shape=(len(self._regions),))
         self._group = zarr.open_group(self.path, mode="r+")
         for number, (checksum, done, failed) in enumerate(self.index):
             sound = checksum and checksum == self._checksum(number, done, failed)
@@ -227,12 +170,12 @@ class Store:
     def unfinished(self) -> dict[int, Sweep]:
         """Return the blocks that are not finished, each as a sweep of its own, by number."""
         numbers = np.flatnonzero(self.index["checksum"] == 0).tolist()
-        return {number: self._sweep.part(self._region(number)) for number in numbers}
+        return {number: self._sweep.part(self._regions[number]) for number in numbers}
 
     def write(self, number: int, values: dict[str, Array]) -> None:
         """Write the results of a block, and its row of the index last."""
-        region, status = self._region(number), values["status"]
-        shape = [places.stop - places.start for places in region]
+        region, status = self._regions[number], values["status"]
+        shape = self._sweep.part(region).shape
         # what is damaged could not be written over
         for file in self._files(number):
             file.unlink(missing_ok=True)
@@ -254,13 +197,11 @@ class Store:
         except (OSError, ValueError, KeyError):
             # not there, or damaged: made again
             return
-        for name, remedy in (
-            ("sweep", "give its own file"),
-            ("versions", "install the ringwear, and what it computes with, that began it"),
-        ):
-            if there.get(name) != about[name]:
+        for name, value in about.items():
+            if there.get(name) != value:
                 raise SceneError(
-                    f"{self.path} was begun with another {name}: {remedy}, or give another --out"
+                    f"{self.path} was begun with another {name}: go on by the file, the ringwear "
+                    "and the libraries that began it, or give another --out"
                 )
 
     def _create(self, path: Path, blank: xarray.Dataset) -> None:
@@ -271,34 +212,23 @@ class Store:
             blank.drop_vars(list(blank.data_vars)).to_zarr(path, zarr_format=3, consolidated=False)
             group = zarr.open_group(path, mode="r+")
             for name, variable in blank.data_vars.items():
-                beyond = variable.shape[len(self._block) :]
-                text = variable.dtype == object
                 group.create_array(
                     name,
                     shape=variable.shape,
-                    chunks=(*self._chunk, *beyond),
-                    shards=(*self._block, *beyond),
-                    dtype="str" if text else variable.dtype,
+                    chunks=self._block + variable.shape[len(self._block) :],
+                    dtype="str" if variable.dtype == object else variable.dtype,
                     fill_value=self.blank[name].values.flat[0],
                     dimension_names=variable.dims,
                     attributes=variable.attrs,
-                    config={"write_empty_chunks": True},
                 )
             zarr.consolidate_metadata(path)
 
-    def _place(self, number: int) -> list[int]:
-        return [int(at) for at in np.unravel_index(number, self._blocks)]
-
-    def _region(self, number: int) -> tuple[slice, ...]:
-        """Return the box of the grid that a block is."""
-        places = zip(self._place(number), self._block, self._sweep.shape, strict=True)
-        return tuple(slice(at * step, min((at + 1) * step, end)) for at, step, end in places)
-
     def _files(self, number: int) -> list[Path]:
         """Return the files of a block; an array that is all empty has none."""
-        place = "/".join(map(str, self._place(number)))
+        steps = zip(self._regions[number], self._block, strict=True)
+        place = [str(places.start // step) for places, step in steps]
         return [
-            self.path.joinpath(str(name), "c", place, *["0"] * variable.ndim)
+            self.path.joinpath(str(name), "c", *place, *["0"] * variable.ndim)
             for name, variable in self.blank.data_vars.items()
         ]
 

