@@ -1,9 +1,5 @@
 """Where a method's own estimates fall short of the accuracy asked for, it is refined."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import pytest
 
 from ringwear import Scene, run
@@ -20,7 +16,7 @@ EVEN = {
 
 
 @pytest.mark.parametrize("wear", [{"times": [20.0]}, {}], ids=["late", "steady state only"])
-def test_fields_are_refined_where_the_indentation_has_no_error(wear: dict[str, Any]) -> None:
+def test_fields_are_refined_where_the_indentation_has_no_error(wear):
     """The first once divided by an error of zero; of the second, fields stayed as they were."""
     solution = run(Scene.from_table(EVEN | {"wear": wear})).solutions["mdr"]
     assert solution.parts["discretisation"] <= 1e-9

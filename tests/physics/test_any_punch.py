@@ -3,9 +3,6 @@
 What they ask for, what is refused, and what results say.
 """
 
-from __future__ import annotations
-
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,10 +11,7 @@ from closed_forms import PowerPunch
 
 from ringwear import Scene, plan, run, sweep
 from ringwear.mdr import energy
-from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SceneError
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import Array
 from ringwear.studies.cli import main
 from ringwear.studies.crosscheck.agreement import AT_EDGES, remedy
 from ringwear.studies.figures.catalogue import PICTURES
@@ -38,11 +32,11 @@ BASE: dict[str, Any] = {
 }
 
 
-def scene(**changes: Any) -> Scene:
+def scene(**changes):
     return Scene.from_table(BASE).changed(**changes)
 
 
-def test_a_press_of_a_sphere_in_units() -> None:
+def test_a_press_of_a_sphere_in_units():
     known = PowerPunch(1 / (2 * 8.0), 2)  # of curvature radius 8, by a unit modulus
     pressed = scene(punch__profile={"kind": "parabola", "curvature_radius": 8.0}, wear__times=[0.0])
     data = run(pressed).dataset.sel(solver="mdr").isel(time=0)
@@ -57,7 +51,7 @@ def test_a_press_of_a_sphere_in_units() -> None:
     assert float(data.normal_force) == pytest.approx(FORCE)
 
 
-def test_every_way_to_give_a_profile(tmp_path: Path) -> None:
+def test_every_way_to_give_a_profile(tmp_path):
     radii = np.linspace(0.0, LENGTH, 41)
     (tmp_path / "profile.csv").write_text(
         "radius,height\n" + "".join(f"{r},{r**2 / 16}\n" for r in radii), "utf-8"
@@ -91,14 +85,14 @@ def test_every_way_to_give_a_profile(tmp_path: Path) -> None:
     assert ways["function"].changed(accuracy__rtol=1e-2).punch.heights
 
 
-def test_recesses_and_profiles_add() -> None:
+def test_recesses_and_profiles_add():
     one = scene(punch__recess=[0.0, 0.02, 0.01]).with_heights(lambda r: 0.1 * r).problem.profile
     heights = one(np.array([0.1, 0.5, 0.9])) * scene().problem.units.displacement
     assert heights == pytest.approx([0.02, 0.12, 0.19])
 
 
 @pytest.mark.parametrize("recess", [[0.0, 0.0, 0.0], None])
-def test_a_flat_face_keeps_its_own_way(recess: list[float] | None) -> None:
+def test_a_flat_face_keeps_its_own_way(recess):
     flat = scene(**({} if recess is None else {"punch__recess": recess}))
     assert flat.problem.full_contact
     result = run(flat)
@@ -107,7 +101,7 @@ def test_a_flat_face_keeps_its_own_way(recess: list[float] | None) -> None:
 
 
 @pytest.mark.gmsh
-def test_results_say_where_contact_is(tmp_path: Path) -> None:
+def test_results_say_where_contact_is(tmp_path):
     recessed = scene(methods=["mdr", "direct", "fem"], punch__recess=[0.0, 0.01, 0.0])
     result = run(recessed)
     assert result.verdict == "agree"
@@ -133,15 +127,15 @@ def test_results_say_where_contact_is(tmp_path: Path) -> None:
     assert "springs' rule of the MDR" in result.summary["left_out"]
 
 
-def test_a_remedy_is_an_accuracy_to_ask_for() -> None:
+def test_a_remedy_is_an_accuracy_to_ask_for():
     for problem in (scene().problem, scene(punch__recess=[0.0, 0.02, 0.01]).problem):
         told = remedy(problem, "indentation", "mdr", 1e-2)
         assert told.endswith("rtol = 1e-04 would decide it")
 
 
 def test_what_is_of_flat_punches_only_is_refused_before_it_is_computed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+    tmp_path, monkeypatch, capsys
+):
     monkeypatch.setattr("ringwear.studies.crosscheck.run.solved_to_accuracy", None)
     shaped = scene(punch__profile={"kind": "parabola", "curvature_radius": 8.0})
     refused = shaped.changed(output__field_times=[0.1])
@@ -166,7 +160,7 @@ CIRCLING = {
 
 
 @pytest.mark.parametrize("name", CIRCLING)
-def test_first_contact_is_located_in_a_few_looks(name: str) -> None:
+def test_first_contact_is_located_in_a_few_looks(name):
     edges, recess, curvature_radius, force, rtol = CIRCLING[name]
     punch: dict[str, Any] = {
         "radius": 1.0,
@@ -184,7 +178,7 @@ def test_first_contact_is_located_in_a_few_looks(name: str) -> None:
     problem = Scene.from_table(table | {"accuracy": {"rtol": rtol}}).problem
     looks = []
 
-    def look(space: PressureSpace) -> Compliance:
+    def look(space):
         looks.append(space)
         return energy.compliance(space)
 
@@ -194,10 +188,10 @@ def test_first_contact_is_located_in_a_few_looks(name: str) -> None:
     assert len(looks) <= 4
 
 
-def test_first_contact_is_located_once_for_all_methods(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_first_contact_is_located_once_for_all_methods(monkeypatch):
     looked_for = []
 
-    def count(*arguments: Any) -> Any:
+    def count(*arguments):
         looked_for.append(arguments)
         return located(*arguments)
 
@@ -207,7 +201,7 @@ def test_first_contact_is_located_once_for_all_methods(monkeypatch: pytest.Monke
     assert len(looked_for) == 2
 
 
-def test_the_answer_is_that_of_this_punch(tmp_path: Path) -> None:
+def test_the_answer_is_that_of_this_punch(tmp_path):
     """Recessed material is not worn material, and no time scale of a flat punch is told as that of
     this one.
     """
@@ -231,7 +225,7 @@ def test_the_answer_is_that_of_this_punch(tmp_path: Path) -> None:
     assert "flat punch</td>" not in page
 
 
-def test_sweeps_refuse_at_the_door() -> None:
+def test_sweeps_refuse_at_the_door():
     with pytest.raises(SceneError, match="sweeps are over flat punches"):
         sweep("sphere", {"accuracy.rtol": [1e-2, 1e-3]})
     with pytest.raises(SceneError, match="sweeps are over flat punches"):
@@ -240,20 +234,20 @@ def test_sweeps_refuse_at_the_door() -> None:
         sweep(scene(), {"accuracy.rtol": [1e-2, 1e-3]}, keep=["contact_radius"])
 
 
-def test_running_in_times_are_those_of_flat_punches() -> None:
+def test_running_in_times_are_those_of_flat_punches():
     with pytest.raises(SceneError, match="known for flat punches"):
         scene(punch__recess=[0.0, 0.01, 0.0], wear__times="running-in")
     with pytest.raises(SceneError, match="known for flat punches"):
         scene(wear__times={"tau": [0.1, 1.0]}).with_heights(lambda r: r)
 
 
-def test_heights_are_added_after_the_problem_was_looked_at() -> None:
+def test_heights_are_added_after_the_problem_was_looked_at():
     one = scene()
     assert one.problem.full_contact
     assert not one.with_heights(lambda r: r).problem.full_contact
 
 
-def test_a_fixed_indentation() -> None:
+def test_a_fixed_indentation():
     fixed = scene(
         load={"indentation": 0.02},
         punch__profile={"kind": "cone", "slope": 0.01},
@@ -325,7 +319,7 @@ def test_a_fixed_indentation() -> None:
         ({"load": {"indentation": 0.1, "normal_force": 1.0}}, ["indentation", "normal_force"]),
     ],
 )
-def test_what_is_no_punch_is_refused(changes: dict[str, Any], words: list[str]) -> None:
+def test_what_is_no_punch_is_refused(changes, words):
     with pytest.raises(SceneError) as caught:
         scene(**changes)
     assert all(word in str(caught.value) for word in words), caught.value
@@ -345,7 +339,7 @@ def test_what_is_no_punch_is_refused(changes: dict[str, Any], words: list[str]) 
         ({"load": {"indentation": 0.1}, "methods": ["direct"]}, ["direct", "indentation"]),
     ],
 )
-def test_what_cannot_be_done_is_refused(changes: dict[str, Any], words: list[str]) -> None:
+def test_what_cannot_be_done_is_refused(changes, words):
     one = scene(**({"punch__recess": [0.0, 0.01, 0.0]} | changes))
     with pytest.raises(SceneError) as caught:
         run(one)
@@ -353,22 +347,22 @@ def test_what_cannot_be_done_is_refused(changes: dict[str, Any], words: list[str
     assert any(line.startswith("refused: ") for line in plan(one))
 
 
-def test_an_indentation_that_does_not_touch_is_refused() -> None:
+def test_an_indentation_that_does_not_touch_is_refused():
     with pytest.raises(SceneError, match=r"too small to touch: the punch stands 0\.01 "):
         run(scene(punch__recess=[0.01, 0.02, 0.01], load={"indentation": 0.005}))
 
 
-def test_negative_heights_are_refused() -> None:
+def test_negative_heights_are_refused():
     with pytest.raises(SceneError, match="missing, 0 or more"):
         _ = scene().with_heights(lambda r: r - 0.5).problem
 
 
-def test_studies_of_flat_punches_refuse(capsys: pytest.CaptureFixture[str]) -> None:
+def test_studies_of_flat_punches_refuse(capsys):
     assert main(["study", "truncation", "sphere"]) == 2
     assert "flat punches" in capsys.readouterr().err
 
 
-def noise(radii: Array) -> Array:
+def noise(radii):
     return 1e-3 * (1 + np.sin(1e4 * radii) * np.cos(3e3 * radii**2))
 
 
@@ -382,7 +376,7 @@ def noise(radii: Array) -> Array:
         *(pytest.param(one, marks=pytest.mark.slow) for one in ("no width", "one point")),
     ],
 )
-def test_degenerate_faces_converge(case: str) -> None:
+def test_degenerate_faces_converge(case):
     radii, heights = [0.0, 0.7, 0.8, 2.0], [0.01, 0.01, 0.0, 0.0]
     faces = {
         "never touches": scene(punch__recess=[0.0, 10.0, 0.0]),

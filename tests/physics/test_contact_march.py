@@ -1,14 +1,12 @@
 """Wear while contact opens, closes and spreads: balances, the worn sphere, modes, steady states."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from closed_forms import PowerPunch, worn_sphere
 
 from ringwear.fem import even_half_space
 from ringwear.mdr import energy, steady_pressures
-from ringwear.meshes import Array, Compliance, ContactCells, ring_areas
+from ringwear.meshes import ContactCells, ring_areas
 from ringwear.studies.methods.base import method
 from ringwear.studies.methods.quantities import QUANTITIES, array
 from ringwear.studies.problem.fields import Power, RoundedRim
@@ -17,7 +15,6 @@ from ringwear.studies.problem.profile import InitialProfile
 from ringwear.studies.progress import Stages
 from ringwear.studies.wear.contact_edges import nodes, worn_edges
 from ringwear.studies.wear.full_contact import RunningIn
-from ringwear.studies.wear.history import History
 from ringwear.studies.wear.moments import moments
 from ringwear.studies.wear.moving_contact import ContactMarch
 from ringwear.studies.wear.unilateral import Load
@@ -27,17 +24,17 @@ FIVE, THREE = Rings.alternating(5, 1.0, 10.0), Rings.alternating(3, 1.0, 0.01)
 ONE = Rings(np.array([0.0, 1.0]), np.ones(1))
 
 
-def power(coefficient: float, exponent: float) -> object:
+def power(coefficient, exponent):
     return Power(kind="power", coefficient=coefficient, exponent=exponent).height_over(1.0)
 
 
-def rounded_rim(flat: float, curvature: float) -> object:
+def rounded_rim(flat, curvature):
     return RoundedRim(kind="rounded_rim", flat_radius=flat, curvature_radius=curvature).height_over(
         1.0
     )
 
 
-def waves(count: int) -> object:
+def waves(count):
     return lambda radii: 0.3 * (1 - np.cos(count * np.pi * radii))
 
 
@@ -55,23 +52,21 @@ FACES = {
 }
 
 
-def face(name: str) -> tuple[Rings, InitialProfile]:
+def face(name):
     rings, recess, heights = FACES[name]
     return rings, InitialProfile(rings.ring_edges, np.array(recess, dtype=float), heights)
 
 
-def march_on(
-    compliance: Compliance, rings: Rings, profile: InitialProfile, load: Load = BY_FORCE
-) -> ContactMarch:
+def march_on(compliance, rings, profile, load=BY_FORCE):
     of_profile = moments(profile, compliance.space)
     return ContactMarch(compliance, rings.wear_coefficients, of_profile, load)
 
 
-def cells(rings: Rings, count: int = 160, edge: float = 2e-4) -> ContactCells:
+def cells(rings, count=160, edge=2e-4):
     return ContactCells(tuple(rings.ring_edges), 1 / count, edge)
 
 
-def check(history: History, compliance: Compliance, gap: float = 1e-14) -> None:
+def check(history, compliance, gap=1e-14):
     """No tension, no penetration beyond roundoff, by the moments of the gap, and no third."""
     pressure, depth, weights = history.pressure, history.indentation, compliance.space.weights
     assert pressure.min() >= 0
@@ -80,7 +75,7 @@ def check(history: History, compliance: Compliance, gap: float = 1e-14) -> None:
     assert (products <= 1e-12 * history.force * depth + 1e-25).all()
 
 
-def edges_in_time(history: History, compliance: Compliance) -> list:
+def edges_in_time(history, compliance):
     states = zip(history.contact, history.profile, strict=True)
     return [worn_edges(compliance.space, *state) for state in states]
 
@@ -89,7 +84,7 @@ def edges_in_time(history: History, compliance: Compliance) -> list:
     "name",
     [name if name == "recessed" else pytest.param(name, marks=pytest.mark.slow) for name in FACES],
 )
-def test_every_face_wears_to_the_steady_state_of_the_flat_punch(name: str) -> None:
+def test_every_face_wears_to_the_steady_state_of_the_flat_punch(name):
     rings, profile = face(name)
     times = np.array([0.0, *np.geomspace(1e-2, 1e3, 11), 1e4])
     half_space = even_half_space(cells(rings), 0.3).compliance()
@@ -116,7 +111,7 @@ def test_every_face_wears_to_the_steady_state_of_the_flat_punch(name: str) -> No
 
 
 @pytest.mark.parametrize("rings", [FIVE, THREE], ids=["k to 10", "k to 100"])
-def test_a_flat_face_keeps_its_contact_and_follows_its_modes(rings: Rings) -> None:
+def test_a_flat_face_keeps_its_contact_and_follows_its_modes(rings):
     compliance, times = energy.compliance(cells(rings, 60, 1e-4).space()), np.geomspace(1e-2, 3, 8)
     flat = InitialProfile(rings.ring_edges, np.zeros(len(rings.wear_coefficients)))
     exact = RunningIn(compliance, rings.wear_coefficients).modal(times).indentation
@@ -125,7 +120,7 @@ def test_a_flat_face_keeps_its_contact_and_follows_its_modes(rings: Rings) -> No
     assert history.indentation == pytest.approx(exact, rel=1e-5)
 
 
-def test_orders_in_time() -> None:
+def test_orders_in_time():
     times, (_, profile) = np.array([0.0, 0.2]), face("sphere")
     march = march_on(energy.compliance(cells(FIVE, 30, 1e-2).space()), FIVE, profile)
     exact = march.adaptive(times, 1e-9).indentation[-1]
@@ -138,7 +133,7 @@ def test_orders_in_time() -> None:
     assert many.steps.taken < 10 * few.steps.taken
 
 
-def test_full_contact_relaxes_as_short_steps_have_it() -> None:
+def test_full_contact_relaxes_as_short_steps_have_it():
     (rings, profile), times = face("cone"), np.array([2.5, 3.0, 4.0, 6.0])
     march = march_on(energy.compliance(cells(rings, 40, 1e-3).space()), rings, profile)
     history = march.adaptive(times, 1e-7)
@@ -153,9 +148,7 @@ def test_full_contact_relaxes_as_short_steps_have_it() -> None:
 FIRST = 0.08  # radius of the first contact of a sphere of curvature radius 1
 
 
-def worn_spheres(
-    ratios: Array, cells_at_first: int, tolerance: float, elements: bool = False
-) -> tuple[Array, History, Compliance]:
+def worn_spheres(ratios, cells_at_first, tolerance, elements=False):
     """Indentations by the law, to radii over the first one, and the march by theory or elements."""
     force = PowerPunch(0.5, 2).force(FIRST)
     times, depths = np.transpose([worn_sphere(1.0, 1.0, force, FIRST * ratio) for ratio in ratios])
@@ -172,7 +165,7 @@ def worn_spheres(
     return depths, history, compliance
 
 
-def test_the_law_of_the_worn_sphere() -> None:
+def test_the_law_of_the_worn_sphere():
     ratios = np.array([5.0, 10.0])
     depths, history, compliance = worn_spheres(ratios, 80, 1e-5)
     assert history.indentation == pytest.approx(depths, rel=1e-4)
@@ -181,7 +174,7 @@ def test_the_law_of_the_worn_sphere() -> None:
 
 
 @pytest.mark.slow
-def test_what_the_law_of_the_worn_sphere_leaves_out_falls_by_the_sixth_power() -> None:
+def test_what_the_law_of_the_worn_sphere_leaves_out_falls_by_the_sixth_power():
     """It takes the pressure to be uniform.
 
     While the contact grows, displacements change by ``du/dt``, and the pressure is off by ``du/dt /
@@ -199,7 +192,7 @@ def test_what_the_law_of_the_worn_sphere_leaves_out_falls_by_the_sixth_power() -
     assert order == pytest.approx(6.0, abs=1.2)
 
 
-def test_at_a_fixed_indentation_the_force_decays() -> None:
+def test_at_a_fixed_indentation_the_force_decays():
     (rings, profile), times = face("recessed"), np.array([0.0, 0.01, 0.1, 1.0, 10.0, 100.0])
     compliance = energy.compliance(cells(rings).space())
     history = march_on(compliance, rings, profile, Load(None, 0.5)).adaptive(times, 2e-5)
@@ -211,7 +204,7 @@ def test_at_a_fixed_indentation_the_force_decays() -> None:
     assert worn[np.abs(radii - 0.5) < 0.05] == pytest.approx(0.5, abs=2e-3)
 
 
-def test_contact_may_lift_again() -> None:
+def test_contact_may_lift_again():
     """As the hard recessed disc comes to bear at last, the corner of the ring round it lets go."""
     rings = Rings(np.array([0.0, 0.73, 1.0]), np.array([0.081, 1.0]))
     profile = InitialProfile(rings.ring_edges, np.array([0.29, 0.0]))
@@ -228,7 +221,7 @@ def test_contact_may_lift_again() -> None:
     assert lifted[1] == pytest.approx(lifted[0], abs=1e-3)
 
 
-def random_punch(seed: int) -> tuple[Rings, InitialProfile]:
+def random_punch(seed):
     """Up to six rings, wear coefficients over three decades, and recesses, powers, waves, a rounded
     rim, or sums of two.
     """
@@ -251,7 +244,7 @@ def random_punch(seed: int) -> tuple[Rings, InitialProfile]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("by_depth", [False, True], ids=["force", "indentation"])
-def test_random_punches(by_depth: bool) -> None:
+def test_random_punches(by_depth):
     times, touched = np.array([0.0, *np.geomspace(1e-2, 1e2, 9)]), 0
     for seed in range(200):
         rings, profile = random_punch(seed)
@@ -276,7 +269,7 @@ def test_random_punches(by_depth: bool) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("by_depth", [False, True], ids=["force", "indentation"])
-def test_random_punches_respect_their_error_estimates(by_depth: bool) -> None:
+def test_random_punches_respect_their_error_estimates(by_depth):
     """Through a method: its press fitted to the edges of the contact, its cells, its estimate."""
     mdr, solved, times = method("mdr"), 0, np.array([0.0, *np.geomspace(1e-2, 1e2, 9)])
     for seed in range(1000, 1020):

@@ -1,7 +1,5 @@
 """Stated errors are honest: on scenes drawn at random, and where sizes are too coarse."""
 
-from __future__ import annotations
-
 import logging
 from collections import Counter, defaultdict
 from dataclasses import replace
@@ -13,9 +11,7 @@ from wear_reference import random_scenes, true_errors
 from ringwear import Scene, run
 from ringwear.meshes.radial import ring_areas
 from ringwear.studies.crosscheck.accuracy import solved_to_accuracy
-from ringwear.studies.methods.base import Discretised
 from ringwear.studies.methods.mdr import Mdr
-from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 
 FIVE = Scene.load("five_rings")
@@ -23,7 +19,7 @@ FIVE = Scene.load("five_rings")
 
 @pytest.mark.slow
 @pytest.mark.parametrize("mesher", [pytest.param("quads", marks=pytest.mark.gmsh), "bisection"])
-def test_random_scenes(mesher: str, pytestconfig: pytest.Config) -> None:
+def test_random_scenes(mesher, pytestconfig):
     """No verdict is wrong, and the accuracy is reached, or said not to be.
 
     Estimates are seldom below the truth, and not far above. Prints the tables of the README.
@@ -69,7 +65,7 @@ def test_random_scenes(mesher: str, pytestconfig: pytest.Config) -> None:
     ],
     ids=["fixed boundary at 20 a", "coarse mesh", "one pole at 2 a"],
 )
-def test_coarse_settings_do_not_pass_for_agreement(settings: dict[str, object]) -> None:
+def test_coarse_settings_do_not_pass_for_agreement(settings):
     scene = FIVE.changed(methods=["mdr", "fem"], accuracy={"rtol": 1e-3, "fem": settings})
     result = run(scene)
     assert result.verdict != "agree"
@@ -77,7 +73,7 @@ def test_coarse_settings_do_not_pass_for_agreement(settings: dict[str, object]) 
 
 
 @pytest.mark.parametrize("march", ["implicit", "modal"])
-def test_time_steps_are_estimated(march: str) -> None:
+def test_time_steps_are_estimated(march):
     step = {"step": 0.01} if march == "implicit" else {}
     wear = {"times": [0.01, 0.1, 0.5], "steady": True, "march": march} | step
     result = run(FIVE.changed(methods=["mdr"], wear=wear))
@@ -87,7 +83,7 @@ def test_time_steps_are_estimated(march: str) -> None:
     assert ("mdr" in result.short_of) == (march == "implicit")
 
 
-def test_forces_add_up() -> None:
+def test_forces_add_up():
     dataset = run(FIVE.changed(methods=["mdr", "bem", "fem"])).dataset
     np.testing.assert_allclose(dataset.ring_force.sum("ring"), FIVE.load_.normal_force, rtol=1e-12)
     # in the last state the slow rings carry almost what they do in the steady state
@@ -99,12 +95,12 @@ def test_forces_add_up() -> None:
 class Hopeful(Mdr):
     """An MDR whose sizes promise far more accuracy than they give."""
 
-    def discretise(self, problem: Problem, stages: Stages) -> Discretised:
+    def discretise(self, problem, stages):
         hopeful = replace(problem, rtol=min(0.1, 1e2 * problem.rtol))
         return super().discretise(hopeful, stages)
 
 
-def test_refined_until_the_accuracy_is_reached(caplog: pytest.LogCaptureFixture) -> None:
+def test_refined_until_the_accuracy_is_reached(caplog):
     """Sizes that are far too hopeful are noticed by the estimate, and made up for."""
     scene = FIVE.changed(methods=["mdr"], accuracy__rtol=1e-5)
     with caplog.at_level(logging.INFO, "ringwear"):
@@ -117,7 +113,7 @@ def test_refined_until_the_accuracy_is_reached(caplog: pytest.LogCaptureFixture)
     assert "refining" in caplog.text
 
 
-def test_sizes_of_the_user_are_not_refined() -> None:
+def test_sizes_of_the_user_are_not_refined():
     for sizes in ({"ring_size": 0.1}, {"ring_size": 0.1, "rim_size": 0.1, "degree": 2}):
         result = run(FIVE.changed(methods=["mdr"], accuracy={"rtol": 1e-6, "mdr": sizes}))
         assert result.solutions["mdr"].settings["ring_size"] == 0.1
@@ -127,7 +123,7 @@ def test_sizes_of_the_user_are_not_refined() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("poisson_ratio", [0.4999, 0.5])
-def test_nothing_locks(poisson_ratio: float) -> None:
+def test_nothing_locks(poisson_ratio):
     """Unequal rings, near incompressibility: of degree 3 at ring edges, errors exceed the
     estimate.
     """

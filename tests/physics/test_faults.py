@@ -3,21 +3,16 @@
 By the verdict or by what no method can move.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
-import xarray
 
 from ringwear import Scene, run
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.studies.crosscheck.anchors import anchors
-from ringwear.studies.crosscheck.run import Result
 from ringwear.studies.methods.fem import Fem
 from ringwear.studies.methods.mdr import Mdr
 from ringwear.studies.methods.sampler import Sampler
@@ -28,23 +23,23 @@ from ringwear.studies.wear.modes import Modes
 Fault = Callable[[pytest.MonkeyPatch], None]
 
 
-def change_result(owner: Any, name: str, change: Callable[[Any], Any]) -> Fault:
+def change_result(owner, name, change):
     """A function returns something else."""
 
-    def put(patch: pytest.MonkeyPatch) -> None:
+    def put(patch):
         right = getattr(owner, name)
         patch.setattr(owner, name, lambda *given, **named: change(right(*given, **named)))
 
     return put
 
 
-def scale_compliance(method: type, size: float) -> Fault:
+def scale_compliance(method, size):
     """The compliance of a method is too great."""
 
-    def soften(compliance: Compliance) -> Compliance:
+    def soften(compliance):
         return Compliance(compliance.space, compliance.factor * np.sqrt(1 + size))
 
-    def change(ready: Any) -> Any:
+    def change(ready):
         coarser = ready.coarser
         return replace(
             ready, compliance=soften(ready.compliance), coarser=lambda: soften(coarser())
@@ -53,13 +48,13 @@ def scale_compliance(method: type, size: float) -> Fault:
     return change_result(method, "discretise", change)
 
 
-def change_rings(change: Callable[[Rings], Rings]) -> Fault:
+def change_rings(change):
     """The finite elements solve another punch."""
 
-    def put(patch: pytest.MonkeyPatch) -> None:
+    def put(patch):
         right = Fem.solve_all
 
-        def wrong(method: Fem, problems: Sequence[Any], stages: Any) -> Any:
+        def wrong(method, problems, stages):
             changed = [replace(problem, rings=change(problem.rings)) for problem in problems]
             return right(method, changed, stages)
 
@@ -68,28 +63,28 @@ def change_rings(change: Callable[[Rings], Rings]) -> Fault:
     return put
 
 
-def harden(rings: Rings) -> Rings:
+def harden(rings):
     factors = np.where(np.arange(len(rings.widths)) == 2, 1 + 1e-4, 1.0)
     return Rings(rings.ring_edges, rings.wear_coefficients * factors)
 
 
-def shift(rings: Rings) -> Rings:
+def shift(rings):
     shifts = np.where(np.arange(len(rings.ring_edges)) == 2, 3e-6, 0.0)
     return Rings(rings.ring_edges + shifts, rings.wear_coefficients)
 
 
-def scale_weights(size: float) -> Fault:
+def scale_weights(size):
     """Every pressure counts for more force than it has, in all methods."""
 
-    def put(patch: pytest.MonkeyPatch) -> None:
+    def put(patch):
         right = PressureSpace.weights.func  # type: ignore[attr-defined]
         patch.setattr(PressureSpace, "weights", property(lambda space: (1 + size) * right(space)))
 
     return put
 
 
-def scale_both(size: float) -> Fault:
-    def put(patch: pytest.MonkeyPatch) -> None:
+def scale_both(size):
+    def put(patch):
         for method in (Mdr, Fem):
             scale_compliance(method, size)(patch)
 
@@ -110,7 +105,7 @@ FAULTS = {
 ACCURACIES = [pytest.param(1e-6, marks=pytest.mark.gmsh), 1e-4]
 
 
-def five_rings(methods: list[str], rtol: float = 1e-4) -> Result:
+def five_rings(methods, rtol=1e-4):
     times = [0.0, 0.01, 0.1, 1.0]
     scene = Scene.load("five_rings")
     return run(scene.changed(methods=methods, accuracy__rtol=rtol, wear__times=times))
@@ -130,9 +125,7 @@ def five_rings(methods: list[str], rtol: float = 1e-4) -> Result:
     ],
     ids=str,
 )
-def test_faults_are_caught(
-    monkeypatch: pytest.MonkeyPatch, fault: str, rtol: float, methods: list[str]
-) -> None:
+def test_faults_are_caught(monkeypatch, fault, rtol, methods):
     """Those that are not smaller than the accuracy asked for."""
     FAULTS[fault][0](monkeypatch)
     assert five_rings(methods, rtol).verdict == "disagree"
@@ -140,7 +133,7 @@ def test_faults_are_caught(
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("rtol", ACCURACIES)
-def test_without_a_fault_nothing_disagrees(rtol: float) -> None:
+def test_without_a_fault_nothing_disagrees(rtol):
     result = five_rings(["mdr", "bem", "direct", "fem"], rtol)
     assert rtol < 1e-4 or result.verdict == "agree"
     # pressures at the start, infinite at the rim, and early slopes finite elements do not promise
@@ -151,8 +144,8 @@ def test_without_a_fault_nothing_disagrees(rtol: float) -> None:
     assert {anchor.method for anchor in result.anchors} == {"mdr", "bem", "direct", "fem"}
 
 
-def lose_mode(number: int) -> Fault:
-    def change(modes: Modes) -> Modes:
+def lose_mode(number):
+    def change(modes):
         others = np.arange(len(modes.relaxation)) != number - 1
         return Modes(
             modes.relaxation[others],
@@ -164,27 +157,25 @@ def lose_mode(number: int) -> Fault:
     return change_result(full_contact, "every_mode", change)
 
 
-def slow_down(size: float) -> Fault:
-    def change(modes: Modes) -> Modes:
+def slow_down(size):
+    def change(modes):
         factors = np.where(np.arange(len(modes.relaxation)) == 0, 1 + size, 1.0)
         return replace(modes, relaxation=modes.relaxation * factors)
 
     return change_result(full_contact, "every_mode", change)
 
 
-def scale_reported(name: str, size: float, start: bool = True, on_face: bool = True) -> Fault:
+def scale_reported(name, size, start=True, on_face=True):
     """A quantity of all methods is too great.
 
     From the start or later, on all of the face or at the radii of the output.
     """
 
-    def put(patch: pytest.MonkeyPatch) -> None:
+    def put(patch):
         for part in ("history", "steady"):
             right = getattr(Sampler, part)
 
-            def wrong(
-                sampler: Sampler, state: Any, whole_face: bool = False, right: Any = right
-            ) -> xarray.Dataset:
+            def wrong(sampler, state, whole_face=False, right=right):
                 values = right(sampler, state, whole_face)
                 if name not in values or (whole_face and not on_face):
                     return values
@@ -196,13 +187,13 @@ def scale_reported(name: str, size: float, start: bool = True, on_face: bool = T
     return put
 
 
-def move_force(size: float) -> Fault:
+def move_force(size):
     """A part of the force on the second ring is said to be on the third."""
     moved = size * np.array([0, -1, 1, 0, 0])
     return change_result(Sampler, "ring_forces", lambda forces: forces + moved)
 
 
-def delay(size: float) -> Fault:
+def delay(size):
     """Times at the door are too late."""
     return change_result(
         Problem, "posed", lambda problem: replace(problem, times=problem.times * (1 + size))
@@ -244,16 +235,14 @@ COMMON_FAULTS = {
 
 
 @pytest.mark.parametrize("fault", COMMON_FAULTS)
-def test_faults_that_all_methods_share_are_caught(
-    monkeypatch: pytest.MonkeyPatch, fault: str
-) -> None:
+def test_faults_that_all_methods_share_are_caught(monkeypatch, fault):
     """With nothing to compare with: by what no method can move, at an accuracy of 1e-4."""
     COMMON_FAULTS[fault](monkeypatch)
     assert five_rings(["mdr"]).verdict == "disagree"
 
 
 @pytest.fixture(scope="module")
-def right() -> Result:
+def right():
     return five_rings(["mdr"])
 
 
@@ -272,10 +261,10 @@ def right() -> Result:
         ("pressure_min", 1.001, "steady pressures of the answer"),
     ],
 )
-def test_anchors_hold_what_is_written(right: Result, name: str, factor: float, anchor: str) -> None:
+def test_anchors_hold_what_is_written(right, name, factor, anchor):
     """A dataset that is wrong by itself, whatever the method knows."""
 
-    def broken(dataset: xarray.Dataset) -> set[str]:
+    def broken(dataset):
         rows = anchors(right.scene, "mdr", dataset, right.solutions["mdr"])
         return {row.name for row in rows if not row.holds}
 

@@ -1,13 +1,10 @@
 """The five rings against an independent reference, over the whole history."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
-import xarray
 from wear_reference import exact_results, true_errors
 
 from ringwear import Scene, run
@@ -25,44 +22,44 @@ MESHERS = [
 class Solved:
     """Datasets of the five rings at the times of the reference, and how far they are from it."""
 
-    def __init__(self, reference: Reference) -> None:
+    def __init__(self, reference):
         self.reference = reference
         self.times = [state["time"] for state in reference["states"]]
         self.cached = cache(self.computed)
 
-    def __call__(self, **changes: Any) -> xarray.Dataset:
+    def __call__(self, **changes):
         return self.cached(**changes)
 
-    def computed(self, methods: tuple[str, ...], **changes: Any) -> xarray.Dataset:
+    def computed(self, methods, **changes):
         lists = {"methods": list(methods), "output__radii": self.reference["radii"]}
         scene = Scene.load("five_rings").changed(wear__times=self.times, **lists, **changes)
         return run(scene).dataset.isel(solver=0)
 
-    def error(self, data: xarray.Dataset, name: str, key: str = "") -> float:
+    def error(self, data, name, key=""):
         """Greatest relative error of a quantity over time."""
         expected = [state[key or name] for state in self.reference["states"]]
         return worst(data[name], np.array(expected))
 
-    def steady_error(self, data: xarray.Dataset, name: str, key: str) -> float:
+    def steady_error(self, data, name, key):
         return worst(data[name], np.array(self.reference["steady"][key]))
 
-    def errors_of_times(self, data: xarray.Dataset) -> float:
+    def errors_of_times(self, data):
         expected = np.array(self.reference["slowest_relaxation_times"])
         return worst(data.relaxation_time[: len(expected)], expected)
 
 
 @pytest.fixture(scope="module")
-def solve(reference: Reference) -> Solved:
+def solve(reference):
     return Solved(reference)
 
 
-def worst(values: xarray.DataArray, expected: np.ndarray) -> float:
+def worst(values, expected):
     """Greatest relative difference."""
     return float(np.abs(values.to_numpy() / expected - 1).max())
 
 
 @pytest.mark.parametrize("average", ["line", "area"])
-def test_mdr(solve: Solved, average: str) -> None:
+def test_mdr(solve, average):
     data = solve(**MDR, output__gradient_average=average)
     assert solve.error(data, "indentation") <= 1e-8
     assert solve.error(data, "displacement_centre") <= 1e-5
@@ -72,7 +69,7 @@ def test_mdr(solve: Solved, average: str) -> None:
 
 
 @pytest.mark.parametrize("mesher", MESHERS)
-def test_fem(solve: Solved, mesher: str) -> None:
+def test_fem(solve, mesher):
     data = solve(**FEM, accuracy__fem__mesher=mesher)
     assert solve.error(data, "indentation") <= 1e-4
     assert solve.error(data, "displacement_centre") <= 3e-4
@@ -81,11 +78,11 @@ def test_fem(solve: Solved, mesher: str) -> None:
 
 
 @pytest.mark.parametrize(("scene", "tolerance"), [(MDR, 1e-9), (FEM, 1e-4)], ids=["mdr", "fem"])
-def test_relaxation_times(solve: Solved, scene: dict[str, Any], tolerance: float) -> None:
+def test_relaxation_times(solve, scene, tolerance):
     assert solve.errors_of_times(solve(**scene)) <= tolerance
 
 
-def test_ring_forces_against_a_finer_radial_mesh(solve: Solved) -> None:
+def test_ring_forces_against_a_finer_radial_mesh(solve):
     finest = {"accuracy__rtol": 1e-7, "accuracy__mdr__ring_size": 1e-6}
     finer = solve(methods=("mdr",), **finest).ring_force.to_numpy()
     assert worst(solve(**MDR).ring_force, finer) <= 1e-5
@@ -100,9 +97,7 @@ def test_ring_forces_against_a_finer_radial_mesh(solve: Solved) -> None:
     ids=["direct", "mdr", "fem"],
 )
 @pytest.mark.parametrize("average", ["line", "area"])
-def test_steady_state(
-    solve: Solved, scene: dict[str, Any], heights: float, slopes: float, average: str
-) -> None:
+def test_steady_state(solve, scene, heights, slopes, average):
     data = solve(**scene, output__gradient_average=average)
     assert solve.steady_error(data, "steady_displacement_max", "displacement_centre") <= heights
     assert solve.steady_error(data, "steady_rms_slope", f"rms_slope_{average}") <= slopes
@@ -112,7 +107,7 @@ def test_steady_state(
 
 
 @pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-8])
-def test_the_dial_of_the_mdr(solve: Solved, rtol: float) -> None:
+def test_the_dial_of_the_mdr(solve, rtol):
     data = solve(methods=("mdr",), accuracy__rtol=rtol)
     assert solve.error(data, "indentation") <= rtol
     # slopes converge slowly, but a smaller rtol must not give less
@@ -121,13 +116,13 @@ def test_the_dial_of_the_mdr(solve: Solved, rtol: float) -> None:
 
 @pytest.mark.parametrize("mesher", MESHERS)
 @pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-5, pytest.param(1e-8, marks=pytest.mark.slow)])
-def test_the_dial_of_the_fem(solve: Solved, rtol: float, mesher: str) -> None:
+def test_the_dial_of_the_fem(solve, rtol, mesher):
     data = solve(methods=("fem",), accuracy__rtol=rtol, accuracy__fem__mesher=mesher)
     assert solve.error(data, "indentation") <= rtol
 
 
 @pytest.mark.gmsh
-def test_fem_to_nine_digits(solve: Solved) -> None:
+def test_fem_to_nine_digits(solve):
     """As far as the reference goes; the ring forces against an MDR of the same accuracy."""
     data = solve(methods=("fem",), accuracy__rtol=1e-9)
     assert solve.error(data, "indentation") <= 1e-9
@@ -145,7 +140,7 @@ def test_fem_to_nine_digits(solve: Solved) -> None:
     ],
     ids=str,
 )
-def test_error_estimates_of_given_sizes_are_honest(solve: Solved, sizes: dict[str, Any]) -> None:
+def test_error_estimates_of_given_sizes_are_honest(solve, sizes):
     """Estimates, not bounds; the reference itself is good to 1e-10."""
     data = solve(methods=("fem",), **sizes)
     exact = np.array([state["indentation"] for state in solve.reference["states"]])
@@ -157,7 +152,7 @@ def test_error_estimates_of_given_sizes_are_honest(solve: Solved, sizes: dict[st
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("rtol", [1e-2, 1e-4, pytest.param(1e-7, marks=pytest.mark.slow)])
-def test_the_dial_bounds_every_quantity(solve: Solved, rtol: float) -> None:
+def test_the_dial_bounds_every_quantity(solve, rtol):
     """In its own norm, from the start to beyond the running-in, and no estimate below the truth."""
     scene = Scene.load("five_rings").changed(
         methods=["mdr", "fem"], wear__times=[0.0, *solve.times], accuracy__rtol=rtol
@@ -173,7 +168,7 @@ def test_the_dial_bounds_every_quantity(solve: Solved, rtol: float) -> None:
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("name", ["mdr", "fem"])
-def test_profiles_are_as_good_where_little_is_worn(solve: Solved, name: str) -> None:
+def test_profiles_are_as_good_where_little_is_worn(solve, name):
     """Relative to the greatest height worn, not to the indentation, from t = 0.001 on."""
     scene = Scene.load("five_rings").changed(
         methods=[name], wear__times=solve.times, accuracy__rtol=1e-4

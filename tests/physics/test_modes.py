@@ -3,8 +3,6 @@
 Those of a Krylov space against all of them, and banded factors against dense ones.
 """
 
-from typing import Any
-
 import numpy as np
 import pytest
 import xarray
@@ -18,12 +16,12 @@ from ringwear.studies.wear.modes import BandedCholesky, every_mode, excited_mode
 from ringwear.studies.wear.shared_modes import SharedModes
 
 
-def pencil(wear: Any) -> tuple[Any, ...]:
+def pencil(wear):
     return BandedCholesky(wear._mass), wear._weights, wear._to_pressure.T @ wear.steady.moments
 
 
 @pytest.mark.parametrize("earliest", [1e-4, 1e-2, 1.0, 1e12])
-def test_the_flat_start_excites_few_modes(prepare: Any, earliest: float) -> None:
+def test_the_flat_start_excites_few_modes(prepare, earliest):
     """The Krylov space carries the history from its earliest time on, and the slowest relaxation
     times.
     """
@@ -45,7 +43,7 @@ def test_the_flat_start_excites_few_modes(prepare: Any, earliest: float) -> None
             np.testing.assert_allclose(values, expected, atol=1e-9 * np.abs(expected).max())
 
 
-def test_a_start_that_excites_nothing_more_ends_the_search(prepare: Any) -> None:
+def test_a_start_that_excites_nothing_more_ends_the_search(prepare):
     """Two modes of a two-dimensional invariant space are found exactly."""
     wear = prepare("five_rings", "mdr", accuracy__rtol=1e-2).wear
     mass, weights, moments = pencil(wear)
@@ -55,7 +53,7 @@ def test_a_start_that_excites_nothing_more_ends_the_search(prepare: Any) -> None
     np.testing.assert_allclose(few.relaxation[:2], whole.relaxation[[1, 4]], rtol=1e-12)
 
 
-def test_too_early_is_refused(prepare: Any) -> None:
+def test_too_early_is_refused(prepare):
     wear = prepare("five_rings", "mdr", accuracy__rtol=1e-2).wear
     mass, weights, moments = pencil(wear)
     energy = np.diag([1.0] * 3 + [1e-18] * (len(weights) - 3))
@@ -67,7 +65,7 @@ def test_too_early_is_refused(prepare: Any) -> None:
 
 
 @pytest.mark.parametrize("wear", [[1.0, 0.1, 1.0, 0.1, 1.0], [0.2, 1.0, 0.03, 0.7, 0.5]])
-def test_a_span_of_everything_leaves_nothing_out(prepare: Any, wear: list[float]) -> None:
+def test_a_span_of_everything_leaves_nothing_out(prepare, wear):
     """Its modes are those of the punch, whatever the materials, and so is the history."""
     compliance, times = (
         prepare("five_rings", "mdr", accuracy__rtol=1e-2).wear.compliance,
@@ -89,7 +87,7 @@ def test_a_span_of_everything_leaves_nothing_out(prepare: Any, wear: list[float]
     assert shared.left_out(times[1:]) < 1e-7
 
 
-def test_a_few_histories_span_those_between(prepare: Any) -> None:
+def test_a_few_histories_span_those_between(prepare):
     """And what they leave out is as much as the wear rate errs by."""
     compliance, times = (
         prepare("five_rings", "mdr", accuracy__rtol=1e-3).wear.compliance,
@@ -97,7 +95,7 @@ def test_a_few_histories_span_those_between(prepare: Any) -> None:
     )
     alike = np.array([0, 1, 0, 1, 0])
 
-    def worn(ratio: float, shared: SharedModes | None = None) -> RunningIn:
+    def worn(ratio, shared=None):
         return RunningIn(compliance, np.array([1.0, ratio])[alike], 1e-3, shared)
 
     lost = []
@@ -120,7 +118,7 @@ def test_a_few_histories_span_those_between(prepare: Any) -> None:
     assert lost[0] > 5 * lost[1] > 25 * lost[2]
 
 
-def test_banded_factor() -> None:
+def test_banded_factor():
     random = np.random.default_rng(3)
     matrix = (
         np.diag(4 + random.random(9)) + np.diag(random.random(7), 2) + np.diag(random.random(8), -1)
@@ -136,7 +134,7 @@ def test_banded_factor() -> None:
         BandedCholesky(csr_matrix(matrix - 20 * np.eye(9)))
 
 
-def test_two_results_may_know_another_number_of_modes() -> None:
+def test_two_results_may_know_another_number_of_modes():
     times = np.array([1.0, 0.5, 0.25])
     three, two = (
         xarray.Dataset({"relaxation_time": ("mode", values)}) for values in (1.5 * times, times[:2])
@@ -145,7 +143,7 @@ def test_two_results_may_know_another_number_of_modes() -> None:
     np.testing.assert_array_equal(compared["relaxation_time"], [0.5, 0.5])
 
 
-def test_no_columns_are_no_harm() -> None:
+def test_no_columns_are_no_harm():
     """LAPACK's wrapper writes past the end of none."""
     factor = BandedCholesky(csr_matrix(np.eye(5)))
     assert factor.solve(np.empty((5, 0))).shape == (5, 0)

@@ -8,17 +8,16 @@ from wear_reference import random_scenes, true_errors
 
 from ringwear import Scene
 from ringwear.mdr import energy
-from ringwear.meshes import Compliance, SolverError
-from ringwear.studies.crosscheck.operators import OperatorDifference, difference
+from ringwear.meshes import SolverError
+from ringwear.studies.crosscheck.operators import difference
 from ringwear.studies.crosscheck.run import run
 from ringwear.studies.methods import fem
 from ringwear.studies.problem.defaults import quad_sizes
-from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 from ringwear.studies.wear.full_contact import RunningIn
 
 
-def against_mdr(problem: Problem, first: Compliance) -> OperatorDifference:
+def against_mdr(problem, first):
     """The operator against the MDR on its own space."""
     wear = problem.merged.wear_coefficients
     return difference(
@@ -29,11 +28,11 @@ def against_mdr(problem: Problem, first: Compliance) -> OperatorDifference:
     )
 
 
-def five_rings(**changes: object) -> Problem:
+def five_rings(**changes):
     return Scene.load("five_rings").changed(**changes).problem
 
 
-def by_elements(problem: Problem) -> Compliance:
+def by_elements(problem):
     return fem.METHOD.discretise(problem, Stages("test")).compliance
 
 
@@ -41,7 +40,7 @@ def by_elements(problem: Problem) -> Compliance:
     ("rings", "rtol"),
     [(1, 1e-4), (2, 1e-4), (5, 1e-4), (32, 1e-3), (1, 1e-6), (2, 1e-6), (5, 1e-6)],
 )
-def test_every_steady_state_is_certified(rings: int, rtol: float) -> None:
+def test_every_steady_state_is_certified(rings, rtol):
     problem = five_rings(punch__rings=rings, accuracy__rtol=rtol)
     difference = against_mdr(problem, by_elements(problem))
     assert difference.rings <= rtol
@@ -51,7 +50,7 @@ def test_every_steady_state_is_certified(rings: int, rtol: float) -> None:
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.49, 0.5])
-def test_poisson_ratio_does_not_matter(nu: float) -> None:
+def test_poisson_ratio_does_not_matter(nu):
     problem = five_rings(half_space__poisson_ratio=nu)
     assert against_mdr(problem, by_elements(problem)).rings <= 1e-4
 
@@ -59,7 +58,7 @@ def test_poisson_ratio_does_not_matter(nu: float) -> None:
 @pytest.mark.parametrize(
     "scene", [*random_scenes(20, 6, most_rings=3)], ids=lambda scene: scene.title
 )
-def test_history_bounds_the_error(scene: Scene) -> None:
+def test_history_bounds_the_error(scene):
     # the pressure space has its own error, which no comparison on that space can see: it is small
     # beside the dial
     result = run(
@@ -74,7 +73,7 @@ def test_history_bounds_the_error(scene: Scene) -> None:
     [("fixed boundary", 1e-2), ("modulus", 9e-3), ("lost edge", 1e-2)],
     ids=lambda value: str(value),
 )
-def test_faults_show_in_the_rings(fault: str, least: float) -> None:
+def test_faults_show_in_the_rings(fault, least):
     problem = five_rings()
     if fault == "fixed boundary":
         problem = five_rings(accuracy__fem={"far_field": "fixed", "truncation": 20.0})
@@ -91,7 +90,7 @@ def test_faults_show_in_the_rings(fault: str, least: float) -> None:
     assert against_mdr(problem, sound).rings >= least
 
 
-def test_unstable_multipliers_are_refused() -> None:
+def test_unstable_multipliers_are_refused():
     problem = five_rings()
     sound = by_elements(problem)
     # one bubble that displaces next to nothing: a checkerboard
@@ -101,7 +100,7 @@ def test_unstable_multipliers_are_refused() -> None:
         against_mdr(problem, replace(sound, factor=factor)).check_multipliers()
 
 
-def test_three_operators_in_one_run() -> None:
+def test_three_operators_in_one_run():
     result = run(Scene.load("five_rings").changed(methods=["mdr", "bem", "fem"]))
     pairs = {row.methods: row for row in result.operators}
     assert set(pairs) == {("fem", "mdr"), ("fem", "bem"), ("mdr", "bem")}

@@ -3,29 +3,24 @@
 By closed forms and by numbers from elsewhere.
 """
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 from wear_reference import Reference, exact_results
 
 from ringwear import Scene
 from ringwear.mdr import direct
-from ringwear.meshes.radial import Array
 
 EDGES = np.array([0.0, 0.2, 0.5, 0.55, 1.0])
 WEAR = np.array([1.0, 0.1, 1.0, 0.3])
 
 
-def test_history_of_five_rings(reference: dict[str, Any]) -> None:
+def test_history_of_five_rings(reference):
     wear, states = np.array(reference["wear_coefficients"]), reference["states"]
     fastest, radii = wear.max(), np.array(reference["radii"])
     punch = Reference(np.array(reference["ring_edges"]), wear / fastest, np.full(5, 1e-13))
     pressure, worn, indentation = punch.at(np.array([state["time"] for state in states]) * fastest)
 
-    def assert_equal(values: Array, name: str, rtol: float, first: int = 0) -> None:
+    def assert_equal(values, name, rtol, first=0):
         expected = np.array([state[name] for state in states]) / reference["normal_force"]
         np.testing.assert_allclose(values[first:], expected[first:], rtol=rtol)
 
@@ -39,7 +34,7 @@ def test_history_of_five_rings(reference: dict[str, Any]) -> None:
     np.testing.assert_allclose(punch.relaxation_times[: len(expected)], expected, rtol=1e-10)
 
 
-def test_late_it_is_the_steady_state_in_closed_form() -> None:
+def test_late_it_is_the_steady_state_in_closed_form():
     punch = Reference(EDGES, WEAR, np.full(4, 1e-13))
     pressures = direct.steady_pressures(EDGES, WEAR)
     assert punch.wear_rate == pytest.approx(WEAR[0] * pressures[0], rel=1e-12)
@@ -57,7 +52,7 @@ def test_late_it_is_the_steady_state_in_closed_form() -> None:
     np.testing.assert_allclose(punch.ring_forces(early).sum(axis=1), 1, rtol=1e-13)
 
 
-def test_it_gives_all_that_a_problem_asks_for() -> None:
+def test_it_gives_all_that_a_problem_asks_for():
     problem = Scene.load("five_rings").problem
     exact = exact_results(problem)
     assert exact.sizes["time"] == len(problem.checked)

@@ -3,10 +3,7 @@
 Numbers that were wrong while the verdict was "agree", each held to what is known.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,14 +12,12 @@ from wear_reference import random_scenes
 from ringwear import Scene, run
 from ringwear.meshes.contact_cells import ContactCells
 from ringwear.studies.crosscheck.agreement import agreements
-from ringwear.studies.crosscheck.run import Result
 from ringwear.studies.problem.defaults import cells_of
-from ringwear.studies.problem.problem import Problem
 from ringwear.studies.report.words import Account
 from ringwear.studies.wear.contact_edges import worn_edges
 
 
-def check_start(result: Result) -> None:
+def check_start(result):
     """Start pressures that methods report are within rtol of Eq. 10, at radii off the rim."""
     dataset = result.dataset.isel(time=0)
     inside = dataset["pressure"].sel(radius=dataset["radius"] < result.scene.punch.radius)
@@ -35,7 +30,7 @@ def check_start(result: Result) -> None:
 
 @pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-7, 1e-8])
 @pytest.mark.parametrize("first", [1e-2, 1e-7])
-def test_start_pressures_are_those_of_the_closed_form(rtol: float, first: float) -> None:
+def test_start_pressures_are_those_of_the_closed_form(rtol, first):
     """The small elements beside ring edges, which later times need, do not lose the start."""
     scene = Scene.load("five_rings").changed(
         methods=["mdr", "bem"] if rtol > 1e-6 else ["mdr"],
@@ -53,14 +48,14 @@ def test_start_pressures_are_those_of_the_closed_form(rtol: float, first: float)
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-def test_start_pressures_of_random_scenes() -> None:
+def test_start_pressures_of_random_scenes():
     """To 16 rings, first times to 1e-8, rtol 1e-2 to 1e-8, every method."""
     for scene in random_scenes(2211, 20, 16, methods=["mdr", "fem"]):
         times = [0.0, *(time for time in scene.wear.times if time)]
         check_start(run(scene.changed(wear={"times": times})))
 
 
-def two_rings(standoff: float, indentation: float | None) -> Scene:
+def two_rings(standoff, indentation):
     """Two rings, the inner of which is recessed; the face stands off its plane."""
     load = {"normal_force": 0.1} if indentation is None else {"indentation": standoff + indentation}
     return Scene.load("five_rings").changed(
@@ -80,9 +75,7 @@ def two_rings(standoff: float, indentation: float | None) -> Scene:
 
 @pytest.mark.parametrize("indentation", [0.1, 1e-3, 1e-4, None])
 @pytest.mark.parametrize("standoff", [0.2, 100.0])
-def test_results_do_not_depend_on_where_the_face_plane_is(
-    standoff: float, indentation: float | None
-) -> None:
+def test_results_do_not_depend_on_where_the_face_plane_is(standoff, indentation):
     plain, moved = (run(two_rings(off, indentation)).dataset for off in (0.0, standoff))
     depth = float(plain["indentation"].max())
     # coordinates of a face that stands so far off are known to its roundoff
@@ -99,7 +92,7 @@ def test_results_do_not_depend_on_where_the_face_plane_is(
         )
 
 
-def sphere(rtol: float, times: list[float], **changes: Any) -> Scene:
+def sphere(rtol, times, **changes):
     """Radius of curvature 1, contact radius .2 at the start."""
     profile = {"kind": "parabola", "curvature_radius": 1.0}
     return Scene.load("sphere").changed(
@@ -114,8 +107,8 @@ def sphere(rtol: float, times: list[float], **changes: Any) -> Scene:
     )
 
 
-def set_cells(monkeypatch: pytest.MonkeyPatch, count: int) -> None:
-    def cells(problem: Problem, finer: float = 1.0) -> ContactCells:
+def set_cells(monkeypatch, count):
+    def cells(problem, finer=1.0):
         size = 1 / (finer * count)
         return replace(cells_of(problem, finer), largest=size, spread=size)
 
@@ -124,9 +117,7 @@ def set_cells(monkeypatch: pytest.MonkeyPatch, count: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4])
-def test_errors_of_a_worn_sphere_are_not_below_the_truth(
-    monkeypatch: pytest.MonkeyPatch, rtol: float
-) -> None:
+def test_errors_of_a_worn_sphere_are_not_below_the_truth(monkeypatch, rtol):
     """In the norms of the project, over 1200 radii."""
     times = [0.01, 0.1, 1.0]
     result = run(sphere(rtol, times)).dataset.isel(solver=0)
@@ -144,7 +135,7 @@ def test_errors_of_a_worn_sphere_are_not_below_the_truth(
         assert (error <= result[f"{name}_error"]).all(), name
 
 
-def test_a_face_finer_than_the_cells_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_face_finer_than_the_cells_is_said(monkeypatch):
     """The truth touches the highest of many peaks; cells see their mean."""
     heights = np.random.default_rng(0).uniform(0, 1e-3, 2000).tolist()
     radii = np.linspace(0, 1, 2000).tolist()
@@ -159,7 +150,7 @@ def test_a_face_finer_than_the_cells_is_said(monkeypatch: pytest.MonkeyPatch) ->
 
 
 @pytest.mark.parametrize("gap", [1, 2, 3])
-def test_parts_of_the_contact_do_not_overlap(gap: int) -> None:
+def test_parts_of_the_contact_do_not_overlap(gap):
     """Edges extrapolated from worn depths on both sides of a narrow gap."""
     space = ContactCells((0.0, 1.0), 0.02, 0.02).space()
     node = np.arange(space.size)
@@ -171,7 +162,7 @@ def test_parts_of_the_contact_do_not_overlap(gap: int) -> None:
     assert (np.diff(edges) >= 0).all()
 
 
-def test_no_pressure_under_a_flat_punch_is_negative() -> None:
+def test_no_pressure_under_a_flat_punch_is_negative():
     edges = 0.4 + np.geomspace(1e-14, 1e-8, 40)
     scene = Scene.load("five_rings").changed(
         methods=["mdr", "fem"],
@@ -182,7 +173,7 @@ def test_no_pressure_under_a_flat_punch_is_negative() -> None:
     assert float(run(scene).dataset["pressure"].min()) >= 0
 
 
-def test_the_default_scene_reaches_its_accuracy_by_its_own_word() -> None:
+def test_the_default_scene_reaches_its_accuracy_by_its_own_word():
     result = run(Scene.load("five_rings"))
     assert result.verdict == "agree"
     assert all(not method["beyond_rtol"] for method in result.summary["methods"].values())
@@ -200,9 +191,7 @@ def test_the_default_scene_reaches_its_accuracy_by_its_own_word() -> None:
         (0.1, 0.5, 2.0, "agree"),
     ],
 )
-def test_the_rule_of_the_verdict(
-    difference: float, first: float, second: float, verdict: str
-) -> None:
+def test_the_rule_of_the_verdict(difference, first, second, verdict):
     """In counts of the accuracy asked for."""
     scene = Scene.load("five_rings").changed(methods=["mdr"], wear__times=[0.1])
     rtol, solution = scene.accuracy.rtol, run(scene).solutions["mdr"]
@@ -217,7 +206,7 @@ def test_the_rule_of_the_verdict(
     assert row.verdict == verdict
 
 
-def test_an_annulus_that_is_only_pressed_on_does_not_disagree() -> None:
+def test_an_annulus_that_is_only_pressed_on_does_not_disagree():
     punch = {
         "radius": 1.0,
         "ring_edges": [0.6, 1.0],
