@@ -7,10 +7,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -19,9 +18,7 @@ from threadpoolctl import threadpool_limits
 from ringwear import Scene
 from ringwear.meshes import Array, Compliance, PressureSpace
 from ringwear.meshes.gmsh_session import unavailable
-from ringwear.studies.methods.base import Discretised
-from ringwear.studies.methods.base import method as named
-from ringwear.studies.methods.pipeline import ComplianceMethod
+from ringwear.studies.methods.base import method as find_method
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 from ringwear.studies.wear.full_contact import RunningIn
@@ -33,21 +30,19 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         parser.addoption(f"--{name}", type=int, default=default, help="of scenes drawn at random")
 
 
-@dataclass(frozen=True, eq=False)
-class Prepared:
+class Prepared(NamedTuple):
     """One method, ready for a scene."""
 
     problem: Problem
-    made: Discretised
     wear: RunningIn
 
     @property
     def compliance(self) -> Compliance:
-        return self.made.compliance
+        return self.wear.compliance
 
     @property
     def space(self) -> PressureSpace:
-        return self.made.compliance.space
+        return self.wear.compliance.space
 
     @property
     def everywhere(self) -> Array:
@@ -58,16 +53,7 @@ class Prepared:
 
 Prepare = Callable[..., Prepared]
 
-# name, method and changes of the scene: the methods that every invariant is tested on
-METHODS = {
-    "mdr": ("mdr", {}),
-    "quads": ("fem", {"accuracy__fem__mesher": "quads"}),
-    "gmsh": ("fem", {"accuracy__fem__mesher": "gmsh"}),
-    "bisection": ("fem", {"accuracy__fem__mesher": "bisection"}),
-}
-
-
-NEED_GMSH = ("quads", "gmsh")
+MESHERS = ("quads", "gmsh", "bisection")
 WITHOUT_GMSH = unavailable()
 
 
@@ -90,25 +76,24 @@ def _one_thread() -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def prepare() -> Prepare:
-    """``prepare(scene, name, **changes)``: a method by its name in `METHODS`, or by its own."""
+    """``prepare(scene, name, **changes)``: a method by its name, or finite elements by a mesher."""
 
     @cache
-    def make(scene: str, name: str, changes: tuple[tuple[str, Any], ...]) -> Prepared:
-        if WITHOUT_GMSH and name in NEED_GMSH:
+    def prepare(scene: str, name: str, **changes: Any) -> Prepared:
+        if WITHOUT_GMSH and name in ("quads", "gmsh"):
             pytest.skip(WITHOUT_GMSH)
-        kind, sizes = METHODS.get(name, (name, {}))
-        listed = {key: list(value) if isinstance(value, tuple) else value for key, value in changes}
-        problem, method = Scene.load(scene).changed(**sizes, **listed).problem, named(kind)
-        assert isinstance(method, ComplianceMethod)
-        made = method.discretise(problem, Stages(kind))
-        return Prepared(problem, made, RunningIn(made.compliance, problem.merged.wear_coefficients))
+        if name in MESHERS:
+            name, changes = "fem", {"accuracy__fem__mesher": name, **changes}
+        problem = Scene.load(scene).changed(**changes).problem
+        compliance = find_method(name).discretise(problem, Stages(name)).compliance
+        return Prepared(problem, RunningIn(compliance, problem.merged.wear_coefficients))
 
-    return lambda scene, name, **changes: make(scene, name, tuple(changes.items()))
+    return prepare
 
 
-@pytest.fixture(params=METHODS)
+@pytest.fixture(params=["mdr", *MESHERS])
 def method(request: pytest.FixtureRequest) -> str:
-    """Each of `METHODS`."""
+    """The methods that every invariant is tested on."""
     return str(request.param)
 
 
