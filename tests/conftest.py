@@ -3,20 +3,17 @@
 The reference history of the five rings, and methods made ready once for many tests.
 """
 
-from __future__ import annotations
-
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
 from ringwear import Scene
-from ringwear.meshes import Array, Compliance, PressureSpace
 from ringwear.meshes.gmsh_session import unavailable
 from ringwear.studies.methods.base import method as find_method
 from ringwear.studies.problem.problem import Problem
@@ -24,7 +21,7 @@ from ringwear.studies.progress import Stages
 from ringwear.studies.wear.full_contact import RunningIn
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
+def pytest_addoption(parser):
     """Options of `tests/physics/test_estimates.py`: the scenes that it draws at random."""
     for name, default in (("seed", 3), ("scenes", 20), ("rings", 3)):
         parser.addoption(f"--{name}", type=int, default=default, help="of scenes drawn at random")
@@ -37,15 +34,15 @@ class Prepared(NamedTuple):
     wear: RunningIn
 
     @property
-    def compliance(self) -> Compliance:
+    def compliance(self):
         return self.wear.compliance
 
     @property
-    def space(self) -> PressureSpace:
+    def space(self):
         return self.wear.compliance.space
 
     @property
-    def everywhere(self) -> Array:
+    def everywhere(self):
         """Sixteen radii in each element."""
         start, width = self.space.breakpoints[:-1, None], np.diff(self.space.breakpoints)[:, None]
         return (start + width * np.arange(16) / 16).ravel()
@@ -57,7 +54,7 @@ MESHERS = ("quads", "gmsh", "bisection")
 WITHOUT_GMSH = unavailable()
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(items):
     """Where gmsh cannot be loaded, what needs it is skipped, with the reason."""
     for item in items:
         if WITHOUT_GMSH and "gmsh" in item.keywords:
@@ -65,7 +62,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _one_thread() -> Iterator[None]:
+def _one_thread():
     """The matrices are small, and pytest-xdist has a process for each core.
 
     Threads would only wait on each other.
@@ -75,11 +72,11 @@ def _one_thread() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session")
-def prepare() -> Prepare:
+def prepare():
     """``prepare(scene, name, **changes)``: a method by its name, or finite elements by a mesher."""
 
     @cache
-    def prepare(scene: str, name: str, **changes: Any) -> Prepared:
+    def prepare(scene, name, **changes):
         if WITHOUT_GMSH and name in ("quads", "gmsh"):
             pytest.skip(WITHOUT_GMSH)
         if name in MESHERS:
@@ -92,12 +89,12 @@ def prepare() -> Prepare:
 
 
 @pytest.fixture(params=["mdr", *MESHERS])
-def method(request: pytest.FixtureRequest) -> str:
+def method(request):
     """The methods that every invariant is tested on."""
     return str(request.param)
 
 
 @pytest.fixture(scope="session")
-def reference() -> dict[str, Any]:
+def reference():
     """An independent whole history of the five rings, with its accuracy (see its last key)."""
     return json.loads((Path(__file__).parent / "five_rings.json").read_text("utf-8"))

@@ -226,9 +226,6 @@ def table(radii, heights):
     ("changes", "words"),
     [
         ({"punch__recess": [0.0, 0.1]}, "recess|3 rings"),
-        ({"punch__recess": [0.0, -0.1, 0.0]}, "recess|0 or more"),
-        ({"punch__profile": {"kind": "cone", "slope": 1.0, "exponent": 2.0}}, "did you mean slope"),
-        ({"punch__profile": {"kind": "spere"}}, "profile.kind|parabola"),
         (
             {"punch__profile": {"kind": "table", "file": "nowhere.csv"}},
             "nowhere.csv|cannot be read",
@@ -246,7 +243,6 @@ def table(radii, heights):
             },
             "flat_radius",
         ),
-        ({"load": {"indentation": 0.1, "normal_force": 1.0}}, "indentation|normal_force"),
         (
             {"punch__recess": [0.0, 0.01, 0.0], "wear__times": "running-in"},
             "known for flat punches",

@@ -60,36 +60,19 @@ def test_history_bounds_the_error(scene):
     assert error <= 1.5 * result.operators[0].history + 0.02 * rtol
 
 
-@pytest.mark.parametrize(
-    ("fault", "least"),
-    [("fixed boundary", 1e-2), ("modulus", 9e-3), ("lost edge", 1e-2)],
-)
-def test_faults_show_in_the_rings(fault, least):
-    problem = FIVE.problem
-    if fault == "fixed boundary":
-        fixed = {"far_field": "fixed", "truncation": 20.0}
-        problem = FIVE.changed(accuracy__fem=fixed).problem
-    sound = by_elements(problem)
-    if fault == "modulus":
-        sound = replace(sound, factor=sound.factor * np.sqrt(1.01))
-    if fault == "lost edge":
-        # the operator of a mesh whose vertex lies beside the ring edge it is taken for
-        moved = sound.space.ring_edges.copy()
-        moved[1] += 0.01
-        breakpoints = np.interp(sound.space.breakpoints, sound.space.ring_edges, moved)
-        elsewhere = replace(sound.space, breakpoints=breakpoints, ring_edges=moved)
-        sound = replace(sound, factor=energy.compliance(elsewhere).factor)
-    assert against_mdr(problem, sound).rings >= least
+def test_a_wrong_modulus_shows_in_the_rings():
+    sound = by_elements(FIVE.problem)
+    soft = replace(sound, factor=sound.factor * np.sqrt(1.01))
+    assert against_mdr(FIVE.problem, soft).rings >= 9e-3
 
 
 def test_unstable_multipliers_are_refused():
-    problem = FIVE.problem
-    sound = by_elements(problem)
+    sound = by_elements(FIVE.problem)
     # one bubble that displaces next to nothing: a checkerboard
     factor = sound.factor.copy()
     factor[:, -1] *= 1e-2
     with pytest.raises(SolverError, match="unstable"):
-        against_mdr(problem, replace(sound, factor=factor)).check_multipliers()
+        against_mdr(FIVE.problem, replace(sound, factor=factor)).check_multipliers()
 
 
 def test_three_operators_in_one_run():

@@ -5,8 +5,6 @@ from functools import cache, partial
 import numpy as np
 import pytest
 from closed_forms import PowerPunch, annulus_stiffness, thin_ring_stiffness
-from scipy.sparse import bmat, csc_matrix
-from scipy.sparse.linalg import splu
 
 from ringwear.fem import even_half_space, fitted_half_space
 from ringwear.mdr import energy, ring_kernel
@@ -155,28 +153,6 @@ def test_a_disc_in_finite_elements_as_in_theory():
     first, second = (press_on(compliance, SPHERE, 0.2) for compliance in (by_elements, by_theory))
     assert first.indentation == pytest.approx(second.indentation, rel=2e-6)
     assert np.array_equal(first.contact, second.contact)
-
-
-def test_condensed_contact_is_that_of_the_saddle_point():
-    """The whole system, solved on the contact that was found: there is but one of these signs."""
-    half_space = even_half_space(ContactCells((0.0, 0.5, 1.0), 1 / 12, 2e-2), 0.3)
-    profile = rings([0, 0.5, 1], [0, 0.1], wavy)
-    condensed = press_on(half_space.compliance(), profile, 0.4)
-    contact, weights = condensed.contact, half_space.space.weights
-    inside, unworn = half_space.system.shape[0], moments(profile, half_space.space)
-    coupling = np.pad(half_space.coupling, ((inside - len(half_space.coupling), 0), (0, 0)))
-    block, row = csc_matrix(coupling[:, contact]), csc_matrix(weights[contact])
-    lines = [half_space.system, -block, None], [-block.T, None, row.T], [None, row, None]
-    right = np.concatenate([np.zeros(inside), unworn[contact], [0.4]])
-    solution = splu(bmat(lines, format="csc")).solve(right)
-    pressure, indentation = solution[inside:-1], solution[-1]
-    gap = coupling.T @ solution[:inside] + unworn - indentation * weights
-    assert 0 < contact.sum() < len(gap)
-    assert pressure.min() > 0
-    assert gap[~contact].min() > 0
-    assert indentation == pytest.approx(condensed.indentation, rel=1e-9)
-    assert pressure == pytest.approx(condensed.pressure[contact], abs=1e-8 * pressure.max())
-    assert gap == pytest.approx(condensed.gap, abs=1e-9 * np.abs(unworn).max())
 
 
 def test_a_contact_of_another_kind_is_refused():

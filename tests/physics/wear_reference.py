@@ -11,13 +11,9 @@ distances from the nearest ring edge, so that elements may be far thinner than `
 tell.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import xarray
@@ -26,10 +22,8 @@ from scipy.linalg import svd
 
 from ringwear import Scene
 from ringwear.meshes import Array
-from ringwear.studies.crosscheck.run import Result
 from ringwear.studies.methods.base import method
 from ringwear.studies.methods.quantities import QUANTITIES, differences, labelled
-from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 
 
@@ -55,7 +49,7 @@ class Reference:
     factor: float = 0.2
 
     @cached_property
-    def _elements(self) -> tuple[Array, Array, Array, Array]:
+    def _elements(self):
         """Nearest ring edge of each element, in s, its ends as distances from it, and its ring."""
         edges = ((1 - self.ring_edges) * (1 + self.ring_edges))[::-1]
         smallest = np.append(self.smallest[::-1], np.inf)  # the axis is no edge
@@ -71,28 +65,28 @@ class Reference:
         return edge, low, high, len(self.wear_coefficients) - 1 - ring.astype(int)
 
     @cached_property
-    def _widths(self) -> Array:
+    def _widths(self):
         _, low, high, _ = self._elements
         return high - low
 
     @cached_property
-    def _wear(self) -> Array:
+    def _wear(self):
         return self.wear_coefficients[self._elements[-1]]
 
     @cached_property
-    def _scale(self) -> Array:
+    def _scale(self):
         """Factors that make the Legendre polynomials of each element orthonormal."""
         areas = np.pi * self._widths * self._wear
         return np.sqrt((2 * np.arange(self.degree + 1) + 1) / areas[:, None])
 
     @cached_property
-    def _weights(self) -> Array:
+    def _weights(self):
         """Force of each function: that of the constant on each element alone."""
         constant = np.arange(self.degree + 1) == 0
         return np.pi * self._widths[:, None] * self._scale * constant
 
     @cached_property
-    def _points(self) -> tuple[Array, Array, Array]:
+    def _points(self):
         """Distances from the edge (E, Q), distances from the axis, weights of an integral over s.
 
         On an element ``x = low cos^2 w + high sin^2 w``: roots at its low end, where line densities
@@ -109,7 +103,7 @@ class Reference:
         )
 
     @cached_property
-    def _triangle(self) -> Array:
+    def _triangle(self):
         """Triangular factor of the energy.
 
         By DLMF 18.17.46 and, beyond the element, by the generating function of the Legendre
@@ -130,7 +124,7 @@ class Reference:
         return np.linalg.qr(density.reshape(distance.size, -1), mode="r")
 
     @cached_property
-    def _modes(self) -> tuple[Array, Array, Array, Array]:
+    def _modes(self):
         """Relaxation times, modes (size, m) of no force, the steady state, and its moments."""
         triangle, weights = self._triangle, self._weights.ravel()
         steady = weights / (weights @ weights)
@@ -143,15 +137,15 @@ class Reference:
         return relaxation, shapes, steady, triangle.T @ (triangle @ steady)
 
     @property
-    def relaxation_times(self) -> Array:
+    def relaxation_times(self):
         return self._modes[0]
 
     @property
-    def wear_rate(self) -> float:
+    def wear_rate(self):
         """Of the steady state."""
         return float(1 / np.sum(self._weights**2))
 
-    def at(self, times: Array) -> tuple[Array, Array, Array]:
+    def at(self, times):
         """Pressure and worn height over k, coefficients, and indentation (T,) at times > 0."""
         relaxation, shapes, steady, moments = self._modes
         amplitudes = np.exp(-times[:, None] / relaxation) * (shapes.T @ moments) / relaxation
@@ -162,7 +156,7 @@ class Reference:
         shape = (len(times), *self._weights.shape)
         return pressure.reshape(shape), worn.reshape(shape), indentation
 
-    def values(self, coefficients: Array, radii: Array) -> Array:
+    def values(self, coefficients, radii):
         """(T, len(radii)) values of a field."""
         edge, low, _, _ = self._elements
         s = (1 - radii) * (1 + radii)
@@ -172,20 +166,20 @@ class Reference:
         functions = legvander(local.clip(-1, 1), self.degree) * self._scale[element]
         return np.einsum("trn,rn->tr", coefficients[:, element], functions)
 
-    def heights(self, worn: Array) -> Array:
+    def heights(self, worn):
         """Legendre coefficients of worn heights, from coefficients over k."""
         return worn * self._scale * self._wear[:, None]
 
-    def worn(self, worn: Array, radii: Array) -> Array:
+    def worn(self, worn, radii):
         """(T, len(radii)) worn heights."""
         return self.values(worn * self._wear[:, None], radii)
 
-    def ring_forces(self, pressure: Array) -> Array:
+    def ring_forces(self, pressure):
         """(T, N) force on each ring, from the centre."""
         rings = self._elements[-1] == np.arange(len(self.wear_coefficients))[:, None]
         return (pressure * self._weights).sum(axis=2) @ rings.T
 
-    def rms_slopes(self, worn: Array, average: str = "line") -> Array:
+    def rms_slopes(self, worn, average="line"):
         """(T,) root mean square of the slope of worn heights."""
         _, square, weights = self._points  # squares of the radius
         node, _ = leggauss(2 * self.degree + 12)
@@ -195,17 +189,17 @@ class Reference:
         measure = 2 * np.sqrt(square) if average == "line" else 4 * square
         return np.sqrt(np.sum(slopes**2 * measure * weights, axis=(1, 2)))
 
-    def lowest(self, worn: Array) -> Array:
+    def lowest(self, worn):
         """(T,) least worn height: at an end of an element, or where its slope vanishes."""
 
-        def least(height: Array) -> float:
+        def least(height):
             stationary = legroots(legder(height)).real.clip(-1, 1)
             return legval(np.append(stationary, [-1, 1]), height).min()
 
         return np.array([min(map(least, elements)) for elements in self.heights(worn)])
 
 
-def exact_results(problem: Problem, finer: float = 0.01) -> xarray.Dataset:
+def exact_results(problem, finer=0.01):
     """Return what a problem asks for at the times that are checked, on the face of the punch.
 
     To `finer` times its accuracy; the start and the steady state are closed forms.
@@ -228,7 +222,7 @@ def exact_results(problem: Problem, finer: float = 0.01) -> xarray.Dataset:
     return xarray.merge(parts, join="outer", compat="no_conflicts")
 
 
-def _start(problem: Problem) -> xarray.Dataset:
+def _start(problem):
     """Return the flat start (Eqs. 10 and 11)."""
     radii, edges, depth = problem.face.radii, problem.ring_edges, np.full(1, 0.5)
     values = {
@@ -242,7 +236,7 @@ def _start(problem: Problem) -> xarray.Dataset:
     return labelled(values, radii, np.zeros(1))
 
 
-def _later(problem: Problem, punch: Reference, times: Array) -> xarray.Dataset:
+def _later(problem, punch, times):
     pressure, worn, indentation = punch.at(times)
     radii, profile = problem.face.radii, punch.worn(worn, problem.face.radii)
     values = {
@@ -258,7 +252,7 @@ def _later(problem: Problem, punch: Reference, times: Array) -> xarray.Dataset:
     return labelled(values, radii, times)
 
 
-def true_errors(result: Result) -> dict[str, dict[str, tuple[Array, Array]]]:
+def true_errors(result):
     """Return (error, estimate) at the checked times, by method and quantity of a run.
 
     Beyond what the reference is known to, which is how far a coarser one is from it; of relaxation
@@ -281,7 +275,7 @@ def true_errors(result: Result) -> dict[str, dict[str, tuple[Array, Array]]]:
     return errors
 
 
-def random_scenes(seed: int, count: int, most_rings: int, **changes: Any) -> Iterator[Scene]:
+def random_scenes(seed, count, most_rings, **changes):
     """Rings 1 to `most_rings`, widths to 1e-4, wear ratios 1e-6 to 1e6, nu -0.5 to 0.5, rtol 1e-2
     to 1e-8; seven times from 1e-8 to 1e3 natural ones, about half with the start.
     """
