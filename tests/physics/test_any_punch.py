@@ -39,8 +39,9 @@ def write_scene(scene, folder):
     return str(path)
 
 
-def test_a_press_of_a_sphere_in_units():
-    data = run(SPHERE.changed(wear__times=[0.0])).dataset.isel(solver=0, time=0)
+def test_a_sphere_in_units():
+    result = run(SPHERE)
+    data = result.dataset.isel(solver=0, time=0)
     contact = EXACT_SPHERE.contact_radius(FORCE / MODULUS)
     depth = EXACT_SPHERE.indentation(contact)
     assert float(data.contact_radius) == pytest.approx(contact, rel=1e-7)
@@ -49,8 +50,17 @@ def test_a_press_of_a_sphere_in_units():
     pressure = MODULUS * EXACT_SPHERE.pressure(contact, data.radius.to_numpy())
     np.testing.assert_allclose(data.pressure[1:], pressure[1:], rtol=0, atol=1e-4 * pressure.max())
     assert ((data.contact > 0) == (data.radius <= contact)).all()
-    assert np.array(data.contact_edge) == pytest.approx([0.0, contact])
+    assert np.array(data.contact_edge[:2]) == pytest.approx([0.0, contact])
     assert float(data.normal_force) == pytest.approx(FORCE)
+    # recessed material is not worn material, and no time of a flat punch is told as that of this
+    answer = result.answers["mdr"]
+    assert float(answer["indentation_start"]) == pytest.approx(depth, rel=1e-8)
+    # F v0 t, shared out by the k of the rings that have touched
+    assert np.sum(answer["worn_volume"] / WEAR) == pytest.approx(FORCE, rel=1e-12)
+    assert answer["force_share"].sum(axis=1) == pytest.approx([1.0, 1.0], rel=1e-8)
+    for name in ("running_in_time", "time_to_90", "time_to_99"):
+        assert np.isnan(answer[name]), name
+    assert np.isnan(answer["pressure_max"][0]).all()
 
 
 def test_every_way_to_give_a_profile(tmp_path):
@@ -183,21 +193,6 @@ def test_first_contact_is_located_once_for_all_methods(monkeypatch):
     run(RECESSED.changed(accuracy__rtol=1e-2), methods=["mdr", "bem"])
     # on the cells of the result, and on half as many for its error
     assert len(calls) == 2
-
-
-def test_the_answer_is_that_of_this_punch():
-    """Recessed material is not worn material, and no time scale of a flat punch is told as that of
-    this one.
-    """
-    answer = run(SPHERE).answers["mdr"]
-    depth = EXACT_SPHERE.indentation(EXACT_SPHERE.contact_radius(FORCE / MODULUS))
-    assert float(answer["indentation_start"]) == pytest.approx(depth, rel=1e-8)
-    # F v0 t, shared out by the k of the rings that have touched
-    assert np.sum(answer["worn_volume"] / WEAR) == pytest.approx(FORCE, rel=1e-12)
-    assert answer["force_share"].sum(axis=1) == pytest.approx([1.0, 1.0], rel=1e-8)
-    for name in ("running_in_time", "time_to_90", "time_to_99"):
-        assert np.isnan(answer[name]), name
-    assert np.isnan(answer["pressure_max"][0]).all()
 
 
 def test_a_fixed_indentation():

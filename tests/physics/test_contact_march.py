@@ -40,13 +40,9 @@ def face(rings, recess, *heights):
 
 FACES = {
     "recessed": face(FIVE, [0, 0.3, 0, 0.3, 0]),
-    "stairs": face(FIVE, [0.5, 0, 0.2, 0, 0.1]),
     "recessed, k to 100": face(THREE, [0, 0.2, 0]),
     "sphere": face(FIVE, 0, power(1.0, 2)),
-    "sphere, k to 100": face(THREE, 0, power(2.0, 2)),
     "cone": face(FIVE, 0, power(1.0, 1)),
-    "cone of one material": face(ONE, 0, power(1.0, 1)),
-    "waves": face(FIVE, 0, waves(9)),
     "waves and recesses": face(THREE, [0.2, 0, 0.3], waves(5)),
     "rounded rim": face(FIVE, 0, rounded_rim(0.6, 0.1)),
 }
@@ -143,50 +139,18 @@ def test_full_contact_relaxes_as_short_steps_have_it():
     assert 2 * fine - coarse == pytest.approx(0.0, abs=1e-5)
 
 
-FIRST = 0.08  # radius of the first contact of a sphere of curvature radius 1
-
-
-def worn_spheres(ratios, cells_at_first, tolerance, elements=False):
-    """Indentations by the law, to radii over the first one, and the march by theory or elements."""
-    force = PowerPunch(0.5, 2).force(FIRST)
-    times, depths = np.transpose([worn_sphere(1.0, 1.0, force, FIRST * ratio) for ratio in ratios])
-    size = 1 / cells_at_first
-    spots = ((0.0, FIRST, FIRST * size),)
-    fine = ContactCells((0.0, 1.0), 0.2, 1e-3, spread=size, spots=spots)
-    half_space = even_half_space(fine, 0.3) if elements else None
-    compliance = half_space.compliance() if half_space else energy.compliance(fine.space())
-    march = march_on(compliance, face(ONE, 0, power(0.5, 2)), Load(force))
-    history = march.adaptive(times, tolerance)
-    carried = history.profile @ compliance.space.weights
-    assert carried == pytest.approx(force * times, rel=1e-12)
-    return depths, history, compliance.space
-
-
 def test_the_law_of_the_worn_sphere():
-    ratios = np.array([5.0, 10.0])
-    depths, history, space = worn_spheres(ratios, 80, 1e-5)
+    first, ratios = 0.08, np.array([5.0, 10.0])  # radius of the first contact; later ones over it
+    force = PowerPunch(0.5, 2).force(first)
+    times, depths = np.transpose([worn_sphere(1.0, 1.0, force, first * ratio) for ratio in ratios])
+    spots = ((0.0, first, first / 80),)
+    space = ContactCells((0.0, 1.0), 0.2, 1e-3, spread=1 / 80, spots=spots).space()
+    march = march_on(energy.compliance(space), face(ONE, 0, power(0.5, 2)), Load(force))
+    history = march.adaptive(times, 1e-5)
+    assert history.profile @ space.weights == pytest.approx(force * times, rel=1e-12)
     assert history.indentation == pytest.approx(depths, rel=1e-4)
     radii = [edges[-1][1] for edges in edges_in_time(history, space)]
-    assert radii == pytest.approx(FIRST * ratios, rel=2e-3)
-
-
-@pytest.mark.slow
-def test_what_the_law_of_the_worn_sphere_leaves_out_falls_by_the_sixth_power():
-    """It takes the pressure to be uniform.
-
-    While the contact grows, displacements change by ``du/dt``, and the pressure is off by ``du/dt /
-    k``, a part of about ``(c0/c)^3``; its displacement is such a part of F/c, which is one of the
-    depth.
-    """
-    ratios = np.array([1.5, 2.0, 2.5, 3.0])
-    depths, by_theory, _ = worn_spheres(ratios, 160, 1e-6)
-    _, by_elements, _ = worn_spheres(ratios, 160, 1e-6, elements=True)
-    # two methods tell the same of it, to a part of what it is
-    assert by_elements.indentation == pytest.approx(by_theory.indentation, rel=6e-5)
-    left_out = by_theory.indentation / depths - 1
-    assert (left_out[:2] > 6e-4).all()
-    order = -np.diff(np.log(left_out)) / np.diff(np.log(ratios))
-    assert order == pytest.approx(6.0, abs=1.2)
+    assert radii == pytest.approx(first * ratios, rel=2e-3)
 
 
 def test_contact_may_lift_again():

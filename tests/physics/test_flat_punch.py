@@ -53,19 +53,3 @@ def test_force_near_the_rim(prepare, method, inner):
 def test_a_ringed_punch_starts_as_a_homogeneous_one(prepare, method):
     start = flat_start(prepare("five_rings", method).compliance)
     assert start.indentation == pytest.approx(0.5, rel=1e-4)
-
-
-def test_the_compliance_is_diagonal_on_the_functions_of_the_start(prepare):
-    """Only the first of them carries force, and the flat punch is it alone.
-
-    On the compliance of the MDR.
-    """
-    compliance = prepare("flat_punch", "mdr", accuracy__rtol=1e-6).compliance
-    start = flat_start(compliance)
-    assert np.abs(start.coefficients[1:]).max() <= 1e-7 * start.coefficients[0]
-    assert start.coefficients[0] == pytest.approx(1 / (2 * np.pi), rel=1e-14)
-    assert start.ring_forces(np.array([0.0, 0.6, 1.0])) == pytest.approx([0.2, 0.8], rel=1e-7)
-    radii = np.array([0.0, 0.5, 0.999999])
-    np.testing.assert_allclose(
-        start.pressure_at(radii), 1 / (2 * np.pi * np.sqrt(1 - radii**2)), rtol=1e-7
-    )
