@@ -11,9 +11,11 @@ from ringwear.meshes import ring_areas
 
 
 def test_history_of_five_rings(reference):
-    wear, states = np.array(reference["wear_coefficients"]), reference["states"]
-    fastest, radii = wear.max(), np.array(reference["radii"])
-    punch = Reference(np.array(reference["ring_edges"]), wear / fastest, np.full(5, 1e-13))
+    states, radii = reference["states"], np.array(reference["radii"])
+    edges, wear = np.array(reference["ring_edges"]), np.array(reference["wear_coefficients"])
+    fastest = wear.max()
+    wear = wear / fastest
+    punch = Reference(edges, wear, np.full(5, 1e-13))
     pressure, worn, indentation = punch.at(np.array([state["time"] for state in states]) * fastest)
 
     def assert_equal(values, name, rtol, first=0):
@@ -30,9 +32,9 @@ def test_history_of_five_rings(reference):
     np.testing.assert_allclose(punch.relaxation_times[: len(expected)], expected, rtol=1e-10)
     # late it is the steady state
     pressure, worn, indentation = punch.at(np.array([1e3]))
-    steady = direct.steady_pressures(punch.ring_edges, punch.wear_coefficients)
-    np.testing.assert_allclose(punch.wear_rate, punch.wear_coefficients[0] * steady[0], rtol=1e-12)
-    areas = ring_areas(punch.ring_edges)
-    np.testing.assert_allclose(punch.ring_forces(pressure)[0], steady * areas, rtol=1e-11)
-    greatest = direct.greatest_displacement(punch.ring_edges, steady)
+    steady = direct.steady_pressures(edges, wear)
+    np.testing.assert_allclose(punch.wear_rate, wear[0] * steady[0], rtol=1e-12)
+    forces = punch.ring_forces(pressure)[0]
+    np.testing.assert_allclose(forces, steady * ring_areas(edges), rtol=1e-11)
+    greatest = direct.greatest_displacement(edges, steady)
     np.testing.assert_allclose(indentation - punch.lowest(worn), greatest, rtol=1e-9)

@@ -11,8 +11,6 @@ distances from the nearest ring edge, so that elements may be far thinner than `
 tell.
 """
 
-from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -21,13 +19,27 @@ from numpy.polynomial.legendre import legder, leggauss, legroots, legval, legvan
 from scipy.linalg import svd
 
 from ringwear import Scene
-from ringwear.meshes import Array
 from ringwear.studies.methods.base import method
 from ringwear.studies.methods.quantities import QUANTITIES, differences, labelled
 from ringwear.studies.progress import Stages
 
 
-@dataclass(frozen=True, eq=False)
+def graded_elements(edges, smallest, factor):
+    """Elements from the rim (s = 0) to the axis, which shrink by a factor towards every ring edge.
+
+    Returns the nearest ring edge of each, its ends as distances from it, and its ring from the rim.
+    """
+    rows, smallest = [], np.append(smallest, np.inf)  # the axis is no edge
+    for ring, (left, right) in enumerate(pairwise(edges)):
+        half = (right - left) / 2
+        for edge, size in ((left, smallest[ring]), (right, smallest[ring + 1])):
+            count = max(0, int(np.ceil(np.log(min(size / half, 1)) / np.log(factor))))
+            ends = np.append(0.0, half * factor ** np.arange(count, -1.0, -1))
+            ends = ends if edge == left else -ends[::-1]
+            rows += [(edge, low, high, ring) for low, high in pairwise(ends)]
+    return np.transpose(rows)
+
+
 class Reference:
     """A punch (non-dimensional, force 1) worn from its flat start.
 
@@ -42,152 +54,95 @@ class Reference:
     factor : by which elements shrink towards ring edges and rim
     """
 
-    ring_edges: Array
-    wear_coefficients: Array
-    smallest: Array
-    degree: int = 12
-    factor: float = 0.2
-
-    @cached_property
-    def _elements(self):
-        """Nearest ring edge of each element, in s, its ends as distances from it, and its ring."""
-        edges = ((1 - self.ring_edges) * (1 + self.ring_edges))[::-1]
-        smallest = np.append(self.smallest[::-1], np.inf)  # the axis is no edge
-        rows = []
-        for ring, (left, right) in enumerate(pairwise(edges)):
-            half = (right - left) / 2
-            for edge, size in ((left, smallest[ring]), (right, smallest[ring + 1])):
-                count = max(0, int(np.ceil(np.log(min(size / half, 1)) / np.log(self.factor))))
-                ends = np.append(0.0, half * self.factor ** np.arange(count, -1.0, -1))
-                ends = ends if edge == left else -ends[::-1]
-                rows += [(edge, low, high, ring) for low, high in pairwise(ends)]
-        edge, low, high, ring = np.transpose(rows)
-        return edge, low, high, len(self.wear_coefficients) - 1 - ring.astype(int)
-
-    @cached_property
-    def _widths(self):
-        _, low, high, _ = self._elements
-        return high - low
-
-    @cached_property
-    def _wear(self):
-        return self.wear_coefficients[self._elements[-1]]
-
-    @cached_property
-    def _scale(self):
-        """Factors that make the Legendre polynomials of each element orthonormal."""
-        areas = np.pi * self._widths * self._wear
-        return np.sqrt((2 * np.arange(self.degree + 1) + 1) / areas[:, None])
-
-    @cached_property
-    def _weights(self):
-        """Force of each function: that of the constant on each element alone."""
-        constant = np.arange(self.degree + 1) == 0
-        return np.pi * self._widths[:, None] * self._scale * constant
-
-    @cached_property
-    def _points(self):
-        """Distances from the edge (E, Q), distances from the axis, weights of an integral over s.
-
-        On an element ``x = low cos^2 w + high sin^2 w``: roots at its low end, where line densities
-        of elements below end, and at the axis are smooth in w.
-        """
-        node, weight = leggauss(2 * self.degree + 12)
+    def __init__(self, ring_edges, wear_coefficients, smallest, degree=12, factor=0.2):
+        edges = ((1 - ring_edges) * (1 + ring_edges))[::-1]
+        self.edge, self.low, high, ring = graded_elements(edges, smallest[::-1], factor)
+        self.ring, self.width = len(smallest) - 1 - ring.astype(int), high - self.low
+        self.wear, self.order = wear_coefficients[self.ring], np.arange(degree + 1)
+        # factors that make the Legendre polynomials of each element orthonormal
+        areas = np.pi * self.width * self.wear
+        self.scale = np.sqrt((2 * self.order + 1) / areas[:, None])
+        # force of each function: that of the constant on each element alone
+        self.weights = np.pi * self.width[:, None] * self.scale * (self.order == 0)
+        # points x (E, Q) = low cos^2 w + high sin^2 w, in which roots at the low end, where line
+        # densities of elements below end, and at the axis are smooth
+        node, weight = leggauss(2 * degree + 12)
         angle = np.pi / 4 * (1 + node)
-        edge, low, high, _ = (part[:, None] for part in self._elements)
-        distance = low * np.cos(angle) ** 2 + high * np.sin(angle) ** 2
-        return (
-            distance,
-            (1 - edge) - distance,
-            np.pi / 4 * weight * (high - low) * np.sin(2 * angle),
-        )
+        self.local = -np.cos(2 * angle)
+        self.distance = np.outer(self.low, np.cos(angle) ** 2) + np.outer(high, np.sin(angle) ** 2)
+        self.square = (1 - self.edge)[:, None] - self.distance  # 1 - x, of the radius
+        self.integral = np.pi / 4 * weight * np.sin(2 * angle) * self.width[:, None]
+        self.triangle = self._triangular_energy()
+        flat = self.weights.ravel()
+        self.wear_rate = 1 / (flat @ flat)
+        self.steady = flat * self.wear_rate
+        self.moments = self.triangle.T @ (self.triangle @ self.steady)
+        # relaxation modes are without force; the last that is found has no energy
+        across = flat / np.linalg.norm(flat)
+        projected = self.triangle - np.outer(self.triangle @ across, across)
+        _, singular, shapes = svd(projected, full_matrices=False, overwrite_a=True)
+        self.relaxation_times, self.shapes = singular[:-1] ** 2, shapes[:-1].T
+        self.shapes -= np.outer(across, across @ self.shapes)  # which roundoff left
 
-    @cached_property
-    def _triangle(self):
+    def _triangular_energy(self):
         """Triangular factor of the energy.
 
         By DLMF 18.17.46 and, beyond the element, by the generating function of the Legendre
         polynomials, ``int P_n(t) / sqrt(x - t) dt = Re sqrt(2) exp(-(n + 1/2) arcosh x) / (n +
         1/2)`` from t = -1 up to 1 or x.
         """
-        edge, low, _, _ = self._elements
-        distance, to_axis, weights = self._points
-        order = np.arange(self.degree + 1) + 0.5
-        density = np.zeros((distance.size, *self._scale.shape))
-        for element, half in enumerate(self._widths / 2):
-            x = ((edge - edge[element])[:, None] + (distance - low[element])) / half - 1
+        order, points = self.order + 0.5, self.distance.size
+        density = np.zeros((points, *self.scale.shape))
+        for element, half in enumerate(self.width / 2):
+            from_edge = (self.edge - self.edge[element])[:, None]
+            x = (from_edge + (self.distance - self.low[element])) / half - 1
             after = np.flatnonzero(x > -1)
             depth = np.arccosh(x.flat[after].astype(complex))
             integral = np.sqrt(2) * np.exp(-np.outer(depth, order)).real / order
-            density[after, element] = np.sqrt(half) * integral * self._scale[element]
-        density *= np.sqrt(weights / np.sqrt(to_axis)).reshape(-1, 1, 1)
-        return np.linalg.qr(density.reshape(distance.size, -1), mode="r")
-
-    @cached_property
-    def _modes(self):
-        """Relaxation times, modes (size, m) of no force, the steady state, and its moments."""
-        triangle, weights = self._triangle, self._weights.ravel()
-        steady = weights / (weights @ weights)
-        across = weights / np.linalg.norm(weights)
-        projected = triangle - np.outer(triangle @ across, across)
-        _, singular, shapes = svd(projected, full_matrices=False, overwrite_a=True)
-        # the last has no energy: the steady state itself; of the others roundoff left a force
-        relaxation, shapes = singular[:-1] ** 2, shapes[:-1].T
-        shapes -= np.outer(across, across @ shapes)
-        return relaxation, shapes, steady, triangle.T @ (triangle @ steady)
-
-    @property
-    def relaxation_times(self):
-        return self._modes[0]
-
-    @property
-    def wear_rate(self):
-        """Of the steady state."""
-        return float(1 / np.sum(self._weights**2))
+            density[after, element] = np.sqrt(half) * integral * self.scale[element]
+        density *= np.sqrt(self.integral / np.sqrt(self.square)).reshape(-1, 1, 1)
+        return np.linalg.qr(density.reshape(points, -1), mode="r")
 
     def at(self, times):
         """Pressure and worn height over k, coefficients, and indentation (T,) at times > 0."""
-        relaxation, shapes, steady, moments = self._modes
-        amplitudes = np.exp(-times[:, None] / relaxation) * (shapes.T @ moments) / relaxation
-        pressure = steady - amplitudes @ shapes.T
-        indentation = pressure @ moments + self.wear_rate * times
-        moved = (pressure @ self._triangle.T) @ self._triangle
-        worn = indentation[:, None] * self._weights.ravel() - moved
-        shape = (len(times), *self._weights.shape)
+        relaxation, excited = self.relaxation_times, self.shapes.T @ self.moments
+        amplitudes = np.exp(-times[:, None] / relaxation) * excited / relaxation
+        pressure = self.steady - amplitudes @ self.shapes.T
+        indentation = pressure @ self.moments + self.wear_rate * times
+        moved = (pressure @ self.triangle.T) @ self.triangle
+        worn = indentation[:, None] * self.weights.ravel() - moved
+        shape = (len(times), *self.weights.shape)
         return pressure.reshape(shape), worn.reshape(shape), indentation
 
     def values(self, coefficients, radii):
         """(T, len(radii)) values of a field."""
-        edge, low, _, _ = self._elements
         s = (1 - radii) * (1 + radii)
         # a radius on a ring edge belongs to the ring outside it, which is the lesser s
-        element = np.maximum(np.searchsorted(edge + low, s) - 1, 0)
-        local = 2 * ((s - edge[element]) - low[element]) / self._widths[element] - 1
-        functions = legvander(local.clip(-1, 1), self.degree) * self._scale[element]
+        element = np.maximum(np.searchsorted(self.edge + self.low, s) - 1, 0)
+        within = (s - self.edge[element]) - self.low[element]
+        local = (2 * within / self.width[element] - 1).clip(-1, 1)
+        functions = legvander(local, self.order[-1]) * self.scale[element]
         return np.einsum("trn,rn->tr", coefficients[:, element], functions)
-
-    def heights(self, worn):
-        """Legendre coefficients of worn heights, from coefficients over k."""
-        return worn * self._scale * self._wear[:, None]
 
     def worn(self, worn, radii):
         """(T, len(radii)) worn heights."""
-        return self.values(worn * self._wear[:, None], radii)
+        return self.values(worn * self.wear[:, None], radii)
+
+    def legendre(self, worn):
+        """Coefficients of worn heights, of Legendre polynomials as they are."""
+        return worn * self.scale * self.wear[:, None]
 
     def ring_forces(self, pressure):
         """(T, N) force on each ring, from the centre."""
-        rings = self._elements[-1] == np.arange(len(self.wear_coefficients))[:, None]
-        return (pressure * self._weights).sum(axis=2) @ rings.T
+        rings = self.ring == np.arange(self.ring.max() + 1)[:, None]
+        return (pressure * self.weights).sum(axis=2) @ rings.T
 
     def rms_slopes(self, worn, average="line"):
         """(T,) root mean square of the slope of worn heights."""
-        _, square, weights = self._points  # squares of the radius
-        node, _ = leggauss(2 * self.degree + 12)
-        local = -np.cos(np.pi / 2 * (1 + node))
-        slopes = legder(self.heights(worn), axis=2) @ legvander(local, self.degree - 1).T
-        slopes /= self._widths[:, None] / 2
-        measure = 2 * np.sqrt(square) if average == "line" else 4 * square
-        return np.sqrt(np.sum(slopes**2 * measure * weights, axis=(1, 2)))
+        slopes = legder(self.legendre(worn), axis=2) @ legvander(self.local, self.order[-2]).T
+        slopes /= self.width[:, None] / 2
+        measure = 2 * np.sqrt(self.square) if average == "line" else 4 * self.square
+        return np.sqrt(np.sum(slopes**2 * measure * self.integral, axis=(1, 2)))
 
     def lowest(self, worn):
         """(T,) least worn height: at an end of an element, or where its slope vanishes."""
@@ -196,7 +151,7 @@ class Reference:
             stationary = legroots(legder(height)).real.clip(-1, 1)
             return legval(np.append(stationary, [-1, 1]), height).min()
 
-        return np.array([min(map(least, elements)) for elements in self.heights(worn)])
+        return np.array([min(map(least, elements)) for elements in self.legendre(worn)])
 
 
 def exact_results(problem, finer=0.01):
@@ -224,15 +179,16 @@ def exact_results(problem, finer=0.01):
 
 def _start(problem):
     """Return the flat start (Eqs. 10 and 11)."""
-    radii, edges, depth = problem.face.radii, problem.ring_edges, np.full(1, 0.5)
+    radii, edges = problem.face.radii, problem.ring_edges
     values = {
-        "pressure": 1 / (2 * np.pi * np.sqrt((1 - radii) * (1 + radii)))[None],
-        "profile": np.zeros((1, len(radii))),
-        "displacement": np.full((1, len(radii)), 0.5),
-        "ring_force": -np.diff(np.sqrt((1 - edges) * (1 + edges)))[None],
-        "rms_slope": np.zeros(1),
-        **dict.fromkeys(("indentation", "displacement_centre", "displacement_max"), depth),
+        "pressure": 1 / (2 * np.pi * np.sqrt((1 - radii) * (1 + radii))),
+        "profile": 0 * radii,
+        "displacement": 0 * radii + 0.5,
+        "ring_force": -np.diff(np.sqrt((1 - edges) * (1 + edges))),
+        "rms_slope": 0.0,
+        **dict.fromkeys(("indentation", "displacement_centre", "displacement_max"), 0.5),
     }
+    values = {name: np.asarray(value)[None] for name, value in values.items()}
     return labelled(values, radii, np.zeros(1))
 
 
@@ -261,7 +217,7 @@ def true_errors(result):
     problem = result.scene.problem
     exact = exact_results(problem)
     unsure = differences(exact_results(problem, finer=0.03), exact, problem.face)
-    errors: dict[str, dict[str, tuple[Array, Array]]] = {}
+    errors = {}
     for name, solution in result.solutions.items():
         errors[name] = {}
         for quantity, error in differences(solution.checked, exact, problem.face).items():
