@@ -22,8 +22,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import gamma, hyp2f1
 
-from ringwear.meshes import Array
-
 
 @dataclass(frozen=True)
 class PowerPunch:
@@ -33,23 +31,23 @@ class PowerPunch:
     exponent: float
 
     @property
-    def kappa(self) -> float:
+    def kappa(self):
         n = self.exponent
         return float(np.sqrt(np.pi) * gamma(n / 2 + 1) / gamma((n + 1) / 2))
 
-    def indentation(self, radius: float) -> float:
+    def indentation(self, radius):
         """By the radius of contact."""
         return self.kappa * self.coefficient * radius**self.exponent
 
-    def force(self, radius: float) -> float:
+    def force(self, radius):
         """By the radius of contact."""
         n = self.exponent
         return 2 * self.kappa * self.coefficient * radius ** (n + 1) * n / (n + 1)
 
-    def contact_radius(self, force: float) -> float:
+    def contact_radius(self, force):
         return float((force / self.force(1.0)) ** (1 / (self.exponent + 1)))
 
-    def pressure(self, radius: float, radii: Array) -> Array:
+    def pressure(self, radius, radii):
         """At radii, by the radius of contact; zero outside."""
         n, inside = self.exponent, np.minimum(np.abs(radii) / radius, 1.0)
         depth = np.sqrt((1 - inside) * (1 + inside))
@@ -57,7 +55,7 @@ class PowerPunch:
         return np.asarray(n * self.kappa * self.coefficient / np.pi * radius ** (n - 1) * shape)
 
 
-def annulus_stiffness(hole: float) -> float:
+def annulus_stiffness(hole):
     """``F / (2 E* a d)`` of a flat annulus with a small hole, by the ratio e of its radii, to the
     order of ``e^8``.
 
@@ -72,7 +70,7 @@ def annulus_stiffness(hole: float) -> float:
     return float(1 - odd / square - even / square**2)
 
 
-def thin_ring_stiffness(inner: float, outer: float) -> float:
+def thin_ring_stiffness(inner, outer):
     """``F / (E* d)`` of a flat ring much narrower than its radius.
 
     A ring of mean radius R and half-width w whose pressure goes as ``(w^2 - x^2)^(-1/2)``: with ``K
@@ -83,9 +81,7 @@ def thin_ring_stiffness(inner: float, outer: float) -> float:
     return float(np.pi**2 * mean / np.log(16 * mean / half))
 
 
-def worn_sphere(
-    curvature_radius: float, wear_coefficient: float, force: float, contact: float
-) -> tuple[float, float]:
+def worn_sphere(curvature_radius, wear_coefficient, force, contact):
     """Time and indentation at which a sphere of one material has worn to a radius of contact, at
     sliding speed 1.
 

@@ -3,54 +3,46 @@
 The reference history of the five rings, and methods made ready once for many tests.
 """
 
-from __future__ import annotations
-
 import json
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
 from ringwear import Scene
-from ringwear.meshes import Array, Compliance, PressureSpace
 from ringwear.meshes.gmsh_session import unavailable
-from ringwear.studies.methods.base import Discretised
-from ringwear.studies.methods.base import method as named
-from ringwear.studies.methods.pipeline import ComplianceMethod
+from ringwear.studies.methods.base import method as find_method
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 from ringwear.studies.wear.full_contact import RunningIn
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
+def pytest_addoption(parser):
     """Options of `tests/physics/test_estimates.py`: the scenes that it draws at random."""
     for name, default in (("seed", 3), ("scenes", 20), ("rings", 3)):
         parser.addoption(f"--{name}", type=int, default=default, help="of scenes drawn at random")
 
 
-@dataclass(frozen=True, eq=False)
-class Prepared:
+class Prepared(NamedTuple):
     """One method, ready for a scene."""
 
     problem: Problem
-    made: Discretised
     wear: RunningIn
 
     @property
-    def compliance(self) -> Compliance:
-        return self.made.compliance
+    def compliance(self):
+        return self.wear.compliance
 
     @property
-    def space(self) -> PressureSpace:
-        return self.made.compliance.space
+    def space(self):
+        return self.wear.compliance.space
 
     @property
-    def everywhere(self) -> Array:
+    def everywhere(self):
         """Sixteen radii in each element."""
         start, width = self.space.breakpoints[:-1, None], np.diff(self.space.breakpoints)[:, None]
         return (start + width * np.arange(16) / 16).ravel()
@@ -58,20 +50,11 @@ class Prepared:
 
 Prepare = Callable[..., Prepared]
 
-# name, method and changes of the scene: the methods that every invariant is tested on
-METHODS = {
-    "mdr": ("mdr", {}),
-    "quads": ("fem", {"accuracy__fem__mesher": "quads"}),
-    "gmsh": ("fem", {"accuracy__fem__mesher": "gmsh"}),
-    "bisection": ("fem", {"accuracy__fem__mesher": "bisection"}),
-}
-
-
-NEED_GMSH = ("quads", "gmsh")
+MESHERS = ("quads", "gmsh", "bisection")
 WITHOUT_GMSH = unavailable()
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(items):
     """Where gmsh cannot be loaded, what needs it is skipped, with the reason."""
     for item in items:
         if WITHOUT_GMSH and "gmsh" in item.keywords:
@@ -79,7 +62,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _one_thread() -> Iterator[None]:
+def _one_thread():
     """The matrices are small, and pytest-xdist has a process for each core.
 
     Threads would only wait on each other.
@@ -89,30 +72,29 @@ def _one_thread() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session")
-def prepare() -> Prepare:
-    """``prepare(scene, name, **changes)``: a method by its name in `METHODS`, or by its own."""
+def prepare():
+    """``prepare(scene, name, **changes)``: a method by its name, or finite elements by a mesher."""
 
     @cache
-    def make(scene: str, name: str, changes: tuple[tuple[str, Any], ...]) -> Prepared:
-        if WITHOUT_GMSH and name in NEED_GMSH:
+    def prepare(scene, name, **changes):
+        if WITHOUT_GMSH and name in ("quads", "gmsh"):
             pytest.skip(WITHOUT_GMSH)
-        kind, sizes = METHODS.get(name, (name, {}))
-        listed = {key: list(value) if isinstance(value, tuple) else value for key, value in changes}
-        problem, method = Scene.load(scene).changed(**sizes, **listed).problem, named(kind)
-        assert isinstance(method, ComplianceMethod)
-        made = method.discretise(problem, Stages(kind))
-        return Prepared(problem, made, RunningIn(made.compliance, problem.merged.wear_coefficients))
+        if name in MESHERS:
+            name, changes = "fem", {"accuracy__fem__mesher": name, **changes}
+        problem = Scene.load(scene).changed(**changes).problem
+        compliance = find_method(name).discretise(problem, Stages(name)).compliance
+        return Prepared(problem, RunningIn(compliance, problem.merged.wear_coefficients))
 
-    return lambda scene, name, **changes: make(scene, name, tuple(changes.items()))
+    return prepare
 
 
-@pytest.fixture(params=METHODS)
-def method(request: pytest.FixtureRequest) -> str:
-    """Each of `METHODS`."""
+@pytest.fixture(params=["mdr", *MESHERS])
+def method(request):
+    """The methods that every invariant is tested on."""
     return str(request.param)
 
 
 @pytest.fixture(scope="session")
-def reference() -> dict[str, Any]:
+def reference():
     """An independent whole history of the five rings, with its accuracy (see its last key)."""
     return json.loads((Path(__file__).parent / "five_rings.json").read_text("utf-8"))

@@ -7,314 +7,154 @@ s) ds``, the energy is ``int u p dA = int_0^1 q^2 / sqrt(1 - x) dx``, and an are
 mesh graded to every ring edge Legendre polynomials, orthonormal with the wear coefficient as
 weight, turn the law of wear into one singular value problem: no continuity is asked of pressure or
 wear rate, and no half-space, mesh, basis or quadrature is shared with any method. Coordinates are
-distances from the nearest ring edge, so that layers may be far thinner than `s` itself could tell.
+distances from the nearest ring edge, so that elements may be far thinner than `s` itself could
+tell.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
-from typing import Any, NamedTuple, Self
 
 import numpy as np
 import xarray
-from numpy.polynomial.legendre import legder, leggauss, legval, legvander
-from scipy.linalg import qr, svd
-from scipy.special import roots_jacobi
+from numpy.polynomial.legendre import legder, leggauss, legroots, legval, legvander
+from scipy.linalg import svd
 
 from ringwear import Scene
-from ringwear.mdr import direct
-from ringwear.meshes.radial import Array, Indices, ring_of
-from ringwear.studies.crosscheck.run import Result
+from ringwear.studies.methods.base import method
 from ringwear.studies.methods.quantities import QUANTITIES, differences, labelled
-from ringwear.studies.problem.problem import D0, Problem
+from ringwear.studies.progress import Stages
 
 
-class Layers(NamedTuple):
-    """Elements from the rim (s = 0) to the axis.
+def graded_elements(edges, smallest, factor):
+    """Elements from the rim (s = 0) to the axis, which shrink by a factor towards every ring edge.
 
-    Parameters
-    ----------
-    edge : (n,) the nearest ring edge of each element, in s
-    low, high : (n,) its ends, as distances from that edge
-    ring : (n,) its ring, counted from the rim
-    between : (n,) how many elements are between it and the edge
+    Returns the nearest ring edge of each, its ends as distances from it, and its ring from the rim.
     """
-
-    edge: Array
-    low: Array
-    high: Array
-    ring: Indices
-    between: Indices
-
-    @classmethod
-    def graded(cls, edges: Array, smallest: Array, factor: float) -> Self:
-        """Elements that shrink by a factor towards every ring edge, down to a size at each.
-
-        The axis is no edge.
-        """
-        pieces: list[Layers] = []
-        for ring, (left, right) in enumerate(pairwise(edges)):
-            half = (right - left) / 2
-            for edge, beside in ((left, ring), (right, ring + 1)):
-                at_axis = beside == len(smallest)
-                ratio = 1.0 if at_axis else smallest[beside] / half
-                count = max(0, int(np.ceil(np.log(ratio) / np.log(factor))))
-                ends = np.append(0.0, half * factor ** np.arange(count, -1.0, -1))
-                between = np.arange(len(ends) - 1) + (len(pieces[-1].low) if at_axis else 0)
-                piece = cls(
-                    np.full(len(between), edge),
-                    ends[:-1],
-                    ends[1:],
-                    np.full(len(between), ring),
-                    between,
-                )
-                pieces.append(piece if edge == left else piece.mirrored())
-        return cls(*(np.concatenate(parts) for parts in zip(*pieces, strict=True)))
-
-    def mirrored(self) -> Self:
-        """The same on the other side of the edge."""
-        return self._replace(low=-self.high[::-1], high=-self.low[::-1], between=self.between[::-1])
-
-    @property
-    def widths(self) -> Array:
-        return self.high - self.low
-
-    @property
-    def breakpoints(self) -> Array:
-        """(n+1,) element boundaries in s, to the digits of s."""
-        return np.append(self.edge + self.low, 1.0)
+    rows, smallest = [], np.append(smallest, np.inf)  # the axis is no edge
+    for ring, (left, right) in enumerate(pairwise(edges)):
+        half = (right - left) / 2
+        for edge, size in ((left, smallest[ring]), (right, smallest[ring + 1])):
+            count = max(0, int(np.ceil(np.log(min(size / half, 1)) / np.log(factor))))
+            ends = np.append(0.0, half * factor ** np.arange(count, -1.0, -1))
+            ends = ends if edge == left else -ends[::-1]
+            rows += [(edge, low, high, ring) for low, high in pairwise(ends)]
+    return np.transpose(rows)
 
 
-@dataclass(frozen=True, eq=False)
 class Reference:
     """A punch (non-dimensional, force 1) worn from its flat start.
+
+    Fields are coefficients (T, E, degree + 1) of polynomials on E elements from the rim (s = 0) to
+    the axis, orthonormal in the mass of weight k.
 
     Parameters
     ----------
     ring_edges, wear_coefficients : of the punch, from 0 to 1
     smallest : (N,) smallest element at each edge but the centre, in s, the rim last
-    degree : highest degree
+    degree : of the polynomials
     factor : by which elements shrink towards ring edges and rim
     """
 
-    ring_edges: Array
-    wear_coefficients: Array
-    smallest: Array
-    degree: int = 12
-    factor: float = 0.25
+    def __init__(self, ring_edges, wear_coefficients, smallest, degree=12, factor=0.2):
+        edges = ((1 - ring_edges) * (1 + ring_edges))[::-1]
+        self.edge, self.low, high, ring = graded_elements(edges, smallest[::-1], factor)
+        self.ring, self.width = len(smallest) - 1 - ring.astype(int), high - self.low
+        self.wear, self.order = wear_coefficients[self.ring], np.arange(degree + 1)
+        # factors that make the Legendre polynomials of each element orthonormal
+        areas = np.pi * self.width * self.wear
+        self.scale = np.sqrt((2 * self.order + 1) / areas[:, None])
+        # force of each function: that of the constant on each element alone
+        self.weights = np.pi * self.width[:, None] * self.scale * (self.order == 0)
+        # points x (E, Q) = low cos^2 w + high sin^2 w, in which roots at the low end, where line
+        # densities of elements below end, and at the axis are smooth
+        node, weight = leggauss(2 * degree + 12)
+        angle = np.pi / 4 * (1 + node)
+        self.local = -np.cos(2 * angle)
+        self.distance = np.outer(self.low, np.cos(angle) ** 2) + np.outer(high, np.sin(angle) ** 2)
+        self.square = (1 - self.edge)[:, None] - self.distance  # 1 - x, of the radius
+        self.integral = np.pi / 4 * weight * np.sin(2 * angle) * self.width[:, None]
+        self.triangle = self._triangular_energy()
+        flat = self.weights.ravel()
+        self.wear_rate = 1 / (flat @ flat)
+        self.steady = flat * self.wear_rate
+        self.moments = self.triangle.T @ (self.triangle @ self.steady)
+        # relaxation modes are without force; the last that is found has no energy
+        across = flat / np.linalg.norm(flat)
+        projected = self.triangle - np.outer(self.triangle @ across, across)
+        _, singular, shapes = svd(projected, full_matrices=False, overwrite_a=True)
+        self.relaxation_times, self.shapes = singular[:-1] ** 2, shapes[:-1].T
+        self.shapes -= np.outer(across, across @ self.shapes)  # which roundoff left
 
-    @cached_property
-    def edges(self) -> Array:
-        """Ring edges in s, from the rim inwards."""
-        return ((1 - self.ring_edges) * (1 + self.ring_edges))[::-1]
+    def _triangular_energy(self):
+        """Triangular factor of the energy.
 
-    @cached_property
-    def _layers(self) -> Layers:
-        return Layers.graded(self.edges, self.smallest[::-1], self.factor)
-
-    @cached_property
-    def degrees(self) -> Indices:
-        """Of each element: rising with the distance from ring edges and rim, in elements."""
-        return np.minimum(4 + self._layers.between, self.degree)
-
-    @cached_property
-    def _starts(self) -> Indices:
-        return np.concatenate([[0], np.cumsum(self.degrees + 1)])
-
-    @cached_property
-    def _wear(self) -> Array:
-        """Wear coefficient of each element."""
-        return self.wear_coefficients[::-1][self._layers.ring]
-
-    def _scale(self, element: int) -> Array:
-        """Factors that make the Legendre polynomials of an element orthonormal in the mass of
-        weight `k`.
+        By DLMF 18.17.46 and, beyond the element, by the generating function of the Legendre
+        polynomials, ``int P_n(t) / sqrt(x - t) dt = Re sqrt(2) exp(-(n + 1/2) arcosh x) / (n +
+        1/2)`` from t = -1 up to 1 or x.
         """
-        per_area = np.pi * self._layers.widths[element] * self._wear[element]
-        return np.sqrt((2 * np.arange(self.degrees[element] + 1.0) + 1) / per_area)
+        order, points = self.order + 0.5, self.distance.size
+        density = np.zeros((points, *self.scale.shape))
+        for element, half in enumerate(self.width / 2):
+            from_edge = (self.edge - self.edge[element])[:, None]
+            x = (from_edge + (self.distance - self.low[element])) / half - 1
+            after = np.flatnonzero(x > -1)
+            depth = np.arccosh(x.flat[after].astype(complex))
+            integral = np.sqrt(2) * np.exp(-np.outer(depth, order)).real / order
+            density[after, element] = np.sqrt(half) * integral * self.scale[element]
+        density *= np.sqrt(self.integral / np.sqrt(self.square)).reshape(-1, 1, 1)
+        return np.linalg.qr(density.reshape(points, -1), mode="r")
 
-    @cached_property
-    def _positions(self) -> tuple[Array, Array, Array]:
-        """Positions x (an edge, and the distance from it) and weights for energies.
+    def at(self, times):
+        """Pressure and worn height over k, coefficients, and indentation (T,) at times > 0."""
+        relaxation, excited = self.relaxation_times, self.shapes.T @ self.moments
+        amplitudes = np.exp(-times[:, None] / relaxation) * excited / relaxation
+        pressure = self.steady - amplitudes @ self.shapes.T
+        indentation = pressure @ self.moments + self.wear_rate * times
+        moved = (pressure @ self.triangle.T) @ self.triangle
+        worn = indentation[:, None] * self.weights.ravel() - moved
+        shape = (len(times), *self.weights.shape)
+        return pressure.reshape(shape), worn.reshape(shape), indentation
 
-        Root singularities are on the right of every breakpoint and at the axis.
-        """
-        count = 2 * self.degree + 12
-        node, weight = leggauss(count)
-        y, w = (1 + node) / 2, weight / 2
-        base, low, width = (
-            part[:, None] for part in (self._layers.edge, self._layers.low, self._layers.widths)
-        )
-        distance = low + width * y**2
-        weights = width * 2 * y * w / np.sqrt(1 - base - distance)
-        # the last panel ends at the axis: 1 - x = width (1 - y) (1 + y)
-        node, weight = roots_jacobi(count + 12, -0.5, 0)
-        y, w = (1 + node) / 2, weight / np.sqrt(2)
-        edge = np.append(np.repeat(base[:-1], count), np.repeat(base[-1], count + 12))
-        distance = np.append(distance[:-1].ravel(), low[-1] + width[-1] * y**2)
-        return (
-            edge,
-            distance,
-            np.append(weights[:-1].ravel(), np.sqrt(width[-1]) * 2 * y * w / np.sqrt(1 + y)),
-        )
-
-    def _factor(self) -> Array:
-        """(positions, size) factor H of the energy."""
-        (edge, distance, weights), layers = self._positions, self._layers
-        out = np.zeros((len(weights), self._starts[-1]))
-        far_node, far_weight = leggauss(self.degree + 24)
-        near_node, near_weight = leggauss(self.degree + 2)
-        for element, (base, low, width) in enumerate(
-            zip(layers.edge, layers.low, layers.widths, strict=True)
-        ):
-            half, degree, scale = width / 2, self.degrees[element], self._scale(element)
-            columns = slice(self._starts[element], self._starts[element + 1])
-            # from the left end of the element to each position
-            beyond = (edge - base) + (distance - low)
-            far = np.flatnonzero(beyond > 2 * width)
-            kernel = half * far_weight / np.sqrt(beyond[far, None] - half * (1 + far_node))
-            out[far, columns] = kernel @ legvander(far_node, degree) * scale
-            near = np.flatnonzero((beyond > 0) & (beyond <= 2 * width))
-            gap = beyond[near]
-            last, first = np.sqrt(gap), np.sqrt(np.maximum(gap - width, 0))
-            v = (last + first)[:, None] / 2 + (last - first)[:, None] / 2 * near_node
-            local = (gap[:, None] - v**2) / half - 1
-            values = legvander(local, degree) * ((last - first)[:, None] * near_weight)[:, :, None]
-            out[near, columns] = values.sum(axis=1) * scale
-        return np.sqrt(weights)[:, None] * out
-
-    @cached_property
-    def _weights(self) -> Array:
-        """(size,) force of each function."""
-        out = np.zeros(self._starts[-1])
-        for element, start in enumerate(self._starts[:-1]):
-            out[start] = np.pi * self._layers.widths[element] * self._scale(element)[0]
-        return out
-
-    @cached_property
-    def _triangle(self) -> Array:
-        """(size, size) factor of the energy as small as can be."""
-        return qr(self._factor(), mode="r", check_finite=False, overwrite_a=True)[0][
-            : self._starts[-1]
-        ]
-
-    @cached_property
-    def _modes(self) -> tuple[Array, Array, Array, Array]:
-        """Relaxation times, modes (size, m) orthonormal in K, the steady state, and its moments."""
-        triangle = self._triangle
-        axis = self._weights / np.linalg.norm(self._weights)
-        steady = self._weights / (self._weights @ self._weights)
-        moments = triangle.T @ (triangle @ steady)
-        axis[0] += np.copysign(1.0, axis[0])
-        axis /= np.linalg.norm(axis)
-        reflected = triangle - 2 * np.outer(triangle @ axis, axis)
-        _, singular, right = svd(
-            reflected[:, 1:], full_matrices=False, check_finite=False, lapack_driver="gesdd"
-        )
-        shapes = np.concatenate([np.zeros((1, len(singular))), right.T])
-        shapes -= 2 * np.outer(axis, axis @ shapes)
-        return singular**2, shapes, steady, moments
-
-    @property
-    def relaxation_times(self) -> Array:
-        return self._modes[0]
-
-    @property
-    def wear_rate(self) -> float:
-        """Of the steady state."""
-        return float(1 / (self._weights @ self._weights))
-
-    def at(self, times: Array) -> tuple[Array, Array, Array]:
-        """Pressure and worn height, (T, size) coefficients, and indentation (T,) at times > 0."""
-        relaxation, shapes, steady, moments = self._modes
-        amplitudes = shapes.T @ moments
-        decay = times[:, None] / relaxation
-        pressure = steady - (np.exp(-decay) * amplitudes / relaxation) @ shapes.T
-        indentation = pressure @ moments + self.wear_rate * times
-        worn = indentation[:, None] * self._weights - (pressure @ self._triangle.T) @ self._triangle
-        return pressure, worn, indentation
-
-    def _element_of(self, radii: Array) -> tuple[Indices, Array]:
+    def values(self, coefficients, radii):
+        """(T, len(radii)) values of a field."""
         s = (1 - radii) * (1 + radii)
         # a radius on a ring edge belongs to the ring outside it, which is the lesser s
-        element = np.clip(
-            np.searchsorted(self._layers.breakpoints, s, side="left") - 1, 0, len(self.degrees) - 1
-        )
-        base, low, widths = (
-            part[element] for part in (self._layers.edge, self._layers.low, self._layers.widths)
-        )
-        return element, np.clip(2 * ((s - base) - low) / widths - 1, -1, 1)
+        element = np.maximum(np.searchsorted(self.edge + self.low, s) - 1, 0)
+        within = (s - self.edge[element]) - self.low[element]
+        local = (2 * within / self.width[element] - 1).clip(-1, 1)
+        functions = legvander(local, self.order[-1]) * self.scale[element]
+        return np.einsum("trn,rn->tr", coefficients[:, element], functions)
 
-    def values(self, coefficients: Array, radii: Array) -> Array:
-        """(T, len(radii)) values of functions."""
-        element, local = self._element_of(radii)
-        out = np.empty((len(coefficients), len(radii)))
-        for e in np.unique(element):
-            here = element == e
-            columns = slice(self._starts[e], self._starts[e + 1])
-            out[:, here] = (coefficients[:, columns] * self._scale(e)) @ legvander(
-                local[here], self.degrees[e]
-            ).T
-        return out
+    def worn(self, worn, radii):
+        """(T, len(radii)) worn heights."""
+        return self.values(worn * self.wear[:, None], radii)
 
-    def worn(self, coefficients: Array, radii: Array) -> Array:
-        """(T, len(radii)) worn heights, from their coefficients."""
-        return self.values(coefficients, radii) * self._wear[self._element_of(radii)[0]]
+    def legendre(self, worn):
+        """Coefficients of worn heights, of Legendre polynomials as they are."""
+        return worn * self.scale * self.wear[:, None]
 
-    def ring_forces(self, pressure: Array) -> Array:
+    def ring_forces(self, pressure):
         """(T, N) force on each ring, from the centre."""
-        force = pressure[:, self._starts[:-1]] * self._weights[self._starts[:-1]]
-        out = np.zeros((len(pressure), len(self.wear_coefficients)))
-        np.add.at(out.T, self._layers.ring, force.T)
-        return out[:, ::-1]
+        rings = self.ring == np.arange(self.ring.max() + 1)[:, None]
+        return (pressure * self.weights).sum(axis=2) @ rings.T
 
-    def rms_slopes(self, worn: Array, average: str = "line") -> Array:
+    def rms_slopes(self, worn, average="line"):
         """(T,) root mean square of the slope of worn heights."""
-        node, weight = leggauss(2 * self.degree + 4)
-        total = np.zeros(len(worn))
-        for e, (left, half) in enumerate(
-            zip(self._layers.breakpoints[:-1], self._layers.widths / 2, strict=True)
-        ):
-            columns = slice(self._starts[e], self._starts[e + 1])
-            series = (worn[:, columns] * self._scale(e) * self._wear[e]).T
-            y, w = node, weight
-            if e == len(self._layers.widths) - 1 and average == "line":
-                # the root of 1 - s at the axis
-                x, w = leggauss(2 * self.degree + 4)
-                y, w = 1 - (1 - x) ** 2 / 2, w * (1 - x)
-            slope = legval(y, legder(series)) / half
-            square = 1 - left - half * (1 + y)
-            measure = 2 * np.sqrt(square) if average == "line" else 4 * square
-            total += (slope**2) @ (measure * w * half)
-        return np.sqrt(total)
+        slopes = legder(self.legendre(worn), axis=2) @ legvander(self.local, self.order[-2]).T
+        slopes /= self.width[:, None] / 2
+        measure = 2 * np.sqrt(self.square) if average == "line" else 4 * self.square
+        return np.sqrt(np.sum(slopes**2 * measure * self.integral, axis=(1, 2)))
 
-    def greatest(self, coefficients: Array, shift: Array) -> Array:
-        """(T,) greatest value of ``shift - f`` over the punch.
+    def lowest(self, worn):
+        """(T,) least worn height: at an end of an element, or where its slope vanishes."""
 
-        Samples, and the top of a parabola through the best three.
-        """
-        within = (1 - np.cos(np.pi * np.arange(1, 400) / 400)) / 2
-        left, width = self._layers.breakpoints[:-1, None], self._layers.widths[:, None]
-        s = np.unique(np.append([0.0, 1.0], (left + width * within).ravel()))
-        values = shift[:, None] - self.worn(coefficients, np.sqrt(1 - s))
-        row, best = np.arange(len(values)), np.clip(values.argmax(axis=1), 1, len(s) - 2)
-        y0, y1, y2 = values[row, best - 1], values[row, best], values[row, best + 1]
-        a, b = s[best] - s[best - 1], s[best + 1] - s[best]
-        first, second = (y1 - y0) / a, (y2 - y1) / b
-        curve = (second - first) / (a + b)
-        slope = first + curve * a
-        top = y1 - np.where(curve < 0, slope**2 / (4 * np.minimum(curve, -1e-300)), 0.0)
-        return np.where(
-            (curve < 0) & (np.abs(slope) <= -2 * curve * np.maximum(a, b)),
-            np.maximum(top, y1),
-            values.max(axis=1),
-        )
+        def least(height):
+            stationary = legroots(legder(height)).real.clip(-1, 1)
+            return legval(np.append(stationary, [-1, 1]), height).min()
+
+        return np.array([min(map(least, elements)) for elements in self.legendre(worn)])
 
 
-def exact_results(problem: Problem, finer: float = 0.01) -> xarray.Dataset:
+def exact_results(problem, finer=0.01):
     """Return what a problem asks for at the times that are checked, on the face of the punch.
 
     To `finer` times its accuracy; the start and the steady state are closed forms.
@@ -327,58 +167,48 @@ def exact_results(problem: Problem, finer: float = 0.01) -> xarray.Dataset:
     # in s; thinner layers would be felt by slopes alone, and by little
     smallest = np.maximum(0.1 * error * narrowest, 1e-12 * finer)
     degree = int(np.ceil(np.log(1 / error) / np.log(3))) + 1
-    punch = Reference(rings.ring_edges, rings.wear_coefficients, smallest, degree)
-    parts = [steady_results(problem)] if problem.steady else []
+    parts = [method("direct").solve(problem, Stages("direct")).checked] if problem.steady else []
     if len(times):
+        punch = Reference(*rings, smallest, degree)
         relaxation = {"relaxation_time": ("mode", punch.relaxation_times[:20])}
-        parts += [history_results(problem, punch, times), xarray.Dataset(relaxation)]
-    return xarray.merge(parts)
+        parts += [_later(problem, punch, times[times > 0]), xarray.Dataset(relaxation)]
+        if times[0] == 0:
+            parts.append(_start(problem))
+    return xarray.merge(parts, join="outer", compat="no_conflicts")
 
 
-def steady_results(problem: Problem) -> xarray.Dataset:
-    """Return the steady state in closed form, on the face."""
-    edges, wear = problem.merged
-    pressures, radii = direct.steady_pressures(edges, wear), problem.face.radii
-    greatest = direct.greatest_displacement(edges, pressures)
-    values = {
-        "steady_pressure": pressures[ring_of(edges, radii)],
-        "steady_profile": greatest - direct.displacement(edges, pressures, radii),
-        "steady_displacement_max": greatest,
-        "steady_rms_slope": direct.rms_slope(edges, pressures, problem.gradient_average),
-        "steady_wear_rate": wear[0] * pressures[0],
-    }
-    return labelled(values, radii)
-
-
-def history_results(problem: Problem, punch: Reference, times: Array) -> xarray.Dataset:
-    """Return the history, on the face."""
-    pressure, worn, indentation = punch.at(times[times > 0])
+def _start(problem):
+    """Return the flat start (Eqs. 10 and 11)."""
     radii, edges = problem.face.radii, problem.ring_edges
-
-    def with_start(later: Array, start: Array | float) -> Array:
-        values = np.empty((len(times), *later.shape[1:]))
-        values[times > 0], values[times == 0] = later, start
-        return values
-
-    unworn = 1 / (2 * np.pi * np.sqrt((1 - radii) * (1 + radii)))
-    profile = with_start(punch.worn(worn, radii), 0.0)
-    d = with_start(indentation, D0)
     values = {
-        "pressure": with_start(punch.values(pressure, radii), unworn),
-        "profile": profile,
-        "displacement": d[:, None] - profile,
-        "indentation": d,
-        "displacement_centre": with_start(indentation - punch.worn(worn, np.zeros(1))[:, 0], D0),
-        "displacement_max": with_start(punch.greatest(worn, indentation), D0),
-        "rms_slope": with_start(punch.rms_slopes(worn, problem.gradient_average), 0.0),
+        "pressure": 1 / (2 * np.pi * np.sqrt((1 - radii) * (1 + radii))),
+        "profile": 0 * radii,
+        "displacement": 0 * radii + 0.5,
+        "ring_force": -np.diff(np.sqrt((1 - edges) * (1 + edges))),
+        "rms_slope": 0.0,
+        **dict.fromkeys(("indentation", "displacement_centre", "displacement_max"), 0.5),
     }
-    if len(edges) == len(problem.merged.ring_edges):
-        start = -np.diff(np.sqrt((1 - edges) * (1 + edges)))
-        values["ring_force"] = with_start(punch.ring_forces(pressure), start)
+    values = {name: np.asarray(value)[None] for name, value in values.items()}
+    return labelled(values, radii, np.zeros(1))
+
+
+def _later(problem, punch, times):
+    pressure, worn, indentation = punch.at(times)
+    radii, profile = problem.face.radii, punch.worn(worn, problem.face.radii)
+    values = {
+        "pressure": punch.values(pressure, radii),
+        "profile": profile,
+        "displacement": indentation[:, None] - profile,
+        "indentation": indentation,
+        "displacement_centre": indentation - punch.worn(worn, np.zeros(1))[:, 0],
+        "displacement_max": indentation - punch.lowest(worn),
+        "rms_slope": punch.rms_slopes(worn, problem.gradient_average),
+        "ring_force": punch.ring_forces(pressure),
+    }
     return labelled(values, radii, times)
 
 
-def true_errors(result: Result) -> dict[str, dict[str, tuple[Array, Array]]]:
+def true_errors(result):
     """Return (error, estimate) at the checked times, by method and quantity of a run.
 
     Beyond what the reference is known to, which is how far a coarser one is from it; of relaxation
@@ -387,7 +217,7 @@ def true_errors(result: Result) -> dict[str, dict[str, tuple[Array, Array]]]:
     problem = result.scene.problem
     exact = exact_results(problem)
     unsure = differences(exact_results(problem, finer=0.03), exact, problem.face)
-    errors: dict[str, dict[str, tuple[Array, Array]]] = {}
+    errors = {}
     for name, solution in result.solutions.items():
         errors[name] = {}
         for quantity, error in differences(solution.checked, exact, problem.face).items():
@@ -401,7 +231,7 @@ def true_errors(result: Result) -> dict[str, dict[str, tuple[Array, Array]]]:
     return errors
 
 
-def random_scenes(seed: int, count: int, most_rings: int, **changes: Any) -> Iterator[Scene]:
+def random_scenes(seed, count, most_rings, **changes):
     """Rings 1 to `most_rings`, widths to 1e-4, wear ratios 1e-6 to 1e6, nu -0.5 to 0.5, rtol 1e-2
     to 1e-8; seven times from 1e-8 to 1e3 natural ones, about half with the start.
     """
