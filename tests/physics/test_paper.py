@@ -7,12 +7,10 @@ from __future__ import annotations
 
 import argparse
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import Prepare
 from scipy.integrate import quad
 
 from ringwear import Scene
@@ -34,36 +32,36 @@ RATIOS = 10.0 ** np.linspace(-4, 4, 41)
 
 
 @pytest.fixture(scope="module")
-def five() -> FiveRings:
+def five():
     return FiveRings(Scene.load("five_rings").problem)
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def written(tmp_path_factory):
     """Everything, in its smaller version."""
     out = tmp_path_factory.mktemp("paper")
     conduct(out)
     return out
 
 
-def conduct(out: Path, fig: int | None = None) -> None:
+def conduct(out, fig=None):
     paper.conduct(Scene.load("five_rings"), out, argparse.Namespace(fig=fig, quick=True))
 
 
 @pytest.mark.parametrize("width_ratio", [0.1, 10.0])
-def test_slopes_against_another_quadrature(width_ratio: float) -> None:
+def test_slopes_against_another_quadrature(width_ratio):
     """The quadrature that all curves rest on, which knows where slopes have logarithmic poles."""
     edges = alternating_edges(8, width_ratio)
     pressures = odd_and_even(8) @ [1.0, 0.01]
 
-    def square(radius: float) -> float:
+    def square(radius):
         return float(direct.slope(edges, pressures, np.array([radius]))[0] ** 2)
 
     squares = [quad(square, *ends, epsabs=0.0, epsrel=1e-10)[0] for ends in pairwise(edges)]
     assert direct.rms_slope(edges, pressures) == pytest.approx(np.sqrt(sum(squares)), rel=1e-9)
 
 
-def test_one_quadratic_form_serves_all_wear_ratios() -> None:
+def test_one_quadratic_form_serves_all_wear_ratios():
     edges, ratios = alternating_edges(5, 0.7), np.array([1e-4, 0.3, 1.0, 20.0])
     for ratio, values in zip(ratios, direct_gradients(edges, ratios).T, strict=True):
         pressures = direct.steady_pressures(edges, odd_and_even(5) @ [1.0, ratio])
@@ -71,7 +69,7 @@ def test_one_quadratic_form_serves_all_wear_ratios() -> None:
         np.testing.assert_allclose(values, np.array(alone) * np.pi / homogeneous(), rtol=1e-12)
 
 
-def test_gradient_by_mdr(prepare: Prepare) -> None:
+def test_gradient_by_mdr(prepare):
     """The other theory: line densities, no elliptic integrals, no closed form of a ring."""
     ready = prepare("five_rings", "mdr", accuracy__rtol=1e-8)
     edges = ready.problem.ring_edges
@@ -79,7 +77,7 @@ def test_gradient_by_mdr(prepare: Prepare) -> None:
     np.testing.assert_allclose(values, direct_gradients(edges, RATIOS), rtol=1e-4)
 
 
-def test_many_rings_from_both_sides() -> None:
+def test_many_rings_from_both_sides():
     ratios = np.array([1e-4, 0.1, 10.0, 1e4])
     limit = many_rings(ratios, np.ones(1))
     np.testing.assert_allclose(limit, limit[:, ::-1], rtol=1e-14)
@@ -93,7 +91,7 @@ def test_many_rings_from_both_sides() -> None:
     assert (np.abs(distances[1:] / distances[:-1]) < 0.65).all()
 
 
-def test_many_rings_of_unequal_width() -> None:
+def test_many_rings_of_unequal_width():
     ratio = np.array([0.01])
     for width_ratio in (0.1, 10.0):
         limit = many_rings(ratio, np.array([width_ratio]))
@@ -108,13 +106,13 @@ def test_many_rings_of_unequal_width() -> None:
 
 
 @pytest.mark.parametrize("ratios", [[1e9, np.inf], [1e-9, 0.0]], ids=str)
-def test_extreme_ratios_leave_the_slower_rings_alone(ratios: list[float]) -> None:
+def test_extreme_ratios_leave_the_slower_rings_alone(ratios):
     edges = alternating_edges(6, 2.0)
     nearly, alone = direct_gradients(edges, np.array(ratios)).T
     np.testing.assert_allclose(alone, nearly, rtol=1e-8)
 
 
-def test_times_of_the_states(five: FiveRings) -> None:
+def test_times_of_the_states(five):
     assert float(five.states.time[4]) == pytest.approx(0.27, abs=0.005)
     for way, tolerance in zip(five.states.way.values, (1e-7, 1e-5, 1e-5), strict=True):
         np.testing.assert_allclose(way, np.array(PERCENTS) / 100, atol=tolerance)
@@ -122,7 +120,7 @@ def test_times_of_the_states(five: FiveRings) -> None:
     assert stationary == pytest.approx(STATIONARY, rel=1e-9)
 
 
-def test_methods_agree_in_every_state(five: FiveRings) -> None:
+def test_methods_agree_in_every_state(five):
     assert five.states.solver.values.tolist() == ["mdr", "fem", "bem"]
     for name in ("f_over_d0", "g_over_d0"):
         for later in five.states[name][1:, 1:].values:
@@ -132,7 +130,7 @@ def test_methods_agree_in_every_state(five: FiveRings) -> None:
     np.testing.assert_allclose(later, later[[0, 0, 0]], atol=1e-3)
 
 
-def test_line_profile_is_equation_three(five: FiveRings) -> None:
+def test_line_profile_is_equation_three(five):
     """Eq. 3 with its missing f(0), on the profile; the study takes it from the pressure."""
     radii, states = five.problem.radii, five.states.sel(solver="mdr")
     inside = np.flatnonzero(radii > 0.02)[:-5]
@@ -141,7 +139,7 @@ def test_line_profile_is_equation_three(five: FiveRings) -> None:
     np.testing.assert_allclose(by_pressure[1:-1], by_profile[1:-1], atol=1e-2)
 
 
-def test_steady_state_in_units_of_the_paper(five: FiveRings) -> None:
+def test_steady_state_in_units_of_the_paper(five):
     """Of 25 equal areas 15 are slow and 10 fast.
 
     ``p1 = 1/(2 (0.6 + 0.04))`` ... times ``2 p0`` (Eq. 26).
@@ -155,7 +153,7 @@ def test_steady_state_in_units_of_the_paper(five: FiveRings) -> None:
     )
 
 
-def test_files(written: Path) -> None:
+def test_files(written):
     figures = {f"fig{number}{end}" for number in (4, 5, 6, 7) for end in (".png", ".csv")}
     tables = {"claims.csv", "relaxation.csv"}
     assert {file.name for file in written.iterdir()} == figures | tables
@@ -171,7 +169,7 @@ def test_files(written: Path) -> None:
     assert np.ptp(slowest[1.0]) < 1e-6
 
 
-def test_claims(written: Path) -> None:
+def test_claims(written):
     claims = pd.read_csv(written / "claims.csv")
     assert len(claims) == 30
     (refuted,) = claims[claims.verdict == "does not hold"].values.tolist()
@@ -189,13 +187,13 @@ def test_claims(written: Path) -> None:
         ("curve[0] < 1.5", True),
     ],
 )
-def test_verdicts(condition: str, holds: bool) -> None:
+def test_verdicts(condition, holds):
     claim = {"where": "1", "says": "", "computed": "{curve[0]:.1f}", "holds_if": [condition]}
     row = judge(claim, {"curve": np.array([1.0, 2.0])})
     assert row["computed"] == "1.0"
     assert (row["verdict"] == "holds") == holds
 
 
-def test_one_figure_only(tmp_path: Path) -> None:
+def test_one_figure_only(tmp_path):
     conduct(tmp_path, fig=5)
     assert sorted(file.name for file in tmp_path.iterdir()) == ["fig5.csv", "fig5.png"]

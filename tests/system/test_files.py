@@ -5,8 +5,6 @@ written.
 from __future__ import annotations
 
 import json
-from pathlib import Path
-from typing import Any
 
 import meshio
 import numpy as np
@@ -54,7 +52,7 @@ NUMBERS = {"results.nc", "summary.json"}
 PAGE = {"report.html", ".ringwear.json"}
 
 
-def run_scene(directory: Path, scene: Scene, *flags: str) -> tuple[int, Path]:
+def run_scene(directory, scene, *flags):
     """Run a scene by the command; return its status and its folder."""
     file, out = directory / "scene.toml", directory / "out"
     file.write_text(scene.to_toml(), "utf-8")
@@ -62,7 +60,7 @@ def run_scene(directory: Path, scene: Scene, *flags: str) -> tuple[int, Path]:
 
 
 @pytest.fixture(scope="module")
-def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def done(tmp_path_factory):
     """The main job, with lengths and forces that are not one."""
     scene = Scene.load("five_rings").changed(
         units="mm, N, MPa, s",
@@ -76,11 +74,11 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def results(done: Path) -> xarray.Dataset:
+def results(done):
     return xarray.load_dataset(done / "results.nc")
 
 
-def test_results(results: xarray.Dataset) -> None:
+def test_results(results):
     dims = {name: ("solver", *dims) for name, dims in (VARIABLES | ANSWER).items()}
     assert {name: results[name].dims for name in results} == dims
     assert results.solver.values.tolist() == ["mdr", "direct", "fem"]
@@ -93,7 +91,7 @@ def test_results(results: xarray.Dataset) -> None:
     assert all({"units", "long_name"} <= set(results[name].attrs) for name in results)
 
 
-def test_results_are_in_the_scenes_units(results: xarray.Dataset) -> None:
+def test_results_are_in_the_scenes_units(results):
     start = results.isel(time=0, solver=[0, 2])
     assert float(results.radius.max()) == pytest.approx(2.0, rel=1e-3)
     np.testing.assert_allclose(start.indentation, 5 / (2 * 2 * 3), rtol=1e-3)
@@ -107,7 +105,7 @@ def test_results_are_in_the_scenes_units(results: xarray.Dataset) -> None:
     np.testing.assert_allclose(results.steady_wear_rate, mean * 5 / (4 * np.pi), rtol=1e-12)
 
 
-def test_what_a_method_does_not_give_is_not_a_number(results: xarray.Dataset) -> None:
+def test_what_a_method_does_not_give_is_not_a_number(results):
     direct, others = results.isel(solver=1), results.isel(solver=[0, 2])
     assert np.isnan(direct.worn_volume).all()
     for name, dims in VARIABLES.items():
@@ -121,7 +119,7 @@ def test_what_a_method_does_not_give_is_not_a_number(results: xarray.Dataset) ->
 
 
 @pytest.mark.gmsh
-def test_summary(done: Path) -> None:
+def test_summary(done):
     summary = json.loads((done / "summary.json").read_text("utf-8"))
     assert set(summary["methods"]) == {"mdr", "direct", "fem"}
     for method in summary["methods"].values():
@@ -142,7 +140,7 @@ def test_summary(done: Path) -> None:
     assert all(summary["left_out"].values())
 
 
-def test_half_space(done: Path) -> None:
+def test_half_space(done):
     mesh = meshio.read(done / "half_space.vtu")
     r, y, _ = mesh.points.T
     assert [block.type for block in mesh.cells] == ["triangle"]
@@ -166,7 +164,7 @@ STEADY = {"steady_state.png"}
 INSIDE = {"half_space.vtu", "stress.png", "mesh.png"}
 
 
-def test_every_file_of_a_run_is_there(done: Path) -> None:
+def test_every_file_of_a_run_is_there(done):
     files = {file.name for file in done.iterdir()}
     assert files == NUMBERS | PAGE | HISTORY | STEADY | INSIDE | {"operator_difference.png"}
     assert all(file.read_bytes().startswith(b"\x89PNG") for file in done.glob("*.png"))
@@ -185,7 +183,7 @@ def test_every_file_of_a_run_is_there(done: Path) -> None:
     ],
     ids=lambda value: str(value) if isinstance(value, dict) else "",
 )
-def test_parts_of_a_scene(changes: dict[str, Any], figures: set[str], tmp_path: Path) -> None:
+def test_parts_of_a_scene(changes, figures, tmp_path):
     """Every sensible part of a scene runs by itself, and writes no more than it has."""
     scene = Scene.load("five_rings").changed(accuracy__rtol=1e-3, **changes)
     status, out = run_scene(tmp_path, scene)
@@ -194,14 +192,12 @@ def test_parts_of_a_scene(changes: dict[str, Any], figures: set[str], tmp_path: 
     assert set(VARIABLES) <= set(xarray.load_dataset(out / "results.nc"))
 
 
-def test_two_runs_are_the_same() -> None:
+def test_two_runs_are_the_same():
     scene = Scene.load("five_rings").changed(accuracy__rtol=1e-2)
     assert run(scene).dataset.identical(run(scene).dataset)
 
 
-def test_an_accuracy_that_is_not_reached_ends_in_status_3(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_accuracy_that_is_not_reached_ends_in_status_3(tmp_path, capsys):
     scene = Scene.load("flat_punch").changed(
         methods=["mdr", "fem"],
         accuracy__rtol=1e-3,
@@ -222,7 +218,7 @@ def test_an_accuracy_that_is_not_reached_ends_in_status_3(
     assert "indentation is undecided" in capsys.readouterr().out
 
 
-def test_mesh_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_mesh_command(tmp_path, capsys):
     assert main(["mesh", "rubber", "--out", str(tmp_path)]) == 0
     assert {file.name for file in tmp_path.glob("[!.]*")} == {"mesh.vtu", "mesh.png"}
     mesh = meshio.read(tmp_path / "mesh.vtu")
@@ -230,7 +226,7 @@ def test_mesh_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Non
     assert ("triangles" if WITHOUT_GMSH else "quadrilaterals") in capsys.readouterr().out
 
 
-def test_plan_and_scenes_write_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_plan_and_scenes_write_nothing(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["plan", "rubber"]) == main(["scenes"]) == 0
     assert list(tmp_path.iterdir()) == []

@@ -5,12 +5,8 @@ All in one file, says what was asked, and works in a browser, on paper and on a 
 
 from __future__ import annotations
 
-import argparse
 import json
 import re
-from collections.abc import Iterator
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +14,6 @@ from browser import Browser, installed
 
 from ringwear import Scene, run
 from ringwear.studies.cli import main
-from ringwear.studies.crosscheck.dataset import Result
 from ringwear.studies.report.page import write_report
 from ringwear.studies.report.slides import slides
 from ringwear.studies.report.words import Account
@@ -29,19 +24,19 @@ RUBBER = Scene.load("rubber").changed(
 
 
 @pytest.fixture(scope="module")
-def result() -> Result:
+def result():
     return run(RUBBER)
 
 
 @pytest.fixture(scope="module")
-def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def page(tmp_path_factory):
     out = tmp_path_factory.mktemp("page")
     (out / "scene.toml").write_text(RUBBER.to_toml(), "utf-8")
     assert main(["run", str(out / "scene.toml"), "--out", str(out)]) == 0
     return out / "report.html"
 
 
-def test_a_page_is_one_small_file_that_loads_nothing(page: Path) -> None:
+def test_a_page_is_one_small_file_that_loads_nothing(page):
     text = page.read_text("utf-8")
     assert len(text) < 3e6
     addresses = re.findall(r'\s(?:src|href|srcset|data|action)="([^"]*)"', text)
@@ -55,7 +50,7 @@ def test_a_page_is_one_small_file_that_loads_nothing(page: Path) -> None:
     assert tags.count("script") == 2
 
 
-def test_a_page_says_what_was_asked(page: Path, result: Result) -> None:
+def test_a_page_says_what_was_asked(page, result):
     text = page.read_text("utf-8")
     for told in ("nm/h of height", "has worn by", "µm", "The methods agree", "anchors", "left out"):
         assert told in text, told
@@ -64,7 +59,7 @@ def test_a_page_says_what_was_asked(page: Path, result: Result) -> None:
     assert re.search(r"<pre>.*poisson_ratio = 0.4999.*</pre>", text, re.DOTALL)
 
 
-def test_slides_go_from_the_flat_start_to_the_steady_state(result: Result) -> None:
+def test_slides_go_from_the_flat_start_to_the_steady_state(result):
     shown = slides(result)
     assert shown is not None
     assert len({*map(len, (shown["labels"], shown["profile"], shown["pressure"]))}) == 1
@@ -92,9 +87,7 @@ def test_slides_go_from_the_flat_start_to_the_steady_state(result: Result) -> No
         ({"output__radii": [0.001], "methods": ["direct"]}, 0),
     ],
 )
-def test_every_part_of_a_scene_has_a_page(
-    changes: dict[str, Any], states: int, tmp_path: Path
-) -> None:
+def test_every_part_of_a_scene_has_a_page(changes, states, tmp_path):
     result = run(Scene.load("rubber").changed(accuracy__rtol=1e-3, **changes))
     write_report(result, Account(result), (), tmp_path / "report.html")
     shown = slides(result)
@@ -102,8 +95,8 @@ def test_every_part_of_a_scene_has_a_page(
     assert ('id="solid"' in (tmp_path / "report.html").read_text("utf-8")) == bool(states)
 
 
-def test_the_page_of_a_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def conduct(_: Scene, out: Path, __: argparse.Namespace) -> list[str]:
+def test_the_page_of_a_study(tmp_path, monkeypatch):
+    def conduct(_, out, __):
         rows = "method,error,count\nmdr,0.000123456,25378\n<fem>,,\n"
         (out / "rows.csv").write_text(rows, "utf-8")
         (out / "curve.png").write_bytes(b"\x89PNG")
@@ -119,7 +112,7 @@ def test_the_page_of_a_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         assert told in text, told
 
 
-def test_flags_leave_out_what_they_say(tmp_path: Path) -> None:
+def test_flags_leave_out_what_they_say(tmp_path):
     quick = ["run", "flat_punch", "--methods", "direct", "--out", str(tmp_path)]
     for flags, figures in (
         (["--no-report"], {"steady_state.png"}),
@@ -132,7 +125,7 @@ def test_flags_leave_out_what_they_say(tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
+def browser():
     program = installed()
     if program is None:
         pytest.skip("no Chromium or Chrome is installed: apt-get install chromium")
@@ -142,7 +135,7 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.mark.parametrize("width", [390, 1280], ids=["phone", "laptop"])
-def test_the_slider_in_a_browser(browser: Browser, page: Path, width: int) -> None:
+def test_the_slider_in_a_browser(browser, page, width):
     browser.open(page, width)
     assert browser.evaluate("document.documentElement.scrollWidth") <= width
     assert browser.evaluate("[...document.images].every(i => i.complete && i.naturalWidth > 0)")
@@ -166,7 +159,7 @@ def test_the_slider_in_a_browser(browser: Browser, page: Path, width: int) -> No
     assert {url for url in browser.requests if not url.startswith("data:")} == {page.as_uri()}
 
 
-def test_the_page_prints(browser: Browser, page: Path) -> None:
+def test_the_page_prints(browser, page):
     browser.open(page, 1280)
     printed = browser.printed()
     assert printed.startswith(b"%PDF")

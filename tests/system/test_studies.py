@@ -12,10 +12,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -26,18 +24,18 @@ from ringwear.studies.registry import INTERRUPTED, STUDIES, Study
 from ringwear.studies.tables import Table, keeping_rows
 
 
-def rows(path: Path) -> list[dict[str, str]]:
+def rows(path):
     return list(csv.DictReader(path.read_text("utf-8").splitlines()))
 
 
 @contextmanager
-def interrupted_at(line: int) -> Iterator[None]:
+def interrupted_at(line):
     """Ctrl-C, pressed as the n-th line is logged."""
 
     class Stop(logging.Handler):
         left = line
 
-        def emit(self, record: logging.LogRecord) -> None:
+        def emit(self, record):
             self.left -= "level" in record.getMessage()
             if self.left == 0:
                 raise KeyboardInterrupt
@@ -52,7 +50,7 @@ def interrupted_at(line: int) -> Iterator[None]:
         LOG.setLevel(level)
 
 
-def test_rows_are_on_disk_at_once_and_kept_on_interruption(tmp_path: Path) -> None:
+def test_rows_are_on_disk_at_once_and_kept_on_interruption(tmp_path):
     table, conclusions = Table(tmp_path / "t.csv", ("a", "b")), list[str]()
     with keeping_rows(conclusions):
         table.add(a=1, b="x")
@@ -63,7 +61,7 @@ def test_rows_are_on_disk_at_once_and_kept_on_interruption(tmp_path: Path) -> No
 
 @pytest.mark.parametrize("line", [1, 2])
 @pytest.mark.parametrize("name", sorted(STUDIES.keys() - {"paper"}))
-def test_a_study_stopped_early_keeps_its_tables(name: str, line: int, tmp_path: Path) -> None:
+def test_a_study_stopped_early_keeps_its_tables(name, line, tmp_path):
     options = argparse.Namespace(quick=True, mesh=None)
     with interrupted_at(line):
         lines = STUDIES[name].conduct(Scene.load("five_rings"), tmp_path, options)
@@ -71,10 +69,8 @@ def test_a_study_stopped_early_keeps_its_tables(name: str, line: int, tmp_path: 
     assert len(rows(tmp_path / f"{name}.csv")) == line - 1
 
 
-def test_ctrl_c_outside_of_a_studys_rows_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def conduct(_: Scene, out: Path, __: argparse.Namespace) -> list[str]:
+def test_ctrl_c_outside_of_a_studys_rows_leaves_nothing(tmp_path, monkeypatch):
+    def conduct(_, out, __):
         Table(out / "rows.csv", ("a",))
         raise KeyboardInterrupt
 
@@ -105,7 +101,7 @@ sys.exit(main(["study", "march", "--out", sys.argv[1]]))
 """
 
 
-def test_ctrl_c_in_a_study_keeps_rows_and_says_so_by_its_exit_status(tmp_path: Path) -> None:
+def test_ctrl_c_in_a_study_keeps_rows_and_says_so_by_its_exit_status(tmp_path):
     arguments = [sys.executable, "-c", WAITING, str(tmp_path)]
     root = Path(__file__).parents[2]
     with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True, cwd=root) as process:
@@ -118,10 +114,8 @@ def test_ctrl_c_in_a_study_keeps_rows_and_says_so_by_its_exit_status(tmp_path: P
     assert rows(tmp_path / "rows.csv") == [{"a": "1"}]
 
 
-def test_ctrl_c_while_the_page_is_written_keeps_all_the_rest(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def half_write(*arguments: Any) -> None:
+def test_ctrl_c_while_the_page_is_written_keeps_all_the_rest(tmp_path, monkeypatch, capsys):
+    def half_write(*arguments):
         arguments[-1].write_text("<html>", "utf-8")
         raise KeyboardInterrupt
 
@@ -137,10 +131,8 @@ def test_ctrl_c_while_the_page_is_written_keeps_all_the_rest(
 @pytest.mark.gmsh
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 @pytest.mark.parametrize("seconds", [0.0, 1.3, 4.1])
-def test_a_study_that_meshes_keeps_its_rows_when_it_is_ended(
-    number: signal.Signals, seconds: float, tmp_path: Path
-) -> None:
-    def finished_rows() -> int:
+def test_a_study_that_meshes_keeps_its_rows_when_it_is_ended(number, seconds, tmp_path):
+    def finished_rows():
         return sum(len(rows(table)) for table in out.glob(".writing/extremes.csv"))
 
     code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "

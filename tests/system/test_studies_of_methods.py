@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import csv
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ from ringwear.studies.registry import STUDIES
 Rows = list[dict[str, str]]
 
 
-def conduct(name: str, out: Path) -> dict[str, Rows]:
+def conduct(name, out):
     """Return the rows of each table of a quick study."""
     options = argparse.Namespace(quick=True)
     assert STUDIES[name].conduct(Scene.load("five_rings"), out, options)
@@ -49,7 +48,7 @@ ORDERS = {
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("name", ORDERS)
-def test_orders_are_those_of_theory(name: str, tmp_path: Path) -> None:
+def test_orders_are_those_of_theory(name, tmp_path):
     tables = conduct(name, tmp_path)
     judged = [row for row in tables["orders"] if row["expected order"]]
     assert {row["within 0.15"] for row in judged} == {"yes"}
@@ -60,7 +59,7 @@ def test_orders_are_those_of_theory(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.gmsh
-def test_tradeoff(tmp_path: Path) -> None:
+def test_tradeoff(tmp_path):
     tables = conduct("tradeoff", tmp_path)
     measured = [row for row in tables["tradeoff"] if not row["remark"]]
     families = {"mdr", "bem", "fem quads", "fem P4", "mdr implicit", "mdr-grid"}

@@ -7,7 +7,6 @@ import os
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -38,7 +37,7 @@ RATIOS = {"punch.wear_ratio": [0.1, 1.0, 20.0]}
 
 
 @pytest.fixture(scope="module")
-def small() -> xarray.Dataset:
+def small():
     axes = RATIOS | {"punch.rings": [2, 5], "load.normal_force": [1.0, 3.0]}
     by_default = Sweep.of({"base": FIVE.table(), "axes": axes}).keep
     return sweep(FIVE, axes, [*by_default, *ANSWERS])
@@ -47,9 +46,7 @@ def small() -> xarray.Dataset:
 @pytest.mark.parametrize(
     ("ratio", "rings", "force"), [(0.1, 5, 3.0), (20.0, 2, 1.0), (1.0, 5, 1.0)]
 )
-def test_scenes_are_those_of_run(
-    small: xarray.Dataset, ratio: float, rings: int, force: float
-) -> None:
+def test_scenes_are_those_of_run(small, ratio, rings, force):
     """Of each quantity, a scene of a sweep and the same by `run` differ by no more than
     both state.
     """
@@ -74,7 +71,7 @@ def test_scenes_are_those_of_run(
         np.testing.assert_allclose(there[name], alone[name], rtol=1e-3, err_msg=name)
 
 
-def test_many_punches_share_their_modes() -> None:
+def test_many_punches_share_their_modes():
     """Each differs from its own modes by no more than is stated of that, a small part of the
     accuracy.
     """
@@ -101,7 +98,7 @@ def test_many_punches_share_their_modes() -> None:
         assert "shared modes" not in mdr.solve_all(others, Stages("mdr"))[0].parts
 
 
-def test_loads_share_modes(small: xarray.Dataset) -> None:
+def test_loads_share_modes(small):
     assert small["indentation"].dims == ("wear_ratio", "rings", "normal_force", "solver", "time")
     assert (small["status"] == 1).all()
     # two methods that state their errors honestly
@@ -111,7 +108,7 @@ def test_loads_share_modes(small: xarray.Dataset) -> None:
     np.testing.assert_allclose(heavy["indentation"], 3 * light["indentation"], rtol=1e-14)
 
 
-def test_one_discretisation_serves_every_wear() -> None:
+def test_one_discretisation_serves_every_wear():
     """It is as sharp as the sharpest member needs it, and members much less sharp have one of their
     own.
     """
@@ -131,7 +128,7 @@ def test_one_discretisation_serves_every_wear() -> None:
 
 
 @pytest.mark.parametrize("number", [6, 7])
-def test_the_figures_of_the_paper(number: int) -> None:
+def test_the_figures_of_the_paper(number):
     """The bundled sweeps, on fewer rings and every tenth ratio, against the study of the paper."""
     made = Sweep.load(f"fig{number}")
     ratios, widths = gradients.figure_ratios(number)
@@ -147,7 +144,7 @@ def test_the_figures_of_the_paper(number: int) -> None:
         np.testing.assert_allclose(slope, known, rtol=1e-12)
 
 
-def test_a_failed_scene_fails_alone() -> None:
+def test_a_failed_scene_fails_alone():
     """Its reason is kept with it.
 
     Those that would share its discretisation are what they are without it.
@@ -201,12 +198,12 @@ GOOD = "base = 'five_rings'\nkeep = ['steady_rms_slope']\n[axes]\n'punch.rings' 
     ],
 )
 def test_bad_files(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    text: str,
-    message: str,
-) -> None:
+    tmp_path,
+    monkeypatch,
+    capsys,
+    text,
+    message,
+):
     """They are refused with a message, and nothing is written; the good one is understood."""
     monkeypatch.chdir(tmp_path)
     Path("bad.toml").write_text(text)
@@ -217,14 +214,14 @@ def test_bad_files(
     assert Sweep.load("bad.toml").shape == (2,)
 
 
-def test_stores_are_on_this_machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stores_are_on_this_machine(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["sweep", "fig6", "--out", "s3://bucket/map"]) == 2
     assert os.listdir() == []
 
 
 @pytest.mark.parametrize("times", ["running-in", {"tau": [0.1, 1.0]}], ids=str)
-def test_times_that_scenes_do_not_share(times: Any) -> None:
+def test_times_that_scenes_do_not_share(times):
     """Counts of relaxation times are other times for each punch.
 
     No history may be labelled by the first's.
@@ -241,12 +238,12 @@ def test_times_that_scenes_do_not_share(times: Any) -> None:
     assert loads["time"].values.tolist() == scene.wear.times
 
 
-def test_histories_need_times() -> None:
+def test_histories_need_times():
     with pytest.raises(SceneError, match=r"worn_volume.* need wear.times"):
         sweep(FIVE.changed(wear__times=[]), {"punch.rings": [2]}, ["worn_volume"])
 
 
-def test_axes_crossed_zipped_and_drawn(tmp_path: Path) -> None:
+def test_axes_crossed_zipped_and_drawn(tmp_path):
     """Whatever varies is a coordinate, also where a store is opened, and each unit is that of its
     kind.
     """
@@ -308,16 +305,14 @@ NINE = {"geomspace": [0.1, 10.0, 9]}
     ],
     ids=str,
 )
-def test_any_sweep_can_be_drawn(varied: dict[str, Any]) -> None:
+def test_any_sweep_can_be_drawn(varied):
     """Draws are points, long axes a map, others curves; a dollar in a title is a dollar."""
     base = FIVE.changed(methods=["direct"], title=TITLES["title"][0]).table()
     made = Sweep.of({"base": base, "keep": ["steady_rms_slope"]} | varied)
     assert draw(sweep(base, keep=made.keep, **varied), made).startswith(b"\x89PNG")
 
 
-def test_a_dry_run_says_what_it_takes(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_dry_run_says_what_it_takes(tmp_path, monkeypatch, capsys):
     """Scenes, bytes; seconds and memory by a probe; nothing is written."""
     monkeypatch.chdir(tmp_path)
     Path("small.toml").write_text(GOOD)
@@ -338,9 +333,7 @@ def test_a_dry_run_says_what_it_takes(
     ],
     ids=["few", "many"],
 )
-def test_blocks_cover_the_grid(
-    tmp_path: Path, ratios: int, more: dict[str, Any], shape: tuple[int, ...]
-) -> None:
+def test_blocks_cover_the_grid(tmp_path, ratios, more, shape):
     """Each scene is in one block."""
     axes = {"punch.wear_ratio": {"geomspace": [0.1, 9.0, ratios]}} | more
     made = Sweep.of({"base": "five_rings", "keep": ["steady_rms_slope"], "axes": axes})

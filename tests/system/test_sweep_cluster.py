@@ -11,9 +11,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from contextlib import ExitStack
-from pathlib import Path
 
 import pytest
 from test_sweep_faults import contents, installed_copy, statuses
@@ -66,7 +64,7 @@ sys.modules["ringwear"] = None
 class Cluster:
     """A scheduler and workers, each a process of its own in a directory."""
 
-    def __init__(self, directory: Path, processes: ExitStack) -> None:
+    def __init__(self, directory, processes):
         self.directory, self._processes = directory, processes
         self.out = directory / "out"
         self.scheduler = self._start(
@@ -77,9 +75,7 @@ class Cluster:
             time.sleep(0.1)
         self.address = str(json.loads(file.read_text())["address"])
 
-    def worker(
-        self, preload: str = "", path: Path | None = None, nanny: bool = False
-    ) -> subprocess.Popen[bytes]:
+    def worker(self, preload="", path=None, nanny=False):
         """Start a worker, which runs some code first, or with a directory on its path.
 
         Return once it is known.
@@ -93,13 +89,13 @@ class Cluster:
             time.sleep(0.2)
         return worker
 
-    def workers(self) -> set[str]:
+    def workers(self):
         from distributed import Client
 
         with Client(self.address, set_as_default=False) as client:
             return set(client.scheduler_info(n_workers=-1)["workers"])
 
-    def sweep(self, *arguments: str) -> subprocess.Popen[str]:
+    def sweep(self, *arguments):
         """Begin the command on this cluster."""
         (self.directory / "sweep.toml").write_text(FILE)
         command = [sys.executable, "-m", "ringwear.studies.cli", "sweep", "sweep.toml"]
@@ -108,9 +104,7 @@ class Cluster:
         self._processes.callback(sweep.kill)
         return sweep
 
-    def _start(
-        self, what: str, *arguments: str, path: Path | None = None
-    ) -> subprocess.Popen[bytes]:
+    def _start(self, what, *arguments, path=None):
         command = [sys.executable, "-m", "dask", what, "--no-dashboard", *arguments]
         environment = os.environ | ({"PYTHONPATH": str(path)} if path else {})
         with (self.directory / f"{what}.log").open("ab") as log:
@@ -124,13 +118,13 @@ class Cluster:
 
 
 @pytest.fixture
-def cluster(tmp_path: Path) -> Iterator[Cluster]:
+def cluster(tmp_path):
     with ExitStack() as processes:
         yield Cluster(tmp_path, processes)
 
 
 @pytest.fixture(scope="module")
-def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def here(tmp_path_factory):
     """The sweep without any cluster."""
     directory = tmp_path_factory.mktemp("here")
     (directory / "sweep.toml").write_text(FILE)
@@ -139,7 +133,7 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return directory / "out"
 
 
-def expect(sweep: subprocess.Popen[str], status: int, word: str) -> None:
+def expect(sweep, status, word):
     """The command ends with a status, and one line that has a word."""
     _, errors = sweep.communicate(timeout=120)
     assert sweep.returncode == status, errors
@@ -147,7 +141,7 @@ def expect(sweep: subprocess.Popen[str], status: int, word: str) -> None:
     assert len([line for line in errors.splitlines() if word in line]) == 1, errors
 
 
-def test_workers_with_another_code_are_refused(cluster: Cluster, here: Path) -> None:
+def test_workers_with_another_code_are_refused(cluster, here):
     """One number in a copy of ringwear of the same version: nothing of its results is stored."""
     tree = installed_copy(cluster.directory)
     # the same code, installed elsewhere, is as good
@@ -164,7 +158,7 @@ def test_workers_with_another_code_are_refused(cluster: Cluster, here: Path) -> 
     assert set(statuses(cluster.directory / "other")) == {0}
 
 
-def test_a_worker_without_ringwear_is_told(cluster: Cluster) -> None:
+def test_a_worker_without_ringwear_is_told(cluster):
     """Also where it comes later, and others compute."""
     cluster.worker(ENDLESS)
     sweep = cluster.sweep()
@@ -174,7 +168,7 @@ def test_a_worker_without_ringwear_is_told(cluster: Cluster) -> None:
     expect(sweep, 1, "has another ringwear")
 
 
-def test_a_block_that_kills_its_workers_is_left_out(cluster: Cluster, here: Path) -> None:
+def test_a_block_that_kills_its_workers_is_left_out(cluster, here):
     cluster.worker(DEADLY, nanny=True)
     expect(cluster.sweep(), 1, "left out")
     assert statuses(cluster.out) == [1] * 16 + [0] * 8 + [1] * 24
@@ -184,7 +178,7 @@ def test_a_block_that_kills_its_workers_is_left_out(cluster: Cluster, here: Path
     assert contents(cluster.out) == contents(here)
 
 
-def test_a_scheduler_that_is_lost(cluster: Cluster) -> None:
+def test_a_scheduler_that_is_lost(cluster):
     cluster.worker(HALTING)
     sweep = cluster.sweep()
     while 1 not in statuses(cluster.out):
@@ -194,7 +188,7 @@ def test_a_scheduler_that_is_lost(cluster: Cluster) -> None:
     assert 0 < statuses(cluster.out).count(1) < 48
 
 
-def test_a_worker_that_is_lost(cluster: Cluster, here: Path) -> None:
+def test_a_worker_that_is_lost(cluster, here):
     """One that dies leaves the sweep waiting, and another finishes it."""
     (cluster.directory / "halt").touch()
     first = cluster.worker(HALTING)

@@ -12,10 +12,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -62,29 +60,29 @@ if __name__ == "__main__":
 """
 
 
-def contents(directory: Path) -> dict[str, bytes]:
+def contents(directory):
     """All files of a store, and its index."""
     files = [*(directory / "sweep.zarr").rglob("*"), directory / "sweep.index"]
     return {str(file.relative_to(directory)): file.read_bytes() for file in files if file.is_file()}
 
 
-def compute_into(directory: Path, **options: Any) -> xarray.Dataset:
+def compute_into(directory, **options):
     return sweep(BASE, AXES, KEEP, out=directory, **options)
 
 
-def statuses(directory: Path) -> list[int]:
+def statuses(directory):
     path = directory / "sweep.zarr"
     return xarray.open_zarr(path)["status"].values.ravel().tolist() if path.exists() else []
 
 
 @pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def undisturbed(tmp_path_factory):
     directory = tmp_path_factory.mktemp("undisturbed")
     compute_into(directory)
     return directory
 
 
-def test_memory_and_disk_hold_the_same(undisturbed: Path) -> None:
+def test_memory_and_disk_hold_the_same(undisturbed):
     there = compute_into(undisturbed, resume=True).load()
     xarray.testing.assert_identical(sweep(BASE, AXES, KEEP), there)
 
@@ -94,16 +92,16 @@ def test_memory_and_disk_hold_the_same(undisturbed: Path) -> None:
 )
 @pytest.mark.parametrize("at", [0, 8, 13])
 def test_stopped_anywhere(
-    tmp_path: Path,
-    undisturbed: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    error: BaseException,
-    at: int,
-) -> None:
+    tmp_path,
+    undisturbed,
+    monkeypatch,
+    error,
+    at,
+):
     """Writing fails after so many arrays of results."""
     write, written = zarr.Array.__setitem__, list[object]()
 
-    def fail(self: Any, region: Any, values: Any) -> None:
+    def fail(self, region, values):
         if region != slice(None):
             written.append(region)
         if len(written) > at:
@@ -119,21 +117,21 @@ def test_stopped_anywhere(
     assert contents(tmp_path) == contents(undisturbed)
 
 
-def flip(file: Path) -> None:
+def flip(file):
     content = bytearray(file.read_bytes())
     content[len(content) // 2] ^= 4
     file.write_bytes(content)
 
 
-def truncate(file: Path) -> None:
+def truncate(file):
     file.write_bytes(file.read_bytes()[:-5])
 
 
-def empty(file: Path) -> None:
+def empty(file):
     file.write_bytes(b"")
 
 
-def swap(file: Path) -> None:
+def swap(file):
     """Put the file of another block in its place, whole in itself."""
     file.write_bytes(Path(str(file).replace("/c/2/", "/c/1/")).read_bytes())
 
@@ -147,18 +145,18 @@ LABELS = ("sweep.zarr/zarr.json", "sweep.zarr/status/zarr.json", "sweep.zarr/rin
     [*product((flip, truncate, empty, swap, Path.unlink), RESULTS), *product((truncate,), LABELS)],
 )
 def test_damage_is_found_and_mended(
-    tmp_path: Path,
-    undisturbed: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    damage: Callable[[Path], None],
-    file: str,
-) -> None:
+    tmp_path,
+    undisturbed,
+    monkeypatch,
+    damage,
+    file,
+):
     """Only the block that is damaged is computed again; those of the index, if that is."""
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
     damage(tmp_path / file)
     written, write = list[int](), Store.write
 
-    def count(self: Store, number: int, values: Any) -> None:
+    def count(self, number, values):
         written.append(number)
         write(self, number, values)
 
@@ -169,7 +167,7 @@ def test_damage_is_found_and_mended(
         assert written == ([] if file in LABELS else [2])
 
 
-def test_one_sweep_to_a_directory(tmp_path: Path) -> None:
+def test_one_sweep_to_a_directory(tmp_path):
     with lock_folder(tmp_path), pytest.raises(SceneError, match="another run"):
         compute_into(tmp_path)
     compute_into(tmp_path)
@@ -182,11 +180,11 @@ def test_one_sweep_to_a_directory(tmp_path: Path) -> None:
         compute_into(tmp_path / "file" / "out")
 
 
-def fail_for_three_rings(patch: pytest.MonkeyPatch, error: Exception) -> None:
+def fail_for_three_rings(patch, error):
     """Let scenes of three rings, and all that are computed with them, fail."""
     solve = compute.solved_to_accuracy
 
-    def fail(method: Any, problems: Any, stages: Any) -> Any:
+    def fail(method, problems, stages):
         if any(len(problem.ring_edges) == 4 for problem in problems):
             raise error
         return solve(method, problems, stages)
@@ -200,12 +198,12 @@ def fail_for_three_rings(patch: pytest.MonkeyPatch, error: Exception) -> None:
     ids=str,
 )
 def test_failures_and_what_the_machine_lacked(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    error: Exception,
-    status: int,
-) -> None:
+    tmp_path,
+    monkeypatch,
+    capsys,
+    error,
+    status,
+):
     """The command ends with 1, and says why; neighbours are there.
 
     A failure is final unless it is asked to be tried again; what the machine lacked is tried again.
@@ -230,9 +228,7 @@ def test_failures_and_what_the_machine_lacked(
 
 
 @pytest.mark.parametrize("failing", [False, True])
-def test_methods_that_disagree_end_the_command_with_3(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failing: bool
-) -> None:
+def test_methods_that_disagree_end_the_command_with_3(tmp_path, monkeypatch, failing):
     """Scenes that failed come before scenes that disagree."""
     (tmp_path / "sweep.toml").write_text(tomli_w.dumps(LONG | {"axes": AXES}))
     worst = compute.worst
@@ -244,9 +240,7 @@ def test_methods_that_disagree_end_the_command_with_3(
         assert main([*command, "--resume"]) == (1 if failing else 3)
 
 
-def test_one_code_computes_a_store(
-    tmp_path: Path, undisturbed: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_one_code_computes_a_store(tmp_path, undisturbed, monkeypatch):
     """Another code, or other versions, compute nothing for it, and do not go on with it."""
     other = json.dumps(json.loads(fingerprint()) | {"code": "0", "numpy": "1.0"})
     block = Sweep.of({"base": BASE.table(), "axes": AXES})
@@ -261,7 +255,7 @@ def test_one_code_computes_a_store(
     assert contents(tmp_path) == contents(undisturbed)
 
 
-def test_code_and_tables_have_a_fingerprint(tmp_path: Path) -> None:
+def test_code_and_tables_have_a_fingerprint(tmp_path):
     """That of a checkout is that of an installed copy, until one number in it changes."""
     tree = installed_copy(tmp_path)
     assert fingerprint_of(tree) == fingerprint()
@@ -273,7 +267,7 @@ def test_code_and_tables_have_a_fingerprint(tmp_path: Path) -> None:
         file.write_text(text, "utf-8")
 
 
-def installed_copy(directory: Path) -> Path:
+def installed_copy(directory):
     """A directory to put on the path, with ringwear in it as pip installs it."""
     root, tree = Path(__file__).parents[2], directory / "tree"
     quiet = shutil.ignore_patterns("__pycache__", "api")
@@ -283,7 +277,7 @@ def installed_copy(directory: Path) -> Path:
     return tree
 
 
-def fingerprint_of(tree: Path) -> str:
+def fingerprint_of(tree):
     code = (
         "from ringwear.studies import versions as v\nprint(v.__file__, v.fingerprint(), sep='\\n')"
     )
@@ -294,12 +288,12 @@ def fingerprint_of(tree: Path) -> str:
     return fingerprint
 
 
-def test_a_scheduler_that_does_not_answer(tmp_path: Path) -> None:
+def test_a_scheduler_that_does_not_answer(tmp_path):
     with pytest.raises(RingwearError, match="does not answer"):
         compute_into(tmp_path, scheduler="tcp://127.0.0.1:9")
 
 
-def begin(directory: Path, *arguments: str) -> subprocess.Popen[str]:
+def begin(directory, *arguments):
     """Begin the command in a process of its own, in a directory."""
     (directory / "sweep.toml").write_text(tomli_w.dumps(LONG))
     (directory / "counted.py").write_text(CODE)
@@ -312,13 +306,13 @@ def begin(directory: Path, *arguments: str) -> subprocess.Popen[str]:
     )
 
 
-def children(process: subprocess.Popen[str]) -> list[int]:
+def children(process):
     """Processes that any of its threads has started, in their order."""
     threads = Path(f"/proc/{process.pid}/task").glob("*/children")
     return sorted(int(number) for thread in threads for number in thread.read_text().split())
 
 
-def alive(process: int) -> bool:
+def alive(process):
     """Whether a process runs; one that has ended may wait for its parent to look."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
@@ -327,14 +321,14 @@ def alive(process: int) -> bool:
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+def whole(tmp_path_factory):
     """The store of the undisturbed command."""
     directory = tmp_path_factory.mktemp("whole")
     assert begin(directory, "--workers", "1").wait() == 0
     return contents(directory / "out")
 
 
-def finish(directory: Path, whole: dict[str, bytes]) -> None:
+def finish(directory, whole):
     """Go on with a store: it becomes the undisturbed one, and no block was computed twice."""
     process = begin(directory, "--workers", "2", "--resume")
     _, errors = process.communicate()
@@ -345,7 +339,7 @@ def finish(directory: Path, whole: dict[str, bytes]) -> None:
 
 
 @pytest.mark.slow
-def test_killed_again_and_again(tmp_path: Path, whole: dict[str, bytes]) -> None:
+def test_killed_again_and_again(tmp_path, whole):
     """At random moments; workers end with the command."""
     generator = random.Random(4)
     for _ in range(8):
@@ -370,9 +364,7 @@ def test_killed_again_and_again(tmp_path: Path, whole: dict[str, bytes]) -> None
         ("worker", signal.SIGKILL, "2"),
     ],
 )
-def test_signals(
-    tmp_path: Path, whole: dict[str, bytes], victim: str, number: int, workers: str
-) -> None:
+def test_signals(tmp_path, whole, victim, number, workers):
     """Ctrl-C reaches all processes of a terminal, others one.
 
     The command ends in a line and can be gone on with; that a worker dies does not end it.

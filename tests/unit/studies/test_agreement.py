@@ -6,7 +6,6 @@ Methods agree within their stated uncertainty on sensible scenes, and a wrong on
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,14 +13,13 @@ import xarray
 
 from ringwear import Scene, run
 from ringwear.studies.crosscheck.agreement import Agreement, agreements, overall
-from ringwear.studies.crosscheck.run import Result
 from ringwear.studies.methods.base import Solution
 from ringwear.studies.problem.scene import bundled
 
 FLAT = [name for name in bundled() if Scene.load(name).problem.full_contact]
 
 
-def undecided(result: Result) -> dict[str, Agreement]:
+def undecided(result):
     return {row.quantity: row for row in result.agreement if row.verdict == "undecided"}
 
 
@@ -34,7 +32,7 @@ def undecided(result: Result) -> dict[str, Agreement]:
     ],
 )
 @pytest.mark.parametrize("name", FLAT)
-def test_bundled_scenes_agree(name: str, mesher: str) -> None:
+def test_bundled_scenes_agree(name, mesher):
     result = run(Scene.load(name).changed(accuracy__fem__mesher=mesher))
     assert result.verdict != "disagree"
     if mesher == "quads":
@@ -48,7 +46,7 @@ def test_bundled_scenes_agree(name: str, mesher: str) -> None:
 @pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize("name", [name for name in bundled() if name not in FLAT])
-def test_bundled_scenes_of_any_punch_agree(name: str) -> None:
+def test_bundled_scenes_of_any_punch_agree(name):
     result = run(Scene.load(name))
     assert result.verdict != "disagree"
     # beside edges that move fields are known to a cell
@@ -57,7 +55,7 @@ def test_bundled_scenes_of_any_punch_agree(name: str) -> None:
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("rtol", [1e-2, 1e-3, pytest.param(1e-5, marks=pytest.mark.slow)])
-def test_five_rings_agree_at_every_accuracy(rtol: float) -> None:
+def test_five_rings_agree_at_every_accuracy(rtol):
     result = run(Scene.load("five_rings").changed(accuracy__rtol=rtol))
     assert result.verdict == "agree"
     assert list(result.quantities.values()) == ["agree"] * 14
@@ -76,20 +74,18 @@ def test_five_rings_agree_at_every_accuracy(rtol: float) -> None:
     ],
     ids=str,
 )
-def test_unusual_punches_agree(punch: dict[str, Any]) -> None:
+def test_unusual_punches_agree(punch):
     scene = Scene.load("five_rings").changed(punch=punch | {"radius": 1.0}, accuracy__rtol=1e-3)
     assert run(scene).verdict != "disagree"
 
 
 @pytest.fixture(scope="module")
-def flat() -> Result:
+def flat():
     scene = Scene.load("flat_punch").changed(methods=["mdr", "fem"], accuracy__rtol=1e-3)
     return run(scene.changed(wear__times=[0.0, 0.1, 1.0]))
 
 
-def compare(
-    flat: Result, factors: dict[str, Any], errors: dict[str, Any] | None = None
-) -> dict[str, Agreement]:
+def compare(flat, factors, errors=None):
     """The MDR against finite elements whose results are multiplied, or who state other errors."""
     mdr, fem = flat.solutions["mdr"], flat.solutions["fem"]
     wrong = fem.checked.assign({name: factors[name] * fem.checked[name] for name in factors})
@@ -99,7 +95,7 @@ def compare(
 
 
 @pytest.mark.parametrize("factor", [0.98, 1.02])
-def test_a_wrong_result_is_noticed(flat: Result, factor: float) -> None:
+def test_a_wrong_result_is_noticed(flat, factor):
     quantities = flat.quantities
     assert len(quantities) == 14
     for wrong in quantities:
@@ -108,13 +104,13 @@ def test_a_wrong_result_is_noticed(flat: Result, factor: float) -> None:
     assert flat.verdict == "agree"
 
 
-def test_one_wrong_time_is_noticed(flat: Result) -> None:
+def test_one_wrong_time_is_noticed(flat):
     row = compare(flat, {"indentation": xarray.DataArray([1, 1.01, 1], dims="time")})["indentation"]
     assert row.verdict == "disagree"
     assert row.difference == pytest.approx(0.01, rel=0.02)
 
 
-def test_what_a_method_does_not_know_is_undecided_not_agreed(flat: Result) -> None:
+def test_what_a_method_does_not_know_is_undecided_not_agreed(flat):
     """An uncertainty above what was asked for excuses no difference, and hides none."""
     unsure = {"profile": np.array([1e-5, 0.2, 1e-5])}
     row = compare(flat, {}, unsure)["profile"]
@@ -124,7 +120,7 @@ def test_what_a_method_does_not_know_is_undecided_not_agreed(flat: Result) -> No
     assert compare(flat, {"profile": 1.5}, unsure)["profile"].verdict == "disagree"
 
 
-def test_what_is_local_to_moving_edges_decides_against_only() -> None:
+def test_what_is_local_to_moving_edges_decides_against_only():
     both = ("mdr", "fem")
     sure = Agreement("indentation", both, 1e-5, 1e-4, "agree")
     local = Agreement("pressure", both, 1e-2, 1e-1, "undecided", promised=False)
@@ -134,7 +130,7 @@ def test_what_is_local_to_moving_edges_decides_against_only() -> None:
 
 
 @pytest.mark.gmsh
-def test_early_layers_that_cannot_be_resolved_are_named() -> None:
+def test_early_layers_that_cannot_be_resolved_are_named():
     """As t tends to zero the slope is that of a layer at the rim ever thinner."""
     scene = Scene.load("flat_punch").changed(
         methods=["mdr", "fem"], accuracy__rtol=1e-6, wear__times=[1e-10, 0.1]
@@ -149,7 +145,7 @@ def test_early_layers_that_cannot_be_resolved_are_named() -> None:
     assert result.solutions["mdr"].errors["rms_slope"][1] < 1e-6
 
 
-def test_what_a_method_states_no_error_of_is_not_compared(flat: Result) -> None:
+def test_what_a_method_states_no_error_of_is_not_compared(flat):
     mdr, names = flat.solutions["mdr"], ["indentation", "pressure", "rms_slope"]
     errors = {"indentation": np.full(3, 1e-4), "pressure": np.full(3, 0.5)}
     springs = Solution(mdr.results[names], mdr.checked[names], errors, {})

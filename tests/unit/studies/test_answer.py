@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,7 +16,6 @@ from ringwear import Scene, run
 from ringwear.mdr import direct
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.radial import alternating_edges, ring_areas
-from ringwear.studies.crosscheck.dataset import Result
 from ringwear.studies.crosscheck.scope import time_scale
 from ringwear.studies.problem.unit_names import UnitNames
 from ringwear.studies.report.printed import print_account
@@ -28,11 +26,11 @@ EDGES, K = alternating_edges(5), np.array([1.0, 10.0, 1.0, 10.0, 1.0])
 
 
 @pytest.fixture(scope="module")
-def five() -> Result:
+def five():
     return run(Scene.load("five_rings").changed(methods=["mdr", "direct"]))
 
 
-def test_running_in_against_an_independent_history(five: Result, reference: dict[str, Any]) -> None:
+def test_running_in_against_an_independent_history(five, reference):
     """What the approach has made of its way at a reference's times leads back to these times."""
     wear = five.solutions["mdr"].wear
     assert wear is not None
@@ -49,7 +47,7 @@ def test_running_in_against_an_independent_history(five: Result, reference: dict
         assert time == pytest.approx(state["time"], rel=1e-6)
 
 
-def test_start_and_steady_state_in_closed_form(five: Result) -> None:
+def test_start_and_steady_state_in_closed_form(five):
     close, answer, root = np.testing.assert_allclose, five.answers["mdr"], np.sqrt(1 - EDGES**2)
     with np.errstate(divide="ignore"):
         pressures = 1 / np.pi / root
@@ -68,7 +66,7 @@ def test_start_and_steady_state_in_closed_form(five: Result) -> None:
 @pytest.mark.parametrize(
     "coefficients", [[1.0, 10.0], [3.0, 3.0]], ids=["five materials", "one material"]
 )
-def test_worn_volume_is_what_the_force_has_worn(coefficients: list[float]) -> None:
+def test_worn_volume_is_what_the_force_has_worn(coefficients):
     """Sum of V / k over the rings is F v0 t, also where rings are of one material.
 
     Units that are not one.
@@ -90,14 +88,14 @@ def test_worn_volume_is_what_the_force_has_worn(coefficients: list[float]) -> No
         assert float(volumes[1]) == pytest.approx(float(rings.integrate("radius")), rel=1e-6)
 
 
-def test_the_paper_s_algorithm_answers_what_it_knows() -> None:
+def test_the_paper_s_algorithm_answers_what_it_knows():
     scene = Scene.load("five_rings").changed(methods=["mdr", "mdr-grid"], wear__steady=False)
     exact, grid = run(scene).answers.values()
     assert np.isnan(grid["running_in_time"])
     np.testing.assert_allclose(grid["worn_volume"], exact["worn_volume"], rtol=1e-2)
 
 
-def test_summary_and_dataset_hold_the_answer(five: Result) -> None:
+def test_summary_and_dataset_hold_the_answer(five):
     told = json.loads(json.dumps(five.summary["answer"], allow_nan=False))
     assert set(told) == {"mdr", "direct"}
     assert told["direct"]["running_in_time"] is None
@@ -125,7 +123,7 @@ def test_summary_and_dataset_hold_the_answer(five: Result) -> None:
         ("furlongs and such", {"pressure": "furlongs and such"}),
     ],
 )
-def test_each_variable_has_its_own_unit(five: Result, stated: str, units: dict[str, str]) -> None:
+def test_each_variable_has_its_own_unit(five, stated, units):
     dataset = replace(five, scene=five.scene.changed(units=stated)).dataset
     assert {name: dataset[name].attrs["units"] for name in units} == units
 
@@ -147,13 +145,11 @@ def test_each_variable_has_its_own_unit(five: Result, stated: str, units: dict[s
         (1e-20, "length", "1e-20 m"),
     ],
 )
-def test_numbers_for_people(value: float, kind: str, told: str) -> None:
+def test_numbers_for_people(value, kind, told):
     assert UnitNames.of("SI").write(value, kind) == told
 
 
-def test_the_answer_is_printed_before_all_else(
-    five: Result, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_answer_is_printed_before_all_else(five, capsys):
     print_account(Account(five))
     told = capsys.readouterr().out
     parts = ("0.3441", "1.273", "0.9947", "The methods agree", "Accuracy", "Modelled", "Left out")
@@ -161,12 +157,12 @@ def test_the_answer_is_printed_before_all_else(
     assert "to infinity" in told
 
 
-def test_many_rings_are_told_by_the_first_and_the_last() -> None:
+def test_many_rings_are_told_by_the_first_and_the_last():
     table = shorten(pd.DataFrame({"ring": range(1, 201)}), 16)
     assert table.ring.tolist() == [*range(1, 9), "...", *range(193, 201)]
 
 
-def test_defaults_taken_are_said() -> None:
+def test_defaults_taken_are_said():
     table = Scene.load("five_rings").table()
     del table["half_space"]["poisson_ratio"], table["load"]["sliding_speed"]
     ratio, speed = defaults_taken(Scene.from_table(table))
@@ -174,7 +170,7 @@ def test_defaults_taken_are_said() -> None:
     assert "sliding_speed is not given: 1" in speed
 
 
-def test_times_in_units_of_the_running_in() -> None:
+def test_times_in_units_of_the_running_in():
     table = Scene.load("five_rings").table() | {"wear": {"times": {"tau": [0.0, 0.5, 2.0]}}}
     scene = Scene.from_table(table)
     # 0.3440589 of the reference, to three digits
@@ -195,7 +191,7 @@ def test_times_in_units_of_the_running_in() -> None:
     ["running in", {"tau": [1.0, 0.5]}, {"tau": "all"}, {"taus": [1.0]}, {"tau": [-1.0]}],
     ids=str,
 )
-def test_times_that_cannot_be_are_refused(times: Any) -> None:
+def test_times_that_cannot_be_are_refused(times):
     with pytest.raises(SceneError, match="times"):
         Scene.from_table(Scene.load("five_rings").table() | {"wear": {"times": times}})
 
@@ -205,7 +201,7 @@ def test_times_that_cannot_be_are_refused(times: Any) -> None:
     [(2, 1e-3, 1.0), (3, 50.0, 0.02), (7, 1e5, 5.0), (1, 1.0, 1.0)],
     ids=str,
 )
-def test_the_time_scale_is_known_beforehand(rings: int, ratio: float, width: float) -> None:
+def test_the_time_scale_is_known_beforehand(rings, ratio, width):
     scene = Scene.load("five_rings").changed(
         methods=["mdr"],
         punch__rings=rings,
@@ -222,7 +218,7 @@ def test_the_time_scale_is_known_beforehand(rings: int, ratio: float, width: flo
     ("times", "told"),
     [([0.0, 1e-5], "before the running-in"), ([50.0], "after the running-in"), ([0.1, 1.0], "")],
 )
-def test_times_that_miss_the_running_in_are_told(times: list[float], told: str) -> None:
+def test_times_that_miss_the_running_in_are_told(times, told):
     scene = Scene.load("five_rings").changed(
         wear__times=times, methods=["mdr"], accuracy__rtol=1e-2
     )

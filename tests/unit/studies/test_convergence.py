@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from scipy.linalg import expm
@@ -12,18 +10,18 @@ from ringwear.mdr.energy import compliance
 from ringwear.mdr.uniform_grid import UniformGrid
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import Array, alternating_edges
+from ringwear.meshes.radial import alternating_edges
 from ringwear.studies.wear.flat_contact import press_flat
 
 
-def order(sizes: Array, errors: Any) -> float:
+def order(sizes, errors):
     """Between the two finest."""
     return float(np.log(errors[-2] / errors[-1]) / np.log(sizes[-2] / sizes[-1]))
 
 
 @pytest.mark.parametrize(("exponent", "cap"), [(1, 2e-3), (3, 2e-6)])
 @pytest.mark.parametrize("degree", [1, 2, 3])
-def test_indentation_by_graded_radii(degree: int, exponent: int, cap: float) -> None:
+def test_indentation_by_graded_radii(degree, exponent, cap):
     """With the pressure's root at the rim, radii ``1 - (1 - i/n)^m`` make the energy converge as
     ``n^-m``, from above.
     """
@@ -37,11 +35,11 @@ def test_indentation_by_graded_radii(degree: int, exponent: int, cap: float) -> 
     assert errors[-1] <= cap
 
 
-def paper_grid(count: int) -> UniformGrid:
+def paper_grid(count):
     return UniformGrid(alternating_edges(5), np.array([0.1, 1, 0.1, 1, 0.1]), count)
 
 
-def test_the_papers_march_is_first_order_in_time() -> None:
+def test_the_papers_march_is_first_order_in_time():
     """Against the exact solution of the same grid, by its matrix exponential."""
     grid, time = paper_grid(40), 1.0
     count = len(grid.radii)
@@ -60,7 +58,7 @@ def test_the_papers_march_is_first_order_in_time() -> None:
 
 
 @pytest.mark.parametrize("count", [50, 100, 200])
-def test_the_papers_march_blows_up_above_its_limit_only(count: int) -> None:
+def test_the_papers_march_blows_up_above_its_limit_only(count):
     """Where theory puts it: twice the fastest relaxation of the grid, which a wave of two cells
     sets.
     """
@@ -76,7 +74,7 @@ def test_the_papers_march_blows_up_above_its_limit_only(count: int) -> None:
         grid.march(until, 1.05 * limit)
 
 
-def test_the_papers_grid_is_first_order(reference: dict[str, Any]) -> None:
+def test_the_papers_grid_is_first_order(reference):
     """Its error at t = 0.1, where the ring edges are sharp, against the independent reference."""
     (state,) = [state for state in reference["states"] if state["time"] == 0.1]
     edges, wear = (np.array(reference[name]) for name in ("ring_edges", "wear_coefficients"))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from ringwear.studies.tables import Row
 Solve = Callable[[], Row]
 
 
-def cells(quick: bool) -> dict[tuple[str, ...], Solve]:
+def cells(quick):
     """Every cell by family, method, x and y."""
     listed = [
         ((family.name, *level.setting), level.solve)
@@ -39,17 +38,17 @@ ALL, QUICK = cells(quick=False), cells(quick=True)
         (np.nan, 1e-3, "wrong"),
     ],
 )
-def test_verdicts(error: float, estimate: float, verdict: str) -> None:
+def test_verdicts(error, estimate, verdict):
     assert extremes.verdict_on("indentation", error, estimate, 1e-3)["verdict"] == verdict
 
 
-def test_every_method_has_its_cells() -> None:
+def test_every_method_has_its_cells():
     assert {"direct", "mdr", "fem"} == {method for _, method, *_ in ALL}
     assert {family for family, *_ in QUICK} == {family for family, *_ in ALL}
     assert len(ALL) > 2000 > 500 > len(QUICK)
 
 
-def test_a_quick_cell_of_each_family_and_method_is_judged(tmp_path: Path) -> None:
+def test_a_quick_cell_of_each_family_and_method_is_judged(tmp_path):
     chosen = {cell[:2]: (cell[0], solve) for cell, solve in QUICK.items()}
     rows = [{"family": family} | solve() for family, solve in chosen.values()]
     assert not {"wrong", "crashed"} & {row["verdict"] for row in rows}
@@ -69,18 +68,18 @@ def test_a_quick_cell_of_each_family_and_method_is_judged(tmp_path: Path) -> Non
         ("h2/h1 of 3 rings × k2/k1", 2.1e-9, 1e8),
     ],
 )
-def test_estimates_hold_where_rings_limit_the_mesh(place: tuple[str, float, float]) -> None:
+def test_estimates_hold_where_rings_limit_the_mesh(place):
     row = ALL[place[0], "mdr", *place[1:]]()
     assert row["error"] <= row["estimate"]
 
 
-def test_a_step_that_is_unstable_is_refused() -> None:
+def test_a_step_that_is_unstable_is_refused():
     unstable = ALL["step × march", "mdr", 100.0, "explicit"]()
     assert unstable["verdict"] == "refused"
     assert "unstable" in unstable["message"]
 
 
-def test_what_no_method_says_of_itself_is_a_crash(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_no_method_says_of_itself_is_a_crash(monkeypatch):
     monkeypatch.delattr(extremes, "run")
     row = next(iter(QUICK.values()))()
     assert row["verdict"] == "crashed"

@@ -13,8 +13,6 @@ import time
 from contextlib import suppress
 from itertools import count
 from pathlib import Path
-from types import FrameType
-from typing import Any
 
 import pytest
 
@@ -31,13 +29,13 @@ DIRECT = [*QUICK[:-1], "--methods", "direct", "--out"]
 FULL_DISK = OSError(28, "No space left on device")
 
 
-def contents(out: Path) -> dict[str, bytes]:
+def contents(out):
     files = (entry for entry in out.iterdir() if entry.is_file())
     return {file.name: file.read_bytes() for file in files if file.name != MARKER}
 
 
-def fail(patch: pytest.MonkeyPatch, stage: str, raised: BaseException) -> None:
-    def stop(*_: Any, **__: Any) -> None:
+def fail(patch, stage, raised):
+    def stop(*_, **__):
         raise raised
 
     patch.setattr(stage, stop)
@@ -55,13 +53,13 @@ def fail(patch: pytest.MonkeyPatch, stage: str, raised: BaseException) -> None:
     ],
 )
 def test_a_run_that_does_not_end_leaves_what_was_there(
-    stage: str,
-    raised: BaseException,
-    told: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+    stage,
+    raised,
+    told,
+    tmp_path,
+    monkeypatch,
+    capsys,
+):
     out = tmp_path / "new" / "out"
     with monkeypatch.context() as patch:
         fail(patch, stage, raised)
@@ -76,12 +74,10 @@ def test_a_run_that_does_not_end_leaves_what_was_there(
     assert contents(out) == before
 
 
-def test_figures_that_fail_lose_themselves_only(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_figures_that_fail_lose_themselves_only(tmp_path, monkeypatch, capsys):
     assert main([*QUICK, str(tmp_path / "whole")]) == 0
 
-    def fill_disk(_: object) -> Any:
+    def fill_disk(_):
         raise FULL_DISK
 
     lost = {"half_space.vtu", "steady_state.png", "stress.png"}
@@ -101,7 +97,7 @@ def test_figures_that_fail_lose_themselves_only(
     assert contents(tmp_path / "out").keys() == contents(tmp_path / "whole").keys() - lost
 
 
-def test_any_title_can_be_drawn(tmp_path: Path) -> None:
+def test_any_title_can_be_drawn(tmp_path):
     """Titles are plain text: no mathtext of theirs can fail."""
     title = r"$\frac{1 \alpha_ and a long story " + 20 * "again and "
     scene = Scene.load("five_rings").changed(title=title, methods=["direct"])
@@ -110,9 +106,7 @@ def test_any_title_can_be_drawn(tmp_path: Path) -> None:
     assert "steady_state.png" in contents(tmp_path / "out")
 
 
-def test_files_of_others_are_neither_removed_nor_written_over(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_files_of_others_are_neither_removed_nor_written_over(tmp_path, capsys):
     (tmp_path / "notes.txt").write_text("mine", "utf-8")
     assert main([*DIRECT, str(tmp_path)]) == 0
     assert "notes.txt" in capsys.readouterr().out
@@ -126,7 +120,7 @@ def test_files_of_others_are_neither_removed_nor_written_over(
     assert contents(tmp_path) == before
 
 
-def test_a_damaged_marker_takes_nothing_for_ringwear_s(tmp_path: Path) -> None:
+def test_a_damaged_marker_takes_nothing_for_ringwear_s(tmp_path):
     (tmp_path / MARKER).write_text('{"run": ["../important", 3]', "utf-8")
     (tmp_path / "a").write_text("mine", "utf-8")
     with pytest.raises(SceneError, match="has not written"):
@@ -134,7 +128,7 @@ def test_a_damaged_marker_takes_nothing_for_ringwear_s(tmp_path: Path) -> None:
     assert contents(tmp_path) == {"a": b"mine"}
 
 
-def test_the_second_of_two_runs_refuses(tmp_path: Path) -> None:
+def test_the_second_of_two_runs_refuses(tmp_path):
     with (
         output_folder(tmp_path, "run"),
         pytest.raises(SceneError, match="another run"),
@@ -143,11 +137,11 @@ def test_the_second_of_two_runs_refuses(tmp_path: Path) -> None:
         pass
 
 
-def write(out: Path, names: str, content: str, command: str = "run", killed_at: int = 0) -> None:
+def write(out, names, content, command="run", killed_at=0):
     """Write files named by a letter each; kill the process at a line of the replacing, if asked."""
     lines = iter(range(1, killed_at + 1))
 
-    def kill(frame: FrameType, event: str, _: object) -> Any:
+    def kill(frame, event, _):
         if event == "line" and next(lines) == killed_at:
             os.kill(os.getpid(), signal.SIGKILL)
         return kill if frame.f_code.co_filename == folder_module.__file__ else None
@@ -160,7 +154,7 @@ def write(out: Path, names: str, content: str, command: str = "run", killed_at: 
 
 
 @pytest.mark.parametrize("foreign", ["", "notes"])
-def test_no_kill_loses_a_file_or_takes_one_for_others(foreign: str, tmp_path: Path) -> None:
+def test_no_kill_loses_a_file_or_takes_one_for_others(foreign, tmp_path):
     """The folder is the old or the new one; beside files of others, files change one by one."""
     mine = {"mesh": b"mesh"} | ({foreign: b"mine"} if foreign else {})
     old, new = dict.fromkeys("abc", b"old") | mine, dict.fromkeys("bcd", b"new") | mine
@@ -195,28 +189,24 @@ def test_no_kill_loses_a_file_or_takes_one_for_others(foreign: str, tmp_path: Pa
     assert new in seen[:-1]
 
 
-def test_a_folder_in_which_a_shell_stands_stays(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_folder_in_which_a_shell_stands_stays(tmp_path, monkeypatch):
     write(tmp_path, "abc", "old")
     monkeypatch.chdir(tmp_path)
     write(tmp_path, "bcd", "new")
     assert contents(Path.cwd()) == dict.fromkeys("bcd", b"new")
 
 
-def test_a_new_folder_can_be_read_by_whom_it_could_be(tmp_path: Path) -> None:
+def test_a_new_folder_can_be_read_by_whom_it_could_be(tmp_path):
     tmp_path.chmod(0o750)
     write(tmp_path, "abc", "new")
     assert tmp_path.stat().st_mode & 0o777 == 0o750
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_waits_until_files_are_in_place(
-    number: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_signal_waits_until_files_are_in_place(number, tmp_path, monkeypatch):
     publish = folder_module.Folder.publish
 
-    def interrupt(folder: folder_module.Folder) -> None:
+    def interrupt(folder):
         signal.raise_signal(number)
         publish(folder)
 
@@ -241,7 +231,7 @@ def test_a_signal_waits_until_files_are_in_place(
 @pytest.mark.parametrize(
     "number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)]
 )
-def test_signals_end_a_run_cleanly(number: signal.Signals, seen: str, tmp_path: Path) -> None:
+def test_signals_end_a_run_cleanly(number, seen, tmp_path):
     # where the tests themselves run in the background, the shell has told them to ignore SIGINT
     code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
     code += "from ringwear.studies.cli import main; raise SystemExit(main())"

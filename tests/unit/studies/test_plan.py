@@ -15,13 +15,13 @@ from ringwear.studies.problem.scene import bundled
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("name", bundled())
-def test_unknowns_are_those_of_the_run(name: str) -> None:
+def test_unknowns_are_those_of_the_run(name):
     scene = Scene.load(name)
     for method, solution in run(scene).solutions.items():
         assert count_unknowns(method, scene.problem)[0] == solution.unknowns
 
 
-def test_a_probe_is_small() -> None:
+def test_a_probe_is_small():
     scene = Scene.load("five_rings").changed(
         methods=["mdr", "mdr-grid"],
         punch__rings=300,
@@ -36,7 +36,7 @@ def test_a_probe_is_small() -> None:
     assert problem.times[-1] <= 101 * problem.step
 
 
-def test_memory_is_told_by_what_needs_it() -> None:
+def test_memory_is_told_by_what_needs_it():
     scene, times = Scene.load("five_rings"), np.linspace(0, 1, 100_000).tolist()
     assert sum(predict_memory(scene).values()) < 1
     for key, changes in (
@@ -48,7 +48,7 @@ def test_memory_is_told_by_what_needs_it() -> None:
 
 
 @pytest.mark.parametrize("load", [{"normal_force": 1.0}, {"indentation": 0.05}], ids=str)
-def test_a_plan_tells_seconds_and_gib_of_any_punch(load: dict[str, float]) -> None:
+def test_a_plan_tells_seconds_and_gib_of_any_punch(load):
     scene = Scene.load("recessed_binder").changed(methods=["mdr"], load=load, accuracy__rtol=1e-3)
     mdr, _, memory = plan(scene)
     assert re.fullmatch(r"mdr: \d+ unknowns, \d+ pressures, about [\d.]+ s", mdr)

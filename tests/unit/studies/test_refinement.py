@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,7 +22,6 @@ from ringwear.meshes.sizes import SizeField
 from ringwear.studies.numerics import refinement
 from ringwear.studies.numerics.adaptive import indicators, solve_on, uniform_mesh
 from ringwear.studies.problem.problem import Rings
-from ringwear.studies.tables import Row
 from ringwear.studies.wear.flat_contact import press_flat
 
 FLAT = np.array([0.0, 1.0])
@@ -33,18 +31,18 @@ PUNCHES = {"flat": [1.0], "five": [0.2, 0.4, 0.6, 0.8, 1.0], "narrow": [0.2, 0.4
 
 
 @pytest.fixture(scope="module", params=PUNCHES.values(), ids=PUNCHES)
-def case(request: pytest.FixtureRequest) -> refinement.Case:
+def case(request):
     edges = np.array([0.0, *request.param])
     rings = Rings(edges, np.array([0.1, 1.0, 0.1, 1.0, 0.1])[: len(edges) - 1])
     return refinement.Case("", replace(Scene.load("five_rings").problem, rings=rings))
 
 
-def rows_of(case: refinement.Case, way: str) -> list[Row]:
+def rows_of(case, way):
     (family,) = (family for family in refinement.families(case, quick=True) if family.name == way)
     return [level.solve() for level in family.levels]
 
 
-def test_indicators_are_the_energy_that_a_lower_degree_could_not_hold() -> None:
+def test_indicators_are_the_energy_that_a_lower_degree_could_not_hold():
     mesh = uniform_mesh(FLAT)
     solid = AxisymmetricElasticity(mesh, 3, 0.3)
     r, z = Basis(mesh, solid.element).doflocs
@@ -54,7 +52,7 @@ def test_indicators_are_the_energy_that_a_lower_degree_could_not_hold() -> None:
     assert indicators(solid, rough, np.ones(1)).min() > 1e-6
 
 
-def test_indicators_do_not_depend_on_the_load_and_are_greatest_at_the_rim() -> None:
+def test_indicators_do_not_depend_on_the_load_and_are_greatest_at_the_rim():
     solved = solve_on(Scene.load("flat_punch").problem, uniform_mesh(FLAT), 3)
     solid, start = solved.half_space.solid, press_flat(solved.wear.compliance)
     u = displacements(solved.half_space, start.pressure[None])
@@ -64,7 +62,7 @@ def test_indicators_do_not_depend_on_the_load_and_are_greatest_at_the_rim() -> N
     assert at_rim in solid.mesh.t[:, values.argmax()]
 
 
-def test_adaptation_needs_less_than_twice_the_graded_unknowns(case: refinement.Case) -> None:
+def test_adaptation_needs_less_than_twice_the_graded_unknowns(case):
     rows = rows_of(case, refinement.ADAPTIVE)
     for row in rows:
         assert set(case.problem.merged.ring_edges) <= set(contact_radii(row["mesh"]))
@@ -75,8 +73,8 @@ def test_adaptation_needs_less_than_twice_the_graded_unknowns(case: refinement.C
 
 
 def test_uniform_refinement_is_of_first_order_and_refines_the_contact(
-    case: refinement.Case,
-) -> None:
+    case,
+):
     first, *_, last_but_one, last = rows_of(case, "uniform triangles")
     assert last["multipliers"] > 3 * first["multipliers"]
     assert np.log2(last_but_one["d0"] / last["d0"]) == pytest.approx(1, abs=0.15)
@@ -84,16 +82,14 @@ def test_uniform_refinement_is_of_first_order_and_refines_the_contact(
 
 
 @pytest.fixture
-def own(tmp_path: Path) -> Path:
+def own(tmp_path):
     """A user's mesh file, with one ring edge at half the radius."""
     path = tmp_path / "mine.vtu"
     bisection.mesh(SizeField((0.0, 0.5, 1.0), 0.02, 0.05, 0.8, 4.0)).save(path, file_format="vtu")
     return path
 
 
-def test_the_study_writes_rows_figures_and_a_line_for_the_users_mesh(
-    tmp_path: Path, own: Path
-) -> None:
+def test_the_study_writes_rows_figures_and_a_line_for_the_users_mesh(tmp_path, own):
     out = tmp_path / "out"
     out.mkdir()
     options = argparse.Namespace(quick=True, mesh=str(own))
@@ -107,7 +103,7 @@ def test_the_study_writes_rows_figures_and_a_line_for_the_users_mesh(
     }
 
 
-def test_a_mesh_file_is_refused_where_it_does_not_fit(tmp_path: Path, own: Path) -> None:
+def test_a_mesh_file_is_refused_where_it_does_not_fit(tmp_path, own):
     scene = Scene.load("five_rings")
     with pytest.raises(MeshError, match=r"ring edge at r = 0\.2 a"):
         refinement.own_mesh(scene.problem, str(own))

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 
 from ringwear.meshes import bisection
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.half_space import contact_radii, quality
-from ringwear.meshes.radial import Array
 from ringwear.meshes.sizes import SizeField
 from ringwear.studies.numerics.sequences import Family, Sequence, Theory, levels, study_orders
 from ringwear.studies.numerics.subdivision import subdivided
@@ -20,19 +16,19 @@ from ringwear.studies.registry import INTERRUPTED
 SIZES = np.array([0.5, 0.3, 0.2, 0.1])
 
 
-def sequence(errors: Array, order: float = 2.0) -> Sequence:
+def sequence(errors, order=2.0):
     return Sequence("h", "value", Theory(order), SIZES, errors)
 
 
 @pytest.mark.parametrize("order", [0.5, 1.0, 2.0, 7.5])
 @pytest.mark.parametrize("sign", [1, -1])
-def test_orders_of_an_exact_sequence(order: float, sign: int) -> None:
+def test_orders_of_an_exact_sequence(order, sign):
     fitted = sequence(sign * 0.3 * SIZES**order)
     assert fitted.orders == pytest.approx(order)
     assert (fitted.order, fitted.last_order) == pytest.approx((order, order))
 
 
-def test_levels_below_the_floor_are_left_out_of_orders() -> None:
+def test_levels_below_the_floor_are_left_out_of_orders():
     fitted = Sequence("h", "value", Theory(2.0, floor=0.05), SIZES, np.maximum(SIZES**2, 0.045))
     assert (fitted.order, fitted.last_order) == pytest.approx((2, 2))
     assert fitted.summary()["levels"] == "2 of 4"
@@ -50,13 +46,13 @@ def test_levels_below_the_floor_are_left_out_of_orders() -> None:
         (np.array([0.5**2, 0.3**2, 0.2**2, 0.9 * 0.1**2]), "no"),
     ],
 )
-def test_verdicts_on_orders(errors: Array, verdict: str) -> None:
+def test_verdicts_on_orders(errors, verdict):
     assert sequence(errors).verdict == verdict
     assert sequence(errors, order=np.nan).verdict == ""
 
 
-def test_levels_that_fail_are_rows_and_those_before_ctrl_c_are_kept(tmp_path: Path) -> None:
-    def solve(size: float) -> dict[str, Any]:
+def test_levels_that_fail_are_rows_and_those_before_ctrl_c_are_kept(tmp_path):
+    def solve(size):
         if size == 0.3:
             raise SolverError("singular")
         if size == 0.1:
@@ -74,7 +70,7 @@ def test_levels_that_fail_are_rows_and_those_before_ctrl_c_are_kept(tmp_path: Pa
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])
-def test_subdivision(count: int) -> None:
+def test_subdivision(count):
     base = bisection.mesh(SizeField((0.0, 0.4, 1.0), 1e-5, 1e-4, 0.8, 20.0))
     fine = subdivided(base, count, np.array([0.4, 1.0]))
     assert fine.nelements == count**2 * base.nelements
