@@ -7,7 +7,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-import xarray
 
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
@@ -15,7 +14,7 @@ from ..problem.problem import Problem
 from ..progress import Stages
 from ..wear.fitted_press import CompliancesOn
 from ..wear.full_contact import RunningIn
-from .quantities import COMPARED_MODES, QUANTITIES
+from .quantities import COMPARED_MODES, QUANTITIES, Results
 
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace
@@ -37,8 +36,8 @@ class Solution:
     half_space : the finite-element half-space, if there is one
     """
 
-    results: xarray.Dataset
-    checked: xarray.Dataset
+    results: Results
+    checked: Results
     errors: dict[str, Array]
     parts: dict[str, float]
     unknowns: int = 0

@@ -4,14 +4,13 @@ from collections.abc import Callable, Sequence
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-import xarray
 
 from ...mdr import direct
 from ...meshes.radial import Array, ring_of
 from ..problem.problem import Problem
 from ..progress import Stages
 from .base import Method, Solution
-from .quantities import FIELDS, labelled
+from .quantities import FIELDS, Results
 
 
 class Direct(Method):
@@ -71,12 +70,12 @@ def _states(problems: Sequence[Problem]) -> list[State]:
     ]
 
 
-def steady(problem: Problem, radii: Array) -> xarray.Dataset:
+def steady(problem: Problem, radii: Array) -> Results:
     """The steady state in closed form, its fields at radii (R,); non-dimensional."""
     return _sampled(problem, radii, _states([problem])[0])
 
 
-def _sampled(problem: Problem, radii: Array, state: State) -> xarray.Dataset:
+def _sampled(problem: Problem, radii: Array, state: State) -> Results:
     (ring_edges, wear_coefficients), pressures = problem.merged, state.pressures
     values: dict[str, Callable[[], Array]] = {
         "steady_pressure": lambda: pressures[ring_of(ring_edges, radii)],
@@ -87,7 +86,7 @@ def _sampled(problem: Problem, radii: Array, state: State) -> xarray.Dataset:
         "steady_rms_slope": lambda: np.asarray(state.slope),
         "steady_wear_rate": lambda: np.asarray(wear_coefficients[0] * pressures[0]),
     }
-    return labelled({name: value() for name, value in values.items() if problem.wants(name)}, radii)
+    return {name: value() for name, value in values.items() if problem.wants(name)}
 
 
 def _solution(problem: Problem, state: State) -> Solution:
@@ -98,7 +97,7 @@ def _solution(problem: Problem, state: State) -> Solution:
     lost = float(np.abs(direct.pressure_steps(state.pressures)) @ problem.merged.ring_edges[1:])
     # the mean displacement is at least that of the mean pressure at the rim (Betti)
     roundoff = 1e-12 + 4 * np.finfo(float).eps * lost / float(np.fmax(state.greatest, 4 / np.pi**2))
-    errors = {str(name): np.asarray(roundoff) for name in results.data_vars}
+    errors = dict.fromkeys(results, np.asarray(roundoff))
     return Solution(results, checked, errors, {"roundoff": roundoff})
 
 

@@ -10,7 +10,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import xarray
 
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array, Indices
@@ -29,7 +28,7 @@ from .quantities import (
     HISTORIES,
     QUANTITIES,
     STEADY,
-    array,
+    Results,
 )
 from .sampler import Sampler
 from .spaces import load_of
@@ -59,7 +58,7 @@ class Evaluation(ABC):
 
     @property
     @abstractmethod
-    def for_estimate(self) -> xarray.Dataset:
+    def for_estimate(self) -> Results:
         """The quantities that errors are estimated by, on the face of the punch."""
 
     @abstractmethod
@@ -74,35 +73,39 @@ class Evaluation(ABC):
         """Return what a quantity is not known better than."""
 
     @cached_property
-    def results(self) -> xarray.Dataset:
+    def results(self) -> Results:
         """The quantities at the times and radii asked for."""
-        which = np.arange(len(self.problem.times))
-        # coefficients of a hundred thousand times at once would fill the memory
-        pieces = np.array_split(which, 1 + len(which) // 1024)
+        which, full = np.arange(len(self.problem.times)), self.problem.full_contact
+        # coefficients of a hundred thousand times at once would fill the memory; a march has them
+        pieces = np.array_split(which, 1 + full * len(which) // 1024)
         return self._labelled([self.at(piece) for piece in pieces] if len(which) else [])
 
     @cached_property
-    def checked(self) -> xarray.Dataset:
+    def checked(self) -> Results:
         """The quantities at the times that are checked, on the face of the punch: what is compared
         with another method.
         """
         problem = self.problem
         if problem.quantities is not None and not problem.quantities & FIELDS:
-            results = self.results
-            return results.isel(time=problem.checked) if "time" in results.dims else results
+            return {
+                name: values[problem.checked] if name in {"time", *HISTORIES} else values
+                for name, values in self.results.items()
+            }
         history = [self.at(problem.checked)] if len(problem.times) else []
         return self._labelled(history, on_face=True)
 
-    def _labelled(self, histories: Sequence[History], on_face: bool = False) -> xarray.Dataset:
+    def _labelled(self, histories: Sequence[History], on_face: bool = False) -> Results:
         """Return the quantities of successive pieces of a history, and those of no time."""
-        problem, parts = self.problem, list[xarray.Dataset]()
-        if histories and any(map(problem.wants, HISTORIES)):
+        results = self._timeless(on_face)
+        if histories and any(map(self.problem.wants, HISTORIES)):
             pieces = [self.sampler.history(history, on_face) for history in histories]
-            parts = pieces if len(pieces) == 1 else [xarray.concat(pieces, "time")]
-        return xarray.merge([*parts, *self._timeless(on_face)])
+            results |= {
+                name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]
+            }
+        return results
 
-    def _timeless(self, on_face: bool) -> list[xarray.Dataset]:
-        return []
+    def _timeless(self, on_face: bool) -> Results:
+        return {}
 
 
 class FullContact(Evaluation):
@@ -141,22 +144,22 @@ class FullContact(Evaluation):
         return self.wear.modal(self.problem.times)
 
     @cached_property
-    def for_estimate(self) -> xarray.Dataset:
+    def for_estimate(self) -> Results:
         times = self.problem.estimate_times
         return self._labelled([self.wear.modal(times)] if len(times) else [], on_face=True)
 
     def _timeless(self, on_face: bool) -> list[xarray.Dataset]:
-        problem, parts = self.problem, []
+        problem, results = self.problem, Results()
         # by itself, a relaxation time needs no history
         if problem.wants("relaxation_time") and (
             len(problem.times) or problem.quantities is not None
         ):
             marched = len(problem.times) and any(map(problem.wants, HISTORIES))
             times = self.wear.relaxation_times if marched else self.wear.slowest_times
-            parts.append(xarray.Dataset({"relaxation_time": ("mode", times)}))
+            results["relaxation_time"] = times
         if problem.steady and any(map(problem.wants, STEADY)):
-            parts.append(self.sampler.steady(self.wear.steady, on_face))
-        return parts
+            results |= self.sampler.steady(self.wear.steady, on_face)
+        return results
 
     def safety_of(self, name: str) -> float:
         return self.safety
@@ -242,7 +245,7 @@ class MovingContact(Evaluation):
         return self.marched[which]
 
     @cached_property
-    def for_estimate(self) -> xarray.Dataset:
+    def for_estimate(self) -> Results:
         return self.sampler.history(self.marched, on_face=True)
 
     def near(self, name: str, error: Array) -> Array:
@@ -332,7 +335,7 @@ class MovingContact(Evaluation):
                 f"the face is finer than the {len(self.compliance.space.degrees)} cells resolve: "
                 f"heights differ from what they hold by up to {missed:.1e} of the indentation"
             )
-        edges = array(self.results, "contact_edge")
+        edges = self.results.get("contact_edge", np.empty(0))
         if edges.size:
             parts = np.isfinite(edges).sum(axis=1) // 2
             apart = (parts > 1) | (np.nan_to_num(edges[:, 0]) > 0)

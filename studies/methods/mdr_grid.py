@@ -64,7 +64,7 @@ class MdrGrid(Method):
             errors = {name: 2.5 * _near(difference) for name, difference in missed.items()}
         parts = {"grid and step": float(errors["indentation"].max())}
         settings = {"grid": count, "step": step}
-        checked = fine.isel(time=problem.checked)
+        checked = {name: values[problem.checked] for name, values in fine.items()}
         return Solution(results, checked, errors, parts, count + 1, settings)
 
     def _step(self, problem: Problem) -> float:

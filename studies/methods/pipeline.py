@@ -10,7 +10,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import xarray
 
 from ...meshes.compliance import Compliance
 from ...meshes.contact_cells import fitted_space
@@ -26,7 +25,7 @@ from ..progress import Stages
 from ..wear.fitted_press import FittedPress, fit_presses
 from .base import Discretised, Method, Solution, method
 from .evaluation import Evaluation, FullContact, MovingContact
-from .quantities import array, differences, radial_weight
+from .quantities import differences, radial_weight
 from .spaces import first_contact, load_of, pressure_spaces
 from .together import Together, worn_together
 
@@ -228,7 +227,7 @@ def estimate_errors(
     parts = {"discretisation": float(np.max(indentation, initial=0.0))}
     if problem.indentation is not None:
         # what was given has no error; the force decays, and is judged by the first
-        forces = [array(each.for_estimate, "normal_force") for each in (fine, coarse)]
+        forces = [each.for_estimate["normal_force"] for each in (fine, coarse)]
         difference = np.abs(forces[1] - forces[0]).max() / forces[0][0]
         parts = {"force": fine.safety_of("indentation") * float(difference)}
     if problem.march != "modal" and "indentation" in errors:
@@ -251,27 +250,20 @@ def _square_of_slopes(fine: Evaluation, coarse: Evaluation) -> Array:
     """
     face = fine.problem.face
     weights = face.lengths * radial_weight(face.radii, fine.problem.gradient_average)
-    profile = array(fine.for_estimate, "steady_profile")
+    profile = fine.for_estimate["steady_profile"]
     slopes, wrong = (
         face.slopes(values)[0] ** 2 @ weights
-        for values in (profile, profile - array(coarse.for_estimate, "steady_profile"))
+        for values in (profile, profile - coarse.for_estimate["steady_profile"])
     )
     return np.divide(wrong, slopes, out=np.zeros_like(wrong), where=slopes > 0)
 
 
 def _beside(history: Solution, steady: Solution) -> Solution:
     """Return a history beside the steady state of the flat punch."""
-    results, checked = (
-        xarray.merge([ours, theirs.drop_vars("time", errors="ignore")])
-        for ours, theirs in (
-            (history.results, steady.results),
-            (history.checked, steady.checked),
-        )
-    )
     return replace(
         history,
-        results=results,
-        checked=checked,
+        results=steady.results | history.results,
+        checked=steady.checked | history.checked,
         errors=history.errors | steady.errors,
         notes=(*history.notes, *steady.notes),
         settings={

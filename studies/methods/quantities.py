@@ -3,14 +3,15 @@
 Each quantity with its dimensions, unit, definition, and the norm in which two values are compared.
 """
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-import xarray
 
 from ...meshes.radial import Array
 from ..problem.face import Face
+
+# quantities by name, with `time` where there is one; non-dimensional, dimensions as below
+Results = dict[str, Array]
 
 # times the accuracy asked for that the uncertainty of two methods may be, each of which is to be
 # that accurate
@@ -162,34 +163,9 @@ FIELDS = frozenset(name for name, quantity in QUANTITIES.items() if "radius" in 
 STEADY = frozenset(name for name in QUANTITIES if name.startswith("steady_"))
 
 
-def labelled(
-    values: Mapping[str, Array | float], radii: Array, times: Array | None = None
-) -> xarray.Dataset:
-    """Values of quantities as an xarray Dataset, non-dimensional.
-
-    Without times those of the steady state.
-    """
-    variables = {name: (QUANTITIES[name].dims, value) for name, value in values.items()}
-    used = {dim for name in values for dim in QUANTITIES[name].dims}
-    # labels take longer to make than most values do
-    return xarray.Dataset(
-        variables, {dim: of for dim, of in (("time", times), ("radius", radii)) if dim in used}
-    )
-
-
 def error_name(name: str) -> str:
     """Name of the variable that holds a quantity's relative error, by the method's own estimate."""
     return f"{name}_error"
-
-
-def array(results: xarray.Dataset, name: str) -> Array:
-    """The bare numbers of a variable; empty where there is none."""
-    return np.asarray(results.variables[name].values) if name in results.variables else np.empty(0)
-
-
-def values(results: xarray.Dataset) -> dict[str, Array]:
-    """The bare numbers of all variables."""
-    return {str(name): array(results, str(name)) for name in results.data_vars}
 
 
 def common(*shapes: tuple[int, ...]) -> tuple[slice, ...]:
@@ -200,7 +176,7 @@ def common(*shapes: tuple[int, ...]) -> tuple[slice, ...]:
     return tuple(slice(0, min(sizes)) for sizes in zip(*shapes, strict=True))
 
 
-def differences(results: xarray.Dataset, against: xarray.Dataset, face: Face) -> dict[str, Array]:
+def differences(results: Results, against: Results, face: Face) -> Results:
     """Relative difference of every quantity that both have, in its norm.
 
     Fields are those on the face of the punch.
@@ -212,15 +188,15 @@ def differences(results: xarray.Dataset, against: xarray.Dataset, face: Face) ->
     }
 
 
-def _difference(name: str, results: xarray.Dataset, against: xarray.Dataset, face: Face) -> Array:
-    value, reference = array(results, name), array(against, name)
+def _difference(name: str, results: Results, against: Results, face: Face) -> Array:
+    value, reference = results[name], against[name]
     both = common(value.shape, reference.shape)
     value, reference = value[both], reference[both]
     norm = QUANTITIES[name].norm
     if norm == "pressure":
         weights = face.weights
         if "time" in QUANTITIES[name].dims:
-            start = array(against, "time")[:, None] == 0
+            start = against["time"][:, None] == 0
             weights = weights * np.where(start, (1 - face.radii) * (1 + face.radii), 1.0)
         difference, scale = (
             np.sqrt(np.sum(weights * field**2, axis=-1)) for field in (value - reference, reference)
@@ -233,13 +209,14 @@ def _difference(name: str, results: xarray.Dataset, against: xarray.Dataset, fac
             if dim in ("radius", "ring")
         )
         difference = difference.max(axis=over, initial=0.0)
-        beyond_touch = array(against, "indentation") - face.standoff
+        one = np.ones(())
+        beyond_touch = against.get("indentation", one) - face.standoff
         scale = {
             "value": np.abs(beyond_touch if name == "indentation" else reference),
             "indentation": beyond_touch,
-            "steady": array(against, "steady_displacement_max"),
-            "force": array(against, "normal_force") if "normal_force" in against else np.ones(()),
+            "steady": against.get("steady_displacement_max", one),
+            "force": against.get("normal_force", one),
             "volume": reference.sum(axis=-1),
-            "radius": np.ones(()),
+            "radius": one,
         }[norm]
     return np.divide(difference, scale, out=np.zeros(difference.shape), where=scale > 0)

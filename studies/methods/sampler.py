@@ -5,7 +5,6 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
-import xarray
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import splu
 
@@ -16,7 +15,7 @@ from ..wear.contact_edges import worn_edges
 from ..wear.flat_contact import SteadyState
 from ..wear.history import History
 from ..wear.moments import moments
-from .quantities import labelled, radial_weight
+from .quantities import Results, radial_weight
 
 AVERAGES = ("line", "area")
 Values = dict[str, Callable[[], Array]]
@@ -142,7 +141,7 @@ class Sampler:
     def _unworn(self) -> Array:
         return moments(self.problem.profile, self.space)
 
-    def history(self, history: History, on_face: bool = False) -> xarray.Dataset:
+    def history(self, history: History, on_face: bool = False) -> Results:
         """Return the quantities that run over time.
 
         Parameters
@@ -184,7 +183,7 @@ class Sampler:
         if not problem.full_contact:
             values |= self._of_contact(history, radii, on_face)
         # by the indentation the errors of the others are measured
-        return self._wanted(values, "indentation", history.times, radii)
+        return self._wanted(values, "indentation") | {"time": history.times}
 
     def _of_contact(self, history: History, radii: Array, on_face: bool) -> Values:
         """Return what is of interest only where contact opens, closes and spreads."""
@@ -205,7 +204,7 @@ class Sampler:
             values["contact_edge"] = lambda: _padded(edges)
         return values
 
-    def steady(self, state: SteadyState, on_face: bool = False) -> xarray.Dataset:
+    def steady(self, state: SteadyState, on_face: bool = False) -> Results:
         """Return the quantities of the steady state."""
         radii = self._radii(on_face)
         at = _matrix(self.space, radii.tobytes())
@@ -217,17 +216,14 @@ class Sampler:
             "steady_rms_slope": lambda: self._rms_slope(state.displacement[None], 0.0)[0],
             "steady_wear_rate": lambda: np.asarray(state.wear_rate),
         }
-        return self._wanted(values, "steady_displacement_max", None, radii)
+        return self._wanted(values, "steady_displacement_max")
 
-    def _wanted(
-        self, values: Values, always: str, times: Array | None, radii: Array
-    ) -> xarray.Dataset:
-        wanted = {
+    def _wanted(self, values: Values, always: str) -> Results:
+        return {
             name: value()
             for name, value in values.items()
             if name == always or self.problem.wants(name)
         }
-        return labelled(wanted, radii, times)
 
 
 def _padded(edges: list[list[tuple[float, float]]]) -> Array:

@@ -8,14 +8,13 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
-import xarray
 
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..wear.full_contact import RunningIn
 from ..wear.shared_modes import SharedModes
-from .quantities import COMPARED_MODES, ENERGIES, QUANTITIES, differences
+from .quantities import COMPARED_MODES, ENERGIES, QUANTITIES, Results, differences
 
 # part of the accuracy asked for that directions which histories hardly take are below
 LEFT_OUT = 2e-3
@@ -65,7 +64,7 @@ class Evaluated(Protocol):
     wear: RunningIn
 
     @property
-    def for_estimate(self) -> xarray.Dataset:
+    def for_estimate(self) -> Results:
         """Its quantities, on the face of the punch."""
 
 
