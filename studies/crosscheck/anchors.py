@@ -26,7 +26,7 @@ import xarray
 from ...mdr import direct
 from ...meshes.radial import Array, ring_of
 from ..methods.base import Solution
-from ..methods.quantities import ANSWER, FIELDS, QUANTITIES, array, radial_weight
+from ..methods.quantities import ANSWER, FIELDS, QUANTITIES, radial_weight
 from ..problem.problem import D0, P0, Units
 from ..problem.scene import Scene
 from ..wear.time_scale import COARSE, FINE, slowest_relaxation_time
@@ -166,7 +166,7 @@ class _Reported:
         Fields over the face, numbers as they are reported.
         """
         if name in FIELDS:
-            return array(self.solution.checked, name)
+            return self.solution.checked[name]
         return self._read(name)[self.problem.checked]
 
     def _tolerate(self, *names: str) -> Array:

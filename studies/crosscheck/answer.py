@@ -9,7 +9,7 @@ import numpy as np
 
 from ...meshes.radial import Array
 from ..methods.base import Solution
-from ..methods.quantities import ANSWER, STATES, array
+from ..methods.quantities import ANSWER, STATES
 from ..problem.problem import Problem
 
 # quantities that are given with the answer
@@ -37,17 +37,17 @@ def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
         values["pressure_min"][0], values["pressure_max"][0] = pressures, [*pressures[1:], np.inf]
         values["force_share"][0] = flat.ring_forces(problem.ring_edges)
     if "ring_worn_volume" in results:
-        values["worn_volume"] = array(results, "ring_worn_volume")[-1]
+        values["worn_volume"] = results["ring_worn_volume"][-1]
         # pressures at the start may be infinite, and have no closed form
         if problem.times[0] == 0:
-            values["indentation_start"] = array(results, "indentation")[0]
-            force = array(results, "normal_force")[0]
-            values["force_share"][0] = array(results, "ring_force")[0] / force
+            values["indentation_start"] = results["indentation"][0]
+            force = results["normal_force"][0]
+            values["force_share"][0] = results["ring_force"][0] / force
     elif problem.full_contact and "profile" in checked:
-        values["worn_volume"] = face.ring_sums(face.areas * array(checked, "profile")[-1])
+        values["worn_volume"] = face.ring_sums(face.areas * checked["profile"][-1])
     if "steady_pressure" in checked:
-        values["indentation_steady"] = array(checked, "steady_displacement_max")
-        pressure = array(checked, "steady_pressure")
+        values["indentation_steady"] = checked["steady_displacement_max"]
+        pressure = checked["steady_pressure"]
         first = np.flatnonzero(np.diff(face.ring, prepend=-1))
         values["pressure_min"][1] = np.minimum.reduceat(pressure, first)
         values["pressure_max"][1] = np.maximum.reduceat(pressure, first)

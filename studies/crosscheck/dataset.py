@@ -25,7 +25,6 @@ from ..methods.quantities import (
     Quantity,
     common,
     error_name,
-    values,
 )
 from ..problem.scene import Scene
 from ..problem.unit_names import UNSTATED, UnitNames
@@ -123,13 +122,9 @@ class Result:
             }
         return answers
 
-    def given(self, quantity: str) -> dict[str, xarray.Dataset]:
-        """Return the non-dimensional results of the methods that give a quantity."""
-        return {
-            name: solution.results
-            for name, solution in self.solutions.items()
-            if quantity in solution.results
-        }
+    def gives(self, quantity: str) -> bool:
+        """Return whether a method gives a quantity."""
+        return any(quantity in solution.results for solution in self.solutions.values())
 
     def first_answer(self, key: str) -> Array:
         """Return an answer by the first method that gives it; NaN if none does."""
@@ -181,7 +176,8 @@ def dataset(result: Result) -> xarray.Dataset:
     for name, solution in result.solutions.items():
         given = {
             key: value * getattr(units, QUANTITIES[key].unit)
-            for key, value in values(solution.results).items()
+            for key, value in solution.results.items()
+            if key in QUANTITIES
         }
         errors = {error_name(key): error for key, error in solution.errors.items()}
         reported.append(given | errors | result.answers[name])

@@ -10,7 +10,7 @@ from .style import Picture
 
 
 def _has_history(result: Result) -> bool:
-    return bool(result.scene.problem.earliest and result.given("profile"))
+    return bool(result.scene.problem.earliest and result.gives("profile"))
 
 
 PICTURES = (
@@ -18,7 +18,7 @@ PICTURES = (
         "profiles_and_pressures.png",
         "Worn profiles less their least wear, and contact pressures, at some of the times.",
         draw_states,
-        lambda result: bool(result.given("profile")),
+        lambda result: result.gives("profile"),
     ),
     Picture(
         "history.png",
@@ -38,7 +38,7 @@ PICTURES = (
         "steady_state.png",
         "The steady state: limiting profile and pressure.",
         draw_steady,
-        lambda result: bool(result.given("steady_profile")),
+        lambda result: result.gives("steady_profile"),
     ),
     Picture(
         "operator_difference.png",

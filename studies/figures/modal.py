@@ -1,6 +1,7 @@
 """A punch in full contact at any time, by its relaxation modes."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import xarray
 
@@ -25,8 +26,13 @@ def sample_modes(problem: Problem, wear: RunningIn, times: Array) -> xarray.Data
     the units of the scene.
     """
     sampler, units = Sampler(problem, wear.compliance.space), problem.units
-    data = sampler.history(wear.modal(times))
+    results = sampler.history(wear.modal(times))
     if problem.steady:
-        data = data.merge(sampler.steady(wear.steady))
-    data = data.assign_coords(time=data.time * units.time, radius=data.radius * units.length)
-    return data.map(lambda values: values * getattr(units, QUANTITIES[str(values.name)].unit))
+        results |= sampler.steady(wear.steady)
+    variables: dict[str, Any] = {
+        name: (quantity.dims, results[name] * getattr(units, quantity.unit))
+        for name, quantity in QUANTITIES.items()
+        if name in results
+    }
+    places = {"time": times * units.time, "radius": problem.radii * units.length}
+    return xarray.Dataset(variables, places)

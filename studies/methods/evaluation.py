@@ -148,7 +148,7 @@ class FullContact(Evaluation):
         times = self.problem.estimate_times
         return self._labelled([self.wear.modal(times)] if len(times) else [], on_face=True)
 
-    def _timeless(self, on_face: bool) -> list[xarray.Dataset]:
+    def _timeless(self, on_face: bool) -> Results:
         problem, results = self.problem, Results()
         # by itself, a relaxation time needs no history
         if problem.wants("relaxation_time") and (

@@ -108,7 +108,7 @@ def compliance_gradients(problem: Problem, compliance: Compliance, wear_ratios: 
             problem, gradient_average=average, quantities=frozenset(["steady_rms_slope"])
         )
         sampler = Sampler(slope_alone, compliance.space)
-        slopes.append([float(sampler.steady(state).steady_rms_slope) for state in steady])
+        slopes.append([float(sampler.steady(state)["steady_rms_slope"]) for state in steady])
     return np.array(slopes) * np.pi / homogeneous()[:, None]
 
 

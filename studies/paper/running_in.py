@@ -44,6 +44,7 @@ class Evolution:
             Sampler(replace(problem, gradient_average=average), compliance.space)
             for average in AVERAGES
         ]
+        self._radii = problem.radii
         self._line_density = line_density(compliance.space, np.maximum(problem.radii, 1e-6))
 
     def states(self, times: Array) -> xarray.Dataset:
@@ -54,20 +55,21 @@ class Evolution:
         """
         history = self.wear.history(np.append(times, self.end))
         sampled, by_area = (sampler.history(history) for sampler in self._samplers)
-        greatest = sampled.displacement_max
-        line_density = xarray.Variable(("time", "radius"), history.pressure @ self._line_density.T)
-        gradient = np.stack([sampled.rms_slope, by_area.rms_slope])
+        greatest, forces = sampled["displacement_max"], sampled["ring_force"]
+        line_density = history.pressure @ self._line_density.T
+        gradient = np.stack([sampled["rms_slope"], by_area["rms_slope"]])
+        field = ("time", "radius")
         states = xarray.Dataset(
             {
-                "f_over_d0": (greatest - sampled.displacement) / D0,
-                "g_over_d0": (greatest - line_density) / D0,
-                "p_over_p0": sampled.pressure / P0,
-                "least_wear_over_d0": (sampled.indentation - greatest) / D0,
+                "f_over_d0": (field, (greatest[:, None] - sampled["displacement"]) / D0),
+                "g_over_d0": (field, (greatest[:, None] - line_density) / D0),
+                "p_over_p0": (field, sampled["pressure"] / P0),
+                "least_wear_over_d0": ("time", (sampled["indentation"] - greatest) / D0),
                 "gradient": (("average", "time"), gradient / gradient[:, -1:]),
-                "ring_force": sampled.ring_force / sampled.ring_force.values[-1],
-                "way": (greatest - D0) / (greatest.values[-1] - D0),
+                "ring_force": (("time", "ring"), forces / forces[-1]),
+                "way": ("time", (greatest - D0) / (greatest[-1] - D0)),
             },
-            {"average": list(AVERAGES)},
+            {"average": list(AVERAGES), "radius": self._radii},
         )
         return states.isel(time=slice(len(times)))
 

@@ -24,7 +24,6 @@ from ..crosscheck.agreement import worst
 from ..crosscheck.answer import answer
 from ..methods.base import Method, Solution, method
 from ..methods.quantities import common, error_name
-from ..methods.quantities import values as read_values
 from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..problem.shared import groups
@@ -238,9 +237,9 @@ def solve(solver: Method, problems: Sequence[Problem]) -> list[Solution | Except
 
 def _quantities(problem: Problem, solution: Solution, keep: tuple[str, ...]) -> dict[str, Array]:
     """Return quantities to keep, their errors, and answers, in the scene's units."""
-    results = read_values(solution.results)
+    results = solution.results
     if ANSWERS.keys() & set(keep):
-        results |= answer(problem, solution)
+        results = results | answer(problem, solution)
     scaled = {
         name: results[name] * getattr(problem.units, KEEPABLE[name].unit)
         for name in keep

@@ -154,8 +154,10 @@ def scale_reported(name, size, start=True, on_face=True):
                 values = right(sampler, state, whole_face)
                 if name not in values or (whole_face and not on_face):
                     return values
-                later = True if start else values["time"] > 0
-                return values.assign({name: values[name] * (1 + size * later)})
+                wrong = values[name] * (1 + size)
+                if not start:
+                    wrong[values["time"] == 0] = values[name][values["time"] == 0]
+                return values | {name: wrong}
 
             patch.setattr(Sampler, part, wrong)
 

@@ -176,7 +176,7 @@ def test_the_rule_of_the_verdict(difference, first, second, verdict):
     scene = FIVE.changed(wear__times=[0.1])
     rtol, solution = scene.accuracy.rtol, run(scene, methods=["mdr"]).solutions["mdr"]
     exact = solution.checked
-    moved = exact.assign(indentation=exact.indentation * (1 + difference * rtol))
+    moved = exact | {"indentation": exact["indentation"] * (1 + difference * rtol)}
     both = tuple(
         replace(solution, checked=checked, errors={"indentation": np.array([error * rtol])})
         for checked, error in ((moved, first), (exact, second))

@@ -14,13 +14,12 @@ tell.
 from itertools import pairwise
 
 import numpy as np
-import xarray
 from numpy.polynomial.legendre import legder, leggauss, legroots, legval, legvander
 from scipy.linalg import svd
 
 from ringwear import Scene
 from ringwear.studies.methods.base import method
-from ringwear.studies.methods.quantities import QUANTITIES, differences, labelled
+from ringwear.studies.methods.quantities import QUANTITIES, differences
 from ringwear.studies.progress import Stages
 
 
@@ -167,14 +166,15 @@ def exact_results(problem, finer=0.01):
     # in s; thinner layers would be felt by slopes alone, and by little
     smallest = np.maximum(0.1 * error * narrowest, 1e-12 * finer)
     degree = int(np.ceil(np.log(1 / error) / np.log(3))) + 1
-    parts = [method("direct").solve(problem, Stages("direct")).checked] if problem.steady else []
+    results = method("direct").solve(problem, Stages("direct")).checked if problem.steady else {}
     if len(times):
         punch = Reference(*rings, smallest, degree)
-        relaxation = {"relaxation_time": ("mode", punch.relaxation_times[:20])}
-        parts += [_later(problem, punch, times[times > 0]), xarray.Dataset(relaxation)]
+        history = _later(problem, punch, times[times > 0])
         if times[0] == 0:
-            parts.append(_start(problem))
-    return xarray.merge(parts, join="outer", compat="no_conflicts")
+            start = _start(problem)
+            history = {name: np.concatenate([start[name], history[name]]) for name in history}
+        results = results | history | {"relaxation_time": punch.relaxation_times[:20]}
+    return results
 
 
 def _start(problem):
@@ -189,7 +189,7 @@ def _start(problem):
         **dict.fromkeys(("indentation", "displacement_centre", "displacement_max"), 0.5),
     }
     values = {name: np.asarray(value)[None] for name, value in values.items()}
-    return labelled(values, radii, np.zeros(1))
+    return values | {"time": np.zeros(1)}
 
 
 def _later(problem, punch, times):
@@ -205,7 +205,7 @@ def _later(problem, punch, times):
         "rms_slope": punch.rms_slopes(worn, problem.gradient_average),
         "ring_force": punch.ring_forces(pressure),
     }
-    return labelled(values, radii, times)
+    return values | {"time": times}
 
 
 def true_errors(result):

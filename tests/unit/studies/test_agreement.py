@@ -88,7 +88,7 @@ def flat():
 def compare(flat, factors, errors=None):
     """The MDR against finite elements whose results are multiplied, or who state other errors."""
     mdr, fem = flat.solutions["mdr"], flat.solutions["fem"]
-    wrong = fem.checked.assign({name: factors[name] * fem.checked[name] for name in factors})
+    wrong = fem.checked | {name: factors[name] * fem.checked[name] for name in factors}
     changed = replace(fem, checked=wrong, errors=fem.errors | (errors or {}))
     rows = agreements(flat.scene.problem, ("mdr", "fem"), (mdr, changed))
     return {row.quantity: row for row in rows}
@@ -148,7 +148,8 @@ def test_early_layers_that_cannot_be_resolved_are_named():
 def test_what_a_method_states_no_error_of_is_not_compared(flat):
     mdr, names = flat.solutions["mdr"], ["indentation", "pressure", "rms_slope"]
     errors = {"indentation": np.full(3, 1e-4), "pressure": np.full(3, 0.5)}
-    springs = Solution(mdr.results[names], mdr.checked[names], errors, {})
+    given = ({name: part[name] for name in names} for part in (mdr.results, mdr.checked))
+    springs = Solution(*given, errors, {})
     rows = agreements(flat.scene.problem, ("mdr", "springs"), (mdr, springs))
     verdicts = {row.quantity: row.verdict for row in rows}
     assert verdicts == {"indentation": "agree", "pressure": "undecided"}
