@@ -24,9 +24,8 @@ class Table:
         for row in rows:
             self.add(**row)
 
-    def add(self, *values: Any, **named: Any) -> None:
-        """Add a row: values in the order of the columns, or by their names."""
-        row = dict(zip(self.fields, values, strict=True)) if values else named
+    def add(self, **row: Any) -> None:
+        """Add a row: values by the names of their columns."""
         self.rows.append(row)
         self._append("a", (row.get(name, "") for name in self.fields))
 

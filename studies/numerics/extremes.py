@@ -58,7 +58,7 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     solve_all(families(scene.half_space.poisson_ratio, options.quick), table, conclusions)
     if table.rows:
         draw(table.rows, out / "extremes.png")
-        tabulate_limits(table.rows, out / "extremes_limits.csv")
+        tabulate_limits(table.rows).to_csv(out / "extremes_limits.csv", index=False)
     verdicts = [row["verdict"] for row in table.rows]
     counted = ", ".join(f"{verdicts.count(verdict)} {verdict}" for verdict in VERDICTS)
     conclusions.append(f"{len(verdicts)} cells: {counted}")
@@ -179,10 +179,9 @@ def draw(rows: list[Row], path: Path) -> None:
     figure.savefig(path)
 
 
-def tabulate_limits(rows: list[Row], path: Path) -> Table:
+def tabulate_limits(rows: list[Row]) -> pd.DataFrame:
     """Count the verdicts of each family and method; at which values they are is for the map."""
     cells = pd.DataFrame(rows)
     panels = [cells.family, cells.method]
     counts = pd.crosstab(panels, cells.verdict).reindex(columns=list(VERDICTS), fill_value=0)
-    limits = counts.assign(**{"greatest error": cells.groupby(panels).error.max()}).reset_index()
-    return Table(path, limits.columns, limits.itertuples(index=False, name=None))
+    return counts.assign(**{"greatest error": cells.groupby(panels).error.max()}).reset_index()

@@ -91,11 +91,13 @@ def test_every_room_is_installed():
 
 
 @pytest.mark.gmsh
-def test_the_default_finite_elements_are_those_of_scikit_fem(prepare):
+def test_the_default_finite_elements_are_those_of_scikit_fem():
     from skfem import ElementQuadP, MeshQuad
     from skfem.assembly import Dofs
 
-    solid = prepare("five_rings", "fem").made.half_space.solid
+    from ringwear import Scene, run
+
+    solid = run(Scene.load("flat_punch"), methods=["fem"]).solutions["fem"].half_space.solid
     assert type(solid.mesh) is MeshQuad
     assert set(solid.mesh.boundaries) == {"contact", "free", "axis", "far"}
     assert type(solid.element) is ElementQuadP
