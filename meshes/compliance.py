@@ -5,7 +5,7 @@ depends on where the ring edges are, not on what the rings are made of, so that 
 serves every set of wear coefficients.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -51,14 +51,3 @@ class Compliance:
                 span = slice(used[0], used[-1] + 1)
                 out[span, span] += rows[:, span].T @ rows[:, span]
         return out
-
-    def coarser(self) -> "Compliance":
-        """The same operator on the space without each element's highest bubble.
-
-        For error estimates.
-        """
-        space = self.space
-        chosen = space.order < np.maximum(space.degree_of_function, 2)
-        return Compliance(
-            replace(space, degrees=np.maximum(space.degrees - 1, 1)), self.factor[:, chosen]
-        )

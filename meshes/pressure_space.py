@@ -3,8 +3,7 @@
 The pressure is a polynomial on each element, continuous inside a ring and broken at ring edges.
 That one space holds every case of interest: the flat start (pressure continuous), wear for t > 0
 (wear rate ``k p`` continuous) and every steady state (pressure constant on each ring, Eq. 24). The
-basis is hierarchical (hats and integrated Legendre bubbles), so that dropping the highest bubbles
-gives the coarser space an error estimate compares with. It is numbered along the radius, so that
+basis is hierarchical (hats and integrated Legendre bubbles), and numbered along the radius, so that
 what couples neighbours only (masses, slopes) is a narrow band.
 
 All areas are those of the punch face: ``dA = 2 pi r dr``.
@@ -74,11 +73,6 @@ class PressureSpace:
     def order(self) -> Indices:
         """Polynomial degree of each basis function: 1 for hats, 2 and up for bubbles."""
         return self._of_functions(np.maximum(np.arange(self.top + 1), 1))
-
-    @cached_property
-    def degree_of_function(self) -> Indices:
-        """Degree of the element that each bubble lives on (for hats: of one of their elements)."""
-        return self._of_functions(self.degrees[:, None])
 
     def matrix(self, radii: ArrayLike, derivative: bool = False) -> csr_matrix:
         """(len(radii), size) values, or slopes, of the basis.

