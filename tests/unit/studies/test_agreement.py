@@ -146,7 +146,7 @@ def test_early_layers_that_cannot_be_resolved_are_named():
 
 
 def test_what_a_method_states_no_error_of_is_not_compared(flat):
-    mdr, names = flat.solutions["mdr"], ["indentation", "pressure", "rms_slope"]
+    mdr, names = flat.solutions["mdr"], ["time", "indentation", "pressure", "rms_slope"]
     errors = {"indentation": np.full(3, 1e-4), "pressure": np.full(3, 0.5)}
     given = ({name: part[name] for name in names} for part in (mdr.results, mdr.checked))
     springs = Solution(*given, errors, {})
