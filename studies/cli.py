@@ -64,7 +64,9 @@ def _run(options: argparse.Namespace) -> Status:
     if options.rtol is not None:
         scene = scene.changed(accuracy__rtol=options.rtol)
     if options.methods is not None:
-        scene = scene.changed(methods=options.methods.replace(",", " ").split())
+        scene = scene.changed(methods=_names(options.methods))
+    if options.quantities is not None:
+        scene = scene.changed(output__quantities=_names(options.quantities))
     from .crosscheck.sizes import beyond_memory, machine_memory, predict_memory
 
     if refusal := beyond_memory(predict_memory(scene), options.memory or machine_memory()):
@@ -99,6 +101,10 @@ def _run(options: argparse.Namespace) -> Status:
     if failures:
         return Status.FAILED
     return Status.DISAGREE if result.verdict == "disagree" or result.short_of else Status.DONE
+
+
+def _names(listed: str) -> list[str]:
+    return listed.replace(",", " ").split()
 
 
 def _out(options: argparse.Namespace, name: str) -> Path:
@@ -249,8 +255,8 @@ COMMANDS = {
         "compute a scene by every method it names, and compare them",
         _run,
         (
-            *("scene", "--out", "--rtol", "--methods", "--no-figures", "--no-report", "--csv"),
-            "--memory",
+            *("scene", "--out", "--rtol", "--methods", "--quantities", "--no-figures"),
+            *("--no-report", "--csv", "--memory"),
         ),
         "five_rings",
     ),
@@ -298,6 +304,10 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
     },
     "--rtol": {"type": float, "help": "relative accuracy, in place of the scene's"},
     "--methods": {"help": "methods, comma-separated, in place of the scene's"},
+    "--quantities": {
+        "help": "quantities, or history, fields, steady or all, comma-separated: only these are "
+        "computed and judged, to the accuracy asked for"
+    },
     "--memory": {
         "type": float,
         "metavar": "GIB",

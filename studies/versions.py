@@ -8,6 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 
+@cache
 def versions() -> dict[str, str]:
     """Versions of ringwear and of what it computes with."""
     names = ("ringwear", "numpy", "scipy", "scikit-fem", "gmsh", "kvxopt", "meshio", "xarray")

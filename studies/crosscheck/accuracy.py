@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ..methods.base import Method, Solution
-from ..methods.quantities import ENERGIES, FINEST
 from ..problem.defaults import at_smallest, field_accuracy
 from ..problem.problem import Problem
+from ..problem.quantities import ENERGIES, FINEST
 from ..problem.sections import DEGREES
 from ..progress import LOG, Stages
 

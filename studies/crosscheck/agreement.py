@@ -19,17 +19,10 @@ from numpy.typing import NDArray
 
 from ...meshes.radial import Array
 from ..methods.base import Solution
-from ..methods.quantities import (
-    A_FEW,
-    COMPARED_MODES,
-    ENERGIES,
-    FINEST,
-    QUANTITIES,
-    common,
-    differences,
-)
+from ..methods.norms import common, differences
 from ..problem.defaults import at_smallest, field_accuracy
 from ..problem.problem import Problem
+from ..problem.quantities import A_FEW, COMPARED_MODES, ENERGIES, FINEST, QUANTITIES
 
 # where contact ends within the face: resolved to a cell, whatever the accuracy asked for
 AT_EDGES = (
@@ -98,7 +91,7 @@ def compare(problem: Problem, solutions: Sequence[Solution]) -> dict[str, Differ
     first, second = solutions
     compared = {}
     for name, difference in differences(first.checked, second.checked, problem.face).items():
-        if name in first.errors and name in second.errors:
+        if name in first.errors and name in second.errors and problem.wants(name):
             parts = [difference, *(each.checked_error(problem, name) for each in solutions)]
             if "mode" in QUANTITIES[name].dims:
                 parts = [part[:COMPARED_MODES] for part in parts]

@@ -26,8 +26,9 @@ import xarray
 from ...mdr import direct
 from ...meshes.radial import Array, ring_of
 from ..methods.base import Solution
-from ..methods.quantities import ANSWER, FIELDS, QUANTITIES, radial_weight
+from ..methods.norms import radial_weight
 from ..problem.problem import D0, P0, Units
+from ..problem.quantities import ANSWER, FIELDS, QUANTITIES
 from ..problem.scene import Scene
 from ..wear.time_scale import COARSE, FINE, slowest_relaxation_time
 
@@ -78,20 +79,22 @@ def anchors(scene: Scene, name: str, dataset: xarray.Dataset, solution: Solution
     ]
     if scene.problem.full_contact:
         groups += [
-            ("indentation pressure ring_force", reported.check_start),
+            ("indentation", reported.check_start),
+            ("pressure ring_force", reported.check_start_pressures),
             (
                 "indentation profile displacement displacement_centre displacement_max",
                 reported.check_fields,
             ),
             ("profile rms_slope", reported.check_slopes),
+            ("relaxation_time", reported.check_modes),
         ]
     if scene.problem.full_contact and scene.problem.earliest:
         groups += [
             ("indentation pressure profile", reported.check_wear),
             ("indentation pressure profile displacement", reported.check_output),
-            ("pressure relaxation_time", reported.check_modes),
+            ("pressure", reported.check_power),
         ]
-    given = set(solution.checked) & set(solution.errors)
+    given = set(filter(scene.problem.wants, solution.checked.keys() & solution.errors.keys()))
     return [
         anchor
         for quantities, rows in groups
@@ -200,20 +203,23 @@ class _Reported:
             yield "worn volume over k, F v0 t", worn.sum(1), self.times[self.later], EXACT
 
     def check_start(self) -> Rows:
-        edges, inside = self.problem.ring_edges, self.radii < 1
-        depth, pressure, force = (
-            self._tolerate(name) for name in ("indentation", "pressure", "ring_force")
-        )
+        depth = self._tolerate("indentation")
         if self.times[0] == 0:
             value = self._read("indentation")[0]
             yield "flat start, d = F / (2 a E*)", value, D0, depth[0]
+        if self.solution.wear is not None:
+            value = self._read("indentation_start")
+            yield "flat start of the answer", value, D0, depth.max()
+
+    def check_start_pressures(self) -> Rows:
+        edges, inside = self.problem.ring_edges, self.radii < 1
+        pressure, force = (self._tolerate(name) for name in ("pressure", "ring_force"))
+        if self.times[0] == 0:
             value, reference = self._read("pressure")[0, inside], P0 / _root(self.radii[inside])
             yield "flat start, p = p0 / sqrt(1 - r^2/a^2)", value, reference, pressure[0]
             value, reference = self._read("ring_force")[0], -np.diff(_root(edges))
             yield "flat start, forces of the rings", value, reference, force[0], 1.0
         if self.solution.wear is not None:
-            value = self._read("indentation_start")
-            yield "flat start of the answer", value, D0, depth.max()
             least, greatest = self._read("pressure_min")[0], self._read("pressure_max")[0]
             value, reference = np.append(least, greatest[:-1]), P0 / _root(edges[:-1])
             reference = np.append(reference, reference[1:])
@@ -289,9 +295,8 @@ class _Reported:
             yield f"{name} at the radii reported", wrong, 0.0, tolerance, 1.0
 
     def check_modes(self) -> Rows:
-        """Hold what the law of wear asks of the running-in."""
-        wear, times, step = self.solution.wear, self.times, 0.005
-        if wear is None:
+        """Hold how fast the running-in is."""
+        if (wear := self.solution.wear) is None:
             return
         coarse, fine = (
             slowest_relaxation_time(self.problem.rings, size) for size in (COARSE, FINE)
@@ -303,10 +308,15 @@ class _Reported:
             fine,
             tolerance,
         )
-        yield "modes add up to the flat start", wear.share_of_modes, 1.0, EXACT
+        if self.later.any():
+            yield "modes add up to the flat start", wear.share_of_modes, 1.0, EXACT
+
+    def check_power(self) -> Rows:
+        """Hold the balance of power that the law of wear asks for."""
+        wear, times, step = self.solution.wear, self.times, 0.005
         tolerated = self._tolerate("pressure")
         later = np.flatnonzero(self.later & np.isfinite(tolerated))
-        if self.problem.march != "modal" or not len(later):
+        if wear is None or self.problem.march != "modal" or not len(later):
             return
         some = later[np.linspace(0, len(later) - 1, min(len(later), 6)).round().astype(int)]
         # d'(2t) by differences of fourth order, with the roundoff of d over short times

@@ -9,8 +9,8 @@ import numpy as np
 
 from ...meshes.radial import Array
 from ..methods.base import Solution
-from ..methods.quantities import ANSWER, STATES
 from ..problem.problem import Problem
+from ..problem.quantities import ANSWER, STATES
 
 # quantities that are given with the answer
 ALSO = ("steady_wear_rate", "steady_rms_slope")
@@ -38,15 +38,16 @@ def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
         values["force_share"][0] = flat.ring_forces(problem.ring_edges)
     if "ring_worn_volume" in results:
         values["worn_volume"] = results["ring_worn_volume"][-1]
-        # pressures at the start may be infinite, and have no closed form
-        if problem.times[0] == 0:
-            values["indentation_start"] = results["indentation"][0]
-            force = results["normal_force"][0]
-            values["force_share"][0] = results["ring_force"][0] / force
     elif problem.full_contact and "profile" in checked:
         values["worn_volume"] = face.ring_sums(face.areas * checked["profile"][-1])
-    if "steady_pressure" in checked:
+    if not problem.full_contact and "indentation" in results and problem.times[0] == 0:
+        # pressures at the start may be infinite, and have no closed form
+        values["indentation_start"] = results["indentation"][0]
+        if {"ring_force", "normal_force"} <= results.keys():
+            values["force_share"][0] = results["ring_force"][0] / results["normal_force"][0]
+    if "steady_displacement_max" in checked:
         values["indentation_steady"] = checked["steady_displacement_max"]
+    if "steady_pressure" in checked:
         pressure = checked["steady_pressure"]
         first = np.flatnonzero(np.diff(face.ring, prepend=-1))
         values["pressure_min"][1] = np.minimum.reduceat(pressure, first)

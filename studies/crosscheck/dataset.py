@@ -15,15 +15,16 @@ import xarray
 
 from ...meshes.radial import Array
 from ..methods.base import Method, Solution
-from ..methods.quantities import (
+from ..methods.norms import common
+from ..problem.quantities import (
     ANSWER,
     ERROR,
+    FIELDS,
     NORMS,
     OF_PROFILES,
     QUANTITIES,
     STATES,
     Quantity,
-    common,
     error_name,
 )
 from ..problem.scene import Scene
@@ -122,9 +123,11 @@ class Result:
             }
         return answers
 
-    def gives(self, quantity: str) -> bool:
-        """Return whether a method gives a quantity."""
-        return any(quantity in solution.results for solution in self.solutions.values())
+    def gives(self, *quantities: str) -> bool:
+        """Return whether a method gives all of some quantities that were asked for."""
+        asked = all(map(self.scene.problem.wants, quantities))
+        given = (solution.results for solution in self.solutions.values())
+        return asked and any(results.keys() >= set(quantities) for results in given)
 
     def first_answer(self, key: str) -> Array:
         """Return an answer by the first method that gives it; NaN if none does."""
@@ -133,9 +136,12 @@ class Result:
 
     @property
     def has_inside(self) -> bool:
-        """Whether finite elements of a flat punch can tell what is inside the half-space."""
-        fem = self.solutions.get("fem")
-        return self.scene.problem.full_contact and fem is not None and fem.half_space is not None
+        """Whether finite elements of a flat punch can tell what is inside the half-space, and
+        fields are asked for.
+        """
+        problem, fem = self.scene.problem, self.solutions.get("fem")
+        asked = any(map(problem.wants, FIELDS)) or bool(self.scene.output.field_times)
+        return asked and problem.full_contact and fem is not None and fem.half_space is not None
 
     @cached_property
     def inside(self) -> Interior:
@@ -183,7 +189,8 @@ def dataset(result: Result) -> xarray.Dataset:
         reported.append(given | errors | result.answers[name])
     for name, quantity in QUANTITIES.items():
         # a flat punch has no more to say
-        if name not in OF_PROFILES or any(name in given for given in reported):
+        said = name not in OF_PROFILES or any(name in given for given in reported)
+        if said and problem.wants(name):
             table[name] = quantity
             if name not in ("contact", "contact_edge"):
                 definition = ERROR.format(name, NORMS[quantity.norm])
@@ -218,7 +225,7 @@ def dataset(result: Result) -> xarray.Dataset:
     coordinates: dict[str, Any] = {
         "solver": list(result.solutions),
         "state": list(STATES),
-        "time": ("time", scene.wear.times, describe("time of sliding", "time")),
+        "time": ("time", scene.wear.times[: sizes["time"]], describe("time of sliding", "time")),
         "radius": ("radius", radius, describe("distance from the axis", "length")),
         "ring_inner_radius": ("ring", inner, describe("inner edge of the ring", "length")),
         "ring_outer_radius": ("ring", outer, describe("outer edge of the ring", "length")),

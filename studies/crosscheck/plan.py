@@ -5,15 +5,18 @@ at a coarse accuracy, and go with the sizes: a sparse factor as unknowns^1.5, de
 pressures^2, and as pressures^3 once matrices are large, a march as its steps times pressures^2.
 """
 
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
+from ...meshes.errors import SceneError
 from ..methods.spaces import contact_cells, pressure_spaces
 from ..problem import defaults
 from ..problem.marching import steps_between
 from ..problem.problem import Problem
 from ..problem.scene import Scene
+from .dataset import Result
 from .run import run
 from .scope import methods_of, refusals
 from .sizes import predict_memory
@@ -51,7 +54,8 @@ def predict_work(name: str, problem: Problem) -> float:
     if not problem.full_contact and len(problem.times):
         # the steps that suit rtol go as the third root of its inverse; the rest is the first press
         return 0.15 * (1 + order**2 * problem.rtol ** (-1 / 3)) + marching
-    dense = 0.5 * order**2 * (1 + order / 3)
+    # of a steady state, or of relaxation times alone, no modes are needed
+    dense = (0.5 if len(problem.times) else 0.1) * order**2 * (1 + order / 3)
     sampling = 3e-7 * order * len(problem.times) * len(problem.radii)
     factor = 0.1 * (unknowns / 1e4) ** 1.5
     return 0.02 + dense + sampling + factor + marching
@@ -81,6 +85,19 @@ def coarsen(scene: Scene) -> Scene:
     return scene.changed(**changes)
 
 
+def predict_seconds(scene: Scene) -> tuple[Result, dict[str, float]]:
+    """Return the probe of a scene, and the seconds that each method will take by it."""
+    probe = coarsen(scene)
+    result = run(probe)
+    seconds = {
+        name: sum(stages.seconds.values())
+        * predict_work(name, scene.problem)
+        / predict_work(name, probe.problem)
+        for name, stages in result.stages.items()
+    }
+    return result, seconds
+
+
 def plan(scene: Scene) -> list[str]:
     """Say how large each method's system will be, and what it will take by one coarse probe.
 
@@ -96,21 +113,27 @@ def plan(scene: Scene) -> list[str]:
     """
     if refused := refusals(scene, methods_of(scene.methods)):
         return [f"refused: {reason}" for reason in refused]
-    probe, lines, total = coarsen(scene), list[str](), 0.0
-    run(probe)  # loads libraries, and is not timed
-    result = run(probe)
-    for name, stages in result.stages.items():
+    run(coarsen(scene))  # loads libraries, and is not timed
+    result, seconds = predict_seconds(scene)
+    lines = []
+    for name in result.solutions:
         unknowns, pressures = count_unknowns(name, scene.problem)
-        seconds = sum(stages.seconds.values())
-        seconds *= predict_work(name, scene.problem) / predict_work(name, probe.problem)
-        lines.append(f"{name}: {unknowns} unknowns, {pressures} pressures, about {seconds:.2g} s")
-        total += seconds
+        lines.append(
+            f"{name}: {unknowns} unknowns, {pressures} pressures, about {seconds[name]:.2g} s"
+        )
+    by_part = []
+    for part in ("indentation", "relaxation_time", "history", "fields", "steady"):
+        with suppress(SceneError):
+            alone = scene.changed(output__quantities=[part])
+            by_part.append(f"{part} {sum(predict_seconds(alone)[1].values()):.2g} s")
+    total = sum(seconds.values())
     memory = predict_memory(scene)
     parts = ", ".join(f"{value:.2g} for {key}" for key, value in memory.items())
     notes = [f"note: {note}" for note in result.notes if note.startswith("meshed by")]
     return [
         *lines,
         f"in all: about {total:.2g} s, and a few for loading, files and figures",
+        f"by output.quantities, each alone: {', '.join(by_part)}",
         f"memory: about {sum(memory.values()):.2g} GiB: {parts}",
         *notes,
     ]

@@ -25,7 +25,7 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
     problem = scene.problem
     lines = [f"{name}: {entry.what or 'a method of the user'}" for name, entry in methods.items()]
     # what lacks nothing marches from the start to the steady state; others tell their way
-    if scene.wear.times and not all(entry.lacks for entry in methods.values()):
+    if len(problem.times) and not all(entry.lacks for entry in methods.values()):
         start, way = "the flat start", "exactly in time, by its relaxation modes"
         if not problem.full_contact:
             start, way = "the unworn face", "in implicit steps of second order that suit rtol"
@@ -35,7 +35,7 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
             )
         if problem.march != "modal":
             way = f"by steps of {problem.march} Euler"
-        lines.append(f"history: {len(scene.wear.times)} times from {start}, {way}")
+        lines.append(f"history: {len(problem.times)} times from {start}, {way}")
     lacking = all("steady state" in entry.lacks for entry in methods.values())
     if problem.steady and problem.indentation is None and not lacking:
         flat = ", that of the flat punch: wear ends with all of the face in contact"
@@ -64,10 +64,13 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
             "its axis",
             "stresses inside, and methods as operators": "computed for flat punches only",
         }
-    if not scene.wear.times:
-        reasons["history"] = "the scene gives no times"
+    asked = f"output.quantities asks for {', '.join(scene.output.quantities)} alone"
+    if problem.quantities is not None:
+        reasons["all other quantities"] = asked
+    if not len(problem.times):
+        reasons["history"] = asked if scene.wear.times else "the scene gives no times"
     if not problem.steady:
-        reasons["steady state"] = "the scene says steady = false"
+        reasons["steady state"] = asked if scene.wear.steady else "the scene says steady = false"
     elif problem.indentation is not None:
         reasons["steady state"] = (
             "at a fixed indentation wear goes on until nothing presses any more"

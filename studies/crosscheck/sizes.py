@@ -24,7 +24,9 @@ def predict_memory(scene: Scene) -> dict[str, float]:
     orders = {"direct": 0, "mdr-grid": problem.mdr.grid}
     numbers = sum(14.0 * orders.get(name, space.size) ** 2 for name in scene.methods)
     if "fem" in scene.methods:
-        unknowns = 90 * space.size
+        # triangles that grow more slowly with the depth than by default
+        slower = max(1.0, 0.5 / (problem.fem.growth or 0.5))
+        unknowns = 90 * space.size * slower**2
         numbers += 50 * unknowns * np.log2(unknowns)
     fields = 6.0 * len(problem.times) * len(problem.radii) * len(scene.methods)
     return {

@@ -10,15 +10,17 @@ from .style import Picture
 
 
 def _has_history(result: Result) -> bool:
-    return bool(result.scene.problem.earliest and result.gives("profile"))
+    return result.scene.problem.earliest > 0 and result.gives("displacement_max", "rms_slope")
 
 
+# what is drawn of a contact that opens, closes and spreads
+IN_CONTACT = ("contact_edge", "ring_force", "normal_force", "ring_worn_volume")
 PICTURES = (
     Picture(
         "profiles_and_pressures.png",
         "Worn profiles less their least wear, and contact pressures, at some of the times.",
         draw_states,
-        lambda result: result.gives("profile"),
+        lambda result: result.gives("profile", "pressure"),
     ),
     Picture(
         "history.png",
@@ -32,13 +34,13 @@ PICTURES = (
         "Edges of the contact over time, its inside shaded, and what each ring carries and has "
         "worn off.",
         draw_contact,
-        lambda result: _has_history(result) and "contact_edge" in result.dataset,
+        lambda result: result.scene.problem.earliest > 0 and result.gives(*IN_CONTACT),
     ),
     Picture(
         "steady_state.png",
         "The steady state: limiting profile and pressure.",
         draw_steady,
-        lambda result: result.gives("steady_profile"),
+        lambda result: result.gives("steady_profile", "steady_pressure"),
     ),
     Picture(
         "operator_difference.png",

@@ -39,8 +39,9 @@ def draw_history(result: Result) -> Figure:
                 else:
                     look = {"marker": "."} | look | {"linestyle": "none"}
             scale.plot(values, points, **look)
-        for steady in list(by_method(data[f"steady_{name}"]).values())[:1]:
-            values.axhline(scale.shown(name, float(steady)), **FAINT, label="steady state")
+        if result.gives(f"steady_{name}"):
+            steady = float(data[f"steady_{name}"].dropna("solver")[0])
+            values.axhline(scale.shown(name, steady), **FAINT, label="steady state")
         values.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
         _mark_running_in(values, result, scale)
         for axes in below:

@@ -7,9 +7,9 @@ import xarray
 
 from ...meshes.radial import Array
 from ..methods.base import Solution
-from ..methods.quantities import QUANTITIES
 from ..methods.sampler import Sampler
 from ..problem.problem import Problem
+from ..problem.quantities import QUANTITIES
 from ..wear.full_contact import RunningIn
 
 

@@ -11,10 +11,11 @@ import numpy as np
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..problem.problem import Problem
+from ..problem.quantities import COMPARED_MODES, QUANTITIES
 from ..progress import Stages
 from ..wear.fitted_press import CompliancesOn
 from ..wear.full_contact import RunningIn
-from .quantities import COMPARED_MODES, QUANTITIES, Results
+from .norms import Results
 
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace

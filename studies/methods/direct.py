@@ -8,9 +8,10 @@ import numpy as np
 from ...mdr import direct
 from ...meshes.radial import Array, ring_of
 from ..problem.problem import Problem
+from ..problem.quantities import FIELDS
 from ..progress import Stages
 from .base import Method, Solution
-from .quantities import FIELDS, Results
+from .norms import Results
 
 
 class Direct(Method):

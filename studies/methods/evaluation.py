@@ -14,13 +14,7 @@ import numpy as np
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array, Indices
 from ..problem.problem import Problem
-from ..wear.fitted_press import FittedPress
-from ..wear.full_contact import RunningIn
-from ..wear.history import History
-from ..wear.moments import moments, unresolved_height
-from ..wear.moving_contact import ContactMarch
-from ..wear.shared_modes import SharedModes
-from .quantities import (
+from ..problem.quantities import (
     CHANCE,
     CHANCE_OF_ENERGIES,
     ENERGIES,
@@ -28,8 +22,14 @@ from .quantities import (
     HISTORIES,
     QUANTITIES,
     STEADY,
-    Results,
 )
+from ..wear.fitted_press import FittedPress
+from ..wear.full_contact import RunningIn
+from ..wear.history import History
+from ..wear.moments import moments, unresolved_height
+from ..wear.moving_contact import ContactMarch
+from ..wear.shared_modes import SharedModes
+from .norms import Results
 from .sampler import Sampler
 from .spaces import load_of
 

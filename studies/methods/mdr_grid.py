@@ -17,7 +17,7 @@ from ..problem.problem import Problem
 from ..progress import Stages
 from ..wear.history import History
 from .base import Method, Solution
-from .quantities import differences
+from .norms import differences
 from .sampler import Sampler
 
 

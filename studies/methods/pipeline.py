@@ -25,7 +25,7 @@ from ..progress import Stages
 from ..wear.fitted_press import FittedPress, fit_presses
 from .base import Discretised, Method, Solution, method
 from .evaluation import Evaluation, FullContact, MovingContact
-from .quantities import differences, radial_weight
+from .norms import differences, radial_weight
 from .spaces import first_contact, load_of, pressure_spaces
 from .together import Together, worn_together
 

@@ -15,7 +15,7 @@ from ..wear.contact_edges import worn_edges
 from ..wear.flat_contact import SteadyState
 from ..wear.history import History
 from ..wear.moments import moments
-from .quantities import Results, radial_weight
+from .norms import Results, radial_weight
 
 AVERAGES = ("line", "area")
 Values = dict[str, Callable[[], Array]]
@@ -182,8 +182,8 @@ class Sampler:
         }
         if not problem.full_contact:
             values |= self._of_contact(history, radii, on_face)
-        # by the indentation the errors of the others are measured
-        return self._wanted(values, "indentation") | {"time": history.times}
+        # by these the errors of the others are measured
+        return self._wanted(values, "indentation", "normal_force") | {"time": history.times}
 
     def _of_contact(self, history: History, radii: Array, on_face: bool) -> Values:
         """Return what is of interest only where contact opens, closes and spreads."""
@@ -218,11 +218,11 @@ class Sampler:
         }
         return self._wanted(values, "steady_displacement_max")
 
-    def _wanted(self, values: Values, always: str) -> Results:
+    def _wanted(self, values: Values, *always: str) -> Results:
         return {
             name: value()
             for name, value in values.items()
-            if name == always or self.problem.wants(name)
+            if name in always or self.problem.wants(name)
         }
 
 

@@ -12,9 +12,10 @@ import numpy as np
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..problem.problem import Problem
+from ..problem.quantities import COMPARED_MODES, ENERGIES, QUANTITIES
 from ..wear.full_contact import RunningIn
 from ..wear.shared_modes import SharedModes
-from .quantities import COMPARED_MODES, ENERGIES, QUANTITIES, Results, differences
+from .norms import Results, differences
 
 # part of the accuracy asked for that directions which histories hardly take are below
 LEFT_OUT = 2e-3

@@ -8,7 +8,7 @@ from ...mdr import energy
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..methods.evaluation import FullContact
-from ..methods.quantities import Results
+from ..methods.norms import Results
 from ..methods.spaces import radial_space
 from ..problem.problem import D0, Problem
 

@@ -31,8 +31,8 @@ from ...meshes.errors import RingwearError
 from ..crosscheck.dataset import Result
 from ..crosscheck.run import run
 from ..figures.style import GREYS, RED, legend_of, new_figure
-from ..methods.quantities import QUANTITIES
 from ..problem.problem import D0
+from ..problem.quantities import QUANTITIES
 from ..problem.scene import Scene
 from ..tables import Row, Table
 from .sequences import Family, Level, solve_all

@@ -37,11 +37,17 @@ TABLES = {
 
 def write_numbers(result: "Result", directory: Path, tables: bool = False) -> None:
     """Write the numbers of a run, if wanted as CSV tables, too."""
+    from xarray.backends import NetCDF4DataStore
+
     LOG.info("  output  writing ...")
     try:
         # interrupted while it holds its locks, xarray would wait for them forever
         with signals_wait():
-            result.dataset.to_netcdf(directory / "results.nc", engine="netcdf4")
+            # to_netcdf asks Dask's cluster for a lock, and loading it takes as long as a run
+            path = str(directory / "results.nc")
+            store = NetCDF4DataStore.open(path, mode="w", lock=False)  # type: ignore[no-untyped-call]
+            result.dataset.dump_to_store(store)
+            store.close()
     except RuntimeError as error:
         # what netCDF makes of a full disk
         raise RingwearError(

@@ -6,9 +6,9 @@ Everything is computed in these units and scaled at the door only; their sizes i
 units are kept here.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array, Indices, alternating_edges, graded_breakpoints, ring_of
 from .face import Face
 from .profile import FLAT, InitialProfile, unworn
+from .quantities import ENERGIES, GROUPS, HISTORIES, OF_PROFILES, STEADY, expand
 from .sections import (
     AccuracySection,
     FemAccuracy,
@@ -143,7 +144,8 @@ class Problem:
         problem
     indentation : beyond the first touch, held fixed in place of the force, which then is what a
         flat punch would take; None under a force
-    quantities : names of those wanted; None for all that go with times and steady state
+    quantities : names of those wanted; None for all that go with times and steady state. Sizes and
+        estimates serve these alone
     """
 
     rings: Rings
@@ -172,7 +174,7 @@ class Problem:
         wear: WearSection,
         accuracy: AccuracySection,
         output: OutputSection,
-    ) -> Self:
+    ) -> "Problem":
         """The problem that the tables of a scene pose."""
         length = punch.radius
         if punch.ring_edges is None:
@@ -190,7 +192,7 @@ class Problem:
         fastest = float(coefficients.max())
         time = length / modulus / fastest / load.sliding_speed
         units = Units(length, modulus, force, time, fastest)
-        return cls(
+        problem = cls(
             rings=Rings(ring_edges, coefficients / fastest),
             times=np.array(wear.times) / time,
             steady=wear.steady,
@@ -206,6 +208,8 @@ class Problem:
             profile=unworn(punch, ring_edges, length, units.displacement),
             indentation=None if load.indentation is None else D0,
         )
+        wanted = expand(output.quantities)
+        return problem if wanted == GROUPS["all"] else problem.asking_for(wanted)
 
     @cached_property
     def merged(self) -> Rings:
@@ -249,9 +253,35 @@ class Problem:
         sections = {"fem": self.fem, "mdr": self.mdr, "bem": self.mdr}
         return method in sections and sections[method].given
 
+    def asking_for(self, quantities: frozenset[str]) -> "Problem":
+        """Return the problem of these quantities alone: no times or steady state but for them.
+
+        Raises
+        ------
+        SceneError
+            if the scene has none of them
+        """
+        # contact that never changes has no edges, and no other has relaxation times
+        lacking = OF_PROFILES if self.full_contact else ("relaxation_time",)
+        wanted = quantities.difference(lacking)
+        history = len(self.times) > 0 and bool(wanted & HISTORIES)
+        steady = self.steady and bool(wanted & STEADY)
+        if not (history or steady or "relaxation_time" in wanted):
+            raise SceneError(
+                f"output.quantities = {', '.join(sorted(quantities))}: the scene has none of them; "
+                "give wear.times for a history, steady = true for a steady state"
+            )
+        times, march = (self.times, self.march) if history else (self.times[:0], "modal")
+        return replace(self, quantities=wanted, times=times, march=march, steady=steady)
+
     def wants(self, quantity: str) -> bool:
         """Whether a quantity is wanted."""
         return self.quantities is None or quantity in self.quantities
+
+    @property
+    def energies_only(self) -> bool:
+        """Whether nothing but energies is wanted, which converge twice as fast as fields do."""
+        return self.quantities is not None and self.quantities <= set(ENERGIES)
 
     @cached_property
     def radii(self) -> Array:

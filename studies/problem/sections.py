@@ -6,7 +6,7 @@ Descriptions follow the word "give" in messages about a key.
 from collections.abc import Callable
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from .fields import (
     Cone,
@@ -20,6 +20,14 @@ from .fields import (
     check_increasing,
     optional,
 )
+from .quantities import expand
+
+
+def check_quantities(names: list[str]) -> list[str]:
+    """Refuse what is no quantity and no group of them."""
+    expand(names)
+    return names
+
 
 Size = Annotated[float, Field(ge=1e-12, le=0.5)]
 # degrees of the displacement that each mesher's elements can have; on triangles alone the highest
@@ -245,3 +253,8 @@ class OutputSection(Section):
         "times at which the inside of the half-space is written, increasing"
     )
     gradient_average: Literal["line", "area"] = Field(default="line", description="line or area")
+    quantities: Annotated[list[str], AfterValidator(check_quantities)] = Field(
+        default=["all"],
+        min_length=1,
+        description="a list of quantities, or of the groups history, fields, steady and all",
+    )

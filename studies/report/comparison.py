@@ -9,7 +9,7 @@ import xarray
 
 from ...meshes.errors import SceneError
 from ..crosscheck.run import run
-from ..methods.quantities import ANSWER, QUANTITIES
+from ..problem.quantities import ANSWER, QUANTITIES
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
 

@@ -23,6 +23,8 @@ def slides(result: Result) -> dict[str, Any] | None:
 
     Nothing where no state is known over the radius.
     """
+    if not {"profile", "pressure"} <= set(result.dataset):
+        return None
     scale, rings = Scale(result.scene), result.scene.problem.rings
     modal = modal_method(result.solutions)
     if modal is None or not len(result.scene.problem.times):

@@ -9,7 +9,7 @@ from ...meshes.radial import Array, ring_areas
 from ..crosscheck.agreement import AGREE, DISAGREE, UNDECIDED
 from ..crosscheck.dataset import Result
 from ..crosscheck.scope import left_out, modelled, outside
-from ..methods.quantities import ANSWER, QUANTITIES, STATES
+from ..problem.quantities import ANSWER, QUANTITIES, STATES
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
 

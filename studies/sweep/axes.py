@@ -31,8 +31,8 @@ import numpy as np
 from pandas import DataFrame
 
 from ...meshes.errors import SceneError
-from ..methods.quantities import ANSWER, HISTORIES, OF_PROFILES, QUANTITIES
 from ..problem.problem import Problem
+from ..problem.quantities import ANSWER, OF_PROFILES, QUANTITIES
 from ..problem.scene import Scene
 from ..problem.sections import WearSection
 
@@ -199,10 +199,7 @@ class Sweep:
             for part in ANSWERS.get(name, (name,))
             if part == "relaxation_time" or _is_computed(scene.wear, part)
         )
-        problem = replace(scene.problem, quantities=quantities)
-        if quantities & HISTORIES:
-            return problem
-        return replace(problem, times=np.empty(0), march="modal")
+        return scene.problem.asking_for(quantities)
 
     def part(self, region: tuple[slice, ...]) -> "Sweep":
         """Return a box of the grid as a sweep of its own."""

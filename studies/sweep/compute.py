@@ -23,8 +23,9 @@ from ..crosscheck.accuracy import solved_to_accuracy
 from ..crosscheck.agreement import worst
 from ..crosscheck.answer import answer
 from ..methods.base import Method, Solution, method
-from ..methods.quantities import common, error_name
+from ..methods.norms import common
 from ..problem.problem import Problem
+from ..problem.quantities import error_name
 from ..problem.scene import Scene
 from ..problem.shared import groups
 from ..progress import LOG, Stages

@@ -23,7 +23,7 @@ import zarr
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
-from ..methods.quantities import ERROR, NORMS, STATES, error_name
+from ..problem.quantities import ERROR, NORMS, STATES, error_name
 from ..problem.unit_names import KINDS, UNSTATED, UnitNames
 from ..versions import fingerprint
 from ..wear.modes import SHOWN

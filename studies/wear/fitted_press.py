@@ -19,7 +19,6 @@ from functools import cache
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
-from scipy.optimize import root
 
 from ...meshes.compliance import Compliance
 from ...meshes.errors import SolverError
@@ -313,6 +312,8 @@ def _secant(residual: Callable[[Array], Array], guess: Array) -> Array:
 
 def _broyden(residual: Callable[[Array], Array], guess: Array) -> Array:
     """Several edges: Powell's hybrid method, whose Jacobian is updated by Broyden's formula."""
+    from scipy.optimize import root
+
     solution = root(
         residual,
         guess,

@@ -3,6 +3,8 @@
 The slowest mode is a long wave, for which a few elements in each ring are enough.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from ...mdr.transforms import line_density, panel_quadrature
@@ -22,10 +24,20 @@ def slowest_relaxation_time(rings: Rings, sizes: tuple[int, float, float] = COAR
 
     NaN for more than `MOST_RINGS`.
     """
-    degree, rim, grading = sizes
     rings = rings.merged()
     if len(rings.wear_coefficients) > MOST_RINGS:
         return float("nan")
+    return _slowest(tuple(rings.ring_edges), tuple(rings.wear_coefficients), sizes)
+
+
+@lru_cache(maxsize=8)  # the anchors of every method ask for it
+def _slowest(
+    ring_edges: tuple[float, ...],
+    wear_coefficients: tuple[float, ...],
+    sizes: tuple[int, float, float],
+) -> float:
+    degree, rim, grading = sizes
+    rings = Rings(np.array(ring_edges), np.array(wear_coefficients))
     breakpoints = graded_breakpoints(
         rings.ring_edges, 0.2 * rings.narrower, min(rim, 0.1 * rings.widths[-1]), grading
     )

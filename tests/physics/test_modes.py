@@ -10,7 +10,7 @@ from scipy.sparse import csr_matrix, diags
 
 from ringwear import Scene
 from ringwear.meshes import SceneError, SolverError
-from ringwear.studies.methods.quantities import differences
+from ringwear.studies.methods.norms import differences
 from ringwear.studies.wear.full_contact import RunningIn
 from ringwear.studies.wear.modes import BandedCholesky, every_mode, excited_modes
 

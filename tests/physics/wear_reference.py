@@ -19,7 +19,8 @@ from scipy.linalg import svd
 
 from ringwear import Scene
 from ringwear.studies.methods.base import method
-from ringwear.studies.methods.quantities import QUANTITIES, differences
+from ringwear.studies.methods.norms import differences
+from ringwear.studies.problem.quantities import QUANTITIES
 from ringwear.studies.progress import Stages
 
 

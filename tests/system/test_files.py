@@ -14,7 +14,7 @@ from conftest import WITHOUT_GMSH
 
 from ringwear import Scene, run
 from ringwear.studies.cli import main
-from ringwear.studies.methods.quantities import A_FEW
+from ringwear.studies.problem.quantities import A_FEW
 
 VARIABLES = {
     "pressure": ("time", "radius"),

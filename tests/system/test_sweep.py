@@ -16,14 +16,10 @@ from ringwear import Scene, run, sweep
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
 from ringwear.studies.methods.base import method
-from ringwear.studies.methods.quantities import (
-    COMPARED_MODES,
-    QUANTITIES,
-    differences,
-    error_name,
-)
+from ringwear.studies.methods.norms import differences
 from ringwear.studies.paper import gradients
 from ringwear.studies.problem.defaults import sharpness
+from ringwear.studies.problem.quantities import COMPARED_MODES, QUANTITIES, error_name
 from ringwear.studies.problem.shared import Shared, groups
 from ringwear.studies.progress import Stages
 from ringwear.studies.sweep.axes import ANSWERS, Sweep

@@ -48,8 +48,8 @@ def fail(patch, stage, raised):
         ("ringwear.studies.crosscheck.dataset.summary", KeyboardInterrupt(), "stopped"),
         ("ringwear.studies.figures.style.save", KeyboardInterrupt(), "stopped"),
         ("ringwear.studies.report.page.write_report", KeyboardInterrupt(), "stopped"),
-        ("xarray.Dataset.to_netcdf", FULL_DISK, "could not be written"),
-        ("xarray.Dataset.to_netcdf", RuntimeError("NetCDF: HDF error"), "could not be written"),
+        ("xarray.Dataset.dump_to_store", FULL_DISK, "could not be written"),
+        ("xarray.Dataset.dump_to_store", RuntimeError("NetCDF: HDF error"), "could not be written"),
     ],
 )
 def test_a_run_that_does_not_end_leaves_what_was_there(

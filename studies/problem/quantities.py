@@ -1,17 +1,11 @@
-"""What is computed.
+"""What can be computed.
 
-Each quantity with its dimensions, unit, definition, and the norm in which two values are compared.
+Each quantity with its dimensions, unit, definition, and the norm in which two values are compared
+(`studies/methods/norms.py`).
 """
 
+from collections.abc import Iterable
 from typing import NamedTuple
-
-import numpy as np
-
-from ...meshes.radial import Array
-from ..problem.face import Face
-
-# quantities by name, with `time` where there is one; non-dimensional, dimensions as below
-Results = dict[str, Array]
 
 # times the accuracy asked for that the uncertainty of two methods may be, each of which is to be
 # that accurate
@@ -153,70 +147,37 @@ ANSWER = {
 }
 
 
-def radial_weight(radii: Array, average: str) -> Array:
-    """Weight of a radial average at radii: over the radius, or over the area."""
-    return np.ones_like(radii) if average == "line" else 2 * radii
-
-
 HISTORIES = frozenset(name for name, quantity in QUANTITIES.items() if "time" in quantity.dims)
 FIELDS = frozenset(name for name, quantity in QUANTITIES.items() if "radius" in quantity.dims)
 STEADY = frozenset(name for name in QUANTITIES if name.startswith("steady_"))
+# what can be asked for by one word
+GROUPS = {
+    "history": HISTORIES - FIELDS | {"relaxation_time"},
+    "fields": HISTORIES & FIELDS,
+    "steady": STEADY,
+    "all": frozenset(QUANTITIES),
+}
+
+
+def expand(names: Iterable[str]) -> frozenset[str]:
+    """Return the quantities that names of quantities and of groups stand for.
+
+    Raises
+    ------
+    ValueError
+        if a name is of neither
+    """
+    wanted = frozenset[str]()
+    for name in names:
+        if name not in GROUPS and name not in QUANTITIES:
+            raise ValueError(
+                f"no quantity '{name}'; give some of {', '.join(QUANTITIES)}, or the groups "
+                f"{', '.join(GROUPS)}"
+            )
+        wanted |= GROUPS.get(name, {name})
+    return wanted
 
 
 def error_name(name: str) -> str:
     """Name of the variable that holds a quantity's relative error, by the method's own estimate."""
     return f"{name}_error"
-
-
-def common(*shapes: tuple[int, ...]) -> tuple[slice, ...]:
-    """The part that arrays of these shapes have in common.
-
-    Of relaxation times each method may know another number.
-    """
-    return tuple(slice(0, min(sizes)) for sizes in zip(*shapes, strict=True))
-
-
-def differences(results: Results, against: Results, face: Face) -> Results:
-    """Relative difference of every quantity that both have, in its norm.
-
-    Fields are those on the face of the punch.
-    """
-    return {
-        name: _difference(name, results, against, face)
-        for name in QUANTITIES
-        if name in results and name in against
-    }
-
-
-def _difference(name: str, results: Results, against: Results, face: Face) -> Array:
-    value, reference = results[name], against[name]
-    both = common(value.shape, reference.shape)
-    value, reference = value[both], reference[both]
-    norm = QUANTITIES[name].norm
-    if norm == "pressure":
-        weights = face.weights
-        if "time" in QUANTITIES[name].dims:
-            start = against["time"][:, None] == 0
-            weights = weights * np.where(start, (1 - face.radii) * (1 + face.radii), 1.0)
-        difference, scale = (
-            np.sqrt(np.sum(weights * field**2, axis=-1)) for field in (value - reference, reference)
-        )
-    else:
-        difference = np.abs(value - reference)
-        over = tuple(
-            QUANTITIES[name].dims.index(dim)
-            for dim in QUANTITIES[name].dims
-            if dim in ("radius", "ring")
-        )
-        difference = difference.max(axis=over, initial=0.0)
-        one = np.ones(())
-        beyond_touch = against.get("indentation", one) - face.standoff
-        scale = {
-            "value": np.abs(beyond_touch if name == "indentation" else reference),
-            "indentation": beyond_touch,
-            "steady": against.get("steady_displacement_max", one),
-            "force": against.get("normal_force", one),
-            "volume": reference.sum(axis=-1),
-            "radius": one,
-        }[norm]
-    return np.divide(difference, scale, out=np.zeros(difference.shape), where=scale > 0)

@@ -1,0 +1,93 @@
+"""What is asked for is computed, and nothing else, to the accuracy asked for."""
+
+import numpy as np
+import pytest
+
+from ringwear import Scene, run
+from ringwear.meshes import SceneError
+from ringwear.studies.cli import main
+from ringwear.studies.problem.quantities import GROUPS, OF_PROFILES, QUANTITIES
+
+FIVE = Scene.load("five_rings").changed(methods=["mdr", "fem"])
+PAIR = ["indentation", "relaxation_time"]
+
+
+@pytest.fixture(scope="module")
+def exact():
+    return run(FIVE.changed(accuracy__rtol=1e-8), methods=["mdr"])
+
+
+def stored(result):
+    return {name for name in result.dataset if name in QUANTITIES}
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("names", [[name] for name in GROUPS] + [PAIR, ["ring_force"]], ids=str)
+def test_only_what_is_asked_for(names):
+    result = run(FIVE.changed(accuracy__rtol=1e-2, output__quantities=names))
+    wanted = set().union(*(GROUPS.get(name, {name}) for name in names)).difference(OF_PROFILES)
+    assert result.verdict == "agree"
+    assert stored(result) == wanted == set(result.quantities)
+    assert result.has_inside == bool(wanted & (GROUPS["fields"] | {"steady_profile"}))
+    if names != ["all"]:
+        assert "all other quantities" in result.summary["left_out"]
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("rtol", [1e-1, 1e-2, 1e-4, 1e-6])
+def test_energies_alone_take_fewer_unknowns(exact, rtol):
+    """And are as accurate as asked for, by their own estimate and by the truth."""
+    alone = run(FIVE.changed(accuracy__rtol=rtol, output__quantities=PAIR))
+    whole = run(FIVE.changed(accuracy__rtol=rtol))
+    for name in ("mdr", "fem"):
+        assert alone.solutions[name].unknowns <= whole.solutions[name].unknowns
+        for quantity, shown in (("indentation", slice(None)), ("relaxation_time", slice(3))):
+            values, truth = (
+                data.dataset[quantity].sel(solver=solver).values[shown]
+                for data, solver in ((alone, name), (exact, "mdr"))
+            )
+            error, estimate = np.abs(values / truth - 1), alone.solutions[name].errors[quantity]
+            assert (error <= np.minimum(estimate[shown], rtol)).all()
+    if rtol <= 1e-4:
+        assert 2 * alone.solutions["fem"].unknowns < whole.solutions["fem"].unknowns
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("scene", ["sphere", "recessed_binder"])
+@pytest.mark.parametrize("name", ["indentation", "pressure", "contact_radius", "steady"])
+def test_shaped_punches(scene, name):
+    scene = Scene.load(scene).changed(accuracy__rtol=1e-2, output__quantities=[name])
+    assert stored(run(scene)) == GROUPS.get(name, {name})
+
+
+def test_the_cheap_end_is_cheap():
+    """Unknowns fall with every digit that is not asked for."""
+    sizes = [
+        run(FIVE.changed(accuracy__rtol=rtol), methods=["mdr"]).solutions["mdr"].unknowns
+        for rtol in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
+    ]
+    assert (np.diff(np.log(sizes)) > np.log(1.2)).all()
+
+
+@pytest.mark.parametrize(
+    ("names", "changes"),
+    [
+        (["indentations"], {}),
+        ([], {}),
+        (["contact_radius"], {}),
+        (["indentation"], {"wear": {}}),
+        (["steady"], {"wear": {"times": [1.0], "steady": False}}),
+    ],
+)
+def test_what_is_not_there_is_refused(names, changes):
+    with pytest.raises(SceneError, match="quantities"):
+        _ = FIVE.changed(output__quantities=names, **changes).problem
+
+
+def test_command(tmp_path, capsys):
+    arguments = ["run", "five_rings", "--methods", "mdr", "--rtol", "1e-2", "--out", str(tmp_path)]
+    assert main([*arguments, "--quantities", ",".join(PAIR)]) == 0
+    assert not {"history.png", "profiles_and_pressures.png"} & {p.name for p in tmp_path.iterdir()}
+    assert (tmp_path / "report.html").exists()
+    assert main(["plan", "five_rings"]) == 0
+    assert "relaxation_time" in capsys.readouterr().out
