@@ -85,6 +85,7 @@ STUDIES: dict[str, Study] = {
         "a map of the limits: every method at extreme parameters against closed forms",
     ),
     "tradeoff": Study(
-        "numerics.tradeoff", "error against seconds for every method and family of settings"
+        "numerics.tradeoff",
+        "error of groups of quantities against seconds, for every method",
     ),
 }

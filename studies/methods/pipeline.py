@@ -218,9 +218,7 @@ def estimate_errors(
     for name, difference in missed.items():
         error = fine.safety_of(name) * fine.near(name, difference)
         errors[name] = np.maximum(error, fine.least_error(name))
-    if problem.full_contact and fine.compliance.space.top <= 2:
-        # of low degree, greatest values are known no better than their field: their differences
-        # often vanish
+    if fine.sampler.by_fields:
         for greatest in OF_FIELD.keys() & errors.keys():
             errors[greatest] = np.maximum(errors[greatest], errors[OF_FIELD[greatest]])
     indentation = fine.safety_of("indentation") * missed.get("indentation", np.zeros(1))

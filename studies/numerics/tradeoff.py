@@ -1,9 +1,8 @@
-"""Error against seconds for every method and family of settings, measured on this machine.
+"""Work and precision: error against processor seconds, for every method and group of quantities.
 
-Errors are those of the indentation over the scene's times, relative, against an MDR far more
-accurate than anything measured here; seconds are of one whole history with the method's estimate of
-its error (meshes, assembly, condensation, all times), the least of some repeats after a warm-up, on
-one thread.
+Each group is asked for alone, at accuracies from 1e-1 on. Errors are the greatest of its
+quantities, each in its norm, against an MDR of an accuracy of its own; seconds are of one thread
+for one whole solution with its estimate, the least of some repeats after a warm-up.
 """
 
 import argparse
@@ -19,89 +18,137 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ...meshes.radial import Array
+from ..figures.style import FAINT, legend_of, method_curve, new_figure
 from ..methods.base import method
+from ..methods.norms import Results, differences
 from ..problem.problem import Problem
+from ..problem.quantities import COMPARED_MODES, GROUPS, QUANTITIES
 from ..problem.scene import Scene
-from ..problem.sections import FemAccuracy, MdrAccuracy
+from ..problem.sections import MdrAccuracy
 from ..progress import Stages
 from ..tables import Row, Table
-from .core import exact_indentation
-from .sequences import Family, Level, draw_errors, solve_all
+from .sequences import Family, Level, solve_all
+
+# what is asked for alone: a panel each
+ASKED = {
+    "indentation, relaxation times": frozenset(["indentation", "relaxation_time"]),
+    "history": GROUPS["history"],
+    "fields": GROUPS["fields"],
+    "steady state": GROUPS["steady"],
+}
+BY_DIAL = ("mdr", "bem", "fem")
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Measure every family; writes `tradeoff` and `front`."""
+    """Measure every method; writes `tradeoff` and `digits`, what a digit more costs."""
     problem, conclusions = replace(scene.problem, march="modal", step=None), list[str]()
     if not problem.earliest:
         problem = replace(problem, times=np.array([0.01, 0.1, 1.0]))
-    fields = ["family", "setting", "unknowns", "seconds", "error", "estimate", "remark"]
+    fields = ["asked", "method", "setting", "unknowns", "seconds", "error", "estimate", "remark"]
     table = Table(out / "tradeoff.csv", fields)
     solve_all(families(problem, options.quick), table, conclusions)
-    rows = pd.DataFrame(table.rows, columns=fields).dropna(subset="error")
-    front = find_front(rows)
-    front.to_csv(out / "front.csv", index=False)
-    by_family = dict(iter(rows.groupby("family", sort=False)))
-    curves = {
-        name: (of_name.seconds, of_name.error)
-        for name, of_name in (by_family | {"Pareto front": front}).items()
-    }
-    panels = {"seconds for the whole history, one thread": curves}
-    ylabel = "relative error of the indentation over all times"
-    draw_errors(out / "tradeoff.png", panels, ylabel)
+    rows = pd.DataFrame(table.rows, columns=[*fields, "rtol"]).dropna(subset="error")
+    draw(rows, out / "tradeoff.png")
+    digits = tabulate_digits(rows)
+    digits.to_csv(out / "digits.csv", index=False)
+    for asked, of_group in digits.groupby("asked", sort=False):
+        told = (
+            f"{name} {cost:.2f}"
+            for name, cost in zip(of_group.method, of_group["mean"], strict=True)
+        )
+        conclusions.append(f"{asked}: a digit more costs, in times the seconds, {', '.join(told)}.")
     conclusions.append(f"Measured on {platform.platform()}, one thread of {os.cpu_count()}.")
     return conclusions
 
 
 def families(problem: Problem, quick: bool) -> Iterator[Family]:
-    """Yield the settings of each method, from fast to accurate."""
-    # the indentation alone: no fields are sampled while the clock runs
-    problem = replace(problem, steady=False, quantities=frozenset(["indentation"]))
-    exact = exact_indentation(problem)
-    dial = (1e-2, 1e-4) if quick else (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-    quads, gmsh = FemAccuracy(mesher="quads"), FemAccuracy(mesher="gmsh", degree=4)
-    settings: dict[str, dict[str, dict[str, Any]]] = {
-        "mdr": {f"rtol {rtol:.0e}": {"rtol": rtol} for rtol in dial},
-        "bem": {f"rtol {rtol:.0e}": {"rtol": rtol} for rtol in dial},
-        "fem quads": {f"rtol {rtol:.0e}": {"rtol": rtol, "fem": quads} for rtol in dial},
-        "fem P4": {f"rtol {rtol:.0e}": {"rtol": rtol, "fem": gmsh} for rtol in dial},
-        "mdr implicit": {
-            f"step {step:g}": {"march": "implicit", "step": step} for step in (0.1, 0.01, 0.001)
-        },
-        "mdr-grid": {
-            f"n = {count}": {"mdr": MdrAccuracy(grid=count)}
-            for count in ((100, 200) if quick else (100, 200, 400))
-        },
-    }
-    for name, changes in settings.items():
-        yield Family(
-            name,
-            [
-                Level(
-                    setting,
-                    partial(measure, name.split()[0], replace(problem, **change), exact, quick),
-                )
-                for setting, change in changes.items()
-            ],
-        )
+    """Yield for each group the accuracies asked of each method, and its settings in steps and on
+    the uniform grid.
+    """
+    dial = (1e-1, 1e-2, 1e-4) if quick else [10.0**-digits for digits in range(1, 9)]
+    exact_problem = replace(problem, rtol=1e-3 * min(dial) if quick else 1e-9)
+    exact = method("mdr").solve(exact_problem, Stages("mdr")).checked
+    # at the radii of the exact one
+    problem = replace(problem, compared_on=exact_problem.face)
+    settings: list[tuple[str, dict[str, Any]]] = [
+        (f"rtol {rtol:.0e}", {"rtol": rtol}) for rtol in dial
+    ]
+    steps = [
+        (f"step {step:g}", {"march": "implicit", "step": step, "rtol": 1e-4})
+        for step in (0.1, 0.01, 0.001)
+    ]
+    grids = [
+        (f"n = {count}", {"mdr": MdrAccuracy(grid=count)})
+        for count in ((100, 200) if quick else (100, 200, 400))
+    ]
+    for asked, quantities in ASKED.items():
+        ways = dict.fromkeys(BY_DIAL, settings)
+        if quantities <= GROUPS["history"]:
+            ways |= {"mdr implicit": steps, "mdr-grid": grids}
+        for name, changes in ways.items():
+            alone = problem.asking_for(quantities)
+            yield Family(
+                f"{asked}, {name}",
+                [
+                    Level(
+                        setting,
+                        partial(measure, asked, name, replace(alone, **change), exact, quick),
+                    )
+                    for setting, change in changes
+                ],
+            )
 
 
-def measure(name: str, problem: Problem, exact: Array, quick: bool) -> Row:
+def measure(asked: str, name: str, problem: Problem, exact: Results, quick: bool) -> Row:
     """Measure seconds (the least of five repeats, or one), error and the method's estimate."""
     seconds = []
     for _ in range(2 if quick else 6):
-        start = time.perf_counter()
-        solution = method(name).solve(problem, Stages(name))
-        seconds.append(time.perf_counter() - start)
+        start = time.process_time()
+        solution = method(name.split()[0]).solve(problem, Stages(name))
+        seconds.append(time.process_time() - start)
+    wanted = {
+        quantity: error[slice(COMPARED_MODES) if "mode" in QUANTITIES[quantity].dims else ...]
+        for quantity, error in differences(solution.checked, exact, problem.face).items()
+        if problem.wants(quantity)
+    }
     return {
+        "asked": asked,
+        "method": name,
         "unknowns": solution.unknowns,
         "seconds": min(seconds[1:]),  # the first is a warm-up
-        "error": float(np.abs(solution.results["indentation"] / exact - 1).max()),
-        "estimate": float(solution.errors["indentation"].max()),
+        "error": max(float(np.max(error)) for error in wanted.values()),
+        "estimate": max(solution.greatest_error(quantity) for quantity in wanted),
+        "rtol": problem.rtol if name in BY_DIAL else np.nan,
     }
 
 
-def find_front(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return rows than which none is faster and as accurate, the fastest first."""
-    rows = rows.sort_values("seconds")
-    return rows[rows.error < rows.error.cummin().shift(fill_value=np.inf)]
+def tabulate_digits(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return by how many times the seconds grow with each digit, for each group and method."""
+    dialled = rows.dropna(subset="rtol").sort_values("rtol", ascending=False)
+    table = list[Row]()
+    for (asked, name), of_method in dialled.groupby(["asked", "method"], sort=False):
+        if len(of_method) < 2:  # after an early interruption
+            continue
+        digits, seconds = -np.log10(of_method.rtol.values), of_method.seconds.values
+        factors = (seconds[1:] / seconds[:-1]) ** (1 / np.diff(digits))
+        row = {"asked": asked, "method": name}
+        row |= {f"to 1e-{digit:.0f}": cost for digit, cost in zip(digits[1:], factors, strict=True)}
+        table.append(row | {"mean": (seconds[-1] / seconds[0]) ** (1 / np.ptp(digits))})
+    return pd.DataFrame(table, columns=None if table else ["asked", "method", "mean"])
+
+
+def draw(rows: pd.DataFrame, path: Path) -> None:
+    """Draw errors over seconds, a panel for each group; dotted, what was asked for."""
+    figure = new_figure(3.2 * len(ASKED), 4.2)
+    panels = figure.subplots(1, len(ASKED), sharex=True, sharey=True)
+    for axes, asked in zip(panels, ASKED, strict=True):
+        for name, of_method in rows[rows.asked == asked].groupby("method", sort=False):
+            look = method_curve(str(name)) | {"alpha": 1.0, "linewidth": 1.2, "markersize": 4}
+            axes.loglog(of_method.seconds, of_method.error, **look)
+            asked_for = {"color": look["color"], "label": "asked for"}
+            axes.loglog(of_method.seconds, of_method.rtol, **FAINT | asked_for)
+        axes.set(title=asked, xlabel="processor seconds", ylabel="greatest relative error")
+        axes.grid(True, which="major", color="0.88", linewidth=0.6)
+        axes.label_outer()
+    legend_of(figure, panels)
+    figure.savefig(path)
