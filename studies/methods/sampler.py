@@ -183,7 +183,8 @@ class Sampler:
         if not problem.full_contact:
             values |= self._of_contact(history, radii, on_face)
         # by these the errors of the others are measured
-        measures = ["indentation", "normal_force", *["displacement"] * self.by_fields]
+        by_field = self.by_fields and problem.wants("displacement_max")
+        measures = ["indentation", "normal_force", *["displacement"] * by_field]
         return self._wanted(values, *measures) | {"time": history.times}
 
     def _of_contact(self, history: History, radii: Array, on_face: bool) -> Values:

@@ -59,8 +59,10 @@ def radial_space(
     ring_size: float | Array,
     grading: float,
     widest: float = 0.1,
+    degree_of_modes: int = 2,
 ) -> PressureSpace:
-    """Return a graded space whose degrees rise away from the singular points.
+    """Return a graded space whose degrees rise away from the singular points, to at least that of
+    smooth modes in the largest elements.
 
     A ring narrower than the sizes still gets a layer at each of its edges: none is wider than
     `widest` of the ring.
@@ -70,25 +72,32 @@ def radial_space(
     at_rim = min(rim_size, widest * float(rings.widths[-1]))
     breakpoints = graded_breakpoints(rings.ring_edges, at_edges, at_rim, grading)
     return PressureSpace(
-        breakpoints, degrees(problem, breakpoints, degree, grading), rings.ring_edges
+        breakpoints,
+        degrees(problem, breakpoints, degree, grading, degree_of_modes),
+        rings.ring_edges,
     )
 
 
-def degrees(problem: Problem, breakpoints: Array, highest: int, grading: float) -> Indices:
+def degrees(
+    problem: Problem, breakpoints: Array, highest: int, grading: float, of_modes: int
+) -> Indices:
     """Return the degree of each element.
 
     It is `highest` where most is needed, and as much lower elsewhere as less stands behind it, but
-    no lower than 2.
+    no lower than 2, nor than smooth modes ask for: half as much in each layer, whose elements are
+    several times smaller.
     """
     edges = problem.merged.ring_edges
     ring = ring_of(edges, (breakpoints[1:] + breakpoints[:-1]) / 2)
     from_inner = np.where(ring > 0, breakpoints[1:] - edges[ring], np.inf)
     from_outer = edges[ring + 1] - breakpoints[:-1]
     nearest = np.where(from_outer <= from_inner, ring, ring - 1)
-    behind = sharpness(affordable(problem, grading))(
-        np.minimum(from_inner, from_outer), np.diff(edges)[ring] / 2, nearest
-    )
-    return np.maximum(highest - spared_degrees(behind.max() / behind, grading), min(highest, 2))
+    distance, half = np.minimum(from_inner, from_outer), np.diff(edges)[ring] / 2
+    behind = sharpness(affordable(problem, grading))(distance, half, nearest)
+    layer = np.log(np.minimum(distance / half, 1.0)) / np.log(grading)
+    least = np.maximum(np.ceil(of_modes * 0.5**layer), 2).astype(np.int64)
+    lower = highest - spared_degrees(behind.max() / behind, grading)
+    return np.maximum(lower, np.minimum(least, max(highest, of_modes)))
 
 
 def _coarser_space(problem: Problem, sizes: dict[str, Any]) -> PressureSpace:
@@ -98,5 +107,5 @@ def _coarser_space(problem: Problem, sizes: dict[str, Any]) -> PressureSpace:
     grading = sizes["grading"] ** (2 if sizes["degree"] == 1 else 1)
     larger = {name: np.minimum(sizes[name] / grading, 0.5) for name in ("rim_size", "ring_size")}
     widest = min(0.1 / grading, 0.5)
-    space = radial_space(problem, sizes["degree"], **larger, grading=grading, widest=widest)
+    space = radial_space(problem, **sizes | larger | {"grading": grading, "widest": widest})
     return replace(space, degrees=np.maximum(space.degrees - 1, 1))

@@ -92,7 +92,7 @@ def affordable(problem: Problem, ratio: float) -> Problem:
     what is asked for at the least: energies, which converge twice as fast, still reach it.
     """
     # what errs by the square of the fields' errors may have coarser fields
-    fields = min(problem.rtol**0.5, 0.1) if problem.energies_only else problem.rtol
+    fields = min(3 * problem.rtol**0.5, 0.3) if problem.energies_only else problem.rtol
     fewer = replace(problem, rtol=fields)
     # dense matrices cost the third power of the pressures
     while fewer.rtol < problem.rtol**0.5 and pressures(fewer, ratio) > 1000:
@@ -118,11 +118,12 @@ def _rim_at_start(problem: Problem) -> float:
 def mdr_sizes(problem: Problem) -> dict[str, Any]:
     """Of the radial mesh of the MDR and of boundary elements."""
     chosen, grading, at_start = problem.mdr, problem.mdr.grading or 0.2, _rim_at_start(problem)
-    least = degree_of_modes(problem)
+    modes = np.ceil(degree_of_modes(problem))
     problem = affordable(problem, grading)
-    degree = np.ceil(max(pressure_degree(problem, grading), least))
+    degree = np.ceil(pressure_degree(problem, grading))
     return {
         "degree": chosen.degree or min(int(degree), 20),
+        "degree_of_modes": chosen.degree or min(int(modes), 20),
         "rim_size": chosen.rim_size or min(rim_size(problem), at_start),
         "ring_size": chosen.ring_size or ring_sizes(problem),
         "grading": grading,
