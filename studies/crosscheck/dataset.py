@@ -125,9 +125,9 @@ class Result:
 
     def gives(self, *quantities: str) -> bool:
         """Return whether a method gives all of some quantities that were asked for."""
-        asked = all(map(self.scene.problem.wants, quantities))
+        wanted = all(map(self.scene.problem.wants, quantities))
         given = (solution.results for solution in self.solutions.values())
-        return asked and any(results.keys() >= set(quantities) for results in given)
+        return wanted and any(results.keys() >= set(quantities) for results in given)
 
     def first_answer(self, key: str) -> Array:
         """Return an answer by the first method that gives it; NaN if none does."""
@@ -140,8 +140,8 @@ class Result:
         fields are asked for.
         """
         problem, fem = self.scene.problem, self.solutions.get("fem")
-        asked = any(map(problem.wants, FIELDS)) or bool(self.scene.output.field_times)
-        return asked and problem.full_contact and fem is not None and fem.half_space is not None
+        wanted = any(map(problem.wants, FIELDS)) or bool(self.scene.output.field_times)
+        return wanted and problem.full_contact and fem is not None and fem.half_space is not None
 
     @cached_property
     def inside(self) -> Interior:

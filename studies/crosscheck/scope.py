@@ -64,13 +64,13 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
             "its axis",
             "stresses inside, and methods as operators": "computed for flat punches only",
         }
-    asked = f"output.quantities asks for {', '.join(scene.output.quantities)} alone"
+    alone = f"output.quantities asks for {', '.join(scene.output.quantities)} alone"
     if problem.quantities is not None:
-        reasons["all other quantities"] = asked
+        reasons["all other quantities"] = alone
     if not len(problem.times):
-        reasons["history"] = asked if scene.wear.times else "the scene gives no times"
+        reasons["history"] = alone if scene.wear.times else "the scene gives no times"
     if not problem.steady:
-        reasons["steady state"] = asked if scene.wear.steady else "the scene says steady = false"
+        reasons["steady state"] = alone if scene.wear.steady else "the scene says steady = false"
     elif problem.indentation is not None:
         reasons["steady state"] = (
             "at a fixed indentation wear goes on until nothing presses any more"

@@ -56,14 +56,14 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
             if dim in ("radius", "ring")
         )
         difference = difference.max(axis=over, initial=0.0)
-        one = np.ones(())
-        beyond_touch = against.get("indentation", one) - face.standoff
+        unit = np.ones(())
+        beyond_touch = against.get("indentation", unit) - face.standoff
         scale = {
             "value": np.abs(beyond_touch if name == "indentation" else reference),
             "indentation": beyond_touch,
-            "steady": against.get("steady_displacement_max", one),
-            "force": against.get("normal_force", one),
+            "steady": against.get("steady_displacement_max", unit),
+            "force": against.get("normal_force", unit),
             "volume": reference.sum(axis=-1),
-            "radius": one,
+            "radius": unit,
         }[norm]
     return np.divide(difference, scale, out=np.zeros(difference.shape), where=scale > 0)

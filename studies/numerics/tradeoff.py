@@ -44,19 +44,19 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     problem, conclusions = replace(scene.problem, march="modal", step=None), list[str]()
     if not problem.earliest:
         problem = replace(problem, times=np.array([0.01, 0.1, 1.0]))
-    fields = ["asked", "method", "setting", "unknowns", "seconds", "error", "estimate", "remark"]
+    fields = ["group", "method", "setting", "unknowns", "seconds", "error", "estimate", "remark"]
     table = Table(out / "tradeoff.csv", fields)
     solve_all(families(problem, options.quick), table, conclusions)
     rows = pd.DataFrame(table.rows, columns=[*fields, "rtol"]).dropna(subset="error")
     draw(rows, out / "tradeoff.png")
     digits = tabulate_digits(rows)
     digits.to_csv(out / "digits.csv", index=False)
-    for asked, of_group in digits.groupby("asked", sort=False):
+    for group, of_group in digits.groupby("group", sort=False):
         told = (
             f"{name} {cost:.2f}"
             for name, cost in zip(of_group.method, of_group["mean"], strict=True)
         )
-        conclusions.append(f"{asked}: a digit more costs, in times the seconds, {', '.join(told)}.")
+        conclusions.append(f"{group}: a digit more costs, in times the seconds, {', '.join(told)}.")
     conclusions.append(f"Measured on {platform.platform()}, one thread of {os.cpu_count()}.")
     return conclusions
 
@@ -81,25 +81,25 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
         (f"n = {count}", {"mdr": MdrAccuracy(grid=count)})
         for count in ((100, 200) if quick else (100, 200, 400))
     ]
-    for asked, quantities in ASKED.items():
+    for group, quantities in ASKED.items():
         ways = dict.fromkeys(BY_DIAL, settings)
         if quantities <= GROUPS["history"]:
             ways |= {"mdr implicit": steps, "mdr-grid": grids}
         for name, changes in ways.items():
             alone = problem.asking_for(quantities)
             yield Family(
-                f"{asked}, {name}",
+                f"{group}, {name}",
                 [
                     Level(
                         setting,
-                        partial(measure, asked, name, replace(alone, **change), exact, quick),
+                        partial(measure, group, name, replace(alone, **change), exact, quick),
                     )
                     for setting, change in changes
                 ],
             )
 
 
-def measure(asked: str, name: str, problem: Problem, exact: Results, quick: bool) -> Row:
+def measure(group: str, name: str, problem: Problem, exact: Results, quick: bool) -> Row:
     """Measure seconds (the least of five repeats, or one), error and the method's estimate."""
     seconds = []
     for _ in range(2 if quick else 6):
@@ -112,7 +112,7 @@ def measure(asked: str, name: str, problem: Problem, exact: Results, quick: bool
         if problem.wants(quantity)
     }
     return {
-        "asked": asked,
+        "group": group,
         "method": name,
         "unknowns": solution.unknowns,
         "seconds": min(seconds[1:]),  # the first is a warm-up
@@ -126,28 +126,28 @@ def tabulate_digits(rows: pd.DataFrame) -> pd.DataFrame:
     """Return by how many times the seconds grow with each digit, for each group and method."""
     dialled = rows.dropna(subset="rtol").sort_values("rtol", ascending=False)
     table = list[Row]()
-    for (asked, name), of_method in dialled.groupby(["asked", "method"], sort=False):
+    for (group, name), of_method in dialled.groupby(["group", "method"], sort=False):
         if len(of_method) < 2:  # after an early interruption
             continue
         digits, seconds = -np.log10(of_method.rtol.values), of_method.seconds.values
         factors = (seconds[1:] / seconds[:-1]) ** (1 / np.diff(digits))
-        row = {"asked": asked, "method": name}
+        row = {"group": group, "method": name}
         row |= {f"to 1e-{digit:.0f}": cost for digit, cost in zip(digits[1:], factors, strict=True)}
         table.append(row | {"mean": (seconds[-1] / seconds[0]) ** (1 / np.ptp(digits))})
-    return pd.DataFrame(table, columns=None if table else ["asked", "method", "mean"])
+    return pd.DataFrame(table, columns=None if table else ["group", "method", "mean"])
 
 
 def draw(rows: pd.DataFrame, path: Path) -> None:
     """Draw errors over seconds, a panel for each group; dotted, what was asked for."""
     figure = new_figure(3.2 * len(ASKED), 4.2)
     panels = figure.subplots(1, len(ASKED), sharex=True, sharey=True)
-    for axes, asked in zip(panels, ASKED, strict=True):
-        for name, of_method in rows[rows.asked == asked].groupby("method", sort=False):
+    for axes, group in zip(panels, ASKED, strict=True):
+        for name, of_method in rows[rows.group == group].groupby("method", sort=False):
             look = method_curve(str(name)) | {"alpha": 1.0, "linewidth": 1.2, "markersize": 4}
             axes.loglog(of_method.seconds, of_method.error, **look)
             asked_for = {"color": look["color"], "label": "asked for"}
             axes.loglog(of_method.seconds, of_method.rtol, **FAINT | asked_for)
-        axes.set(title=asked, xlabel="processor seconds", ylabel="greatest relative error")
+        axes.set(title=group, xlabel="processor seconds", ylabel="greatest relative error")
         axes.grid(True, which="major", color="0.88", linewidth=0.6)
         axes.label_outer()
     legend_of(figure, panels)

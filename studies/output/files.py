@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -44,8 +44,8 @@ def write_numbers(result: "Result", directory: Path, tables: bool = False) -> No
         # interrupted while it holds its locks, xarray would wait for them forever
         with signals_wait():
             # to_netcdf asks Dask's cluster for a lock, and loading it takes as long as a run
-            path = str(directory / "results.nc")
-            store = NetCDF4DataStore.open(path, mode="w", lock=False)  # type: ignore[no-untyped-call]
+            open_store: Callable[..., Any] = NetCDF4DataStore.open
+            store = open_store(str(directory / "results.nc"), mode="w", lock=False)
             result.dataset.dump_to_store(store)
             store.close()
     except RuntimeError as error:

@@ -62,7 +62,7 @@ def test_tradeoff(tmp_path):
     tables = conduct("tradeoff", tmp_path)
     measured = [row for row in tables["tradeoff"] if not row["remark"]]
     assert {row["method"] for row in measured} == {"mdr", "bem", "fem", "mdr implicit", "mdr-grid"}
-    assert len({row["asked"] for row in measured}) == 4
+    assert len({row["group"] for row in measured}) == 4
     for row in measured:
         if row["method"] in ("mdr", "bem", "fem"):
             assert float(row["error"]) <= float(row["setting"].removeprefix("rtol "))
