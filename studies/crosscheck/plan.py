@@ -6,6 +6,7 @@ pressures^2, and as pressures^3 once matrices are large, a march as its steps ti
 """
 
 from contextlib import suppress
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from .scope import methods_of, refusals
 from .sizes import predict_memory
 
 
+@lru_cache(maxsize=16)  # work is predicted by them, too, and meshes take as long as the rest
 def count_unknowns(name: str, problem: Problem) -> tuple[int, int]:
     """Return the unknowns of the system behind a method's compliance, and its pressures."""
     without_space = {"direct": 0, "mdr-grid": problem.mdr.grid + 1}

@@ -108,7 +108,7 @@ def legend_of(figure: Figure, axes: Iterable[Any], note: str = "") -> None:
     legend.get_title().set(parse_math=False, multialignment="center")
 
 
-def legend_below(axes: Any, **settings: Any) -> None:
+def legend_below(axes: Any) -> None:
     """Add a legend under the axes, where it covers nothing.
 
     None without curves, as after an early interruption.
@@ -119,8 +119,6 @@ def legend_below(axes: Any, **settings: Any) -> None:
             bbox_to_anchor=(0.5, -0.14),
             frameon=False,
             fontsize=8,
-            title_fontsize=8,
-            **settings,
         )
 
 

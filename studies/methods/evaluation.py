@@ -75,10 +75,11 @@ class Evaluation(ABC):
     @cached_property
     def results(self) -> Results:
         """The quantities at the times and radii asked for."""
-        which, full = np.arange(len(self.problem.times)), self.problem.full_contact
+        which = np.arange(len(self.problem.times))
         # coefficients of a hundred thousand times at once would fill the memory; a march has them
-        pieces = np.array_split(which, 1 + full * len(which) // 1024)
-        return self._labelled([self.at(piece) for piece in pieces] if len(which) else [])
+        count = 1 + len(which) // 1024 if self.problem.full_contact else 1
+        pieces = np.array_split(which, count)
+        return self._sampled([self.at(piece) for piece in pieces] if len(which) else [])
 
     @cached_property
     def checked(self) -> Results:
@@ -92,9 +93,9 @@ class Evaluation(ABC):
                 for name, values in self.results.items()
             }
         history = [self.at(problem.checked)] if len(problem.times) else []
-        return self._labelled(history, on_face=True)
+        return self._sampled(history, on_face=True)
 
-    def _labelled(self, histories: Sequence[History], on_face: bool = False) -> Results:
+    def _sampled(self, histories: Sequence[History], on_face: bool = False) -> Results:
         """Return the quantities of successive pieces of a history, and those of no time."""
         results = self._timeless(on_face)
         if histories and any(map(self.problem.wants, HISTORIES)):
@@ -146,7 +147,7 @@ class FullContact(Evaluation):
     @cached_property
     def for_estimate(self) -> Results:
         times = self.problem.estimate_times
-        return self._labelled([self.wear.modal(times)] if len(times) else [], on_face=True)
+        return self._sampled([self.wear.modal(times)] if len(times) else [], on_face=True)
 
     def _timeless(self, on_face: bool) -> Results:
         problem, results = self.problem, Results()

@@ -1,4 +1,4 @@
-"""From the history of a punch to the quantities that are asked for, labelled. Non-dimensional."""
+"""From the history of a punch to the quantities that are asked for. Non-dimensional."""
 
 from collections.abc import Callable
 from functools import cached_property, lru_cache
@@ -183,8 +183,9 @@ class Sampler:
         if not problem.full_contact:
             values |= self._of_contact(history, radii, on_face)
         # by these the errors of the others are measured
-        by_field = self.by_fields and problem.wants("displacement_max")
-        measures = ["indentation", "normal_force", *["displacement"] * by_field]
+        measures = ["indentation", "normal_force"]
+        if self.by_fields and problem.wants("displacement_max"):
+            measures.append("displacement")
         return self._wanted(values, *measures) | {"time": history.times}
 
     def _of_contact(self, history: History, radii: Array, on_face: bool) -> Values:
@@ -218,7 +219,10 @@ class Sampler:
             "steady_rms_slope": lambda: self._rms_slope(state.displacement[None], 0.0)[0],
             "steady_wear_rate": lambda: np.asarray(state.wear_rate),
         }
-        return self._wanted(values, "steady_displacement_max", *["steady_profile"] * self.by_fields)
+        measures = ["steady_displacement_max"]
+        if self.by_fields:
+            measures.append("steady_profile")
+        return self._wanted(values, *measures)
 
     @property
     def by_fields(self) -> bool:

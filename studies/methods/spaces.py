@@ -59,7 +59,7 @@ def radial_space(
     ring_size: float | Array,
     grading: float,
     widest: float = 0.1,
-    degree_of_modes: int = 2,
+    degree_of_modes: int = 1,
 ) -> PressureSpace:
     """Return a graded space whose degrees rise away from the singular points, to at least that of
     smooth modes in the largest elements.

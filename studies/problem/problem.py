@@ -262,16 +262,19 @@ class Problem:
             if the scene has none of them
         """
         # contact that never changes has no edges, and no other has relaxation times
-        lacking = OF_PROFILES if self.full_contact else ("relaxation_time",)
-        wanted = quantities.difference(lacking)
-        history = len(self.times) > 0 and bool(wanted & HISTORIES)
-        steady = self.steady and bool(wanted & STEADY)
-        if not (history or steady or "relaxation_time" in wanted):
+        wanted = quantities.difference(OF_PROFILES if self.full_contact else ["relaxation_time"])
+        if not len(self.times):
+            wanted -= HISTORIES
+        if not self.steady:
+            wanted -= STEADY
+        if not wanted:
             raise SceneError(
                 f"output.quantities = {', '.join(sorted(quantities))}: the scene has none of them; "
                 "give wear.times for a history, steady = true for a steady state"
             )
+        history = bool(wanted & HISTORIES)
         times, march = (self.times, self.march) if history else (self.times[:0], "modal")
+        steady = bool(wanted & STEADY)
         return replace(self, quantities=wanted, times=times, march=march, steady=steady)
 
     def wants(self, quantity: str) -> bool:

@@ -169,11 +169,7 @@ class Scene(Section):
         """
         table = self.table()
         for name, value in changes.items():
-            *path, key = name.split("__")
-            part = table
-            for step in path:
-                part = part.setdefault(step, {})
-            part[key] = value
+            set_key(table, name.split("__"), value)
         return Scene.from_table(table).with_heights(*self.punch.heights)
 
     def with_heights(self, *heights: Callable[[Any], Any]) -> "Scene":
@@ -198,6 +194,14 @@ class Scene(Section):
         return Problem.posed(
             self.punch, self.half_space, self.load_, self.wear, self.accuracy, self.output
         )
+
+
+def set_key(table: dict[str, Any], path: Sequence[str], value: Any) -> None:
+    """Set a key of nested dictionaries by its path; tables on the way are made."""
+    *sections, key = path
+    for section in sections:
+        table = table.setdefault(section, {})
+    table[key] = value
 
 
 def bundled() -> list[str]:

@@ -33,7 +33,7 @@ from pandas import DataFrame
 from ...meshes.errors import SceneError
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, OF_PROFILES, QUANTITIES
-from ..problem.scene import Scene
+from ..problem.scene import Scene, set_key
 from ..problem.sections import WearSection
 
 Table = dict[str, Any]
@@ -170,11 +170,7 @@ class Sweep:
         """
         table = copy.deepcopy(self.table["base"])
         for key, value in changes.items():
-            *path, last = key.split(".")
-            section = table
-            for step in path:
-                section = section.setdefault(step, {})
-            section[last] = value
+            set_key(table, key.split("."), value)
         name = f"{self.name}, {_in_words(changes)}"
         scene = Scene.from_table(table, name)
         if not scene.problem.full_contact:
@@ -193,13 +189,8 @@ class Sweep:
 
     def problem(self, scene: Scene) -> Problem:
         """Return the problem of a scene, asking for what is to be kept and nothing else."""
-        quantities = frozenset(
-            part
-            for name in self.keep
-            for part in ANSWERS.get(name, (name,))
-            if part == "relaxation_time" or _is_computed(scene.wear, part)
-        )
-        return scene.problem.asking_for(quantities)
+        quantities = (part for name in self.keep for part in ANSWERS.get(name, (name,)))
+        return scene.problem.asking_for(frozenset(quantities))
 
     def part(self, region: tuple[slice, ...]) -> "Sweep":
         """Return a box of the grid as a sweep of its own."""
