@@ -107,18 +107,20 @@ def panel_quadrature(space: PressureSpace) -> tuple[Array, Array]:
     A line density has a square-root singularity on the left of every breakpoint and ``x^2 log x``
     at the axis; squares substituted at those ends make the integrand smooth.
     """
-    left, right = space.breakpoints[:-1, None], space.breakpoints[1:, None]
-    node, weight = unit_gauss(2 * space.top + 6)
-    positions = (right - (right - left) * node**2)[1:]
-    weights = (right - left)[1:] * 2 * node * weight
     # the innermost panel is singular at both ends, and takes a substitution of twice the degree
-    node, weight = unit_gauss(4 * space.top + 16)
-    folded = node * (2 - node)
-    innermost = right[0] * (1 - folded) * (1 + folded)
-    inner_weights = right[0] * 4 * folded * (1 - node) * weight
-    return np.concatenate([innermost, positions.ravel()]), np.concatenate(
-        [inner_weights, weights.ravel()]
-    )
+    node, weight = unit_gauss(4 * int(space.degrees[0]) + 16)
+    first, folded = space.breakpoints[1], node * (2 - node)
+    positions = [first * (1 - folded) * (1 + folded)]
+    weights = [first * 4 * folded * (1 - node) * weight]
+    for degree in np.unique(space.degrees):
+        node, weight = unit_gauss(2 * int(degree) + 8)
+        panels = 1 + np.flatnonzero(space.degrees[1:] == degree)
+        right, width = space.breakpoints[panels + 1], np.diff(space.breakpoints)[panels]
+        positions.append((right[:, None] - width[:, None] * node**2).ravel())
+        weights.append((width[:, None] * 2 * node * weight).ravel())
+    # along the radius, as pressures are numbered
+    order = np.argsort(np.concatenate(positions))
+    return np.concatenate(positions)[order], np.concatenate(weights)[order]
 
 
 def profile_transform(radii: Array, positions: Array) -> Array:

@@ -51,3 +51,7 @@ class Compliance:
                 span = slice(used[0], used[-1] + 1)
                 out[span, span] += rows[:, span].T @ rows[:, span]
         return out
+
+    def restricted(self, space: PressureSpace) -> "Compliance":
+        """Return the compliance of the same half-space on a space within its own."""
+        return Compliance(space, (self.space.embedding(space).T @ self.factor.T).T)

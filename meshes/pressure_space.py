@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 
-from .radial import Array, Indices, ring_of
+from .radial import Array, Indices, gauss, ring_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,6 +200,34 @@ class PressureSpace:
         # the last function of a ring and the first of the next are joined in one column
         values = 1 / np.broadcast_to(ring_coefficients, len(self.ring_edges) - 1)[ring]
         return csr_matrix((values, (function, function - ring)), (self.size, self.size - ring[-1]))
+
+    def coarser(self) -> "PressureSpace":
+        """Return a space within this one: of a degree less in every element, and an element less on
+        each side of every ring edge but the axis; of degree 1, of every second element.
+        """
+        count, edges = len(self.breakpoints), np.searchsorted(self.breakpoints, self.ring_edges)
+        dropped = np.arange(1, count, 2)
+        if self.top > 1:
+            dropped = np.concatenate([edges[1:] - 1, edges[1:-1] + 1])
+        remaining = np.setdiff1d(np.arange(count), np.setdiff1d(dropped, edges))
+        lowest = np.minimum.reduceat(self.degrees, remaining[:-1])
+        return PressureSpace(
+            self.breakpoints[remaining], np.maximum(lowest - 1, 1), self.ring_edges
+        )
+
+    def embedding(self, coarse: "PressureSpace") -> csr_matrix:
+        """(size, coarse size) coefficients, on this space, of the functions of one within it."""
+        parent = np.searchsorted(coarse.breakpoints, self.breakpoints[1:]) - 1
+        left, width = coarse.breakpoints[parent, None], np.diff(coarse.breakpoints)[parent, None]
+        node = gauss(self.top + 1)[0]
+        within = self.breakpoints[:-1, None] - left
+        within = within + np.diff(self.breakpoints)[:, None] * (1 + node) / 2
+        values = shapes(2 * within / width - 1, coarse.top)
+        coefficients = np.linalg.inv(shapes(node, self.top)) @ values
+        # a vertex between two elements counts once
+        coefficients[1:, 0][np.diff(self.ring) == 0] = 0.0
+        rows, columns = self.dofs[:, :, None], coarse.dofs[parent][:, None, :]
+        return coarse._assembled(coefficients, rows, columns, self.size + 1)[:-1]
 
 
 def shapes(local: Array, top: int) -> Array:

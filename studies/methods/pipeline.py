@@ -97,7 +97,10 @@ class AnySpaceMethod(ComplianceMethod):
             compliance = self.compliance(fine)
         return Discretised(
             compliance,
-            lambda: self.compliance(coarse),
+            # within its own space a compliance need not be computed anew
+            lambda: (
+                compliance.restricted(coarse) if problem.full_contact else self.compliance(coarse)
+            ),
             settings=smallest(mdr_sizes(problem)) if problem.full_contact else {},
             fitted=(partial(fitted, degree=8), partial(fitted, degree=6)),
         )

@@ -5,9 +5,7 @@ degree. Where edges of the contact move, pressures jump at places that are not k
 linear pressures on cells.
 """
 
-from dataclasses import replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
@@ -27,8 +25,8 @@ def pressure_spaces(problem: Problem) -> tuple[PressureSpace, PressureSpace]:
     if not problem.full_contact:
         fine, coarse = contact_cells(problem)
         return fine.space(), coarse.space()
-    sizes = mdr_sizes(problem)
-    return radial_space(problem, **sizes), _coarser_space(problem, sizes)
+    space = radial_space(problem, **mdr_sizes(problem))
+    return space, space.coarser()
 
 
 def load_of(problem: Problem) -> Load:
@@ -58,18 +56,17 @@ def radial_space(
     rim_size: float,
     ring_size: float | Array,
     grading: float,
-    widest: float = 0.1,
     degree_of_modes: int = 1,
 ) -> PressureSpace:
     """Return a graded space whose degrees rise away from the singular points, to at least that of
     smooth modes in the largest elements.
 
-    A ring narrower than the sizes still gets a layer at each of its edges: none is wider than
-    `widest` of the ring.
+    A ring narrower than the sizes still gets a layer at each of its edges: none is wider than a
+    tenth of the ring.
     """
     rings = problem.merged
-    at_edges = np.minimum(ring_size, widest * rings.narrower)
-    at_rim = min(rim_size, widest * float(rings.widths[-1]))
+    at_edges = np.minimum(ring_size, 0.1 * rings.narrower)
+    at_rim = min(rim_size, 0.1 * float(rings.widths[-1]))
     breakpoints = graded_breakpoints(rings.ring_edges, at_edges, at_rim, grading)
     return PressureSpace(
         breakpoints,
@@ -98,14 +95,3 @@ def degrees(
     least = np.maximum(np.ceil(of_modes * 0.5**layer), 2).astype(np.int64)
     lower = highest - spared_degrees(behind.max() / behind, grading)
     return np.maximum(lower, np.minimum(least, max(highest, of_modes)))
-
-
-def _coarser_space(problem: Problem, sizes: dict[str, Any]) -> PressureSpace:
-    """Return a space of a degree less in every element and a layer less at every singular point,
-    also where the ring's width set the layer; of degree 1, with every second breakpoint.
-    """
-    grading = sizes["grading"] ** (2 if sizes["degree"] == 1 else 1)
-    larger = {name: np.minimum(sizes[name] / grading, 0.5) for name in ("rim_size", "ring_size")}
-    widest = min(0.1 / grading, 0.5)
-    space = radial_space(problem, **sizes | larger | {"grading": grading, "widest": widest})
-    return replace(space, degrees=np.maximum(space.degrees - 1, 1))

@@ -43,7 +43,7 @@ class Together:
         rate, with a factor of safety.
         """
         left_out = wear.left_out(_looked_at(problem))
-        factor = 4.0 * max(1.0, left_out / max(self.left_out, np.finfo(float).eps))
+        factor = 2.5 * max(1.0, left_out / max(self.left_out, np.finfo(float).eps))
         # fields take the directions left out as they are, energies their square
         return {
             name: factor * error + (0.0 if name in ENERGIES else LEFT_OUT * problem.rtol)

@@ -24,7 +24,7 @@ from .sections import DEGREES
 TRUNCATION, WIDER_TRUNCATION = 2.5, 5.0
 # of quadrilaterals: a layer is smaller by this than the one outside it; elements between the
 # patches grow by that
-FACTOR, GROWTH = 0.25, 0.5
+FACTOR, GROWTH = 0.25, 0.8
 # smaller elements have too few digits left in their coordinates, which at the rim are distances
 # from 1
 SMALLEST, SMALLEST_RIM = 1e-12, 1e-14
@@ -199,7 +199,8 @@ def quad_degree(problem: Problem, least: float) -> int:
     """
     compressibility = 1 - 2 * min(problem.poisson_ratio, 0.4999)
     wanted = (
-        max(pressure_degree(problem, FACTOR), least)
+        # of less, the coarser solution would have linear pressures, too far off to judge by
+        max(pressure_degree(problem, FACTOR), least, 3.0)
         + 1.45
         + max(0.0, -0.2 - 0.4 * np.log10(compressibility))
     )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from ringwear.mdr import line_density, panel_quadrature, ring_kernel
+from ringwear.mdr import energy, line_density, panel_quadrature, ring_kernel
 from ringwear.meshes import PressureSpace, alternating_edges, graded_breakpoints, layer_degrees
 
 
@@ -44,6 +44,15 @@ def test_equals_mdr_as_an_operator(space):
     reference = np.sqrt(2 * weights)[:, None] * line_density(space, positions)
     assert deviation(factor @ rings, reference @ rings) < 1e-12
     assert deviation(factor, reference) < 1e-6
+
+
+def test_restricted_to_a_coarser_space():
+    """The compliance within a space is that computed on the coarser one itself."""
+    space = graded(alternating_edges(5))
+    coarse = space.coarser()
+    for compliance in (ring_kernel.compliance, energy.compliance):
+        within = compliance(space).restricted(coarse)
+        assert deviation(within.factor, compliance(coarse).factor) < 1e-6
 
 
 @pytest.mark.parametrize("widths", [[0.5, 1e-4, 0.4999], [1e-4, 0.9999], [0.9999, 1e-4]])

@@ -108,3 +108,16 @@ def test_joined(space):
     steady = space.ring_indicator() @ (1 / WEAR)
     coefficients = np.linalg.lstsq(basis, steady, rcond=None)[0]
     np.testing.assert_allclose(basis @ coefficients, steady, rtol=1e-13, atol=1e-13)
+
+
+def test_a_coarser_space_lies_within(space):
+    """Its functions are reproduced point by point, and it has a layer less at every edge."""
+    coarse = space.coarser()
+    assert set(coarse.breakpoints) < set(space.breakpoints)
+    assert (coarse.degrees.max() < space.top) or space.top == 1
+    radii = np.sort(np.random.default_rng(4).random(500))
+    embedded = space.matrix(radii) @ space.embedding(coarse)
+    np.testing.assert_allclose(embedded.toarray(), coarse.matrix(radii).toarray(), atol=1e-13)
+    for edge in space.ring_edges[1:]:
+        first, second = (np.abs(mesh.breakpoints - edge) for mesh in (space, coarse))
+        assert np.sort(second)[1] > np.sort(first)[1]
