@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from ..crosscheck.dataset import Result
 from .scale import Scale, by_method
-from .style import PAGE, complete, curve, method_curve, new_figure
+from .style import PAGE, complete, curve, method_curve, new_panels
 
 
 def draw_contact(result: Result) -> Figure:
@@ -13,8 +13,8 @@ def draw_contact(result: Result) -> Figure:
     rings by the first; of many rings, five.
     """
     scale, data = Scale(result.scene), result.dataset
-    figure = new_figure(PAGE, 2.9)
-    where, force, volume = figure.subplots(1, 3)
+    figure, panels = new_panels(PAGE, 2.9, columns=3)
+    where, force, volume = panels.flat
     methods = by_method(data.contact_edge)
     for number, (method, edges) in enumerate(methods.items()):
         look = {"linestyle": "none", "marker": "ox+^"[number % 4], "markerfacecolor": "none"}
@@ -36,4 +36,5 @@ def draw_contact(result: Result) -> Figure:
     scale.plot(force, first.normal_force, color="black", linewidth=0.8, label="all rings")
     for axes, high in ((where, 1.04 * radii.max()), (force, None), (volume, None)):
         axes.set_ylim(0, high)
-    return complete(figure, (result.scene.title, "contact over time"), figure.axes, scale.note)
+    titles = result.scene.title, "contact over time"
+    return complete(figure, titles, figure.axes, scale.note, across=0.56)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from ..crosscheck.dataset import Result
 from .modal import modal_method, sample_modes
 from .scale import Scale, by_method
-from .style import FAINT, PAGE, complete, curve, method_curve, new_figure
+from .style import FAINT, PAGE, complete, curve, method_curve, new_panels, set_logarithmic
 
 
 def draw_history(result: Result) -> Figure:
@@ -26,8 +26,8 @@ def draw_history(result: Result) -> Figure:
         times = space(problem.earliest, float(problem.times[-1]), 80)
         smooth = sample_modes(problem, modal[1], times)
     rows = min(2, len(by_method(data.indentation)))
-    figure = new_figure(PAGE, 2.6 + 0.6 * rows)
-    panels = figure.subplots(rows, 2, sharex=True, squeeze=False, height_ratios=[2.2, 1][:rows])
+    ratios = [2.2, 1][:rows]
+    figure, panels = new_panels(PAGE, 2.6 + 0.6 * rows, rows, 2, sharex=True, height_ratios=ratios)
     for name, (values, *below) in zip(("displacement_max", "rms_slope"), panels.T, strict=True):
         methods = by_method(data[name].where(data.time > 0))
         for method, points in methods.items():
@@ -47,7 +47,8 @@ def draw_history(result: Result) -> Figure:
         for axes in below:
             _draw_differences(axes, methods, scale)
             values.set_xlabel("")
-    return complete(figure, (result.scene.title, "running-in"), panels[:, 0], scale.note)
+    titles = result.scene.title, "running-in"
+    return complete(figure, titles, panels[:, 0], scale.note, across=0.6)
 
 
 def _draw_differences(axes: Any, methods: dict[str, xarray.DataArray], scale: Scale) -> None:
@@ -59,11 +60,11 @@ def _draw_differences(axes: Any, methods: dict[str, xarray.DataArray], scale: Sc
         label = f"{method.upper()} from {first.upper()}"
         shown = differences.where(differences > 0)
         axes.plot(scale.shown("time", points.time), shown, **look, label=label)
-    axes.set(yscale="log", xlabel=scale.label("time"), ylabel="rel. difference")
+    set_logarithmic(axes, "y")
+    axes.set(xlabel=scale.label("time"), ylabel="rel. difference")
     # whole decades
     low, high = np.log10(axes.get_ylim())
     axes.set_ylim(10 ** np.floor(low), 10 ** np.ceil(high))
-    axes.yaxis.set_minor_formatter("")
 
 
 def _mark_running_in(axes: Any, result: Result, scale: Scale) -> None:

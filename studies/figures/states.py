@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from ..crosscheck.dataset import Result
 from ..problem.problem import P0
 from .scale import MANY, Scale, shown_times
-from .style import FAINT, PAGE, complete, new_figure
+from .style import FAINT, PAGE, complete, hide_inner_ticks, new_panels
 
 
 def draw_states(result: Result) -> Figure:
@@ -24,11 +24,12 @@ def draw_states(result: Result) -> Figure:
     data = result.dataset.isel(time=states)
     least = data.profile.min(["solver", "radius"])
     if many:
-        figure = new_figure(PAGE, 0.7 + 2.5 * len(states))
-        pairs = figure.subplots(2 * len(states), 1, sharex=True).reshape(-1, 2)
+        figure, panels = new_panels(PAGE, 0.7 + 2.5 * len(states), 2 * len(states), sharex=True)
+        pairs = panels.reshape(-1, 2)
     else:
-        figure = new_figure(0.6 + 1.1 * max(len(states), 3), 4.0)
-        pairs = figure.subplots(2, len(states), sharex=True, squeeze=False).T
+        width = 0.6 + 1.1 * max(len(states), 3)
+        figure, panels = new_panels(width, 4.0, 2, len(states), sharex=True)
+        pairs = panels.T
     for number, (upper, lower) in enumerate(pairs):
         upper.sharey(pairs[0, 0])
         lower.sharey(pairs[0, 1])
@@ -39,28 +40,29 @@ def draw_states(result: Result) -> Figure:
         when = scale.when(float(data.time[number]))
         less = f" − {scale.worn(worn)}" if worn else ""
         upper.set_title((": " if many else "\n").join([when, f"Δf = f{less}"]))
-        for axes in (upper, lower):
-            axes.label_outer()
+        hide_inner_ticks(upper)
+        hide_inner_ticks(lower)
     # worn down: what is missing below
     pairs[0, 0].invert_yaxis()
     # pressures are infinite here and there
     pressure = data.pressure.where(np.isfinite(data.pressure)).dropna("solver", how="all")
     high = pressure.quantile(0.97, "radius")
     pairs[0, 1].set_ylim(0, 2 * scale.shown("pressure", float(high.median())))
-    return _complete(figure, result, "profiles and pressures", pairs[0], scale)
+    gaps = {"down": 0.3} if many else {"across": 0.24}
+    return _complete(figure, result, "profiles and pressures", pairs[0], scale, **gaps)
 
 
 def draw_steady(result: Result) -> Figure:
     """Draw limiting profile and steady pressure, every method over the other."""
     scale, rows = Scale(result.scene), 2 if has_many_rings(result) else 1
-    figure = new_figure(PAGE, 1.3 + 1.5 * rows)
-    upper, lower = figure.subplots(rows, 3 - rows, sharex=True)
+    figure, panels = new_panels(PAGE, 1.3 + 1.5 * rows, rows, 3 - rows, sharex=True)
+    upper, lower = panels.flat
     scale.plot_radial(upper, result.dataset.steady_profile)
     scale.plot_radial(lower, result.dataset.steady_pressure)
     upper.invert_yaxis()
     lower.set_ylim(bottom=0)
     upper.label_outer()
-    return _complete(figure, result, "steady state", [upper], scale)
+    return _complete(figure, result, "steady state", [upper], scale, across=0.56)
 
 
 def has_many_rings(result: Result) -> bool:
@@ -82,8 +84,10 @@ def _draw_unworn(upper: Any, lower: Any, scale: Scale) -> None:
     axes.plot(scale.shown("radius", radii * length), scale.shown(name, values), **look)
 
 
-def _complete(figure: Figure, result: Result, what: str, axes: Any, scale: Scale) -> Figure:
+def _complete(
+    figure: Figure, result: Result, what: str, axes: Any, scale: Scale, **gaps: float
+) -> Figure:
     """Say what is shaded, where anything is, and what the axes are over."""
     shaded = "shaded: rings that wear faster" if np.ptp(scale.problem.wear_coefficients) else ""
     note = "; ".join(filter(None, (shaded, scale.note)))
-    return complete(figure, (result.scene.title, what), axes, note)
+    return complete(figure, (result.scene.title, what), axes, note, **gaps)

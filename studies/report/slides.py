@@ -60,7 +60,7 @@ def slides(result: Result) -> dict[str, Any] | None:
         "drawn": drawn,
         "magnified": f"{drawn * result.scene.punch.radius / deepest:.3g}",
         "axes": {
-            name: scale.label(name).replace("\\Delta ", "Δ").replace("_0", "₀").replace("$", "")
+            name: scale.label(name)
             for name in ("radius", "profile", "pressure")
         },
     }
