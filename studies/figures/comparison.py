@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
 from ...meshes.errors import SceneError
 from ..problem.scene import Scene
-from .scale import Scale, by_method
+from .scale import Scale
 from .style import PAGE, complete, curve, new_panels
 
 
@@ -29,10 +30,12 @@ def draw_comparison(scenes: Sequence[Scene], datasets: Sequence[xarray.Dataset])
     figure, panels = new_panels(PAGE, 4.6, 2, 2)
     names = ("steady_profile", "steady_pressure", "displacement_max", "rms_slope")
     for name, axes in zip(names, panels.flat, strict=True):
+        over, marks = ("radius", {"marker": ""}) if "steady" in name else ("time", {})
         for number, (drawn, data) in enumerate(zip((scale, other), datasets, strict=True)):
-            for values in list(by_method(data[name]).values())[:1]:
-                look = curve(number) | ({"marker": ""} if "steady" in name else {})
-                drawn.plot(axes, values, **look, label="AB"[number])
+            given = (values for values in data[name].values if not np.isnan(values).all())
+            for values in list(given)[:1]:
+                look = curve(number) | marks | {"label": "AB"[number]}
+                drawn.plot(axes, name, over, data[over].values, values, **look)
         if not axes.lines:
             figure.delaxes(axes)
     if not figure.axes:

@@ -8,9 +8,8 @@ them says so.
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray
 
-from ...meshes.radial import Indices
+from ...meshes.radial import Array, Indices
 from ..problem.problem import D0, P0, Problem
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
@@ -94,10 +93,10 @@ class Scale:
         _, unit, over = self.axes[kind]
         return f"{what} {symbol}{f'/{over}' if over else ''}" + (f" ({unit})" if unit else "")
 
-    def plot(self, axes: Any, values: xarray.DataArray, **look: Any) -> None:
-        """Draw a quantity over the radius, broken where pressures jump, or over time."""
-        name, over = str(values.name), str(values.dims[0])
-        places, heights = values[over].values, values.values
+    def plot(
+        self, axes: Any, name: str, over: str, places: Array, heights: Array, **look: Any
+    ) -> None:
+        """Draw a quantity over the `radius`, broken where pressures jump, or over `time`."""
         if over == "time" and self.logarithmic:
             set_logarithmic(axes, "x")
             places, heights = places[places > 0], heights[places > 0]
@@ -107,14 +106,15 @@ class Scale:
         axes.plot(self.shown(over, places), self.shown(name, heights), **look)
         axes.set(xlabel=self.label(over), ylabel=self.label(name))
 
-    def plot_radial(self, axes: Any, values: xarray.DataArray) -> None:
+    def plot_radial(self, axes: Any, name: str, radii: Array, values: dict[str, Array]) -> None:
         """Draw a quantity over the radius by every method that gives it, and shade the rings."""
         rings = self.problem.rings
-        for method, curve in by_method(values).items():
+        given = {method: curve for method, curve in values.items() if not np.isnan(curve).all()}
+        for method, curve in given.items():
             look = method_curve(method, len(curve))
             if len(rings.wear_coefficients) > MANY:
                 look |= {"marker": "", "linewidth": 0.5 * look["linewidth"]}
-            self.plot(axes, curve, **look)
+            self.plot(axes, name, "radius", radii, curve, **look)
         shade_rings(axes, *rings, self.shown("radius", self.problem.units.length))
 
     def when(self, time: float) -> str:
@@ -139,12 +139,6 @@ class Scale:
             f"d₀ = F/(2aE*) = {write(D0 * units.displacement, 'displacement', 3)}, "
             f"p₀ = F/(2πa²) = {write(P0 * units.pressure, 'pressure', 3)}"
         )
-
-
-def by_method(values: xarray.DataArray) -> dict[str, xarray.DataArray]:
-    """Return a quantity by each method that gives it."""
-    methods = {str(name): values.sel(solver=name, drop=True) for name in values.solver.values}
-    return {name: given for name, given in methods.items() if given.notnull().any()}
 
 
 def shown_times(problem: Problem, most: int) -> Indices:

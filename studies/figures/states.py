@@ -21,8 +21,13 @@ def draw_states(result: Result) -> Figure:
     """Draw profiles and pressures at several times, every method over the other."""
     scale, many = Scale(result.scene), has_many_rings(result)
     states = shown_times(scale.problem, 3 if many else 6)
-    data = result.dataset.isel(time=states)
-    least = data.profile.min(["solver", "radius"])
+    coordinates = result.table.coordinates
+    times, radii = coordinates["time"][1][states], coordinates["radius"][1]
+    profiles, pressures = (
+        {method: values[states] for method, values in result.by_method(name).items()}
+        for name in ("profile", "pressure")
+    )
+    least = np.nanmin([values.min(axis=1) for values in profiles.values()], axis=0)
     if many:
         figure, panels = new_panels(PAGE, 0.7 + 2.5 * len(states), 2 * len(states), sharex=True)
         pairs = panels.reshape(-1, 2)
@@ -34,10 +39,12 @@ def draw_states(result: Result) -> Figure:
         upper.sharey(pairs[0, 0])
         lower.sharey(pairs[0, 1])
         worn = float(least[number])
-        scale.plot_radial(upper, (data.profile[:, number] - worn).rename("profile"))
-        scale.plot_radial(lower, data.pressure[:, number])
+        heights = {method: values[number] - worn for method, values in profiles.items()}
+        scale.plot_radial(upper, "profile", radii, heights)
+        by_name = {method: values[number] for method, values in pressures.items()}
+        scale.plot_radial(lower, "pressure", radii, by_name)
         _draw_unworn(upper, lower, scale)
-        when = scale.when(float(data.time[number]))
+        when = scale.when(float(times[number]))
         less = f" − {scale.worn(worn)}" if worn else ""
         upper.set_title((": " if many else "\n").join([when, f"Δf = f{less}"]))
         hide_inner_ticks(upper)
@@ -45,9 +52,9 @@ def draw_states(result: Result) -> Figure:
     # worn down: what is missing below
     pairs[0, 0].invert_yaxis()
     # pressures are infinite here and there
-    pressure = data.pressure.where(np.isfinite(data.pressure)).dropna("solver", how="all")
-    high = pressure.quantile(0.97, "radius")
-    pairs[0, 1].set_ylim(0, 2 * scale.shown("pressure", float(high.median())))
+    finite = [row[np.isfinite(row)] for values in pressures.values() for row in values]
+    high = float(np.median([np.quantile(row, 0.97) for row in finite if len(row)]))
+    pairs[0, 1].set_ylim(0, 2 * scale.shown("pressure", high))
     gaps = {"down": 0.3} if many else {"across": 0.24}
     return _complete(figure, result, "profiles and pressures", pairs[0], scale, **gaps)
 
@@ -57,8 +64,9 @@ def draw_steady(result: Result) -> Figure:
     scale, rows = Scale(result.scene), 2 if has_many_rings(result) else 1
     figure, panels = new_panels(PAGE, 1.3 + 1.5 * rows, rows, 3 - rows, sharex=True)
     upper, lower = panels.flat
-    scale.plot_radial(upper, result.dataset.steady_profile)
-    scale.plot_radial(lower, result.dataset.steady_pressure)
+    radii = result.table.coordinates["radius"][1]
+    for axes, name in ((upper, "steady_profile"), (lower, "steady_pressure")):
+        scale.plot_radial(axes, name, radii, result.by_method(name))
     upper.invert_yaxis()
     lower.set_ylim(bottom=0)
     upper.label_outer()

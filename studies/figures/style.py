@@ -72,7 +72,7 @@ def new_figure(width: float, height: float) -> Figure:
 def new_panels(
     width: float, height: float, rows: int = 1, columns: int = 1, **settings: Any
 ) -> tuple[Figure, Any]:
-    """Return a figure for `complete` to arrange, and its panels (rows, columns); sizes in inches."""
+    """Return a figure for `complete` to arrange, and its panels (rows, columns); in inches."""
     figure = Figure(figsize=(width, height), dpi=200)
     return figure, figure.subplots(rows, columns, squeeze=False, **settings)
 
