@@ -182,7 +182,7 @@ def _compare(options: argparse.Namespace) -> Status:
     print(f"A: {options.A}\nB: {options.B}")
     for table in tables:
         print()
-        print_table(table)
+        print_table(table.to_dict("records"))
     _print_files(folder, [])
     return Status.DONE
 
