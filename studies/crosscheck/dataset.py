@@ -175,17 +175,22 @@ class Result:
 
         return xarray.Dataset(*self.table)
 
+    @cached_property
+    def coordinates(self) -> dict[str, Array]:
+        """Times, radii and rings, by their names in the table."""
+        return {name: values for name, (_, values, _) in self.table.coordinates.items()}
+
     def reported(self, method: str) -> dict[str, Array]:
         """Return what a method reports, and the coordinates, by their names."""
         row = list(self.solutions).index(method)
-        variables = {name: values[row] for name, (_, values, _) in self.table.variables.items()}
-        return variables | {name: values for name, (_, values, _) in self.table.coordinates.items()}
+        variables = self.table.variables.items()
+        return self.coordinates | {name: values[row] for name, (_, values, _) in variables}
 
-    def by_method(self, quantity: str) -> dict[str, Array]:
-        """Return a quantity by each method that gives it."""
-        values = self.table.variables[quantity][1]
-        by_name = zip(self.solutions, values, strict=True)
-        return {name: given for name, given in by_name if not np.isnan(given).all()}
+    def by_method(self, quantity: str, times: Any = ...) -> dict[str, Array]:
+        """Return a quantity by each method that gives it, at all or at some of the times."""
+        given = zip(self.solutions, self.table.variables[quantity][1], strict=True)
+        chosen = {name: values[times] for name, values in given}
+        return {name: values for name, values in chosen.items() if not np.isnan(values).all()}
 
     @cached_property
     def anchors(self) -> tuple[Anchor, ...]:

@@ -20,16 +20,9 @@ def draw_history(result: Result) -> Figure:
     by how much of the value methods differ from the first.
     """
     scale, problem = Scale(result.scene), result.scene.problem
-    worn = result.table.coordinates["time"][1] > 0
-    worn_times = result.table.coordinates["time"][1][worn]
-    curves = {
-        name: {
-            method: heights[worn]
-            for method, heights in result.by_method(name).items()
-            if not np.isnan(heights[worn]).all()
-        }
-        for name in ("displacement_max", "rms_slope")
-    }
+    worn = result.coordinates["time"] > 0
+    worn_times = result.coordinates["time"][worn]
+    curves = {name: result.by_method(name, worn) for name in ("displacement_max", "rms_slope")}
     modal, smooth = modal_method(result.solutions), None
     if modal is not None and problem.march == "modal":
         space = np.geomspace if scale.logarithmic else np.linspace

@@ -109,8 +109,7 @@ class Scale:
     def plot_radial(self, axes: Any, name: str, radii: Array, values: dict[str, Array]) -> None:
         """Draw a quantity over the radius by every method that gives it, and shade the rings."""
         rings = self.problem.rings
-        given = {method: curve for method, curve in values.items() if not np.isnan(curve).all()}
-        for method, curve in given.items():
+        for method, curve in values.items():
             look = method_curve(method, len(curve))
             if len(rings.wear_coefficients) > MANY:
                 look |= {"marker": "", "linewidth": 0.5 * look["linewidth"]}

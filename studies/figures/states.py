@@ -21,13 +21,7 @@ def draw_states(result: Result) -> Figure:
     """Draw profiles and pressures at several times, every method over the other."""
     scale, many = Scale(result.scene), has_many_rings(result)
     states = shown_times(scale.problem, 3 if many else 6)
-    coordinates = result.table.coordinates
-    times, radii = coordinates["time"][1][states], coordinates["radius"][1]
-    profiles, pressures = (
-        {method: values[states] for method, values in result.by_method(name).items()}
-        for name in ("profile", "pressure")
-    )
-    least = np.nanmin([values.min(axis=1) for values in profiles.values()], axis=0)
+    radii = result.coordinates["radius"]
     if many:
         figure, panels = new_panels(PAGE, 0.7 + 2.5 * len(states), 2 * len(states), sharex=True)
         pairs = panels.reshape(-1, 2)
@@ -35,26 +29,26 @@ def draw_states(result: Result) -> Figure:
         width = 0.6 + 1.1 * max(len(states), 3)
         figure, panels = new_panels(width, 4.0, 2, len(states), sharex=True)
         pairs = panels.T
-    for number, (upper, lower) in enumerate(pairs):
+    high = []
+    for state, (upper, lower) in zip(states, pairs, strict=True):
         upper.sharey(pairs[0, 0])
         lower.sharey(pairs[0, 1])
-        worn = float(least[number])
-        heights = {method: values[number] - worn for method, values in profiles.items()}
-        scale.plot_radial(upper, "profile", radii, heights)
-        by_name = {method: values[number] for method, values in pressures.items()}
-        scale.plot_radial(lower, "pressure", radii, by_name)
+        profiles, pressures = (result.by_method(name, state) for name in ("profile", "pressure"))
+        worn = float(min(heights.min() for heights in profiles.values()))
+        profiles = {method: heights - worn for method, heights in profiles.items()}
+        scale.plot_radial(upper, "profile", radii, profiles)
+        scale.plot_radial(lower, "pressure", radii, pressures)
+        # pressures are infinite here and there
+        high += [np.quantile(values[np.isfinite(values)], 0.97) for values in pressures.values()]
         _draw_unworn(upper, lower, scale)
-        when = scale.when(float(times[number]))
+        when = scale.when(float(result.coordinates["time"][state]))
         less = f" − {scale.worn(worn)}" if worn else ""
         upper.set_title((": " if many else "\n").join([when, f"Δf = f{less}"]))
         hide_inner_ticks(upper)
         hide_inner_ticks(lower)
     # worn down: what is missing below
     pairs[0, 0].invert_yaxis()
-    # pressures are infinite here and there
-    finite = [row[np.isfinite(row)] for values in pressures.values() for row in values]
-    high = float(np.median([np.quantile(row, 0.97) for row in finite if len(row)]))
-    pairs[0, 1].set_ylim(0, 2 * scale.shown("pressure", high))
+    pairs[0, 1].set_ylim(0, 2 * scale.shown("pressure", np.median(high)))
     gaps = {"down": 0.3} if many else {"across": 0.24}
     return _complete(figure, result, "profiles and pressures", pairs[0], scale, **gaps)
 
@@ -64,9 +58,8 @@ def draw_steady(result: Result) -> Figure:
     scale, rows = Scale(result.scene), 2 if has_many_rings(result) else 1
     figure, panels = new_panels(PAGE, 1.3 + 1.5 * rows, rows, 3 - rows, sharex=True)
     upper, lower = panels.flat
-    radii = result.table.coordinates["radius"][1]
     for axes, name in ((upper, "steady_profile"), (lower, "steady_pressure")):
-        scale.plot_radial(axes, name, radii, result.by_method(name))
+        scale.plot_radial(axes, name, result.coordinates["radius"], result.by_method(name))
     upper.invert_yaxis()
     lower.set_ylim(bottom=0)
     upper.label_outer()
