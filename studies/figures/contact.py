@@ -20,8 +20,8 @@ def draw_contact(result: Result) -> Figure:
     for number, (method, radii) in enumerate(edges.items()):
         look = {"linestyle": "none", "marker": "ox+^"[number % 4], "markerfacecolor": "none"}
         color = method_curve(method)["color"]
-        look |= {"markersize": 4, "color": color, "label": method.upper()}
-        scale.plot(where, "contact_edge", "time", all_times, radii, **look)
+        look |= {"color": color, "label": method.upper()}
+        scale.plot(where, "contact_edge", "time", all_times, radii, markersize=4, **look)
     for height in scale.shown("radius", first["ring_outer_radius"][:-1]):
         where.axhline(height, color="0.75", linewidth=0.6, zorder=0, label="ring edge")
     times, radii = (scale.shown(name, first[name]) for name in ("time", "radius"))
@@ -32,8 +32,9 @@ def draw_contact(result: Result) -> Figure:
         look = curve(number) | {"markersize": 2.5, "label": f"ring {ring + 1:g}"}
         for axes, name in ((force, "ring_force"), (volume, "ring_worn_volume")):
             scale.plot(axes, name, "time", all_times, first[name][:, int(ring)], **look)
-    look = {"color": "black", "linewidth": 0.8, "label": "all rings"}
-    scale.plot(force, "normal_force", "time", all_times, first["normal_force"], **look)
+    look = {"color": "black", "label": "all rings"}
+    total = first["normal_force"]
+    scale.plot(force, "normal_force", "time", all_times, total, linewidth=0.8, **look)
     for axes, high in ((where, 1.04 * radii.max()), (force, None), (volume, None)):
         axes.set_ylim(0, high)
     titles = result.scene.title, "contact over time"

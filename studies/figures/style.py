@@ -99,8 +99,8 @@ def complete(
     )
     width, height = figure.get_size_inches()
     figure.suptitle(lines, y=1 - 0.05 / height, parse_math=False)
-    grid = figure.axes[0].get_gridspec()
-    rows, columns = grid.nrows, grid.ncols
+    grid: Any = figure.axes[0].get_gridspec()
+    rows, columns = grid.get_geometry()
     above = max(len(panel.get_title().splitlines()) for panel in figure.axes[:columns])
     # lines of text are an eighth of an inch; ticks and labels take half an inch left of panels, and
     # a third below them

@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -62,13 +62,10 @@ def write_netcdf(table: "Table", path: Path) -> None:
             for dim, size in zip(dims, values.shape, strict=True):
                 if dim not in file.dimensions:
                     file.createDimension(dim, size)
-            if values.dtype.kind == "U":
-                variable = file.createVariable(name, str, dims)
-                variable[:] = values.astype(object)
-            else:
-                fill = np.nan if values.dtype.kind == "f" else None
-                variable = file.createVariable(name, values.dtype, dims, fill_value=fill)
-                variable[:] = values
+            kind: Any = str if values.dtype.kind == "U" else values.dtype
+            fill = np.nan if values.dtype.kind == "f" else None
+            variable = file.createVariable(name, kind, dims, fill_value=fill)
+            variable[:] = values.astype(object) if kind is str else values
             variable.setncatts(attributes)
             beside = [label for label, along in labels.items() if along in dims]
             if name in table.variables and beside:
