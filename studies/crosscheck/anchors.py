@@ -2,9 +2,9 @@
 
 Closed forms and balances that its *reported* results are held to, each method by itself.
 
-They take the dataset that is written, made non-dimensional by the numbers of the scene itself, so
+They take the table that is written, made non-dimensional by the numbers of the scene itself, so
 that what is scaled, sampled or derived on the way shows, too, and what all methods share. Fields
-over the whole face stand beside it, of which the dataset has some radii.
+over the whole face stand beside it, of which the table has some radii.
 
 A flat start is closed form (Eqs. 10, 11), and so is the steady state (Eqs. 21 to 27). In between
 hold, with ``F = 1``,
@@ -16,12 +16,11 @@ hold, with ``F = 1``,
     d'(2 t) = int k p^2 dA                   power; by the symmetry of compliance and wear
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import xarray
 
 from ...mdr import direct
 from ...meshes.radial import Array, ring_of
@@ -57,17 +56,17 @@ class Anchor:
         return self.difference <= self.tolerance
 
 
-def anchors(scene: Scene, name: str, dataset: xarray.Dataset, solution: Solution) -> list[Anchor]:
+def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solution) -> list[Anchor]:
     """Hold a method to all that applies to what it reports.
 
     Parameters
     ----------
     scene : what was asked for
     name : of the method
-    dataset : what is written of it, in the scene's units
+    table : what is written of it, by the names of quantities, in the scene's units
     solution : what the method said of the face, and of its own errors
     """
-    reported = _Reported(scene, dataset, solution)
+    reported = _Reported(scene, table, solution)
     groups = [
         ("ring_force pressure", reported.check_forces),
         ("ring_worn_volume", reported.check_volume),
@@ -148,20 +147,20 @@ class _Reported:
     relative to the reference.
     """
 
-    def __init__(self, scene: Scene, dataset: xarray.Dataset, solution: Solution) -> None:
-        self.solution, self.dataset = solution, dataset
+    def __init__(self, scene: Scene, table: Mapping[str, Any], solution: Solution) -> None:
+        self.solution, self.table = solution, table
         self.problem, self.units = scene.problem, natural_units(scene)
         self.face, self.rtol = self.problem.face, self.problem.rtol
-        self.radii = dataset["radius"].values / self.units.length
-        self.times = dataset["time"].values[self.problem.checked] / self.units.time
+        self.radii = np.asarray(table["radius"]) / self.units.length
+        self.times = np.asarray(table["time"])[self.problem.checked] / self.units.time
         self.later = self.times > 0
         self.steady_pressures = direct.steady_pressures(*self.problem.merged)
         self.wear_rate = self.steady_pressures[0] * self.problem.merged.wear_coefficients[0]
 
     def _read(self, name: str) -> Array:
-        """Return a variable of the dataset, non-dimensional."""
+        """Return a quantity of the table, non-dimensional."""
         unit = getattr(self.units, (QUANTITIES | ANSWER)[name].unit)
-        return np.asarray(self.dataset[name].values / unit)
+        return np.asarray(self.table[name]) / unit
 
     def _take(self, name: str) -> Array:
         """Return a quantity at the times that are checked.

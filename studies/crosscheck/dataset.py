@@ -1,5 +1,5 @@
-"""The result of a run, as an xarray Dataset (netCDF-4) and as a summary (JSON), in the scene's
-units.
+"""The result of a run, as a table of arrays (netCDF-4), an xarray Dataset and a summary (JSON), in
+the scene's units.
 """
 
 import json
@@ -8,10 +8,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from importlib.resources import files
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import xarray
 
 from ...meshes.radial import Array
 from ..methods.base import Method, Solution
@@ -38,6 +37,22 @@ from .answer import ALSO, answer
 from .interior import Interior, interior
 from .operators import OperatorDifference
 from .scope import left_out, modelled
+
+if TYPE_CHECKING:
+    import xarray
+
+Labelled = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]
+
+
+class Table(NamedTuple):
+    """Results as `xarray.Dataset` takes them: by name, dimensions, values and attributes of each.
+
+    Most runs need no more, and xarray with all that it loads takes as long as some of them.
+    """
+
+    variables: Labelled
+    coordinates: Labelled
+    attributes: dict[str, str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,20 +164,44 @@ class Result:
         return interior(self.scene, self.solutions["fem"])
 
     @cached_property
-    def dataset(self) -> xarray.Dataset:
-        """The results as an xarray Dataset, in the scene's units."""
-        return dataset(self)
+    def table(self) -> Table:
+        """All results over dimensions solver, time, radius, ring and mode, in the scene's units."""
+        return tabulate(self)
+
+    @cached_property
+    def dataset(self) -> "xarray.Dataset":
+        """The table as an xarray Dataset."""
+        import xarray
+
+        return xarray.Dataset(*self.table)
+
+    @cached_property
+    def coordinates(self) -> dict[str, Array]:
+        """Times, radii and rings, by their names in the table."""
+        return {name: values for name, (_, values, _) in self.table.coordinates.items()}
+
+    def reported(self, method: str) -> dict[str, Array]:
+        """Return what a method reports, and the coordinates, by their names."""
+        row = list(self.solutions).index(method)
+        variables = self.table.variables.items()
+        return self.coordinates | {name: values[row] for name, (_, values, _) in variables}
+
+    def by_method(self, quantity: str, times: Any = ...) -> dict[str, Array]:
+        """Return a quantity by each method that gives it, at all or at some of the times."""
+        given = zip(self.solutions, self.table.variables[quantity][1], strict=True)
+        chosen = {name: values[times] for name, values in given}
+        return {name: values for name, values in chosen.items() if not np.isnan(values).all()}
 
     @cached_property
     def anchors(self) -> tuple[Anchor, ...]:
         """What no method can move, for each method.
 
-        Closed forms and balances that the dataset is held to.
+        Closed forms and balances that the table is held to.
         """
         return tuple(
             anchor
             for name, solution in self.solutions.items()
-            for anchor in anchors(self.scene, name, self.dataset.sel(solver=name), solution)
+            for anchor in anchors(self.scene, name, self.reported(name), solution)
         )
 
     @property
@@ -171,11 +210,8 @@ class Result:
         return summary(self)
 
 
-def dataset(result: Result) -> xarray.Dataset:
-    """Return all results over dimensions solver, time, radius, ring and mode.
-
-    NaN where a method does not give a quantity.
-    """
+def tabulate(result: Result) -> Table:
+    """Return all results, NaN where a method does not give a quantity."""
     scene, problem = result.scene, result.scene.problem
     units, names = problem.units, UnitNames.of(scene.units)
     reported, table = [], dict[str, Quantity]()
@@ -208,7 +244,7 @@ def dataset(result: Result) -> xarray.Dataset:
     def describe(definition: str, kind: str) -> dict[str, str]:
         return {"long_name": definition, "units": names.name(kind) or scene.units or UNSTATED}
 
-    variables: dict[str, Any] = {}
+    variables: Labelled = {}
     for name, quantity in (table | ANSWER).items():
         gathered = np.full((len(reported), *(sizes[dim] for dim in quantity.dims)), np.nan)
         for row, given in enumerate(reported):
@@ -216,20 +252,21 @@ def dataset(result: Result) -> xarray.Dataset:
                 shared = common(given[name].shape, gathered.shape[1:])
                 gathered[row, ...][shared] = given[name][shared]
         attributes = describe(quantity.definition, quantity.unit)
-        variables[name] = ("solver", *quantity.dims), gathered, attributes
+        variables[name] = (("solver", *quantity.dims), gathered, attributes)
     # as they were asked for: by way of the non-dimensional ones they would differ in the last digit
     radius = problem.radii * units.length if scene.output.radii is None else scene.output.radii
     inner, outer = problem.ring_edges[:-1] * units.length, problem.ring_edges[1:] * units.length
     coefficients = problem.wear_coefficients * units.wear_coefficient
     about_coefficients = describe("k of df/dt = k p v0 on the ring", "wear_coefficient")
-    coordinates: dict[str, Any] = {
-        "solver": list(result.solutions),
-        "state": list(STATES),
-        "time": ("time", scene.wear.times[: sizes["time"]], describe("time of sliding", "time")),
-        "radius": ("radius", radius, describe("distance from the axis", "length")),
-        "ring_inner_radius": ("ring", inner, describe("inner edge of the ring", "length")),
-        "ring_outer_radius": ("ring", outer, describe("outer edge of the ring", "length")),
-        "wear_coefficient": ("ring", coefficients, about_coefficients),
+    times = np.array(scene.wear.times[: sizes["time"]], dtype=float)
+    coordinates: Labelled = {
+        "solver": (("solver",), np.array(list(result.solutions)), {}),
+        "state": (("state",), np.array(STATES), {}),
+        "time": (("time",), times, describe("time of sliding", "time")),
+        "radius": (("radius",), np.asarray(radius), describe("distance from the axis", "length")),
+        "ring_inner_radius": (("ring",), inner, describe("inner edge of the ring", "length")),
+        "ring_outer_radius": (("ring",), outer, describe("outer edge of the ring", "length")),
+        "wear_coefficient": (("ring",), coefficients, about_coefficients),
     }
     for dim, meaning in (
         ("ring", "ring, counted from the centre"),
@@ -237,7 +274,7 @@ def dataset(result: Result) -> xarray.Dataset:
         ("edge", "edge of the contact: inner and outer of each part in turn, from the centre"),
     ):
         if sizes[dim]:
-            coordinates[dim] = dim, np.arange(1, sizes[dim] + 1), {"long_name": meaning}
+            coordinates[dim] = ((dim,), np.arange(1, sizes[dim] + 1), {"long_name": meaning})
     about = {
         "title": scene.title,
         "units": scene.units or UNSTATED,
@@ -249,7 +286,7 @@ def dataset(result: Result) -> xarray.Dataset:
         "versions": json.dumps(versions()),
         "scene": scene.to_toml(),
     }
-    return xarray.Dataset(variables, coordinates, about)
+    return Table(variables, coordinates, about)
 
 
 def summary(result: Result) -> dict[str, Any]:

@@ -73,7 +73,8 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     """The inside of the half-space at the scene's field times, and when steady.
 
     Its degree is raised until the estimate of the stresses is `SHARE` times `rtol`, unless the user
-    has given it, or poles.
+    has given it, or poles. It starts at the one that is enough for five rings and for a flat punch
+    at every `rtol`, or at that of the contact if that is lower.
     """
     from ...fem.far_field import enough_poles
     from ...fem.half_space import HalfSpace, pressure_space
@@ -103,6 +104,10 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     # what the user has given stays, and no degree mends the truncation
     given = problem.fem.degree or problem.fem.poles or not half_space.poles
     highest = degree if given else max(degree, highest)
+    # closer to incompressible, it takes that of the contact
+    if not given and problem.poisson_ratio <= 0.499:
+        # estimates on quadrilaterals are 6 / 3^degree
+        degree = max(min(degree, ceil(log(6 / (SHARE * problem.rtol), 3))), 3)
 
     def refine(degree: int) -> list[HalfSpace]:
         solids = [

@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
 from ...meshes.errors import SceneError
 from ..problem.scene import Scene
-from .scale import Scale, by_method
-from .style import PAGE, complete, curve, new_figure
+from .scale import Scale
+from .style import PAGE, complete, curve, new_panels
 
 
 def draw_comparison(scenes: Sequence[Scene], datasets: Sequence[xarray.Dataset]) -> Figure:
@@ -26,14 +27,15 @@ def draw_comparison(scenes: Sequence[Scene], datasets: Sequence[xarray.Dataset])
     """
     scale, other = (Scale(scene) for scene in scenes)
     other.axes, other.logarithmic = scale.axes, scale.logarithmic
-    figure = new_figure(PAGE, 4.6)
-    panels = figure.subplots(2, 2)
+    figure, panels = new_panels(PAGE, 4.6, 2, 2)
     names = ("steady_profile", "steady_pressure", "displacement_max", "rms_slope")
     for name, axes in zip(names, panels.flat, strict=True):
+        over, marks = ("radius", {"marker": ""}) if "steady" in name else ("time", {})
         for number, (drawn, data) in enumerate(zip((scale, other), datasets, strict=True)):
-            for values in list(by_method(data[name]).values())[:1]:
-                look = curve(number) | ({"marker": ""} if "steady" in name else {})
-                drawn.plot(axes, values, **look, label="AB"[number])
+            given = (values for values in data[name].values if not np.isnan(values).all())
+            for values in list(given)[:1]:
+                look = curve(number) | marks | {"label": "AB"[number]}
+                drawn.plot(axes, name, over, data[over].values, values, **look)
         if not axes.lines:
             figure.delaxes(axes)
     if not figure.axes:
@@ -41,4 +43,5 @@ def draw_comparison(scenes: Sequence[Scene], datasets: Sequence[xarray.Dataset])
     panels[0, 0].invert_yaxis()
     a, b = (scene.title or "untitled" for scene in scenes)
     note = f"{scale.note} of A" if scale.note else ""
-    return complete(figure, ("A", f"{a}; B: {b}"), figure.axes, note)
+    titles = "A", f"{a}; B: {b}"
+    return complete(figure, titles, figure.axes, note, across=0.56, down=0.5)

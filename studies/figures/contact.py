@@ -4,36 +4,38 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..crosscheck.dataset import Result
-from .scale import Scale, by_method
-from .style import PAGE, complete, curve, method_curve, new_figure
+from .scale import Scale
+from .style import PAGE, complete, curve, method_curve, new_panels
 
 
 def draw_contact(result: Result) -> Figure:
     """Draw edges of the contact by every method, its inside shaded, and forces and worn volumes of
     rings by the first; of many rings, five.
     """
-    scale, data = Scale(result.scene), result.dataset
-    figure = new_figure(PAGE, 2.9)
-    where, force, volume = figure.subplots(1, 3)
-    methods = by_method(data.contact_edge)
-    for number, (method, edges) in enumerate(methods.items()):
+    scale, edges = Scale(result.scene), result.by_method("contact_edge")
+    first = result.reported(next(iter(edges)))
+    all_times = first["time"]
+    figure, panels = new_panels(PAGE, 2.9, columns=3)
+    where, force, volume = panels.flat
+    for number, (method, radii) in enumerate(edges.items()):
         look = {"linestyle": "none", "marker": "ox+^"[number % 4], "markerfacecolor": "none"}
         color = method_curve(method)["color"]
-        scale.plot(where, edges, **look, markersize=4, color=color, label=method.upper())
-    for edge in data.ring_outer_radius[:-1]:
-        height = scale.shown("radius", float(edge))
+        look |= {"color": color, "label": method.upper()}
+        scale.plot(where, "contact_edge", "time", all_times, radii, markersize=4, **look)
+    for height in scale.shown("radius", first["ring_outer_radius"][:-1]):
         where.axhline(height, color="0.75", linewidth=0.6, zorder=0, label="ring edge")
-    first = data.sel(solver=next(iter(methods)))
     times, radii = (scale.shown(name, first[name]) for name in ("time", "radius"))
-    carries = first.contact.T > 0
+    carries = first["contact"].T > 0
     where.pcolormesh(times, radii, carries, cmap="Greys", vmax=5, shading="nearest", zorder=-1)
-    count = first.sizes["ring"]
+    count = len(first["ring"])
     for number, ring in enumerate(np.unique(np.linspace(0, count - 1, min(count, 5)).round())):
         look = curve(number) | {"markersize": 2.5, "label": f"ring {ring + 1:g}"}
-        of_ring = first.isel(ring=int(ring))
-        scale.plot(force, of_ring.ring_force, **look)
-        scale.plot(volume, of_ring.ring_worn_volume, **look)
-    scale.plot(force, first.normal_force, color="black", linewidth=0.8, label="all rings")
+        for axes, name in ((force, "ring_force"), (volume, "ring_worn_volume")):
+            scale.plot(axes, name, "time", all_times, first[name][:, int(ring)], **look)
+    look = {"color": "black", "label": "all rings"}
+    total = first["normal_force"]
+    scale.plot(force, "normal_force", "time", all_times, total, linewidth=0.8, **look)
     for axes, high in ((where, 1.04 * radii.max()), (force, None), (volume, None)):
         axes.set_ylim(0, high)
-    return complete(figure, (result.scene.title, "contact over time"), figure.axes, scale.note)
+    titles = result.scene.title, "contact over time"
+    return complete(figure, titles, figure.axes, scale.note, across=0.56)

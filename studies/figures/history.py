@@ -6,64 +6,67 @@ Greatest displacement and RMS slope over time (the paper's Fig. 5), and how far 
 from typing import Any
 
 import numpy as np
-import xarray
 from matplotlib.figure import Figure
 
+from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
 from .modal import modal_method, sample_modes
-from .scale import Scale, by_method
-from .style import FAINT, PAGE, complete, curve, method_curve, new_figure
+from .scale import Scale
+from .style import FAINT, PAGE, complete, curve, method_curve, new_panels, set_logarithmic
 
 
 def draw_history(result: Result) -> Figure:
     """Draw displacement and RMS slope over time, marked at the times of the scene, and below them
     by how much of the value methods differ from the first.
     """
-    scale, problem, data = Scale(result.scene), result.scene.problem, result.dataset
+    scale, problem = Scale(result.scene), result.scene.problem
+    worn = result.coordinates["time"] > 0
+    worn_times = result.coordinates["time"][worn]
+    curves = {name: result.by_method(name, worn) for name in ("displacement_max", "rms_slope")}
     modal, smooth = modal_method(result.solutions), None
     if modal is not None and problem.march == "modal":
         space = np.geomspace if scale.logarithmic else np.linspace
         times = space(problem.earliest, float(problem.times[-1]), 80)
         smooth = sample_modes(problem, modal[1], times)
-    rows = min(2, len(by_method(data.indentation)))
-    figure = new_figure(PAGE, 2.6 + 0.6 * rows)
-    panels = figure.subplots(rows, 2, sharex=True, squeeze=False, height_ratios=[2.2, 1][:rows])
-    for name, (values, *below) in zip(("displacement_max", "rms_slope"), panels.T, strict=True):
-        methods = by_method(data[name].where(data.time > 0))
-        for method, points in methods.items():
-            look = method_curve(method)
+    rows = min(2, len(curves["displacement_max"]))
+    ratios = [2.2, 1][:rows]
+    figure, panels = new_panels(PAGE, 2.6 + 0.6 * rows, rows, 2, sharex=True, height_ratios=ratios)
+    for (name, methods), (values, *below) in zip(curves.items(), panels.T, strict=True):
+        for method, heights in methods.items():
+            look, times = method_curve(method), worn_times
             if smooth is not None and modal is not None:
                 if method == modal[0]:
-                    points = smooth[name]
+                    times, heights = smooth["time"], smooth[name]
                     look["marker"] = ""
                 else:
                     look = {"marker": "."} | look | {"linestyle": "none"}
-            scale.plot(values, points, **look)
+            scale.plot(values, name, "time", times, heights, **look)
         if result.gives(f"steady_{name}"):
-            steady = float(data[f"steady_{name}"].dropna("solver")[0])
+            steady = next(iter(result.by_method(f"steady_{name}").values()))
             values.axhline(scale.shown(name, steady), **FAINT, label="steady state")
         values.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
         _mark_running_in(values, result, scale)
         for axes in below:
-            _draw_differences(axes, methods, scale)
+            _draw_differences(axes, worn_times, methods, scale)
             values.set_xlabel("")
-    return complete(figure, (result.scene.title, "running-in"), panels[:, 0], scale.note)
+    titles = result.scene.title, "running-in"
+    return complete(figure, titles, panels[:, 0], scale.note, across=0.6)
 
 
-def _draw_differences(axes: Any, methods: dict[str, xarray.DataArray], scale: Scale) -> None:
+def _draw_differences(axes: Any, times: Array, methods: dict[str, Array], scale: Scale) -> None:
     """Draw differences of each method from the first, over its value, where there are any."""
     (first, reference), *others = methods.items()
-    for number, (method, points) in enumerate(others):
-        differences = abs(points / reference - 1)
+    for number, (method, heights) in enumerate(others):
+        differences = np.abs(heights / reference - 1)
         look = curve(number) | {"markersize": 2.5, "linewidth": 0.8}
         label = f"{method.upper()} from {first.upper()}"
-        shown = differences.where(differences > 0)
-        axes.plot(scale.shown("time", points.time), shown, **look, label=label)
-    axes.set(yscale="log", xlabel=scale.label("time"), ylabel="rel. difference")
+        shown = np.where(differences > 0, differences, np.nan)
+        axes.plot(scale.shown("time", times), shown, **look, label=label)
+    set_logarithmic(axes, "y")
+    axes.set(xlabel=scale.label("time"), ylabel="rel. difference")
     # whole decades
     low, high = np.log10(axes.get_ylim())
     axes.set_ylim(10 ** np.floor(low), 10 ** np.ceil(high))
-    axes.yaxis.set_minor_formatter("")
 
 
 def _mark_running_in(axes: Any, result: Result, scale: Scale) -> None:

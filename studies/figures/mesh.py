@@ -12,38 +12,42 @@ from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
 from ..crosscheck.interior import NEAR
 from .scale import Scale
-from .style import PAGE, RED, complete, new_figure
+from .style import PAGE, RED, complete, hide_inner_ticks, new_panels, power_of_ten
 
 
 def draw_stress(result: Result) -> Figure:
     """Draw the von Mises stress under the rings, at every state whose inside was recovered."""
     fields, scale, count = result.inside, Scale(result.scene), len(result.inside.labels)
     width = min(PAGE, 1.4 + 2.7 * count)
-    figure = new_figure(width, 0.75 * (width - 1.25) / count + 1.1)
-    panels = figure.subplots(1, count, sharey=True, squeeze=False)[0]
+    height = 0.78 * (width - 1.6) / count + 1.25
+    ratios = [1.0] * count + [0.05]
+    figure, panels = new_panels(width, height, columns=count + 1, width_ratios=ratios)
+    *views, bar = panels[0]
     r, z = fields.points
     beneath = (r < 1.3) & (z > 0.04) & (z < 1.0)
     stress = scale.shown("von_mises", fields.von_mises * result.scene.problem.units.pressure)
     levels = MaxNLocator(12).tick_values(0, 1.2 * float(stress[:, beneath].max()))
     near = (r[fields.triangles].min(axis=0) < 1.3) & (z[fields.triangles].min(axis=0) < 1.0)
     for axes, values, label, error in zip(
-        panels, stress, fields.labels, fields.errors["von_mises"], strict=True
+        views, stress, fields.labels, fields.errors["von_mises"], strict=True
     ):
         filled = axes.tricontourf(
             r, z, fields.triangles[:, near].T, values, levels, cmap="viridis", extend="max"
         )
         _draw_punch(axes, 1.0, result.scene.problem.ring_edges)
-        axes.set(xlim=(0, 1.3), ylim=(1.0, -0.08), aspect="equal", xlabel="$r/a$")
+        axes.set(xlim=(0, 1.3), ylim=(1.0, -0.08), aspect="equal", xlabel="r/a")
         state = "steady state" if label == "steady" else scale.when(float(label.removeprefix("t=")))
         axes.set_title(f"{state}; errors up to {error:.0e} F/(πa²)")
-    panels[0].set_ylabel("depth $z/a$")
-    figure.colorbar(filled, ax=panels, label=scale.label("von_mises"))
+        hide_inner_ticks(axes)
+    views[0].set_ylabel("depth z/a")
+    figure.colorbar(filled, cax=bar, label=scale.label("von_mises"))
     note = (
         f"errors: by their own estimate, further than {NEAR:g} a from the rim and from ring edges, "
         "which are marked"
     )
     titles = result.scene.title, "von Mises stress under the rings"
-    return complete(figure, titles, note="\n".join(filter(None, (note, scale.note))))
+    note = "\n".join(filter(None, (note, scale.note)))
+    return complete(figure, titles, note=note, across=0.2, right=0.5)
 
 
 def draw_result_mesh(result: Result) -> Figure:
@@ -56,17 +60,16 @@ def draw_result_mesh(result: Result) -> Figure:
 
 def draw_mesh(mesh: Any, mesher: str, ring_edges: Array) -> Figure:
     """Draw the whole mesh, the mesh under the punch, and the mesh at the rim."""
-    figure = new_figure(PAGE, 2.75)
     rim = max(30 * float(np.diff(contact_radii(mesh)).min()), 1e-6)
-    power = int(np.floor(np.log10(rim)))
+    power = 10 ** np.floor(np.log10(rim))
     views = (
-        ("whole", 0.0, truncation(mesh), "$r/a$"),
-        ("under the punch", 0.0, 1.15, "$r/a$"),
-        ("at the rim", -rim, rim, rf"$(r-a)/a$ in $10^{{{power}}}$"),
+        ("whole", 0.0, truncation(mesh), "r/a"),
+        ("under the punch", 0.0, 1.15, "r/a"),
+        ("at the rim", -rim, rim, f"(r − a)/a in {power_of_ten(power)}"),
     )
-    panels = figure.subplots(1, 3)
-    for axes, (name, low, high, label) in zip(panels, views, strict=True):
-        centre, unit = (1.0, 10.0**power) if low else (0.0, 1.0)
+    figure, panels = new_panels(PAGE, 2.75, columns=len(views))
+    for axes, (name, low, high, label) in zip(panels[0], views, strict=True):
+        centre, unit = (1.0, power) if low else (0.0, 1.0)
         depth = high - low
         corners = mesh.p[:, mesh.t].transpose(2, 1, 0) - [centre, 0.0]
         least, most = corners.min(axis=1), corners.max(axis=1)
@@ -78,9 +81,9 @@ def draw_mesh(mesh: Any, mesher: str, ring_edges: Array) -> Figure:
         _draw_punch(axes, depth / unit, (ring_edges - centre) / unit)
         axes.set(xlim=(low / unit, high / unit), ylim=(depth / unit, -0.06 * depth / unit))
         axes.set(aspect="equal", xlabel=label, title=f"{name}: {len(shown)} elements")
-    panels[0].set_ylabel("depth $z/a$")
+    panels[0, 0].set_ylabel("depth z/a")
     title = f"half-space mesh by {mesher}; the punch is red, ring edges are marked"
-    return complete(figure, [title])
+    return complete(figure, [title], across=0.4)
 
 
 def _draw_punch(axes: Any, depth: float, ring_edges: Array) -> None:

@@ -1,9 +1,6 @@
 """A punch in full contact at any time, by its relaxation modes."""
 
 from collections.abc import Mapping
-from typing import Any
-
-import xarray
 
 from ...meshes.radial import Array
 from ..methods.base import Solution
@@ -21,18 +18,17 @@ def modal_method(solutions: Mapping[str, Solution]) -> tuple[str, RunningIn] | N
     return None
 
 
-def sample_modes(problem: Problem, wear: RunningIn, times: Array) -> xarray.Dataset:
+def sample_modes(problem: Problem, wear: RunningIn, times: Array) -> dict[str, Array]:
     """Return the quantities at non-dimensional times, and of the steady state if that is wanted, in
-    the units of the scene.
+    the units of the scene, with times and radii.
     """
     sampler, units = Sampler(problem, wear.compliance.space), problem.units
     results = sampler.history(wear.modal(times))
     if problem.steady:
         results |= sampler.steady(wear.steady)
-    variables: dict[str, Any] = {
-        name: (quantity.dims, results[name] * getattr(units, quantity.unit))
+    sampled = {
+        name: results[name] * getattr(units, quantity.unit)
         for name, quantity in QUANTITIES.items()
         if name in results
     }
-    places = {"time": times * units.time, "radius": problem.radii * units.length}
-    return xarray.Dataset(variables, places)
+    return sampled | {"time": times * units.time, "radius": problem.radii * units.length}

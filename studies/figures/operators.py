@@ -4,15 +4,15 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..crosscheck.dataset import Result
-from .style import GREYS, PAGE, complete, new_figure
+from .style import GREYS, PAGE, complete, new_panels, set_logarithmic
 
 
 def draw_operators(result: Result) -> Figure:
     """Draw the relative difference of two methods against the wavelength of the pressure."""
-    figure, least = new_figure(PAGE, 3.4), 1e-16
-    axes = figure.subplots()
+    figure, panels = new_panels(PAGE, 3.4)
+    axes, least = panels[0, 0], 1e-16
     for pair, marker, color in zip(result.operators, "ox^s", GREYS, strict=False):
-        axes.loglog(
+        axes.plot(
             pair.wavelengths / result.scene.punch.radius,
             np.maximum(pair.differences, least),
             marker,
@@ -28,7 +28,8 @@ def draw_operators(result: Result) -> Figure:
         )
     shortest = 2 * float(result.scene.problem.rings.widths.min())
     axes.axvline(shortest, color="0.4", linestyle=":", label="two of the narrowest rings")
-    axes.set_xlabel("wavelength of the pressure over the punch radius $a$")
+    set_logarithmic(axes, "x", "y")
+    axes.set_xlabel("wavelength of the pressure over the punch radius a")
     axes.set_ylabel("relative difference of energies")
     return complete(
         figure,

@@ -8,28 +8,27 @@ them says so.
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray
 
-from ...meshes.radial import Indices
+from ...meshes.radial import Array, Indices
 from ..problem.problem import D0, P0, Problem
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
-from .style import broken_at, method_curve, shade_rings
+from .style import broken_at, method_curve, set_logarithmic, shade_rings
 
 LABELS = {
     "radius": ("radius", "r", "length"),
     "time": ("time", "t", "time"),
-    "profile": ("worn height", "\\Delta f", "displacement"),
+    "profile": ("worn height", "Δf", "displacement"),
     "pressure": ("pressure", "p", "pressure"),
-    "steady_profile": ("limiting profile", "f_{stat}", "displacement"),
+    "steady_profile": ("limiting profile", "fₛₜₐₜ", "displacement"),
     "steady_pressure": ("steady pressure", "p", "pressure"),
-    "displacement_max": ("greatest displacement", "u_{max}", "displacement"),
+    "displacement_max": ("greatest displacement", "uₘₐₓ", "displacement"),
     "rms_slope": ("RMS slope", "s", "slope"),
     "contact_edge": ("contact (shaded), its edges", "r", "length"),
-    "ring_force": ("force", "F_N", "force"),
-    "normal_force": ("force", "F_N", "force"),
+    "ring_force": ("force", "Fₙ", "force"),
+    "normal_force": ("force", "Fₙ", "force"),
     "ring_worn_volume": ("worn volume", "V", "volume"),
-    "von_mises": ("von Mises stress", "\\sigma", "pressure"),
+    "von_mises": ("von Mises stress", "σ", "pressure"),
 }
 """What is drawn: its name, symbol and kind of unit."""
 MANY = 24
@@ -71,11 +70,11 @@ class Scale:
         self.axes = {}
         for kind, size, symbol in (
             ("length", 1.0, "a"),
-            ("displacement", D0, "d_0"),
-            ("pressure", P0, "p_0"),
-            ("slope", D0, "(d_0/a)"),
+            ("displacement", D0, "d₀"),
+            ("pressure", P0, "p₀"),
+            ("slope", D0, "(d₀/a)"),
             ("force", 1.0, "F"),
-            ("volume", 1.0, "(Fa/E^*)"),
+            ("volume", 1.0, "(Fa/E*)"),
         ):
             stored = size * getattr(units, kind)
             unit, name = self.names.readable(stored, kind)
@@ -89,17 +88,17 @@ class Scale:
         return values / self.axes[LABELS[name][2]].unit
 
     def label(self, name: str) -> str:
-        """Return the label of an axis, as ``pressure $p$ (MPa)`` or ``pressure $p/p_0$``."""
+        """Return the label of an axis, as ``pressure p (MPa)`` or ``pressure p/p₀``."""
         what, symbol, kind = LABELS[name]
         _, unit, over = self.axes[kind]
-        return f"{what} ${symbol}{f'/{over}' if over else ''}$" + (f" ({unit})" if unit else "")
+        return f"{what} {symbol}{f'/{over}' if over else ''}" + (f" ({unit})" if unit else "")
 
-    def plot(self, axes: Any, values: xarray.DataArray, **look: Any) -> None:
-        """Draw a quantity over the radius, broken where pressures jump, or over time."""
-        name, over = str(values.name), str(values.dims[0])
-        places, heights = values[over].values, values.values
+    def plot(
+        self, axes: Any, name: str, over: str, places: Array, heights: Array, **look: Any
+    ) -> None:
+        """Draw a quantity over the `radius`, broken where pressures jump, or over `time`."""
         if over == "time" and self.logarithmic:
-            axes.set_xscale("log")
+            set_logarithmic(axes, "x")
             places, heights = places[places > 0], heights[places > 0]
         if "pressure" in name:
             edges = self.problem.merged.ring_edges * self.problem.units.length
@@ -107,14 +106,14 @@ class Scale:
         axes.plot(self.shown(over, places), self.shown(name, heights), **look)
         axes.set(xlabel=self.label(over), ylabel=self.label(name))
 
-    def plot_radial(self, axes: Any, values: xarray.DataArray) -> None:
+    def plot_radial(self, axes: Any, name: str, radii: Array, values: dict[str, Array]) -> None:
         """Draw a quantity over the radius by every method that gives it, and shade the rings."""
         rings = self.problem.rings
-        for method, curve in by_method(values).items():
+        for method, curve in values.items():
             look = method_curve(method, len(curve))
             if len(rings.wear_coefficients) > MANY:
                 look |= {"marker": "", "linewidth": 0.5 * look["linewidth"]}
-            self.plot(axes, curve, **look)
+            self.plot(axes, name, "radius", radii, curve, **look)
         shade_rings(axes, *rings, self.shown("radius", self.problem.units.length))
 
     def when(self, time: float) -> str:
@@ -139,12 +138,6 @@ class Scale:
             f"d₀ = F/(2aE*) = {write(D0 * units.displacement, 'displacement', 3)}, "
             f"p₀ = F/(2πa²) = {write(P0 * units.pressure, 'pressure', 3)}"
         )
-
-
-def by_method(values: xarray.DataArray) -> dict[str, xarray.DataArray]:
-    """Return a quantity by each method that gives it."""
-    methods = {str(name): values.sel(solver=name, drop=True) for name in values.solver.values}
-    return {name: given for name, given in methods.items() if given.notnull().any()}
 
 
 def shown_times(problem: Problem, most: int) -> Indices:

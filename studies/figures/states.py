@@ -14,53 +14,56 @@ from matplotlib.figure import Figure
 from ..crosscheck.dataset import Result
 from ..problem.problem import P0
 from .scale import MANY, Scale, shown_times
-from .style import FAINT, PAGE, complete, new_figure
+from .style import FAINT, PAGE, complete, hide_inner_ticks, new_panels
 
 
 def draw_states(result: Result) -> Figure:
     """Draw profiles and pressures at several times, every method over the other."""
     scale, many = Scale(result.scene), has_many_rings(result)
     states = shown_times(scale.problem, 3 if many else 6)
-    data = result.dataset.isel(time=states)
-    least = data.profile.min(["solver", "radius"])
+    radii = result.coordinates["radius"]
     if many:
-        figure = new_figure(PAGE, 0.7 + 2.5 * len(states))
-        pairs = figure.subplots(2 * len(states), 1, sharex=True).reshape(-1, 2)
+        figure, panels = new_panels(PAGE, 0.7 + 2.5 * len(states), 2 * len(states), sharex=True)
+        pairs = panels.reshape(-1, 2)
     else:
-        figure = new_figure(0.6 + 1.1 * max(len(states), 3), 4.0)
-        pairs = figure.subplots(2, len(states), sharex=True, squeeze=False).T
-    for number, (upper, lower) in enumerate(pairs):
+        width = 0.6 + 1.1 * max(len(states), 3)
+        figure, panels = new_panels(width, 4.0, 2, len(states), sharex=True)
+        pairs = panels.T
+    high = []
+    for state, (upper, lower) in zip(states, pairs, strict=True):
         upper.sharey(pairs[0, 0])
         lower.sharey(pairs[0, 1])
-        worn = float(least[number])
-        scale.plot_radial(upper, (data.profile[:, number] - worn).rename("profile"))
-        scale.plot_radial(lower, data.pressure[:, number])
+        profiles, pressures = (result.by_method(name, state) for name in ("profile", "pressure"))
+        worn = float(min(heights.min() for heights in profiles.values()))
+        profiles = {method: heights - worn for method, heights in profiles.items()}
+        scale.plot_radial(upper, "profile", radii, profiles)
+        scale.plot_radial(lower, "pressure", radii, pressures)
+        # pressures are infinite here and there
+        high += [np.quantile(values[np.isfinite(values)], 0.97) for values in pressures.values()]
         _draw_unworn(upper, lower, scale)
-        when = scale.when(float(data.time[number]))
+        when = scale.when(float(result.coordinates["time"][state]))
         less = f" − {scale.worn(worn)}" if worn else ""
         upper.set_title((": " if many else "\n").join([when, f"Δf = f{less}"]))
-        for axes in (upper, lower):
-            axes.label_outer()
+        hide_inner_ticks(upper)
+        hide_inner_ticks(lower)
     # worn down: what is missing below
     pairs[0, 0].invert_yaxis()
-    # pressures are infinite here and there
-    pressure = data.pressure.where(np.isfinite(data.pressure)).dropna("solver", how="all")
-    high = pressure.quantile(0.97, "radius")
-    pairs[0, 1].set_ylim(0, 2 * scale.shown("pressure", float(high.median())))
-    return _complete(figure, result, "profiles and pressures", pairs[0], scale)
+    pairs[0, 1].set_ylim(0, 2 * scale.shown("pressure", np.median(high)))
+    gaps = {"down": 0.3} if many else {"across": 0.24}
+    return _complete(figure, result, "profiles and pressures", pairs[0], scale, **gaps)
 
 
 def draw_steady(result: Result) -> Figure:
     """Draw limiting profile and steady pressure, every method over the other."""
     scale, rows = Scale(result.scene), 2 if has_many_rings(result) else 1
-    figure = new_figure(PAGE, 1.3 + 1.5 * rows)
-    upper, lower = figure.subplots(rows, 3 - rows, sharex=True)
-    scale.plot_radial(upper, result.dataset.steady_profile)
-    scale.plot_radial(lower, result.dataset.steady_pressure)
+    figure, panels = new_panels(PAGE, 1.3 + 1.5 * rows, rows, 3 - rows, sharex=True)
+    upper, lower = panels.flat
+    for axes, name in ((upper, "steady_profile"), (lower, "steady_pressure")):
+        scale.plot_radial(axes, name, result.coordinates["radius"], result.by_method(name))
     upper.invert_yaxis()
     lower.set_ylim(bottom=0)
     upper.label_outer()
-    return _complete(figure, result, "steady state", [upper], scale)
+    return _complete(figure, result, "steady state", [upper], scale, across=0.56)
 
 
 def has_many_rings(result: Result) -> bool:
@@ -82,8 +85,10 @@ def _draw_unworn(upper: Any, lower: Any, scale: Scale) -> None:
     axes.plot(scale.shown("radius", radii * length), scale.shown(name, values), **look)
 
 
-def _complete(figure: Figure, result: Result, what: str, axes: Any, scale: Scale) -> Figure:
+def _complete(
+    figure: Figure, result: Result, what: str, axes: Any, scale: Scale, **gaps: float
+) -> Figure:
     """Say what is shaded, where anything is, and what the axes are over."""
     shaded = "shaded: rings that wear faster" if np.ptp(scale.problem.wear_coefficients) else ""
     note = "; ".join(filter(None, (shaded, scale.note)))
-    return complete(figure, (result.scene.title, what), axes, note)
+    return complete(figure, (result.scene.title, what), axes, note, **gaps)

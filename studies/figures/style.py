@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
 from ...meshes.radial import Array
 
@@ -68,12 +69,27 @@ def new_figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width, height), layout="constrained", dpi=200)
 
 
+def new_panels(
+    width: float, height: float, rows: int = 1, columns: int = 1, **settings: Any
+) -> tuple[Figure, Any]:
+    """Return a figure for `complete` to arrange, and its panels (rows, columns); in inches."""
+    figure = Figure(figsize=(width, height), dpi=200)
+    return figure, figure.subplots(rows, columns, squeeze=False, **settings)
+
+
 def complete(
-    figure: Figure, titles: Iterable[str], axes: Iterable[Any] = (), note: str = ""
+    figure: Figure,
+    titles: Iterable[str],
+    axes: Iterable[Any] = (),
+    note: str = "",
+    across: float = 0.1,
+    down: float = 0.1,
+    right: float = 0.13,
 ) -> Figure:
     """Add titles in plain text above, one legend of some axes and a note below; return the figure.
 
-    Two lines of title are shown, and every label once. A scene may have no title.
+    Two lines of title are shown, and every label once. A scene may have no title. Panels are as far
+    apart across and down, and from the right, in inches, as what is written there needs.
     """
     lines = textwrap.fill(
         ": ".join(filter(None, titles)),
@@ -81,13 +97,34 @@ def complete(
         max_lines=2,
         placeholder=" ...",
     )
-    figure.suptitle(lines, parse_math=False)
-    legend_of(figure, axes, note)
+    width, height = figure.get_size_inches()
+    figure.suptitle(lines, y=1 - 0.05 / height, parse_math=False)
+    grid: Any = figure.axes[0].get_gridspec()
+    rows, columns = grid.get_geometry()
+    above = max(len(panel.get_title().splitlines()) for panel in figure.axes[:columns])
+    # lines of text are an eighth of an inch; ticks and labels take half an inch left of panels, and
+    # a third below them
+    top = 0.17 + 0.135 * len(lines.splitlines()) + 0.125 * above
+    bottom = 0.36 + legend_of(figure, axes, note)
+    left = 0.56
+    panel_width = (width - left - right - (columns - 1) * across) / columns
+    panel_height = (height - top - bottom - (rows - 1) * down) / rows
+    figure.subplots_adjust(
+        left=left / width,
+        right=1 - right / width,
+        top=1 - top / height,
+        bottom=bottom / height,
+        wspace=across / panel_width,
+        hspace=down / panel_height,
+    )
     return figure
 
 
-def legend_of(figure: Figure, axes: Iterable[Any], note: str = "") -> None:
-    """Add one legend under the whole figure, every label of some axes once, below a note."""
+def legend_of(figure: Figure, axes: Iterable[Any], note: str = "") -> float:
+    """Add one legend under the whole figure, every label of some axes once, below a note.
+
+    Return its height in inches.
+    """
     handles = {
         label: handle
         for panel in axes
@@ -97,15 +134,17 @@ def legend_of(figure: Figure, axes: Iterable[Any], note: str = "") -> None:
     columns = int(
         18 * figure.get_figwidth() / (8 + np.mean([len(label) for label in handles] or 0))
     )
+    columns = max(1, min(len(handles), columns))
     legend = figure.legend(
         handles.values(),
         handles.keys(),
         loc="outside lower center",
-        ncols=max(1, min(len(handles), columns)),
+        ncols=columns,
         frameon=False,
         title=note,
     )
     legend.get_title().set(parse_math=False, multialignment="center")
+    return 0.13 + 0.15 * -(-len(handles) // columns) + 0.125 * len(note.splitlines())
 
 
 def legend_below(axes: Any) -> None:
@@ -120,6 +159,31 @@ def legend_below(axes: Any) -> None:
             frameon=False,
             fontsize=8,
         )
+
+
+def set_logarithmic(axes: Any, *directions: str) -> None:
+    """Make axes logarithmic, with ticks at powers of ten alone.
+
+    Ticks between them, and formulas in labels, would take as long as all the rest of a figure.
+    """
+    for direction in directions:
+        axes.set(**{f"{direction}scale": "log"})
+        axis = getattr(axes, f"{direction}axis")
+        axis.set_major_formatter(lambda value, _: power_of_ten(value))
+        axis.set_minor_locator(NullLocator())
+
+
+def hide_inner_ticks(axes: Any) -> None:
+    """Leave ticks to the first of the panels in a row, and to the last of those in a column."""
+    place = axes.get_subplotspec()
+    axes.xaxis.set_visible(place.is_last_row())
+    axes.yaxis.set_visible(place.is_first_col())
+
+
+def power_of_ten(value: float) -> str:
+    """Return 0.01 as 10⁻²."""
+    superscripts = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+    return "10" + f"{np.log10(value):.0f}".translate(superscripts)
 
 
 def curve(number: int) -> dict[str, Any]:

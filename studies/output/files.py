@@ -10,12 +10,12 @@ import numpy as np
 
 from ...meshes.errors import RingwearError
 from ..progress import LOG
-from .signals import STOPPED, signals_wait
+from .signals import STOPPED
 
 if TYPE_CHECKING:
     import xarray
 
-    from ..crosscheck.dataset import Result
+    from ..crosscheck.dataset import Result, Table
     from ..figures.style import Picture
     from ..methods.fem import Meshed
     from ..problem.scene import Scene
@@ -37,17 +37,9 @@ TABLES = {
 
 def write_numbers(result: "Result", directory: Path, tables: bool = False) -> None:
     """Write the numbers of a run, if wanted as CSV tables, too."""
-    from xarray.backends import NetCDF4DataStore
-
     LOG.info("  output  writing ...")
     try:
-        # interrupted while it holds its locks, xarray would wait for them forever
-        with signals_wait():
-            # to_netcdf asks Dask's cluster for a lock, and loading it takes as long as a run
-            open_store: Callable[..., Any] = NetCDF4DataStore.open
-            store = open_store(str(directory / "results.nc"), mode="w", lock=False)
-            result.dataset.dump_to_store(store)
-            store.close()
+        write_netcdf(result.table, directory / "results.nc")
     except RuntimeError as error:
         # what netCDF makes of a full disk
         raise RingwearError(
@@ -57,6 +49,27 @@ def write_numbers(result: "Result", directory: Path, tables: bool = False) -> No
     (directory / "summary.json").write_text(summary + "\n", "utf-8")
     if tables:
         write_tables(result.dataset, directory)
+
+
+def write_netcdf(table: "Table", path: Path) -> None:
+    """Write a table as `xarray.load_dataset` reads it."""
+    from netCDF4 import Dataset
+
+    labels = {name: dims[0] for name, (dims, *_) in table.coordinates.items() if name not in dims}
+    with Dataset(path, "w") as file:
+        file.setncatts(table.attributes)
+        for name, (dims, values, attributes) in (table.coordinates | table.variables).items():
+            for dim, size in zip(dims, values.shape, strict=True):
+                if dim not in file.dimensions:
+                    file.createDimension(dim, size)
+            kind: Any = str if values.dtype.kind == "U" else values.dtype
+            fill = np.nan if values.dtype.kind == "f" else None
+            variable = file.createVariable(name, kind, dims, fill_value=fill)
+            variable[:] = values.astype(object) if kind is str else values
+            variable.setncatts(attributes)
+            beside = [label for label, along in labels.items() if along in dims]
+            if name in table.variables and beside:
+                variable.coordinates = " ".join(beside)
 
 
 def write_tables(dataset: "xarray.Dataset", directory: Path) -> None:

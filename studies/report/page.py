@@ -4,11 +4,12 @@ One file that opens from disk, without a network, and prints on A4.
 """
 
 import base64
+import csv
 from collections.abc import Iterable
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ..crosscheck.dataset import Result
@@ -30,10 +31,11 @@ def write_study(
     name: str, purpose: str, scene: Scene, conclusions: Iterable[str], path: Path
 ) -> None:
     """Write the page of a study; its figures and tables are those that stand beside it."""
-    tables = {
-        _plain(file): pd.read_csv(file, dtype=str, keep_default_na=False, nrows=200).map(_short)
-        for file in sorted(path.parent.glob("*.csv"))
-    }
+    tables = {}
+    for file in sorted(path.parent.glob("*.csv")):
+        with file.open(encoding="utf-8", newline="") as lines:
+            rows = islice(csv.DictReader(lines), 200)
+            tables[_plain(file)] = [{head: _short(row[head]) for head in row} for row in rows]
     # tables stand below
     told = [line for line in conclusions if not line.startswith("|")]
     about = {"title": f"Study: {name}", "purpose": purpose, "conclusions": told, "tables": tables}

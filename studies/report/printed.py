@@ -2,9 +2,7 @@
 
 from collections.abc import Sequence
 
-import pandas as pd
-
-from .words import Account, shorten
+from .words import Account, Rows, shorten
 
 
 def print_account(account: Account) -> None:
@@ -16,16 +14,16 @@ def print_account(account: Account) -> None:
     print_table(shorten(account.rings, 16))
     print(f"\n{account.verdict_line}\n\nAccuracy and cost")
     print_table(account.methods)
-    if not account.agreement.empty:
+    if account.agreement:
         print("\nDifferences, relative; of each quantity the pair that differs most")
         print_table(account.agreement)
     print(*account.remarks, "", sep="\n")
     print_scope(account.modelled, account.left_out)
 
 
-def print_table(table: pd.DataFrame) -> None:
+def print_table(table: Rows) -> None:
     """Print a table with its heads."""
-    print_lines([list(table.columns), *table.astype(str).values.tolist()])
+    print_lines([*map(list, table[:1]), *(list(row.values()) for row in table)])
 
 
 def print_lines(lines: Sequence[Sequence[str]]) -> None:

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import xarray
 
 from ...meshes.radial import Array, ring_of
 from ..crosscheck.dataset import Result
@@ -23,20 +22,20 @@ def slides(result: Result) -> dict[str, Any] | None:
 
     Nothing where no state is known over the radius.
     """
-    if not {"profile", "pressure"} <= set(result.dataset):
+    if not {"profile", "pressure"} <= set(result.table.variables):
         return None
     scale, rings = Scale(result.scene), result.scene.problem.rings
     modal = modal_method(result.solutions)
     if modal is None or not len(result.scene.problem.times):
         states = _select_times(result)
-        labels = [scale.when(time) for time in states.time.values]
+        labels = [scale.when(time) for time in states["time"]]
     else:
         states, labels = _sample_times(result, modal[1])
-    radii, profiles, pressures = states.radius.values, states.profile.values, states.pressure.values
-    if "steady_profile" in states and states.steady_profile.notnull().all():
+    radii, profiles, pressures = (states[name] for name in ("radius", "profile", "pressure"))
+    if not np.isnan(states.get("steady_profile", np.nan)).any():
         labels.append("steady state")
-        profiles = np.vstack([profiles, states.steady_profile])
-        pressures = np.vstack([pressures, states.steady_pressure])
+        profiles = np.vstack([profiles, states["steady_profile"]])
+        pressures = np.vstack([pressures, states["steady_pressure"]])
     if not labels or len(radii) <= 10:
         return None
     # so that a page of hundreds of rings stays small
@@ -59,14 +58,11 @@ def slides(result: Result) -> dict[str, Any] | None:
         "deepest": scale.shown("profile", deepest),
         "drawn": drawn,
         "magnified": f"{drawn * result.scene.punch.radius / deepest:.3g}",
-        "axes": {
-            name: scale.label(name).replace("\\Delta ", "Δ").replace("_0", "₀").replace("$", "")
-            for name in ("radius", "profile", "pressure")
-        },
+        "axes": {name: scale.label(name) for name in ("radius", "profile", "pressure")},
     }
 
 
-def _sample_times(result: Result, wear: RunningIn) -> tuple[xarray.Dataset, list[str]]:
+def _sample_times(result: Result, wear: RunningIn) -> tuple[dict[str, Array], list[str]]:
     """Return states and their labels: at the start, then at times in equal ratios until the last
     one asked for, or until the punch has run in.
     """
@@ -82,13 +78,14 @@ def _sample_times(result: Result, wear: RunningIn) -> tuple[xarray.Dataset, list
     return sample_modes(problem, wear, times), labels
 
 
-def _select_times(result: Result) -> xarray.Dataset:
+def _select_times(result: Result) -> dict[str, Array]:
     """Return some of the times asked for, and the steady state, by the first method that gives most
     of it.
     """
     solver = max(result.solutions, key=lambda name: _gives(result, name))
-    states = result.dataset.sel(solver=solver).isel(time=shown_times(result.scene.problem, COUNT))
-    return states.dropna("time", how="all", subset=["profile"])
+    states, chosen = result.reported(solver), shown_times(result.scene.problem, COUNT)
+    chosen = chosen[~np.isnan(states["profile"][chosen]).all(axis=1)]
+    return states | {name: states[name][chosen] for name in ("time", "profile", "pressure")}
 
 
 def _gives(result: Result, solver: str) -> tuple[bool, ...]:

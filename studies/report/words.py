@@ -3,7 +3,6 @@
 from functools import cached_property
 
 import numpy as np
-import pandas as pd
 
 from ...meshes.radial import Array, ring_areas
 from ..crosscheck.agreement import AGREE, DISAGREE, UNDECIDED
@@ -12,6 +11,8 @@ from ..crosscheck.scope import left_out, modelled, outside
 from ..problem.quantities import ANSWER, QUANTITIES, STATES
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
+
+Rows = list[dict[str, str]]
 
 
 class Account:
@@ -77,7 +78,7 @@ class Account:
         ]
 
     @cached_property
-    def rings(self) -> pd.DataFrame:
+    def rings(self) -> Rows:
         """What each ring carries and wears.
 
         Wear coefficients k, pressures p and shares of the force at the start and when steady,
@@ -106,7 +107,7 @@ class Account:
         if worn is not None and heights is not None:
             add("worn", "volume", worn, worn)
             add("mean height", "displacement", heights, heights)
-        return pd.DataFrame(columns)
+        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
     @property
     def sentences(self) -> list[str]:
@@ -144,29 +145,28 @@ class Account:
         return f"{line}; {holding} of {len(anchors)} anchors (closed forms and balances) hold."
 
     @property
-    def methods(self) -> pd.DataFrame:
+    def methods(self) -> Rows:
         """What each method cost, and says of its own error."""
         estimate = "own error estimate (relative, of the indentation)"
-        rows = [
+        return [
             {
                 "method": name,
-                "unknowns": solution.unknowns,
+                "unknowns": str(solution.unknowns),
                 "seconds": f"{sum(self.result.stages[name].seconds.values()):.3f}",
                 estimate: ", ".join(f"{part} {of:.1e}" for part, of in solution.parts.items()),
             }
             for name, solution in self.result.solutions.items()
         ]
-        return pd.DataFrame(rows)
 
     @cached_property
-    def agreement(self) -> pd.DataFrame:
+    def agreement(self) -> Rows:
         """Each quantity by the two methods whose difference says most."""
         order = (AGREE, UNDECIDED, DISAGREE)
         rows = sorted(
             self.result.agreement, key=lambda row: (order.index(row.verdict), row.difference)
         )
         worst = {row.quantity: row for row in rows}
-        return pd.DataFrame(
+        return [
             {
                 "quantity": name,
                 "methods": ", ".join(worst[name].methods),
@@ -176,16 +176,16 @@ class Account:
             }
             for name in QUANTITIES
             if name in worst
-        )
+        ]
 
     @cached_property
-    def anchors(self) -> pd.DataFrame:
+    def anchors(self) -> Rows:
         """Each anchor by the method that is furthest off."""
         anchors = sorted(
             self.result.anchors, key=lambda anchor: (not anchor.holds, anchor.difference)
         )
         worst = {anchor.name: anchor for anchor in anchors}
-        return pd.DataFrame(
+        return [
             {
                 "anchor": name,
                 "method": anchor.method,
@@ -194,7 +194,7 @@ class Account:
                 "": "holds" if anchor.holds else "DOES NOT HOLD",
             }
             for name, anchor in worst.items()
-        )
+        ]
 
     @property
     def remarks(self) -> list[str]:
@@ -255,9 +255,8 @@ def defaults_taken(scene: Scene) -> list[str]:
     return lines
 
 
-def shorten(table: pd.DataFrame, most: int) -> pd.DataFrame:
+def shorten(table: Rows, most: int) -> Rows:
     """Return the first and the last rows, if there are more than so many."""
     if len(table) <= most:
         return table
-    gap = pd.DataFrame("...", index=[0], columns=table.columns)
-    return pd.concat([table.head(most // 2), gap, table.tail(most // 2)])
+    return [*table[: most // 2], dict.fromkeys(table[0], "..."), *table[-(most // 2) :]]

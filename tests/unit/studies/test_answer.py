@@ -9,7 +9,6 @@ import json
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from ringwear import Scene, run
@@ -158,8 +157,9 @@ def test_the_answer_is_printed_before_all_else(five, capsys):
 
 
 def test_many_rings_are_told_by_the_first_and_the_last():
-    table = shorten(pd.DataFrame({"ring": range(1, 201)}), 16)
-    assert table.ring.tolist() == [*range(1, 9), "...", *range(193, 201)]
+    rows = shorten([{"ring": str(ring)} for ring in range(1, 201)], 16)
+    told = [*range(1, 9), "...", *range(193, 201)]
+    assert [row["ring"] for row in rows] == list(map(str, told))
 
 
 def test_defaults_taken_are_said():

@@ -26,6 +26,7 @@ from ringwear.studies.output.signals import ending_on_signals
 
 QUICK = ["run", "flat_punch", "--rtol", "1e-2", "--out"]
 DIRECT = [*QUICK[:-1], "--methods", "direct", "--out"]
+NETCDF = "ringwear.studies.output.files.write_netcdf"
 FULL_DISK = OSError(28, "No space left on device")
 
 
@@ -48,8 +49,8 @@ def fail(patch, stage, raised):
         ("ringwear.studies.crosscheck.dataset.summary", KeyboardInterrupt(), "stopped"),
         ("ringwear.studies.figures.style.save", KeyboardInterrupt(), "stopped"),
         ("ringwear.studies.report.page.write_report", KeyboardInterrupt(), "stopped"),
-        ("xarray.Dataset.dump_to_store", FULL_DISK, "could not be written"),
-        ("xarray.Dataset.dump_to_store", RuntimeError("NetCDF: HDF error"), "could not be written"),
+        (NETCDF, FULL_DISK, "could not be written"),
+        (NETCDF, RuntimeError("NetCDF: HDF error"), "could not be written"),
     ],
 )
 def test_a_run_that_does_not_end_leaves_what_was_there(
