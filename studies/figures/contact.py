@@ -1,8 +1,11 @@
 """Contact that opens, closes and spreads: where it is, and what it does to each ring, over time."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 
+from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
 from .scale import Scale
 from .style import PAGE, complete, curve, method_curve, new_panels
@@ -21,12 +24,12 @@ def draw_contact(result: Result) -> Figure:
         look = {"linestyle": "none", "marker": "ox+^"[number % 4], "markerfacecolor": "none"}
         color = method_curve(method)["color"]
         look |= {"color": color, "label": method.upper()}
-        scale.plot(where, "contact_edge", "time", all_times, radii, markersize=4, **look)
+        scale.plot(
+            where, "contact_edge", "time", all_times, radii, markersize=4, clip_on=False, **look
+        )
     for height in scale.shown("radius", first["ring_outer_radius"][:-1]):
         where.axhline(height, color="0.75", linewidth=0.6, zorder=0, label="ring edge")
-    times, radii = (scale.shown(name, first[name]) for name in ("time", "radius"))
-    carries = first["contact"].T > 0
-    where.pcolormesh(times, radii, carries, cmap="Greys", vmax=5, shading="nearest", zorder=-1)
+    _shade_contact(where, first, scale)
     count = len(first["ring"])
     for number, ring in enumerate(np.unique(np.linspace(0, count - 1, min(count, 5)).round())):
         look = curve(number) | {"markersize": 2.5, "label": f"ring {ring + 1:g}"}
@@ -35,7 +38,18 @@ def draw_contact(result: Result) -> Figure:
     look = {"color": "black", "label": "all rings"}
     total = first["normal_force"]
     scale.plot(force, "normal_force", "time", all_times, total, linewidth=0.8, **look)
-    for axes, high in ((where, 1.04 * radii.max()), (force, None), (volume, None)):
-        axes.set_ylim(0, high)
+    for axes in panels.flat:
+        axes.set_ylim(0, 1.04 * axes.dataLim.y1)
     titles = result.scene.title, "contact over time"
     return complete(figure, titles, figure.axes, scale.note, across=0.56)
+
+
+def _shade_contact(axes: Any, first: dict[str, Array], scale: Scale) -> None:
+    """Shade the contact, each time to half the way, or ratio, to its neighbours."""
+    drawn = first["time"] > 0 if scale.logarithmic else np.full(len(first["time"]), True)
+    times, radii = scale.shown("time", first["time"][drawn]), scale.shown("radius", first["radius"])
+    carries = np.where(first["contact"][drawn] > 0, 1.0, np.nan).T
+    to, fro = (np.log, np.exp) if scale.logarithmic else (np.asarray, np.asarray)
+    borders = fro(np.interp(np.arange(len(times) + 1) - 0.5, np.arange(len(times)), to(times)))
+    edges = np.concatenate([[0.0], (radii[1:] + radii[:-1]) / 2, radii[-1:]])
+    axes.pcolormesh(borders, edges, carries, cmap="Greys", vmin=0, vmax=5, zorder=-1)

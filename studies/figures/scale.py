@@ -5,6 +5,7 @@ indentation of the unworn punch and ``p0 = F/(2 pi a^2)`` its least pressure; a 
 them says so.
 """
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from .style import broken_at, method_curve, set_logarithmic, shade_rings
 LABELS = {
     "radius": ("radius", "r", "length"),
     "time": ("time", "t", "time"),
-    "profile": ("worn height", "Δf", "displacement"),
+    "profile": ("profile", "Δf", "displacement"),
     "pressure": ("pressure", "p", "pressure"),
     "steady_profile": ("limiting profile", "fₛₜₐₜ", "displacement"),
     "steady_pressure": ("steady pressure", "p", "pressure"),
@@ -138,6 +139,32 @@ class Scale:
             f"d₀ = F/(2aE*) = {write(D0 * units.displacement, 'displacement', 3)}, "
             f"p₀ = F/(2πa²) = {write(P0 * units.pressure, 'pressure', 3)}"
         )
+
+
+def least_wear(problem: Problem, profiles: Array) -> Any:
+    """Return what has worn off everywhere, of (..., R) profiles at the radii of the output, in the
+    scene's units.
+    """
+    unworn = problem.profile(problem.radii) * problem.units.displacement
+    return (profiles - unworn).min(axis=-1)
+
+
+def high_pressure(radii: Array, pressure: Array) -> float:
+    """Return the pressure (R,) that 3 % of the area in contact are above.
+
+    The greatest may be infinite.
+    """
+    order = np.argsort(pressure)
+    area = np.cumsum(np.where(pressure > 0, np.diff(radii**2, prepend=0.0), 0.0)[order])
+    return float(pressure[order][np.searchsorted(area, 0.97 * area[-1])])
+
+
+def panel_tops(heights: Sequence[float]) -> Array:
+    """Return heights that panels are scaled to: all to the greatest, unless they differ by more
+    than a factor of ten.
+    """
+    tops = np.where(np.array(heights) > 0, heights, max(heights) or 1.0)
+    return np.where(tops.max() > 10 * tops.min(), tops, tops.max())
 
 
 def shown_times(problem: Problem, most: int) -> Indices:

@@ -11,7 +11,7 @@ import numpy as np
 from ...meshes.radial import Array, ring_of
 from ..crosscheck.dataset import Result
 from ..figures.modal import modal_method, sample_modes
-from ..figures.scale import Scale, shown_times
+from ..figures.scale import Scale, high_pressure, least_wear, panel_tops, shown_times
 from ..wear.full_contact import RunningIn
 
 COUNT = 48
@@ -40,8 +40,14 @@ def slides(result: Result) -> dict[str, Any] | None:
         return None
     # so that a page of hundreds of rings stays small
     step = -(-len(radii) // 1100)
-    radii, pressures, heights = radii[::step], pressures[:, ::step], profiles[:, ::step]
-    heights = heights - heights.min(axis=1, keepdims=True)
+    problem, heights = scale.problem, profiles - least_wear(scale.problem, profiles)[:, None]
+    high = [high_pressure(radii, pressure) for pressure in pressures]
+    # what states are seen against: the unworn face, or the last of a flat punch
+    beside, unworn = heights[-1], ""
+    if not problem.full_contact:
+        unworn = "the unworn face, and the pressure at "
+        beside = problem.profile(problem.radii) * problem.units.displacement
+    radii, pressures, heights = radii[::step], pressures[:, ::step], heights[:, ::step]
     deepest = float(heights.max()) or scale.axes["displacement"].unit
     # part of the radius that the greatest difference of heights is drawn as, in 3-D
     drawn, edges = 0.3, rings.ring_edges * result.scene.punch.radius
@@ -54,7 +60,9 @@ def slides(result: Result) -> dict[str, Any] | None:
         "labels": labels,
         "profile": _round(scale.shown("profile", heights)),
         "pressure": _round(scale.shown("pressure", pressures)),
-        "highest": 1.15 * float(np.quantile(scale.shown("pressure", pressures), 0.98)),
+        "beside": _round(scale.shown("profile", beside[::step])),
+        "dotted": f"{unworn}{labels[-1]}",
+        "highest": _round(1.15 * scale.shown("pressure", panel_tops(high))),
         "deepest": scale.shown("profile", deepest),
         "drawn": drawn,
         "magnified": f"{drawn * result.scene.punch.radius / deepest:.3g}",
