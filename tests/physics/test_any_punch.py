@@ -284,19 +284,40 @@ def test_an_indentation_that_does_not_touch_is_refused():
 @pytest.mark.parametrize(
     ("base", "axes", "keep", "words"),
     [
-        ("sphere", {"accuracy.rtol": [1e-2, 1e-3]}, None, "sweeps are over flat punches"),
-        (
-            SCENE,
-            {"punch.recess": [[0.0, 0.0, 0.0], [0.0, 0.1, 0.0]]},
-            None,
-            "sweeps are over flat punches",
-        ),
-        (SCENE, {"accuracy.rtol": [1e-2, 1e-3]}, ["contact_radius"], "no quantity of a flat punch"),
+        ("sphere", {"accuracy.rtol": [1e-2, 1e-3]}, ["relaxation_time"], "no quantity of such"),
+        ("sphere", {"load.indentation": [-1.0, 0.1]}, None, "load.indentation = -1"),
+        (SCENE, {"accuracy.rtol": [1e-2, 1e-3]}, ["contact_radius"], "no quantity of such"),
     ],
 )
 def test_sweeps_refuse_at_the_door(base, axes, keep, words):
     with pytest.raises(SceneError, match=words):
         sweep(base, axes, keep=keep)
+
+
+def test_a_sweep_over_spheres_is_hertz():
+    axes = {"punch.profile.curvature_radius": [1.0, 2.0], "load.indentation": [0.01, 0.04]}
+    data = sweep(Scene.load("sphere").changed(methods=["mdr"], wear__times=[0.0, 1e-3]), axes)
+    assert data["indentation"].dims == ("indentation",)
+    start = data.sel(solver="mdr", time=0.0)
+    radius, depth = data["curvature_radius"], data["indentation"]
+    force = 4 / 3 * np.sqrt(radius) * depth**1.5
+    np.testing.assert_allclose(start["normal_force"], force, rtol=1e-6)
+    np.testing.assert_allclose(start["contact_radius"], np.sqrt(radius * depth), rtol=1e-6)
+    assert (data["status"] == 1).all()
+
+
+def test_a_sweep_takes_flat_and_recessed_punches():
+    scene = SCENE.changed(methods=["mdr"], wear__times=[0.0, 0.1], accuracy__rtol=1e-3)
+    recesses = [[0.0, 0.0, 0.0], [0.0, 0.1, 0.0]]
+    keep = ["worn_volume", "contact_radius", "relaxation_time", "force_share"]
+    data = sweep(scene, {"punch.recess": recesses}, keep=keep).sel(solver="mdr")
+    # what one lacks is NaN, and the other has it
+    assert data["contact_radius"].isnull().values.tolist() == [[True] * 2, [False] * 2]
+    assert data["relaxation_time"][:, 0].isnull().values.tolist() == [False, True]
+    for recess, worn, share in zip(recesses, data["worn_volume"], data["force_share"], strict=True):
+        alone = run(scene.changed(punch__recess=recess)).answers["mdr"]
+        np.testing.assert_allclose(worn, alone["worn_volume"], rtol=1e-3)
+        np.testing.assert_allclose(share, alone["force_share"], atol=1e-3)
 
 
 def test_studies_of_flat_punches_refuse(capsys):
