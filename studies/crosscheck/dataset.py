@@ -151,12 +151,13 @@ class Result:
 
     @property
     def has_inside(self) -> bool:
-        """Whether finite elements of a flat punch can tell what is inside the half-space, and
-        fields are asked for.
+        """Whether finite elements can tell what is inside the half-space, and fields are asked
+        for: at times of a history, if contact changes.
         """
         problem, fem = self.scene.problem, self.solutions.get("fem")
         wanted = any(map(problem.wants, FIELDS)) or bool(self.scene.output.field_times)
-        return wanted and problem.full_contact and fem is not None and fem.half_space is not None
+        timed = problem.full_contact or bool(len(problem.times))
+        return wanted and timed and fem is not None and fem.half_space is not None
 
     @cached_property
     def inside(self) -> Interior:

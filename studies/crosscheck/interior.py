@@ -6,8 +6,12 @@ Stresses converge half as fast as the indentation, so they have a degree of thei
 that is accurate enough by their own estimate. It is how far the fields are from those of one degree
 and one pole less, on the same mesh: both computed from the contact on, the pressures with them. On
 quadrilaterals the error falls by a factor of three or more per degree, which makes the difference
-two to six times the error (`tests/physics/test_stresses.py`). Points within `NEAR` of the rim or a
-ring edge, where stresses are infinite or jump, are left out of the estimate.
+two to six times the error (`tests/physics/test_stresses.py`). Points within `NEAR` of an edge of
+the contact or of a ring, where stresses are infinite or jump, are left out of the estimate.
+
+Under a contact that opens, closes and spreads, the triangles are those of its march, a degree
+higher, and what they are held against has a degree and a pole less, and pressures on every second
+cell, which it has marched with by itself.
 """
 
 from collections.abc import Sequence
@@ -15,13 +19,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil, log
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from ...meshes.compliance import Compliance
 from ...meshes.radial import Array, Indices
 from ..methods.base import Solution
+from ..methods.evaluation import MovingContact
 from ..problem.problem import D0, P0, Problem, Units
 from ..problem.scene import Scene
 from ..wear.full_contact import RunningIn
@@ -31,7 +37,7 @@ if TYPE_CHECKING:
 
 # error of stresses, over the mean pressure, that goes with a relative error of the indentation
 SHARE = 10
-# distance from the rim and from ring edges, in a, from which on the estimate holds
+# distance from edges of contact and rings, in radii of the contact, from which on estimates hold
 NEAR = 0.2
 
 
@@ -48,9 +54,10 @@ class Interior:
     stress : (states, n, 4) rr, zz, rz, hoop
     labels : of the states, `t=...` and `steady`
     degree : of the displacement
+    reach : (states,) radius of the contact; 1 where nothing touches
     errors : of each field, by its name, in each state (states,): estimate of its greatest error
-        further than `NEAR` from the rim and from ring edges; of displacements over a flat punch's
-        indentation, of stresses over the mean pressure
+        further than `NEAR` from edges of contact and rings; of displacements over the indentation
+        of a flat punch as wide as the contact, of stresses over the mean pressure
     """
 
     points: Array
@@ -59,6 +66,7 @@ class Interior:
     stress: Array
     labels: tuple[str, ...]
     degree: int
+    reach: Array
     errors: dict[str, Array]
 
     @cached_property
@@ -88,9 +96,14 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     refinements, highest, ratio = 3, 14, 0.499999
     if len(half_space.solid.mesh.t) == 3:
         refinements, highest, ratio = 2, 4, 0.49999
+    steady = problem.steady and problem.indentation is None
     if times is None:
-        times = [0.0] if problem.steady else [0.0, scene.wear.times[-1]]
-    labels = [f"t={time:g}" for time in times] + ["steady"] * problem.steady
+        # a flat start is in closed form, and the end near the steady state
+        times = [0.0] if steady and problem.full_contact else [0.0, scene.wear.times[-1]]
+    labels = tuple(f"t={time:g}" for time in times) + ("steady",) * steady
+    if not problem.full_contact:
+        with threadpool_limits(1):
+            return _of_march(problem, half_space, np.array(times) / problem.units.time, labels)
     # what the poles leave to the truncation is of the energy, where stresses feel its root
     accuracy = 1e-3 * min(SHARE * problem.rtol, 1e-3) ** 2
     poles = enough_poles(truncation(half_space.solid.mesh), accuracy)
@@ -121,13 +134,13 @@ def interior(scene: Scene, fem: Solution) -> Interior:
 
     with threadpool_limits(1):
         while True:
-            fine, coarse = (
-                sample(problem, refined, np.array(times) / problem.units.time, refinements)
-                for refined in refine(degree)
-            )
-            errors = estimate(problem, fine, coarse, ratio)
-            excess = errors["stress"].max() / (SHARE * problem.rtol)
-            result = Interior(*fine, tuple(labels), degree, errors)
+            spaces = refine(degree)
+            pressures = [
+                pressures_of(problem, refined.compliance(), np.array(times) / problem.units.time)
+                for refined in spaces
+            ]
+            result = held_against(problem, spaces, pressures, labels, refinements)
+            excess = result.errors["stress"].max() / (SHARE * problem.rtol)
             if excess <= 1 or degree == highest:
                 return result
             # three times as accurate by each degree
@@ -137,49 +150,83 @@ def interior(scene: Scene, fem: Solution) -> Interior:
                 return result
 
 
-def sample(
-    problem: Problem, half_space: "HalfSpace", times: Array, refinements: int
-) -> tuple[Array, Indices, Array, Array]:
-    """Return the fields of a half-space at non-dimensional times, and when steady, all from its
-    pressures.
-    """
-    from ...fem.stresses import sampled
+def _of_march(
+    problem: Problem, half_space: "HalfSpace", times: Array, labels: tuple[str, ...]
+) -> Interior:
+    """Return the inside under a contact that opens, closes and spreads, as the march has it."""
+    solid, space = half_space.solid, half_space.space
+    higher = replace(half_space, solid=replace(solid, degree=solid.degree + 1))
+    spaces = higher, replace(half_space, poles=half_space.poles[:-1])
+    pressures = []
+    for refined, within, looser in zip(spaces, (space, space.coarser()), (1, 4), strict=True):
+        compliance = refined.compliance().restricted(within)
+        contact = MovingContact(replace(problem, times=np.unique(times)), compliance, looser=looser)
+        history = contact.marched.pressure[np.searchsorted(contact.problem.times, times)]
+        if "steady" in labels:
+            steady = RunningIn(compliance, problem.wear_coefficients, continuous=False).steady
+            history = np.vstack([history, steady.pressure])
+        pressures.append(history @ space.embedding(within).T)
+    return held_against(problem, spaces, pressures, labels, refinements=2)
 
+
+def pressures_of(problem: Problem, compliance: Compliance, times: Array) -> Array:
+    """Return the pressures (states, size) of a flat punch at non-dimensional times, and when
+    steady.
+    """
     earliest = float(min(times[times > 0], default=0.0))
-    wear = RunningIn(half_space.compliance(), problem.merged.wear_coefficients, earliest)
+    wear = RunningIn(compliance, problem.merged.wear_coefficients, earliest)
     # no modes are needed for the start
     pressures = [wear.flat.pressure] * len(times)
     if times.any():
         pressures = list(wear.modal(times).pressure)
     if problem.steady:
         pressures.append(wear.steady.pressure)
-    return sampled(half_space, np.array(pressures), refinements)
+    return np.array(pressures)
 
 
-def estimate(
-    problem: Problem, fine: Sequence[Any], coarse: Sequence[Any], highest_ratio: float
-) -> dict[str, Array]:
-    """Return the error estimate of each field in each state, by its name.
+def held_against(
+    problem: Problem,
+    spaces: Sequence["HalfSpace"],
+    pressures: Sequence[Array],
+    labels: tuple[str, ...],
+    refinements: int,
+) -> Interior:
+    """Return the inside of a half-space under (states, size) pressures, and its estimated errors.
 
-    It is one and a half times the greatest difference, and what Poisson's ratio 1/2 adds to it.
+    They are one and a half times the greatest difference to a coarser half-space on the same mesh,
+    under pressures of its own, and what Poisson's ratio 1/2 adds to it.
     """
-    from ...fem.stresses import von_mises
+    from ...fem.stresses import sampled, von_mises
 
-    r, z = fine[0]
-    far = np.hypot(r - problem.merged.ring_edges[1:, None], z).min(axis=0) > NEAR
-    # fields are in proportion to 1 - 2 nu, plus a constant, and neither is much more than the unit
-    modelled = 2 * max(0.0, problem.poisson_ratio - highest_ratio)
-    moved, stress = (
-        part[:, far] - other[:, far] for part, other in zip(fine[2:], coarse[2:], strict=True)
+    fine, coarse = (
+        sampled(half_space, of_states, refinements)
+        for half_space, of_states in zip(spaces, pressures, strict=True)
     )
-    differences = {
-        "displacement": moved / D0,
-        "stress": stress / (2 * P0),
-        # a norm: that of the difference is at least the difference of two
-        "von_mises": von_mises(stress)[..., None] / (2 * P0),
-    }
-    # with the factor of safety of the contact's own estimates
-    return {name: 1.5 * np.abs(of).max(axis=(1, 2)) + modelled for name, of in differences.items()}
+    (r, z), solid, space = fine[0], spaces[0].solid, spaces[0].space
+    # fields are in proportion to 1 - 2 nu, plus a constant, and neither is much more than the unit
+    modelled = 2 * max(0.0, problem.poisson_ratio - solid.highest_ratio)
+    carries = (space.on_elements(np.zeros(1)) @ pressures[0].T > 0).T
+    errors: dict[str, list[float]] = {"displacement": [], "stress": [], "von_mises": []}
+    reaches = np.ones(len(labels))
+    for state, carried in enumerate(carries):
+        ends = np.flatnonzero(np.diff(carried, prepend=False, append=False))
+        edges = np.union1d(problem.merged.ring_edges, space.breakpoints[ends])[1:]
+        reach = reaches[state] = float(space.breakpoints[ends].max(initial=0.0)) or 1.0
+        force = float(space.weights @ pressures[0][state]) or 1.0
+        far = np.hypot(r - edges[:, None], z).min(axis=0) > NEAR * reach
+        moved, stress = ([part[at][state, far] for part in (fine, coarse)] for at in (2, 3))
+        indentation, pressure = D0 * force / reach, 2 * P0 * force / reach**2
+        for name, (values, others), unit in (
+            ("displacement", moved, indentation),
+            ("stress", stress, pressure),
+            # a norm: that of the difference is at least the difference of two
+            ("von_mises", [von_mises(stress[0] - stress[1]), 0.0], pressure),
+        ):
+            # with the factor of safety of the contact's own estimates
+            errors[name].append(1.5 * float(np.abs(values - others).max()) / unit + modelled)
+    return Interior(
+        *fine, labels, solid.degree, reaches, {name: np.array(of) for name, of in errors.items()}
+    )
 
 
 def write_half_space(fields: Interior, units: Units, path: Path) -> None:

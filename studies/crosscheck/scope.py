@@ -62,7 +62,7 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
             "not change",
             "ring pressures at the start": "they may be infinite at edges of the contact, or on "
             "its axis",
-            "stresses inside, and methods as operators": "computed for flat punches only",
+            "methods as operators": "compared for flat punches only",
         }
     alone = f"output.quantities asks for {', '.join(scene.output.quantities)} alone"
     if problem.quantities is not None:
@@ -94,10 +94,11 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
 def refusals(scene: Scene, methods: Methods) -> list[str]:
     """Return why methods cannot compute a scene, each with its remedy."""
     refused = [entry.refusal(scene.problem) for entry in methods.values()]
-    if scene.output.field_times and not scene.problem.full_contact:
+    problem = scene.problem
+    if scene.output.field_times and not (problem.full_contact or len(problem.times)):
         refused.append(
-            "output.field_times asks for the inside of the half-space, which is computed for "
-            "flat punches under a force only: leave it out"
+            "output.field_times asks for the inside of the half-space under a contact that "
+            "changes: give wear.times, and ask for some of its history"
         )
     return [reason for reason in refused if reason]
 

@@ -180,6 +180,7 @@ def _on_cells(problem: Problem, stages: Stages) -> Discretised:
         compliance,
         lambda: even_half_space(coarser, ratio, COARSER_GROWTH).compliance(),
         half_space.unknowns,
+        half_space=half_space,
         fitted=(partial(fitted, degree=8), partial(fitted, degree=7)),
     )
 

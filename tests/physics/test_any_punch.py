@@ -122,7 +122,7 @@ def test_files_are_those_of_this_punch(tmp_path):
     assert main(["run", write_scene(scene, tmp_path), "--out", str(out), "--csv"]) in (0, 3)
     files = {file.name for file in out.iterdir()}
     assert {"contact.png", "history.png", "results.nc", "contact_edges.csv"} <= files
-    assert not {"half_space.vtu", "stress.png"} & files
+    assert {"half_space.vtu", "stress.png", "mesh.png"} <= files
     page = (out / "report.html").read_text("utf-8")
     assert "of the unworn face plane" in page
     assert "flat punch</td>" not in page
@@ -134,11 +134,10 @@ def test_a_remedy_is_an_accuracy_to_ask_for(scene):
     assert told.endswith("rtol = 1e-04 would decide it")
 
 
-def test_what_is_of_flat_punches_only_is_refused_before_it_is_computed(
-    tmp_path, monkeypatch, capsys
-):
+def test_what_no_history_has_is_refused_before_it_is_computed(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("ringwear.studies.crosscheck.run.solved_to_accuracy", None)
-    path = write_scene(SPHERE.changed(output__field_times=[0.1]), tmp_path)
+    scene = SPHERE.changed(output__field_times=[0.1], output__quantities=["steady"])
+    path = write_scene(scene, tmp_path)
     assert main(["run", path, "--out", str(tmp_path / "out")]) == 2
     assert "output.field_times" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
