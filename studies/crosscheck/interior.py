@@ -146,7 +146,12 @@ def sample(
     from ...fem.stresses import sampled
 
     earliest = float(min(times[times > 0], default=0.0))
-    wear = RunningIn(half_space.compliance(), problem.merged.wear_coefficients, earliest)
+    wear = RunningIn(
+        half_space.compliance(),
+        problem.merged.wear_coefficients,
+        earliest,
+        indentation=problem.indentation,
+    )
     # no modes are needed for the start
     pressures = [wear.flat.pressure] * len(times)
     if times.any():
