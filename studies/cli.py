@@ -194,7 +194,7 @@ def _study(options: argparse.Namespace) -> Status:
     from .tables import keep_tables, keeping_rows
 
     scene, study = Scene.load(options.scene), STUDIES[options.study]
-    if not scene.problem.full_contact:
+    if not scene.problem.full_contact or scene.problem.indentation is not None:
         raise SceneError(
             f"study {options.study} is about flat punches under a force: leave out punch.recess "
             "and punch.profile, and give load.normal_force"

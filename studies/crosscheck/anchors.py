@@ -14,6 +14,11 @@ hold, with ``F = 1``,
     d = d0 + int f p0 dA                     reciprocity with the flat punch, u0 = d0
     d = int us p dA + int f ps dA            reciprocity with the steady pressures ps
     d'(2 t) = int k p^2 dA                   power; by the symmetry of compliance and wear
+
+and at a fixed indentation, with ``d0 F`` for d0 and ``-d0 F'`` for d' in the third and the last,
+
+    F(t2) dt <= int df / k dA <= F(t1) dt    what wears from t1 to t2 = t1 + dt, for F decays
+    pi d = int (f + m + u1 p - gap) dA       reciprocity with a uniform pressure; m unworn
 """
 
 from collections.abc import Iterator, Mapping
@@ -76,6 +81,11 @@ def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solutio
             reported.check_steady_state,
         ),
     ]
+    forces = "normal_force" * reported.fixed
+    groups += [
+        ("normal_force ring_worn_volume", reported.check_decay),
+        ("pressure profile displacement ring_worn_volume", reported.check_balance),
+    ][: 2 * reported.fixed]
     if scene.problem.full_contact:
         groups += [
             ("indentation", reported.check_start),
@@ -89,7 +99,7 @@ def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solutio
         ]
     if scene.problem.full_contact and scene.problem.earliest:
         groups += [
-            ("indentation pressure profile", reported.check_wear),
+            (f"indentation pressure profile {forces}", reported.check_wear),
             ("indentation pressure profile displacement", reported.check_output),
             ("pressure", reported.check_power),
         ]
@@ -111,8 +121,7 @@ def judge(
     tolerance: Array | float,
     scale: Array | float | None = None,
 ) -> Iterator[Anchor]:
-    """Yield an anchor where the difference to a reference is the greatest part of what is
-    tolerated.
+    """Yield an anchor where the difference is the greatest part of what is tolerated.
 
     It is relative to the reference, or to a scale. What is no number holds to nothing, and what may
     be infinitely wrong is no anchor.
@@ -155,6 +164,7 @@ class _Reported:
         self.times = np.asarray(table["time"])[self.problem.checked] / self.units.time
         self.later = self.times > 0
         self.steady_pressures = direct.steady_pressures(*self.problem.merged)
+        self.fixed = self.problem.indentation is not None
         self.wear_rate = self.steady_pressures[0] * self.problem.merged.wear_coefficients[0]
 
     def _read(self, name: str) -> Array:
@@ -179,7 +189,11 @@ class _Reported:
         errors = [self.solution.checked_error(self.problem, name) for name in names]
         return np.where(np.max(errors, axis=0) > self.rtol, np.inf, self.rtol)
 
-    def _integrate(self, values: Array, weights: Array) -> tuple[Array, Array]:
+    def _state(self, *names: str) -> Array:
+        """Return the sum of the errors that the method states."""
+        return np.sum([self.solution.checked_error(self.problem, name) for name in names], axis=0)
+
+    def _integrate(self, values: Array, weights: Array | float) -> tuple[Array, Array]:
         """Return integrals (T,) of (T, R) values over the face, and what they may be off."""
         parts = values * weights * self.face.areas
         return parts.sum(axis=1), DOUBT * self.face.integral_doubt(parts)
@@ -187,19 +201,44 @@ class _Reported:
     def check_forces(self) -> Rows:
         forces, parts = self._take("ring_force"), self.face.areas * self._take("pressure")
         whole = forces.sum(axis=1)
-        if self.problem.indentation is None:
+        if not self.fixed:
             error = self.solution.checked_error(self.problem, "ring_force")
             yield "ring forces add up to F", whole, 1.0, np.maximum(error, EXACT)
         doubt = DOUBT * self.face.integral_doubt(parts)
-        tolerance = (self._tolerate("pressure") * whole + doubt)[:, None]
+        tolerance = (self._tolerate("pressure") * np.maximum(whole, np.finfo(float).tiny) + doubt)[
+            :, None
+        ]
         sums = self.face.ring_sums(parts)
         yield "ring forces are integrals of the pressure", sums, forces, tolerance, 1.0
 
     def check_volume(self) -> Rows:
         """Hold what is worn where contact opens, closes and spreads."""
-        if self.problem.indentation is None:
+        if not self.fixed:
             worn = self._take("ring_worn_volume")[self.later] / self.problem.wear_coefficients
             yield "worn volume over k, F v0 t", worn.sum(1), self.times[self.later], EXACT
+
+    def check_decay(self) -> Rows:
+        """Hold the force at a fixed indentation, which decays, to what it wears."""
+        force, passed = self._take("normal_force"), np.diff(self.times)
+        if self.problem.full_contact and not self.times[0]:
+            yield "flat start, F = 2 a E* d", force[0], 1.0, self._tolerate("normal_force")[0]
+        worn = (self._take("ring_worn_volume") / self.problem.wear_coefficients).sum(axis=1)
+        error, lost = self._state("normal_force") * force, self._state("ring_worn_volume") * worn
+        doubt = EXACT * force[0] + error[1:] + error[:-1] + (lost[1:] + lost[:-1]) / passed
+        rates, scale = np.diff(worn) / passed, np.maximum(force[:-1], np.finfo(float).tiny)
+        between = np.clip(rates, force[1:], force[:-1])
+        yield "worn volume over k, between F v0 t", rates, between, doubt / scale, scale
+
+    def check_balance(self) -> Rows:
+        """Hold what is worn, and what is still pressed in, to what the face overlaps."""
+        depth, unworn = self._take("indentation"), self.problem.profile
+        uniform = direct.displacement(np.array([0.0, 1.0]), np.ones(1), self.face.radii)
+        heights = self._take("pressure") * uniform + unworn(self.face.radii) + unworn.standoff
+        gap = self._take("displacement") + self._take("profile") - depth[:, None]
+        parts, doubt = self._integrate(heights - gap, 1.0)
+        tolerance = self.rtol + self._state("pressure", "profile", "displacement") + doubt / depth
+        value = self._take("ring_worn_volume").sum(axis=1) + parts
+        yield "worn, unworn and pressed in, pi a^2 d", value, np.pi * depth, tolerance, depth
 
     def check_start(self) -> Rows:
         depth = self._tolerate("indentation")
@@ -228,17 +267,20 @@ class _Reported:
         """Hold what is worn, over all of the face."""
         times, face, later = self.times, self.face, self.later
         profile, depth = self._take("profile"), self._take("indentation")
-        worn, doubt = self._integrate(profile, 1 / face.wear)
-        # the profile is promised relative to the indentation
-        doubt += self._tolerate("profile") * depth * (face.areas / face.wear).sum()
-        tolerance = np.maximum(doubt[later] / times[later], self.rtol)
-        yield "worn volume over k, F v0 t", worn[later], times[later], tolerance
-        worn = self._read("worn_volume") / self.problem.wear_coefficients
-        if np.isfinite(worn).all():
-            yield "worn volume of the answer over k, F v0 t", worn.sum(), times[-1], tolerance[-1]
+        force = self._take("normal_force") if self.fixed else 1.0
+        if not self.fixed:
+            worn, doubt = self._integrate(profile, 1 / face.wear)
+            # the profile is promised relative to the indentation
+            doubt += self._tolerate("profile") * depth * (face.areas / face.wear).sum()
+            tolerance = np.maximum(doubt[later] / times[later], self.rtol)
+            yield "worn volume over k, F v0 t", worn[later], times[later], tolerance
+            worn = self._read("worn_volume") / self.problem.wear_coefficients
+            if np.isfinite(worn).all():
+                name = "worn volume of the answer over k, F v0 t"
+                yield name, worn.sum(), times[-1], tolerance[-1]
         tolerance = self._tolerate("indentation", "profile")
         lost, doubt = self._integrate(profile, P0 / _root(face.radii))
-        yield "reciprocity with the flat punch", D0 + lost, depth, tolerance + doubt / depth
+        yield "reciprocity with the flat punch", D0 * force + lost, depth, tolerance + doubt / depth
         tolerance = self._tolerate("indentation", "profile", "pressure")
         lost, _ = self._integrate(profile, self.wear_rate / face.wear)
         moved, doubt = self._integrate(self._take("pressure"), self._displace(face.radii))
@@ -298,15 +340,11 @@ class _Reported:
         if (wear := self.solution.wear) is None:
             return
         coarse, fine = (
-            slowest_relaxation_time(self.problem.rings, size) for size in (COARSE, FINE)
+            slowest_relaxation_time(self.problem.rings, self.fixed, size) for size in (COARSE, FINE)
         )
         tolerance = self._tolerate("relaxation_time")[0] + DOUBT * abs(coarse / fine - 1)
-        yield (
-            "slowest relaxation time, by a small problem of its own",
-            self._read("relaxation_time")[0],
-            fine,
-            tolerance,
-        )
+        name = "slowest relaxation time, by a small problem of its own"
+        yield name, self._read("relaxation_time")[0], fine, tolerance
         if self.later.any():
             yield "modes add up to the flat start", wear.share_of_modes, 1.0, EXACT
 
@@ -320,12 +358,14 @@ class _Reported:
         some = later[np.linspace(0, len(later) - 1, min(len(later), 6)).round().astype(int)]
         # d'(2t) by differences of fourth order, with the roundoff of d over short times
         twice = 2 * times[some]
-        depths = wear.modal(np.outer(twice, 1 + step * np.array([-2, -1, 1, 2])).ravel())
-        rates = depths.indentation.reshape(-1, 4) @ [1, -8, 8, -1] / (12 * step * twice)
+        near = wear.modal(np.outer(twice, 1 + step * np.array([-2, -1, 1, 2])).ravel())
+        depths = -D0 * near.force if self.fixed else near.indentation
+        steady = 0.0 if self.fixed else self.wear_rate
+        rates = depths.reshape(-1, 4) @ [1, -8, 8, -1] / (12 * step * twice)
         # of what is not yet steady; its product with what is steady integrates to 0
-        pressure = self._take("pressure")[some] - self.wear_rate / self.face.wear
+        pressure = self._take("pressure")[some] - steady / self.face.wear
         spent, doubt = self._integrate(pressure**2, self.face.wear)
-        power = spent + self.wear_rate
+        power = spent + steady
         tolerance = self.rtol + 2 * tolerated[some] * np.sqrt(spent / power)
         tolerance += (doubt + 2e-14 / step / twice) / power
         yield "power, F d'(2t) = int k p^2 dA", rates, power, tolerance

@@ -174,7 +174,12 @@ def pressures_of(problem: Problem, compliance: Compliance, times: Array) -> Arra
     steady.
     """
     earliest = float(min(times[times > 0], default=0.0))
-    wear = RunningIn(compliance, problem.merged.wear_coefficients, earliest)
+    wear = RunningIn(
+        compliance,
+        problem.merged.wear_coefficients,
+        earliest,
+        indentation=problem.indentation,
+    )
     # no modes are needed for the start
     pressures = [wear.flat.pressure] * len(times)
     if times.any():

@@ -37,7 +37,7 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
             way = f"by steps of {problem.march} Euler"
         lines.append(f"history: {len(problem.times)} times from {start}, {way}")
     lacking = all("steady state" in entry.lacks for entry in methods.values())
-    if problem.steady and problem.indentation is None and not lacking:
+    if problem.steady and not lacking:
         flat = ", that of the flat punch: wear ends with all of the face in contact"
         lines.append(f"steady state: without any march{'' if problem.full_contact else flat}")
     return lines
@@ -69,12 +69,12 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
         reasons["all other quantities"] = alone
     if not len(problem.times):
         reasons["history"] = alone if scene.wear.times else "the scene gives no times"
-    if not problem.steady:
-        reasons["steady state"] = alone if scene.wear.steady else "the scene says steady = false"
-    elif problem.indentation is not None:
+    if problem.indentation is not None:
         reasons["steady state"] = (
             "at a fixed indentation wear goes on until nothing presses any more"
         )
+    elif not problem.steady:
+        reasons["steady state"] = alone if scene.wear.steady else "the scene says steady = false"
     for name, entry in methods.items():
         lacks = {
             f"{what} by {name}": why for what, why in entry.lacks.items() if what not in reasons
@@ -110,7 +110,7 @@ def time_scale(scene: Scene) -> list[str]:
         return []
     if not problem.full_contact:
         return ["running-in: not known beforehand where contact opens, closes and spreads"]
-    slowest = slowest_relaxation_time(problem.rings)
+    slowest = slowest_relaxation_time(problem.rings, problem.indentation is not None)
     if not np.isfinite(slowest):
         return [f"running-in: not known beforehand for more than {MOST_RINGS} rings"]
     first, last = problem.earliest / slowest, float(problem.times[-1]) / slowest

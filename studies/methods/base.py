@@ -148,7 +148,7 @@ class Method(ABC):
 
     def refusal(self, problem: Problem) -> str:
         """Return why it cannot solve the problem at all, with the remedy; empty if it can."""
-        if not problem.full_contact:
+        if not problem.full_contact or problem.indentation is not None:
             return f"{self.name} knows flat punches under a force only: leave it out of methods"
         return ""
 

@@ -129,7 +129,13 @@ class FullContact(Evaluation):
         super().__init__(problem, compliance)
         self.safety = safety
         wear_coefficients = problem.merged.wear_coefficients
-        self.wear: RunningIn = RunningIn(compliance, wear_coefficients, problem.earliest, shared)
+        self.wear: RunningIn = RunningIn(
+            compliance,
+            wear_coefficients,
+            problem.earliest,
+            shared,
+            indentation=problem.indentation,
+        )
 
     @cached_property
     def _marched(self) -> History:
@@ -181,9 +187,11 @@ class FullContact(Evaluation):
         # the width of the element at the rim is known to roundoff, with the force that it carries,
         # the root of its width
         unknown = float(np.finfo(float).eps / np.sqrt(size))
+        # measured: the element at the rim costs the flat start .06 to .11 of its size
+        stiffness = 0.2 * size + 0.1 * unknown
         at_start = {
-            # measured: the element at the rim costs the flat start .06 to .11 of its size
-            "indentation": 0.2 * size + 0.1 * unknown,
+            "indentation": stiffness,
+            "normal_force": stiffness,
             # it moves the other functions that the start is sought among
             "pressure": 3.0 * size + unknown,
             "ring_force": unknown,

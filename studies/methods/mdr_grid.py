@@ -75,7 +75,9 @@ def _marched(problem: Problem, count: int, step: float) -> tuple[Sampler, Histor
     """Return the history on a grid, linear between its points, and what samples it."""
     grid = UniformGrid(*problem.merged, count)
     space = PressureSpace(grid.radii, np.ones(count, dtype=np.int64), np.array([0.0, 1.0]))
-    history = History.in_full_contact(problem.times, *grid.march(problem.times, step))
+    history = History.in_full_contact(
+        problem.times, *grid.march(problem.times, step), np.ones(len(problem.times))
+    )
     return Sampler(problem, space), history
 
 

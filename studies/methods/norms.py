@@ -65,5 +65,8 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
             "force": against.get("normal_force", unit),
             "volume": reference.sum(axis=-1),
             "radius": unit,
+            "slope": np.abs(reference),
         }[norm]
+        if norm == "slope":
+            scale = np.maximum(scale, 1e-3 * beyond_touch)
     return np.divide(difference, scale, out=np.zeros(difference.shape), where=scale > 0)

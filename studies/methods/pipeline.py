@@ -47,18 +47,16 @@ class ComplianceMethod(Method):
             steps = float(steps_between(problem.times, problem.step).sum())
             if refused := refused_steps(steps, "give a larger wear.step, or march = 'modal'"):
                 return refused
-        if problem.full_contact:
-            return ""
-        if problem.march == "explicit":
-            return (
-                f"wear.march = 'explicit' does not go with {self.name} on an initial profile or a "
-                "fixed indentation, where contact is an inequality: give 'implicit', or 'modal' "
-                "for steps that suit the accuracy"
-            )
         if problem.indentation is not None and not len(problem.times):
             return (
                 "load.indentation has no steady state but that nothing presses any more: give "
                 "wear.times"
+            )
+        if not problem.full_contact and problem.march == "explicit":
+            return (
+                f"wear.march = 'explicit' does not go with {self.name} on an initial profile, "
+                "where contact is an inequality: give 'implicit', or 'modal' for steps that suit "
+                "the accuracy"
             )
         return ""
 
@@ -82,8 +80,7 @@ class AnySpaceMethod(ComplianceMethod):
     def refusal(self, problem: Problem) -> str:
         if not problem.full_contact and problem.mdr.given:
             return (
-                "accuracy.mdr sizes the mesh of a flat punch: with an initial profile or a fixed "
-                "indentation leave it out"
+                "accuracy.mdr sizes the mesh of a flat punch: with an initial profile leave it out"
             )
         return super().refusal(problem)
 
@@ -150,7 +147,7 @@ def _in_full_contact(
 def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: Stages) -> Solution:
     """Solve a punch whose contact opens, closes and spreads; its steady state is the flat one's."""
     steady = None
-    if problem.steady and problem.indentation is None:
+    if problem.steady:
         flat = replace(problem, profile=FLAT, times=problem.times[:0], compared_on=problem.face)
         steady = method.solve(flat, stages)
         if not len(problem.times):
@@ -229,7 +226,7 @@ def estimate_errors(
     if problem.indentation is not None:
         # what was given has no error; the force decays, and is judged by the first
         forces = [each.for_estimate["normal_force"] for each in (fine, coarse)]
-        difference = np.abs(forces[1] - forces[0]).max() / forces[0][0]
+        difference = np.abs(forces[1] - forces[0]).max() / max(forces[0][0], np.finfo(float).tiny)
         parts = {"force": fine.safety_of("indentation") * float(difference)}
     if problem.march != "modal" and "indentation" in errors:
         at, sampler = np.arange(len(problem.times)), fine.sampler

@@ -180,6 +180,10 @@ class Sampler:
             "rms_slope": lambda: self._rms_slope(history.profile, unworn),
             "ring_force": lambda: self.ring_forces(history),
         }
+        if problem.indentation is not None or not problem.full_contact:
+            on_rings = _ring_forces(self.space, problem.ring_edges.tobytes())
+            values["normal_force"] = lambda: self.ring_forces(history).sum(axis=1)
+            values["ring_worn_volume"] = lambda: history.profile @ on_rings.T
         if not problem.full_contact:
             values |= self._of_contact(history, radii, on_face)
         # by these the errors of the others are measured
@@ -196,10 +200,7 @@ class Sampler:
         ]
         if history.start is not None:
             edges[0] = [(part.inner, part.outer) for part in history.start.intervals]
-        on_rings = _ring_forces(self.space, self.problem.ring_edges.tobytes())
         values: Values = {
-            "normal_force": lambda: self.ring_forces(history).sum(axis=1),
-            "ring_worn_volume": lambda: history.profile @ on_rings.T,
             "contact_radius": lambda: np.array([parts[-1][1] if parts else 0.0 for parts in edges]),
         }
         if not on_face:

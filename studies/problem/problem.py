@@ -195,7 +195,7 @@ class Problem:
         problem = cls(
             rings=Rings(ring_edges, coefficients / fastest),
             times=np.array(wear.times) / time,
-            steady=wear.steady,
+            steady=wear.steady and load.indentation is None,
             poisson_ratio=half_space.poisson_ratio,
             rtol=accuracy.rtol,
             march=wear.march,
@@ -221,10 +221,10 @@ class Problem:
 
     @property
     def full_contact(self) -> bool:
-        """Whether all of the face carries at all times: a flat punch under a force never loses
-        contact, and any other may.
+        """Whether all of the face carries at all times: a flat punch never loses contact, and any
+        other may.
         """
-        return self.profile.flat and self.indentation is None
+        return self.profile.flat
 
     @property
     def ring_edges(self) -> Array:
@@ -262,7 +262,12 @@ class Problem:
             if the scene has none of them
         """
         # contact that never changes has no edges, and no other has relaxation times
-        wanted = quantities.difference(OF_PROFILES if self.full_contact else ["relaxation_time"])
+        missing = {"relaxation_time"}
+        if self.full_contact:
+            missing = set(OF_PROFILES)
+            if self.indentation is not None:
+                missing -= {"normal_force", "ring_worn_volume"}
+        wanted = quantities - missing
         if not len(self.times):
             wanted -= HISTORIES
         if not self.steady:

@@ -19,7 +19,7 @@ ERROR = "relative error of {}, the method's own estimate: {}"
 # relaxation times that are promised and compared: the slowest, which last
 COMPARED_MODES = 3
 # quantities that converge twice as fast as fields do
-ENERGIES = ("indentation", "relaxation_time", "ring_force")
+ENERGIES = ("indentation", "relaxation_time", "ring_force", "normal_force")
 
 
 class Quantity(NamedTuple):
@@ -41,6 +41,7 @@ NORMS = {
     "indentation": (
         "greatest difference over the punch, over the indentation d(t) beyond the first touch"
     ),
+    "slope": "difference over the value, or over d/(1000 a) where that is more",
     "steady": "greatest difference over the punch, over the greatest steady displacement",
     "force": "greatest difference of all rings, over the normal force",
     "volume": "greatest difference of all rings, over that of all rings together",
@@ -75,7 +76,10 @@ QUANTITIES = {
         ("time",), "displacement", "greatest u_z under the punch", "indentation"
     ),
     "rms_slope": Quantity(
-        ("time",), "slope", "root mean square of df/dr (Eq. 18), average: see gradient_average"
+        ("time",),
+        "slope",
+        "root mean square of df/dr (Eq. 18), average: see gradient_average",
+        "slope",
     ),
     "ring_force": Quantity(
         ("time", "ring"), "force", "normal force on each ring, from the centre", "force"

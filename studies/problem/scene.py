@@ -130,12 +130,13 @@ class Scene(Section):
         """Return the scene at counts of its slowest relaxation time, to three digits."""
         from ..wear.time_scale import slowest_relaxation_time
 
-        if not self.problem.full_contact:
+        problem = self.problem
+        if not problem.full_contact:
             raise SceneError(
-                "wear.times by running-in is known for flat punches under a force: give times as "
-                "numbers"
+                "wear.times by running-in is known for flat punches: give times as numbers"
             )
-        scale = slowest_relaxation_time(self.problem.rings) * self.problem.units.time
+        scale = slowest_relaxation_time(problem.rings, problem.indentation is not None)
+        scale *= problem.units.time
         if scale != scale:
             raise SceneError(
                 "wear.times by running-in is known for up to 64 rings: give times as numbers"

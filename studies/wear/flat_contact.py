@@ -40,6 +40,12 @@ class FlatStart:
     indentation: float
     intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
 
+    def times(self, factor: float) -> "FlatStart":
+        """Return the same under so many times the load."""
+        return FlatStart(
+            factor * self.coefficients, factor * self.pressure, factor * self.indentation
+        )
+
     def pressure_at(self, radii: Array) -> Array:
         """Return the pressures at radii (R,); infinite at the rim."""
         root = np.sqrt((1 - radii) * (1 + radii))
@@ -97,6 +103,10 @@ class FlatPress:
     pressure: Array
     indentation: float
     intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
+
+    def times(self, factor: float) -> "FlatPress":
+        """Return the same under so many times the load."""
+        return FlatPress(self.space, factor * self.pressure, factor * self.indentation)
 
     def pressure_at(self, radii: Array) -> Array:
         """Return the pressures at radii (R,)."""

@@ -5,8 +5,9 @@ Exact in time by modes, or marched in steps (Eqs. 12 to 17). Non-dimensional.
 In full contact the pressure is affine in the profile, and with the wear rate ``k p`` continuous
 (which it is for every t > 0) the history obeys ``A p' = d' b - K p``, ``b . p = F``, with the mass
 matrix `K` of weight `k`. Its deviation from the steady state decays in modes of the pencil (A, K)
-on the pressures that carry no force, whose eigenvalues are the relaxation times. A flat start never
-loses contact, so no inequality is enforced.
+on the pressures that carry no force, whose eigenvalues are the relaxation times. At a fixed
+indentation ``A p' = -K p``: all pressures decay, in modes of the pencil on all of them. A flat
+start never loses contact, so no inequality is enforced.
 """
 
 from collections.abc import Callable
@@ -20,7 +21,7 @@ from scipy.sparse import csr_matrix, diags
 from ...meshes.compliance import Compliance
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
-from ..problem.marching import refused_steps, steps_between
+from ..problem.marching import Advance, take_steps
 from .flat_contact import FlatPress, FlatStart, SteadyState, flat_start, steady_state
 from .history import History
 from .modes import (
@@ -33,9 +34,6 @@ from .modes import (
     slowest_times,
 )
 from .shared_modes import SharedModes, steady_rate
-
-# (state, step, how many) -> (state, wear of each unknown in between)
-Advance = Callable[[Array, float, int], tuple[Array, Array]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +50,7 @@ class RunningIn:
         those of this one
     continuous : whether the wear rate is, as it is from a flat start on; else it may jump at ring
         edges, on a space of degree 1
+    indentation : held fixed in place of the force 1, so that wear tends to no pressure at all
     """
 
     compliance: Compliance
@@ -59,9 +58,14 @@ class RunningIn:
     earliest: float = 0.0
     shared: SharedModes | None = None
     continuous: bool = True
+    indentation: float | None = None
 
     @cached_property
     def steady(self) -> SteadyState:
+        """The state that wear tends to."""
+        if self.indentation is not None:
+            nothing = np.zeros(self.compliance.space.size)
+            return SteadyState(nothing, nothing, nothing, 0.0)
         of_one = None if self.shared is None else self.shared.moments(self.wear_coefficients)[:, 0]
         return steady_state(self.compliance, self.wear_coefficients, self._displacement, of_one)
 
@@ -73,7 +77,10 @@ class RunningIn:
 
     @cached_property
     def flat(self) -> FlatStart | FlatPress:
-        return flat_start(self.compliance)
+        start = flat_start(self.compliance)
+        return (
+            start if self.indentation is None else start.times(self.indentation / start.indentation)
+        )
 
     @cached_property
     def _to_pressure(self) -> csr_matrix:
@@ -115,6 +122,16 @@ class RunningIn:
         return self._to_pressure.T @ self.compliance.space.weights
 
     @property
+    def _forceless(self) -> Array | None:
+        """The weights of force, where modes carry none of it."""
+        return self._weights if self.indentation is None else None
+
+    @cached_property
+    def _moments(self) -> Array:
+        """(n,) by how much less the flat start displaces than the state that wear tends to."""
+        return self._to_pressure.T @ self.steady.moments - (self.indentation or 0.0) * self._weights
+
+    @property
     def gentle(self) -> bool:
         """Whether eigenvalues will do.
 
@@ -131,7 +148,7 @@ class RunningIn:
 
     @cached_property
     def _modes(self) -> Modes:
-        moments = self._to_pressure.T @ self.steady.moments
+        moments = self._moments
         if self.shared is not None:
             return self.shared.modes(self.wear_coefficients, moments)
         # singular values would take minutes
@@ -140,7 +157,7 @@ class RunningIn:
         if self.earliest and large:
             try:
                 return excited_modes(
-                    self._energy, self._mass_factor, self._weights, moments, self.earliest
+                    self._energy, self._mass_factor, self._forceless, moments, self.earliest
                 )
             except TooEarlyError:
                 # and hours; up to this they are taken where a history begins too early
@@ -148,7 +165,7 @@ class RunningIn:
                     raise
                 gentle = False
         return every_mode(
-            self._energy, self._factor, self._mass_factor, self._weights, moments, gentle
+            self._energy, self._factor, self._mass_factor, self._forceless, moments, gentle
         )
 
     @property
@@ -157,11 +174,11 @@ class RunningIn:
 
         1 if none is lost.
         """
-        moments, steady = (
-            self._mass_factor.forward(right)
-            for right in (self._to_pressure.T @ self.steady.moments, self._weights)
-        )
-        whole = moments @ moments - (moments @ steady) ** 2 / (steady @ steady)
+        moments = self._mass_factor.forward(self._moments)
+        whole = moments @ moments
+        if self._forceless is not None:
+            steady = self._mass_factor.forward(self._forceless)
+            whole -= (moments @ steady) ** 2 / (steady @ steady)
         return float(np.sum((self._modes.amplitudes * self._modes.relaxation) ** 2) / whole)
 
     @property
@@ -171,7 +188,7 @@ class RunningIn:
 
     def left(self, times: Array) -> Array:
         """(T,) share of its way from the flat start to the steady state that the approach ``d(t) -
-        w t`` has yet to make.
+        w t`` has yet to make, or the force at a fixed indentation.
 
         It is a sum of decaying exponentials, all positive.
         """
@@ -196,7 +213,7 @@ class RunningIn:
     @cached_property
     def slowest_times(self) -> Array:
         """(m,) the slowest of them, where no history is wanted."""
-        return slowest_times(self._energy, self._mass_factor, self._weights)
+        return slowest_times(self._energy, self._mass_factor, self._forceless)
 
     def modal(self, times: Array) -> History:
         """Return the exact history from the flat start at any times from `earliest` on, none of
@@ -218,12 +235,12 @@ class RunningIn:
         Parameters
         ----------
         times : (T,) array
-            Times from `since` on, of a march under the force 1 from the time 0.
+            Times from `since` on, of a march from the time 0.
         unworn, worn : (size,) arrays
             Moments of the unworn face, and of what had worn off at `since`.
         """
         modes = self._modes
-        moments = self._to_pressure.T @ (self.steady.moments + unworn + worn)
+        moments = self._moments + self._to_pressure.T @ (unworn + worn)
         amplitudes = -(modes.shapes.T @ moments) / modes.relaxation
         return self._relaxed(times, times - since, amplitudes, unworn)
 
@@ -234,16 +251,19 @@ class RunningIn:
         modes, steady = self._modes, self.steady
         rates, displaced = self._sums(np.exp(-elapsed[:, None] / modes.relaxation) * amplitudes)
         pressure = steady.pressure + rates @ self._to_pressure.T
-        # force balance against the steady pressures: d F = p_s . A p + int f p_s dA
-        indentation = (
-            steady.wear_rate * times + pressure @ steady.moments + np.sum(unworn * steady.pressure)
-        )
+        if self.indentation is None:
+            # force balance against the steady pressures: d F = p_s . A p + int f p_s dA
+            indentation = steady.wear_rate * times + pressure @ steady.moments
+            indentation += np.sum(unworn * steady.pressure)
+        else:
+            indentation = np.full(len(times), self.indentation)
         # f = d - u: slopes of small elements would show the roundoff of a sum of what wore
         gap = np.outer(indentation, self._weights) - (
             (steady.moments + unworn) @ self._to_pressure + displaced
         )
         profile = self._mass_factor.solve(gap.T).T @ self._to_profile.T
-        return History.in_full_contact(times, pressure, profile, indentation)
+        force = pressure @ self.compliance.space.weights
+        return History.in_full_contact(times, pressure, profile, indentation, force)
 
     def _sums(self, shares: Array) -> tuple[Array, Array]:
         """(T, n) wear rates that are sums of modes by (T, m) shares, and what they displace,
@@ -292,13 +312,20 @@ class RunningIn:
             return history
         history.pressure[start] = self.flat.pressure
         history.indentation[start] = self.flat.indentation
+        history.force[start] = self.compliance.space.weights @ self.flat.pressure
         return replace(history, start=self.flat)
 
     @cached_property
     def _start(self) -> Array:
         """Unknowns of the flat start in the space of t > 0: the best approximation in energy."""
         solution = cho_solve(cho_factor(self._energy), self._weights)
-        return solution / (self._weights @ solution)
+        return solution * (self.indentation or 1 / (self._weights @ solution))
+
+    def _loaded(self, state: Array, by_weights: Array) -> Array:
+        """Return a state pressed on until it carries the force 1, if that is the load."""
+        if self.indentation is not None:
+            return state
+        return state + by_weights * (1 - self._weights @ state) / (self._weights @ by_weights)
 
     def stability_limit(self) -> float:
         """Greatest stable step of the explicit march, twice the shortest relaxation time."""
@@ -309,21 +336,14 @@ class RunningIn:
         """Implicit Euler, equal steps of at most `step` between output times: stable, first
         order.
         """
+        energy, mass = self._energy, self._mass.toarray()
 
-        def advance(state: Array, dt: float, count: int) -> tuple[Array, Array]:
+        def advance_by(dt: float) -> Advance:
             factor = cho_factor(energy + dt * mass)
             by_weights = cho_solve(factor, self._weights)
-            worn = np.zeros_like(state)
-            for _ in range(count):
-                trial = cho_solve(factor, energy @ state)
-                state = trial + by_weights * (1 - self._weights @ trial) / (
-                    self._weights @ by_weights
-                )
-                worn += dt * state
-            return state, worn
+            return lambda state: self._loaded(cho_solve(factor, energy @ state), by_weights)
 
-        energy, mass = self._energy, self._mass.toarray()
-        return self._marched(times, step, advance)
+        return self._marched(times, step, advance_by, 1)
 
     def explicit(self, times: Array, step: float) -> History:
         """Explicit Euler (Eqs.
@@ -346,40 +366,27 @@ class RunningIn:
         energy = cho_factor(self._energy)
         by_weights = cho_solve(energy, self._weights)
         rate = -cho_solve(energy, self._mass.toarray())
-        rate -= np.outer(by_weights, self._weights @ rate) / (self._weights @ by_weights)
+        if self.indentation is None:
+            rate -= np.outer(by_weights, self._weights @ rate) / (self._weights @ by_weights)
 
-        def advance(state: Array, dt: float, count: int) -> tuple[Array, Array]:
-            worn = np.zeros_like(state)
-            for _ in range(count):
-                worn += dt * state
-                state = state + dt * (rate @ state)
-            return state, worn
+        def advance_by(dt: float) -> Advance:
+            return lambda state: state + dt * (rate @ state)
 
-        return self._marched(times, step, advance)
+        return self._marched(times, step, advance_by, 0)
 
-    def _marched(self, times: Array, step: float, advance: Advance) -> History:
-        steps = steps_between(times, step)
-        if refusal := refused_steps(
-            float(steps.sum()), "give a larger wear.step, or march = 'modal'"
-        ):
-            raise SceneError(refusal)
-        state, worn, now = self._start, np.zeros_like(self._start), 0.0
-        states, profiles = [], []
-        for time, count in zip(times, steps, strict=True):
-            if count:
-                state, more = advance(state, (time - now) / count, int(count))
-                worn, now = worn + more, time
-            states.append(state)
-            profiles.append(worn)
-        pressure, profile = (
-            np.array(states) @ self._to_pressure.T,
-            np.array(profiles) @ self._to_profile.T,
-        )
-        # force balance against the steady pressures: d F = p_s . A p + int f p_s dA
-        indentation = pressure @ self.steady.moments + np.array(profiles) @ (
-            self._weights * self.steady.wear_rate
-        )
-        return self._from_flat(History.in_full_contact(times, pressure, profile, indentation))
+    def _marched(
+        self, times: Array, step: float, advance_by: Callable[[float], Advance], wearing: int
+    ) -> History:
+        states, profiles = take_steps(times, step, advance_by, wearing, self._start)
+        pressure, profile = states @ self._to_pressure.T, profiles @ self._to_profile.T
+        indentation = np.full(len(times), self.indentation or 0.0)
+        if self.indentation is None:
+            # force balance against the steady pressures: d F = p_s . A p + int f p_s dA
+            indentation = pressure @ self.steady.moments
+            indentation += profiles @ (self._weights * self.steady.wear_rate)
+        force = pressure @ self.compliance.space.weights
+        history = History.in_full_contact(times, pressure, profile, indentation, force)
+        return self._from_flat(history)
 
     def history(self, times: Array, march: str = "modal", step: float | None = None) -> History:
         """The history by the named march."""

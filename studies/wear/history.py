@@ -77,12 +77,17 @@ class History:
 
     @classmethod
     def in_full_contact(
-        cls, times: Array, pressure: Array, profile: Array, indentation: Array
+        cls,
+        times: Array,
+        pressure: Array,
+        profile: Array,
+        indentation: Array,
+        force: Array,
     ) -> "History":
-        """Return the history of a punch of which all carries, under the force 1."""
+        """Return the history of a punch of which all carries."""
         none = np.broadcast_to(0.0, pressure.shape)
         full = np.broadcast_to(True, pressure.shape)
-        return cls(times, pressure, profile, indentation, np.ones(len(times)), none, full)
+        return cls(times, pressure, profile, indentation, force, none, full)
 
     def __getitem__(self, which: Indices) -> "History":
         times = self.times[which]

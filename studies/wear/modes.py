@@ -96,7 +96,7 @@ def every_mode(
     energy: Array,
     factor: Callable[[], Array],
     mass: BandedCholesky,
-    weights: Array,
+    weights: Array | None,
     moments: Array,
     gentle: bool,
 ) -> Modes:
@@ -107,8 +107,8 @@ def every_mode(
     energy : (n, n) compliance `A` of wear rates
     factor : yields its (m, n) factor, ``A = H^T H``
     mass : (n, n) of weight `k`
-    weights : (n,) force that each wear rate carries
-    moments : (n,) ``A`` times the steady state
+    weights : (n,) force that each wear rate carries, if modes are to carry none; None if they may
+    moments : (n,) by how much less the flat start displaces than the state that wear tends to
     gentle : whether eigenvalues of `A` will do; else singular values of `H`, which keep the fastest
         modes
     """
@@ -120,16 +120,18 @@ def every_mode(
     # or roundoff of the slowest has taken the fastest
     if not gentle or relaxation[0] <= 0:
         scaled = mass.forward(factor().T).T
-        scaled -= 2 * np.outer(scaled @ axis, axis)
-        _, singular, right = svd(scaled[:, 1:], full_matrices=False, check_finite=False)
+        if axis is not None:
+            scaled = (scaled - 2 * np.outer(scaled @ axis, axis))[:, 1:]
+        _, singular, right = svd(scaled, full_matrices=False, check_finite=False)
         relaxation, within = singular[::-1] ** 2, right[::-1].T
-    relaxation, within = relaxation[::-1], within[:, ::-1]
-    shapes = np.concatenate([np.zeros((1, len(relaxation))), within])
-    shapes -= 2 * np.outer(axis, axis @ shapes)
+    relaxation, shapes = relaxation[::-1], within[:, ::-1]
+    if axis is not None:
+        shapes = np.concatenate([np.zeros((1, len(relaxation))), shapes])
+        shapes -= 2 * np.outer(axis, axis @ shapes)
     return modes_of(relaxation, mass.backward(shapes), moments, len(relaxation))
 
 
-def slowest_times(energy: Array, mass: BandedCholesky, weights: Array) -> Array:
+def slowest_times(energy: Array, mass: BandedCholesky, weights: Array | None) -> Array:
     """(m,) the `SHOWN` slowest relaxation times, all of them if there are fewer.
 
     Parameters as for `every_mode`.
@@ -146,21 +148,25 @@ def slowest_times(energy: Array, mass: BandedCholesky, weights: Array) -> Array:
     )
 
 
-def _axis(mass: BandedCholesky, weights: Array) -> Array:
+def _axis(mass: BandedCholesky, weights: Array | None) -> Array | None:
     """Of the reflection that maps the steady state to the first axis, so that the other axes carry
-    no force.
+    no force; None where they may.
     """
+    if weights is None:
+        return None
     axis = mass.forward(weights)
     axis /= np.linalg.norm(axis)
     axis[0] += np.copysign(1.0, axis[0])
     return np.asarray(axis / np.linalg.norm(axis))
 
 
-def _forceless(energy: Array, mass: BandedCholesky, axis: Array) -> Array:
+def _forceless(energy: Array, mass: BandedCholesky, axis: Array | None) -> Array:
     """(n-1, n-1) the compliance in coordinates orthonormal in `K`, reflected, on those that carry
-    no force.
+    no force; (n, n) on all of them without a reflection.
     """
     scaled = mass.forward(mass.forward(energy).T)
+    if axis is None:
+        return scaled
     image = scaled @ axis
     image -= (axis @ image) * axis
     scaled -= 2 * (np.outer(axis, image) + np.outer(image, axis))
@@ -168,7 +174,7 @@ def _forceless(energy: Array, mass: BandedCholesky, axis: Array) -> Array:
 
 
 def excited_modes(
-    energy: Array, mass: BandedCholesky, weights: Array, moments: Array, earliest: float
+    energy: Array, mass: BandedCholesky, weights: Array | None, moments: Array, earliest: float
 ) -> Modes:
     """The modes that the flat start excites, as far as they are felt at `earliest` or later.
 
@@ -179,11 +185,12 @@ def excited_modes(
     earliest : time > 0
     """
     energy = np.asfortranarray(energy)
-    steady = mass.forward(weights)
-    steady /= np.linalg.norm(steady)
-    size = len(weights) - 1
+    steady, size = np.zeros(len(moments)), len(moments)
+    if weights is not None:
+        steady, size = mass.forward(weights), size - 1
+        steady /= np.linalg.norm(steady)
     # rows are touched, and so take memory, only as they are filled
-    basis = np.empty((size, size + 1))
+    basis = np.empty((size, len(moments)))
     diagonal, beside = np.empty(size), np.empty(size)
     vector = mass.forward(moments)
     vector -= steady * (steady @ vector)

@@ -16,9 +16,8 @@ parabola through the pressures at its start and its stages. Implicit Euler is th
 stage. Steps go by powers of the root of two, so that neighbouring ones share a matrix and its
 factor.
 
-Once all of the face carries, under a force, the rest is linear: ``A p' = d' b - K p``, and modes of
-the pencil (A, K) on the pressures that carry no force give it exactly at any time, as those of a
-flat punch do (`full_contact.py`).
+Once all of the face carries, the rest is linear: ``A p' = d' b - K p``, and modes of the pencil
+(A, K) give it exactly at any time, as those of a flat punch do (`full_contact.py`).
 """
 
 from dataclasses import replace
@@ -200,13 +199,17 @@ class ContactMarch:
 
     @cached_property
     def _full(self) -> RunningIn:
-        return RunningIn(self.compliance, self.wear_coefficients, continuous=False)
+        depth = self.load.indentation
+        return RunningIn(
+            self.compliance, self.wear_coefficients, continuous=False, indentation=depth
+        )
 
     def _relaxing(self, now: _Moment, times: Array) -> list[_Moment]:
         """Return the states to come if contact stays full from now on, exact in time; else none."""
-        force = self.load.force
-        if force is None or not now.press.contact.all():
+        if not now.press.contact.all():
             return []
+        # modes know the force 1, or the indentation as it is
+        force = 1.0 if self.load.force is None else self.load.force
         fastest = float(self._full.relaxation_times[-1])
         after = times - now.time
         # times to look at, beside those asked for: contact is full while no pressure is negative
@@ -226,7 +229,8 @@ class ContactMarch:
             depth = force * float(history.indentation[number])
             gap = pressure @ self.compliance.matrix + self.moments
             gap += self.wear @ integral - depth * self.weights
-            press = Press(pressure, gap, depth, force, now.press.contact, 0)
+            carried = force * float(history.force[number])
+            press = Press(pressure, gap, depth, carried, now.press.contact, 0)
             states.append(_Moment(float(time), press, integral))
         return states
 

@@ -19,21 +19,25 @@ MOST_RINGS = 64
 COARSE, FINE = (3, 1e-3, 0.3), (6, 1e-6, 0.2)
 
 
-def slowest_relaxation_time(rings: Rings, sizes: tuple[int, float, float] = COARSE) -> float:
+def slowest_relaxation_time(
+    rings: Rings, fixed: bool, sizes: tuple[int, float, float] = COARSE
+) -> float:
     """Return the slowest relaxation time, non-dimensional, to a few digits.
 
-    NaN for more than `MOST_RINGS`.
+    Of pressures that carry no force, or of all at a fixed indentation. NaN for more than
+    `MOST_RINGS`.
     """
     rings = rings.merged()
     if len(rings.wear_coefficients) > MOST_RINGS:
         return float("nan")
-    return _slowest(tuple(rings.ring_edges), tuple(rings.wear_coefficients), sizes)
+    return _slowest(tuple(rings.ring_edges), tuple(rings.wear_coefficients), fixed, sizes)
 
 
 @lru_cache(maxsize=8)  # the anchors of every method ask for it
 def _slowest(
     ring_edges: tuple[float, ...],
     wear_coefficients: tuple[float, ...],
+    fixed: bool,
     sizes: tuple[int, float, float],
 ) -> float:
     degree, rim, grading = sizes
@@ -46,5 +50,5 @@ def _slowest(
     mass = to_pressure.T @ space.mass(rings.wear_coefficients) @ to_pressure
     positions, lengths = panel_quadrature(space)
     factor = np.sqrt(2 * lengths)[:, None] * (line_density(space, positions) @ to_pressure)
-    weights = to_pressure.T @ space.weights
+    weights = None if fixed else to_pressure.T @ space.weights
     return float(slowest_times(factor.T @ factor, BandedCholesky(mass), weights)[0])
