@@ -145,11 +145,14 @@ def sample(
     """
     from ...fem.stresses import sampled
 
-    earliest = float(min(times[times > 0], default=0.0))
-    wear = RunningIn(half_space.compliance(), problem.merged.wear_coefficients, earliest)
+    loading = problem.loading
+    distances = loading.distance(times)
+    earliest = float(min(distances[distances > 0], default=0.0))
+    rings = problem.merged
+    wear = RunningIn(half_space.compliance(), rings.wear_coefficients, earliest, loading=loading)
     # no modes are needed for the start
-    pressures = [wear.flat.pressure] * len(times)
-    if times.any():
+    pressures = [force * wear.flat.pressure for force in loading.force(times)]
+    if distances.any():
         pressures = list(wear.modal(times).pressure)
     if problem.steady:
         pressures.append(wear.steady.pressure)

@@ -129,7 +129,9 @@ class FullContact(Evaluation):
         super().__init__(problem, compliance)
         self.safety = safety
         wear_coefficients = problem.merged.wear_coefficients
-        self.wear: RunningIn = RunningIn(compliance, wear_coefficients, problem.earliest, shared)
+        self.wear: RunningIn = RunningIn(
+            compliance, wear_coefficients, problem.earliest, shared, loading=problem.loading
+        )
 
     @cached_property
     def _marched(self) -> History:
@@ -190,7 +192,7 @@ class FullContact(Evaluation):
         }
         if name not in at_start:
             return least
-        return np.where(self.problem.times == 0, max(at_start[name], least), least)
+        return np.where(self.problem.distances == 0, max(at_start[name], least), least)
 
 
 class MovingContact(Evaluation):
@@ -299,7 +301,7 @@ class MovingContact(Evaluation):
         history, space = self.marched, self.compliance.space
         width = np.diff(space.breakpoints)
         wider = np.where(np.diff(space.ring) == 0, np.maximum(width[1:], width[:-1]), 0.0)
-        greatest = np.zeros(len(history.times))
+        greatest = np.zeros(len(history.distances))
         for field in (history.profile, self.sampler.displaced(history)):
             slope = (field[:, space.dofs[:, 1]] - field[:, space.dofs[:, 0]]) / width
             # at the axis the next cell is the same on the other side

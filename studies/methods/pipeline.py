@@ -43,6 +43,11 @@ class ComplianceMethod(Method):
 
     def refusal(self, problem: Problem) -> str:
         """Return why it cannot solve the problem at all, with the remedy; empty if it can."""
+        if problem.march != "modal" and problem.loading.varies:
+            return (
+                f"wear.march = '{problem.march}' takes steps of one length under one load: with a "
+                "load that varies give 'modal'"
+            )
         if problem.step and problem.march != "modal":
             steps = float(steps_between(problem.times, problem.step).sum())
             if refused := refused_steps(steps, "give a larger wear.step, or march = 'modal'"):

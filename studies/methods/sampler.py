@@ -13,7 +13,7 @@ from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..wear.contact_edges import worn_edges
 from ..wear.flat_contact import SteadyState
-from ..wear.history import History
+from ..wear.history import History, Start
 from ..wear.moments import moments
 from .norms import Results, radial_weight
 
@@ -100,17 +100,22 @@ class Sampler:
         """
         at = _matrix(self.space, radii.tobytes())
         pressure = np.maximum((at @ history.pressure.T).T, 0.0)
-        if history.start is not None:
-            pressure[history.times == 0] = history.start.pressure_at(radii)
-        return pressure
+        return self._begin(history, pressure, lambda start: start.pressure_at(radii))
+
+    @staticmethod
+    def _begin(history: History, values: Array, of: Callable[[Start], Array]) -> Array:
+        """Return values (T, ...) with those of the start, in proportion to its force."""
+        if (start := history.start) is not None:
+            # what presses without force is zero already, and need not be finite
+            rows = (history.distances == 0) & (history.force > 0)
+            values[rows] = np.outer(history.force[rows] / start.force, of(start))
+        return values
 
     def ring_forces(self, history: History) -> Array:
         """Return the force (T, N) on each ring."""
         ring_edges = self.problem.ring_edges
         forces = history.pressure @ _ring_forces(self.space, ring_edges.tobytes()).T
-        if history.start is not None:
-            forces[history.times == 0] = history.start.ring_forces(ring_edges)
-        return forces
+        return self._begin(history, forces, lambda start: start.ring_forces(ring_edges))
 
     def _carries(self, history: History, radii: Array) -> Array:
         """Return whether the punch touches (T, R) at radii."""
@@ -119,7 +124,7 @@ class Sampler:
             within = [
                 (radii >= part.inner) & (radii <= part.outer) for part in history.start.intervals
             ]
-            carries[:, history.times == 0] = np.any(within, axis=0)[:, None]
+            carries[:, history.distances == 0] = np.any(within, axis=0)[:, None]
         return np.asarray(carries.T)
 
     def displaced(self, history: History) -> Array:
@@ -166,7 +171,7 @@ class Sampler:
             centre = (_matrix(self.space, np.zeros(1).tobytes()) @ displaced.T)[0]
             if history.start is not None and history.start.intervals[0].inner == 0:
                 unworn = profile(np.zeros(1))[0]
-                centre = np.where(history.times == 0, history.indentation - unworn, centre)
+                centre = np.where(history.distances == 0, history.indentation - unworn, centre)
             return np.asarray(centre)
 
         unworn = 0.0 if problem.full_contact else self._unworn_slopes
@@ -180,13 +185,15 @@ class Sampler:
             "rms_slope": lambda: self._rms_slope(history.profile, unworn),
             "ring_force": lambda: self.ring_forces(history),
         }
+        if problem.loading.varies:
+            values["normal_force"] = lambda: history.force
         if not problem.full_contact:
             values |= self._of_contact(history, radii, on_face)
         # by these the errors of the others are measured
         measures = ["indentation", "normal_force"]
         if self.by_fields and problem.wants("displacement_max"):
             measures.append("displacement")
-        return self._wanted(values, *measures) | {"time": history.times}
+        return self._wanted(values, *measures) | {"time": history.distances}
 
     def _of_contact(self, history: History, radii: Array, on_face: bool) -> Values:
         """Return what is of interest only where contact opens, closes and spreads."""

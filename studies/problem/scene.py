@@ -130,6 +130,11 @@ class Scene(Section):
         """Return the scene at counts of its slowest relaxation time, to three digits."""
         from ..wear.time_scale import slowest_relaxation_time
 
+        if self.problem.loading.varies:
+            raise SceneError(
+                "wear.times by running-in is known for one force and one sliding speed: with a "
+                "load that varies give times as numbers"
+            )
         if not self.problem.full_contact:
             raise SceneError(
                 "wear.times by running-in is known for flat punches under a force: give times as "

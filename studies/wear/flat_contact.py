@@ -39,6 +39,7 @@ class FlatStart:
     pressure: Array
     indentation: float
     intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
+    force: float = 1.0
 
     def pressure_at(self, radii: Array) -> Array:
         """Return the pressures at radii (R,); infinite at the rim."""
@@ -97,6 +98,7 @@ class FlatPress:
     pressure: Array
     indentation: float
     intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
+    force: float = 1.0
 
     def pressure_at(self, radii: Array) -> Array:
         """Return the pressures at radii (R,)."""

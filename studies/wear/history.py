@@ -20,6 +20,10 @@ class Start(Protocol):
         """How deep it is."""
 
     @property
+    def force(self) -> float:
+        """The force on it, of which pressures are a multiple where that varies."""
+
+    @property
     def intervals(self) -> tuple[Interval, ...]:
         """Where the punch touches."""
 
@@ -50,7 +54,8 @@ class History:
 
     Parameters
     ----------
-    times : (T,) array
+    distances : (T,) array
+        What the punch has slid: the times, at constant speed.
     pressure, profile : (T, size) arrays
         Coefficients of the pressure and of the worn depth. Where the start has functions of its
         own, its pressure is their projection.
@@ -60,12 +65,12 @@ class History:
     contact : (T, size) array of bool
         Which functions carry.
     start : Start, optional
-        The press at the first of the times, if that is the start.
+        The press of the unworn punch, if one of the distances is zero.
     steps : Steps
         Of the march; none if the history is exact in time.
     """
 
-    times: Array
+    distances: Array
     pressure: Array
     profile: Array
     indentation: Array
@@ -77,23 +82,29 @@ class History:
 
     @classmethod
     def in_full_contact(
-        cls, times: Array, pressure: Array, profile: Array, indentation: Array
+        cls,
+        distances: Array,
+        pressure: Array,
+        profile: Array,
+        indentation: Array,
+        force: Array | float = 1.0,
     ) -> "History":
-        """Return the history of a punch of which all carries, under the force 1."""
+        """Return the history of a punch of which all carries, under the force 1 or another."""
         none = np.broadcast_to(0.0, pressure.shape)
         full = np.broadcast_to(True, pressure.shape)
-        return cls(times, pressure, profile, indentation, np.ones(len(times)), none, full)
+        force = np.broadcast_to(force, distances.shape)
+        return cls(distances, pressure, profile, indentation, force, none, full)
 
     def __getitem__(self, which: Indices) -> "History":
-        times = self.times[which]
+        distances = self.distances[which]
         return History(
-            times,
+            distances,
             self.pressure[which],
             self.profile[which],
             self.indentation[which],
             self.force[which],
             self.gap[which],
             self.contact[which],
-            self.start if (times == 0).any() else None,
+            self.start if (distances == 0).any() else None,
             self.steps,
         )
