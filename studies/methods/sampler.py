@@ -99,32 +99,39 @@ class Sampler:
         None is negative: what polynomials have below zero beside an edge is an artefact of theirs.
         """
         at = _matrix(self.space, radii.tobytes())
-        pressure = np.maximum((at @ history.pressure.T).T, 0.0)
-        return self._begin(history, pressure, lambda start: start.pressure_at(radii))
+
+        def sample(pressures: Array) -> Array:
+            return np.maximum((at @ pressures.T).T, 0.0)
+
+        return self._of_pressures(history, sample, lambda start: start.pressure_at(radii))
 
     @staticmethod
-    def _begin(history: History, values: Array, of: Callable[[Start], Array]) -> Array:
-        """Return values (T, ...) with those of the start, in proportion to its force."""
-        if (start := history.start) is not None:
-            # what presses without force is zero already, and need not be finite
-            rows = (history.distances == 0) & (history.force > 0)
-            values[rows] = np.outer(history.force[rows] / start.force, of(start))
+    def _of_pressures(
+        history: History, take: Callable[[Array], Array], of: Callable[[Start], Array]
+    ) -> Array:
+        """Return values (T, ...) of pressures, with those that have functions of their own."""
+        if (pressed := history.pressed) is None:
+            return take(history.pressure)
+        values, rows = take(pressed.rest), pressed.force > 0
+        # at a rim they need not be finite
+        values[rows] += np.outer(pressed.force[rows] / pressed.start.force, of(pressed.start))
         return values
 
     def ring_forces(self, history: History) -> Array:
         """Return the force (T, N) on each ring."""
         ring_edges = self.problem.ring_edges
-        forces = history.pressure @ _ring_forces(self.space, ring_edges.tobytes()).T
-        return self._begin(history, forces, lambda start: start.ring_forces(ring_edges))
+        on_rings = _ring_forces(self.space, ring_edges.tobytes()).T
+        return self._of_pressures(
+            history, on_rings.__rmatmul__, lambda start: start.ring_forces(ring_edges)
+        )
 
     def _carries(self, history: History, radii: Array) -> Array:
         """Return whether the punch touches (T, R) at radii."""
         carries = _matrix(self.space, radii.tobytes()) @ history.pressure.T > 0
-        if history.start is not None:
-            within = [
-                (radii >= part.inner) & (radii <= part.outer) for part in history.start.intervals
-            ]
-            carries[:, history.distances == 0] = np.any(within, axis=0)[:, None]
+        if history.pressed is not None:
+            parts = history.pressed.start.intervals
+            within = [(radii >= part.inner) & (radii <= part.outer) for part in parts]
+            carries[:, history.pressed.force > 0] = np.any(within, axis=0)[:, None]
         return np.asarray(carries.T)
 
     def displaced(self, history: History) -> Array:
@@ -169,9 +176,11 @@ class Sampler:
 
         def at_centre() -> Array:
             centre = (_matrix(self.space, np.zeros(1).tobytes()) @ displaced.T)[0]
-            if history.start is not None and history.start.intervals[0].inner == 0:
+            pressed = history.pressed
+            if pressed is not None and pressed.start.intervals[0].inner == 0:
                 unworn = profile(np.zeros(1))[0]
-                centre = np.where(history.distances == 0, history.indentation - unworn, centre)
+                started = (pressed.force > 0) & (history.distances == 0)
+                centre = np.where(started, history.indentation - unworn, centre)
             return np.asarray(centre)
 
         unworn = 0.0 if problem.full_contact else self._unworn_slopes
@@ -193,7 +202,12 @@ class Sampler:
         measures = ["indentation", "normal_force"]
         if self.by_fields and problem.wants("displacement_max"):
             measures.append("displacement")
-        return self._wanted(values, *measures) | {"time": history.distances}
+        # where pressures may be infinite
+        pressed = history.distances == 0
+        if history.pressed is not None:
+            pressed = history.pressed.force > 0
+        wanted = self._wanted(values, *measures)
+        return wanted | {"time": history.distances, "pressed": pressed}
 
     def _of_contact(self, history: History, radii: Array, on_face: bool) -> Values:
         """Return what is of interest only where contact opens, closes and spreads."""
@@ -201,8 +215,10 @@ class Sampler:
             worn_edges(self.space, contact, worn)
             for contact, worn in zip(history.contact, history.profile, strict=True)
         ]
-        if history.start is not None:
-            edges[0] = [(part.inner, part.outer) for part in history.start.intervals]
+        if history.pressed is not None:
+            fitted = [(part.inner, part.outer) for part in history.pressed.start.intervals]
+            for row in np.flatnonzero(history.pressed.force):
+                edges[row] = fitted
         on_rings = _ring_forces(self.space, self.problem.ring_edges.tobytes())
         values: Values = {
             "normal_force": lambda: self.ring_forces(history).sum(axis=1),

@@ -5,7 +5,6 @@ stands still, `tau` does, too, and the force may change without wear. What has w
 together is ``int f / k dA = int F dtau``, here called the work.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -115,14 +114,17 @@ class Loading:
         part = self.since(times)
         return np.asarray(np.cumsum([0.0, *self.parts.work])[part.knot] + part.work)
 
-    def force_after(self, knot: int) -> Callable[[float], float]:
-        """Return the force by the sliding distance between a knot and the next."""
-        force, speed = self.forces[knot], self.speeds[knot]
-        more, faster = (float(rise[knot]) for rise in self._rises)
+    def pressed(self, times: Array) -> Array:
+        """Return by how much the force has risen (T,) since the punch last slid."""
+        part, distances = self.since(times), self.distance(times)
+        # the first knot that lies as far
+        stopped = np.minimum(np.searchsorted(self._distances, distances), len(self.times) - 1)
+        before = np.where(distances > 0, self.forces[stopped], 0.0)
+        forces = self.forces[part.knot] + part.force
+        return np.where(self._distances[stopped] == distances, forces - before, 0.0)
 
-        def force_at(distance: float) -> float:
-            slid = max(distance - self._distances[knot], 0.0)
-            final = np.sqrt(max(speed**2 + 2 * faster * slid, 0.0))
-            return float(force + more * 2 * slid / (speed + final)) if slid else float(force)
-
-        return force_at
+    def time_at(self, distance: float, knot: int) -> float:
+        """Return when a sliding distance is reached between a knot and the next."""
+        speed, slid = self.speeds[knot], distance - self._distances[knot]
+        final = np.sqrt(max(speed**2 + 2 * self._rises[1][knot] * slid, 0.0))
+        return float(self.times[knot] + (2 * slid / (speed + final) if slid > 0 else 0.0))

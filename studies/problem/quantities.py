@@ -39,7 +39,8 @@ class Quantity(NamedTuple):
 NORMS = {
     "value": "difference over the value",
     "indentation": (
-        "greatest difference over the punch, over the indentation d(t) beyond the first touch"
+        "greatest difference over the punch, over the indentation d(t) beyond the first touch, the "
+        "greatest so far"
     ),
     "steady": "greatest difference over the punch, over the greatest steady displacement",
     "force": "greatest difference of all rings, over the normal force",

@@ -210,12 +210,14 @@ class RunningIn:
             raise SceneError(
                 f"prepared for distances from {self.earliest:.3g} on: give all of them"
             )
+        # where the pressure, not the wear rate, is continuous: a flat press of its own
+        pressed = loading.pressed(times)
         excited = modes.excite(self._at_knots[part.knot], part)
+        excited -= np.outer(pressed, modes.amplitudes)
         flat = np.zeros(self.compliance.space.size)
-        forces, work = loading.force(times), loading.work(times)
+        forces, work = loading.force(times) - pressed, loading.work(times)
         history = self._relaxed(distances, excited, forces, work, flat)
-        history.profile[distances == 0] = 0.0
-        return self._from_flat(history)
+        return history.press(self.flat, pressed)
 
     @cached_property
     def _at_knots(self) -> Array:
@@ -300,15 +302,6 @@ class RunningIn:
         ]
         return float(np.sqrt((squares[0] / squares[1]).max()))
 
-    def _from_flat(self, history: History) -> History:
-        """Put the flat start in: at t = 0 the pressure, not the wear rate, is continuous."""
-        start = np.flatnonzero(history.distances == 0)
-        if not len(start):
-            return history
-        history.pressure[start] = np.outer(history.force[start], self.flat.pressure)
-        history.indentation[start] = history.force[start] * self.flat.indentation
-        return replace(history, start=self.flat)
-
     @cached_property
     def _start(self) -> Array:
         """Unknowns of the flat start in the space of t > 0: the best approximation in energy."""
@@ -392,7 +385,10 @@ class RunningIn:
         indentation = pressure @ self.steady.moments + np.array(profiles) @ (
             self._weights * self.steady.wear_rate
         )
-        return self._from_flat(History.in_full_contact(times, pressure, profile, indentation))
+        begun = (times > 0).astype(float)
+        pressure, indentation = begun[:, None] * pressure, begun * indentation
+        history = History.in_full_contact(times, pressure, profile, indentation, begun)
+        return history.press(self.flat, 1 - begun)
 
     def history(self, times: Array, march: str = "modal", step: float | None = None) -> History:
         """The history by the named march."""
