@@ -7,13 +7,13 @@ that what is scaled, sampled or derived on the way shows, too, and what all meth
 over the whole face stand beside it, of which the table has some radii.
 
 A flat start is closed form (Eqs. 10, 11), and so is the steady state (Eqs. 21 to 27). In between
-hold, with ``F = 1``,
+hold, with the greatest force 1,
 
     F = int p dA, on each ring too           the force
-    F v0 t = int f / k dA                    what is worn is what pressure has worn
-    d = d0 + int f p0 dA                     reciprocity with the flat punch, u0 = d0
+    int F v0 dt = int f / k dA               what is worn is what pressure has worn
+    d = F d0 + int f p0 dA                   reciprocity with the flat punch, u0 = d0
     d = int us p dA + int f ps dA            reciprocity with the steady pressures ps
-    d'(2 t) = int k p^2 dA                   power; by the symmetry of compliance and wear
+    d'(2 t) = int k p^2 dA                   power; by the symmetry of compliance and wear, at F = 1
 
 and at a fixed indentation, with ``d0 F`` for d0 and ``-d0 F'`` for d' in the third and the last,
 
@@ -97,7 +97,7 @@ def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solutio
             ("profile rms_slope", reported.check_slopes),
             ("relaxation_time", reported.check_modes),
         ]
-    if scene.problem.full_contact and scene.problem.earliest:
+    if scene.problem.full_contact and reported.later.any():
         groups += [
             (f"indentation pressure profile {forces}", reported.check_wear),
             ("indentation pressure profile displacement", reported.check_output),
@@ -141,11 +141,11 @@ def natural_units(scene: Scene) -> Units:
     load, solid, punch = scene.load_, scene.half_space, scene.punch
     if load.indentation is not None:
         return scene.problem.units
-    force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * punch.radius**2
+    force = load.greatest_force(punch.radius)
     modulus = solid.plane_strain_modulus
     modulus = modulus or (solid.youngs_modulus or 0.0) / (1 - solid.poisson_ratio**2)
     greatest = max(punch.coefficients[: punch.rings or len(punch.ring_edges or [])])
-    time = punch.radius / (modulus * greatest * load.sliding_speed)
+    time = punch.radius / (modulus * greatest * load.sliding.greatest)
     return Units(punch.radius, modulus, force, time, greatest)
 
 
@@ -161,8 +161,13 @@ class _Reported:
         self.problem, self.units = scene.problem, natural_units(scene)
         self.face, self.rtol = self.problem.face, self.problem.rtol
         self.radii = np.asarray(table["radius"]) / self.units.length
-        self.times = np.asarray(table["time"])[self.problem.checked] / self.units.time
-        self.later = self.times > 0
+        times = np.asarray(table["time"])[self.problem.checked] / self.units.time
+        # differences are relative: nothing is held to while nothing presses
+        self.pressing = self.problem.loading.force(times) > 0
+        self.checked, self.times = self.problem.checked[self.pressing], times[self.pressing]
+        self.forces = self.problem.loading.force(self.times)
+        self.work = self.problem.loading.work(self.times)
+        self.later = self.work > 0
         self.steady_pressures = direct.steady_pressures(*self.problem.merged)
         self.fixed = self.problem.indentation is not None
         self.wear_rate = self.steady_pressures[0] * self.problem.merged.wear_coefficients[0]
@@ -178,15 +183,20 @@ class _Reported:
         Fields over the face, numbers as they are reported.
         """
         if name in FIELDS:
-            return self.solution.checked[name]
-        return self._read(name)[self.problem.checked]
+            return self.solution.checked[name][self.pressing]
+        return self._read(name)[self.checked]
+
+    def _error(self, name: str) -> Array:
+        """Return what the method states of a quantity."""
+        error = self.solution.checked_error(self.problem, name)
+        return error[self.pressing] if "time" in QUANTITIES[name].dims else error
 
     def _tolerate(self, *names: str) -> Array:
         """Return the accuracy asked for.
 
         Infinity where the method states more of a quantity, and is held to nothing.
         """
-        errors = [self.solution.checked_error(self.problem, name) for name in names]
+        errors = [self._error(name) for name in names]
         return np.where(np.max(errors, axis=0) > self.rtol, np.inf, self.rtol)
 
     def _state(self, *names: str) -> Array:
@@ -202,8 +212,8 @@ class _Reported:
         forces, parts = self._take("ring_force"), self.face.areas * self._take("pressure")
         whole = forces.sum(axis=1)
         if not self.fixed:
-            error = self.solution.checked_error(self.problem, "ring_force")
-            yield "ring forces add up to F", whole, 1.0, np.maximum(error, EXACT)
+            error = np.maximum(self._error("ring_force"), EXACT)
+            yield "ring forces add up to F", whole, self.forces, error
         doubt = DOUBT * self.face.integral_doubt(parts)
         tolerance = (self._tolerate("pressure") * np.maximum(whole, np.finfo(float).tiny) + doubt)[
             :, None
@@ -215,11 +225,19 @@ class _Reported:
         """Hold what is worn where contact opens, closes and spreads."""
         if not self.fixed:
             worn = self._take("ring_worn_volume")[self.later] / self.problem.wear_coefficients
-            yield "worn volume over k, F v0 t", worn.sum(1), self.times[self.later], EXACT
+            yield "worn volume over k, F v0 t", worn.sum(1), self.work[self.later], EXACT
+
+    @property
+    def starts(self) -> bool:
+        """Whether something presses at the time 0."""
+        return bool((self.times[:1] == 0).any())
 
     def check_decay(self) -> Rows:
         """Hold the force at a fixed indentation, which decays, to what it wears."""
-        force, passed = self._take("normal_force"), np.diff(self.times)
+        force, passed = (
+            self._take("normal_force"),
+            np.diff(self.problem.loading.distance(self.times)),
+        )
         if self.problem.full_contact and not self.times[0]:
             yield "flat start, F = 2 a E* d", force[0], 1.0, self._tolerate("normal_force")[0]
         worn = (self._take("ring_worn_volume") / self.problem.wear_coefficients).sum(axis=1)
@@ -242,42 +260,45 @@ class _Reported:
 
     def check_start(self) -> Rows:
         depth = self._tolerate("indentation")
-        if self.times[0] == 0:
+        if self.starts:
             value = self._read("indentation")[0]
-            yield "flat start, d = F / (2 a E*)", value, D0, depth[0]
+            yield "flat start, d = F / (2 a E*)", value, D0 * self.forces[0], depth[0]
         if self.solution.wear is not None:
             value = self._read("indentation_start")
-            yield "flat start of the answer", value, D0, depth.max()
+            yield "flat start of the answer", value, D0, depth.max(initial=self.rtol)
 
     def check_start_pressures(self) -> Rows:
         edges, inside = self.problem.ring_edges, self.radii < 1
         pressure, force = (self._tolerate(name) for name in ("pressure", "ring_force"))
-        if self.times[0] == 0:
+        if self.starts:
             value, reference = self._read("pressure")[0, inside], P0 / _root(self.radii[inside])
+            value = value / self.forces[0]
             yield "flat start, p = p0 / sqrt(1 - r^2/a^2)", value, reference, pressure[0]
             value, reference = self._read("ring_force")[0], -np.diff(_root(edges))
+            value = value / self.forces[0]
             yield "flat start, forces of the rings", value, reference, force[0], 1.0
         if self.solution.wear is not None:
             least, greatest = self._read("pressure_min")[0], self._read("pressure_max")[0]
             value, reference = np.append(least, greatest[:-1]), P0 / _root(edges[:-1])
             reference = np.append(reference, reference[1:])
-            yield "flat start of the answer, pressures", value, reference, pressure.max()
+            tolerance = pressure.max(initial=self.rtol)
+            yield "flat start of the answer, pressures", value, reference, tolerance
 
     def check_wear(self) -> Rows:
         """Hold what is worn, over all of the face."""
-        times, face, later = self.times, self.face, self.later
+        work, face, later = self.work, self.face, self.later
         profile, depth = self._take("profile"), self._take("indentation")
-        force = self._take("normal_force") if self.fixed else 1.0
+        force = self._take("normal_force") if self.fixed else self.forces
         if not self.fixed:
             worn, doubt = self._integrate(profile, 1 / face.wear)
             # the profile is promised relative to the indentation
             doubt += self._tolerate("profile") * depth * (face.areas / face.wear).sum()
-            tolerance = np.maximum(doubt[later] / times[later], self.rtol)
-            yield "worn volume over k, F v0 t", worn[later], times[later], tolerance
+            tolerance = np.maximum(doubt[later] / work[later], self.rtol)
+            yield "worn volume over k, F v0 t", worn[later], work[later], tolerance
             worn = self._read("worn_volume") / self.problem.wear_coefficients
             if np.isfinite(worn).all():
                 name = "worn volume of the answer over k, F v0 t"
-                yield name, worn.sum(), times[-1], tolerance[-1]
+                yield name, worn.sum(), work[-1], tolerance[-1]
         tolerance = self._tolerate("indentation", "profile")
         lost, doubt = self._integrate(profile, P0 / _root(face.radii))
         yield "reciprocity with the flat punch", D0 * force + lost, depth, tolerance + doubt / depth
@@ -327,7 +348,7 @@ class _Reported:
             if name == "pressure":
                 size = np.abs(values).max(axis=1)
             reference, doubt = self.face.interpolate(values, self.radii[inside])
-            reported = self._read(name)[self.problem.checked][later][:, inside]
+            reported = self._read(name)[self.checked][later][:, inside]
             # in the mean: pressures of elements have kinks of their own
             wrong, doubt = (
                 np.sqrt((part**2).mean(axis=1)) / size for part in (reported - reference, doubt)
@@ -353,7 +374,8 @@ class _Reported:
         wear, times, step = self.solution.wear, self.times, 0.005
         tolerated = self._tolerate("pressure")
         later = np.flatnonzero(self.later & np.isfinite(tolerated))
-        if wear is None or self.problem.march != "modal" or not len(later):
+        marched = self.problem.march != "modal" or self.problem.loading.varies
+        if wear is None or marched or not len(later):
             return
         some = later[np.linspace(0, len(later) - 1, min(len(later), 6)).round().astype(int)]
         # d'(2t) by differences of fourth order, with the roundoff of d over short times

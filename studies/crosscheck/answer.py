@@ -32,7 +32,9 @@ def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
         # continuous, and rising from the centre to the rim
         pressures = flat.pressure_at(problem.ring_edges[:-1])
         values["running_in_time"][...] = wear.relaxation_times[0]
-        values["time_to_90"][...], values["time_to_99"][...] = wear.time_to(0.9), wear.time_to(0.99)
+        if not problem.loading.varies:
+            values["time_to_90"][...] = wear.time_to(0.9)
+            values["time_to_99"][...] = wear.time_to(0.99)
         values["indentation_start"][...] = flat.indentation
         values["pressure_min"][0], values["pressure_max"][0] = pressures, [*pressures[1:], np.inf]
         values["force_share"][0] = flat.ring_forces(problem.ring_edges)
@@ -40,7 +42,8 @@ def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
         values["worn_volume"] = results["ring_worn_volume"][-1]
     elif problem.full_contact and "profile" in checked:
         values["worn_volume"] = face.ring_sums(face.areas * checked["profile"][-1])
-    if not problem.full_contact and "indentation" in results and problem.times[0] == 0:
+    starts = not problem.full_contact and not problem.loading.varies
+    if starts and "indentation" in results and problem.times[0] == 0:
         # pressures at the start may be infinite, and have no closed form
         values["indentation_start"] = results["indentation"][0]
         if {"ring_force", "normal_force"} <= results.keys():

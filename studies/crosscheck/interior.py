@@ -173,16 +173,19 @@ def pressures_of(problem: Problem, compliance: Compliance, times: Array) -> Arra
     """Return the pressures (states, size) of a flat punch at non-dimensional times, and when
     steady.
     """
-    earliest = float(min(times[times > 0], default=0.0))
+    loading, rings = problem.loading, problem.merged
+    distances = loading.distance(times)
+    earliest = float(min(distances[distances > 0], default=0.0))
     wear = RunningIn(
         compliance,
-        problem.merged.wear_coefficients,
+        rings.wear_coefficients,
         earliest,
         indentation=problem.indentation,
+        loading=loading,
     )
     # no modes are needed for the start
-    pressures = [wear.flat.pressure] * len(times)
-    if times.any():
+    pressures = [force * wear.flat.pressure for force in loading.force(times)]
+    if distances.any():
         pressures = list(wear.modal(times).pressure)
     if problem.steady:
         pressures.append(wear.steady.pressure)

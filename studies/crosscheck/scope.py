@@ -36,6 +36,12 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
         if problem.march != "modal":
             way = f"by steps of {problem.march} Euler"
         lines.append(f"history: {len(problem.times)} times from {start}, {way}")
+    if problem.loading.varies:
+        lines.append(
+            "load over time: linear between the times given, and wear goes by the sliding "
+            "distance; the answer, the steady state and relaxation times are those of the "
+            "greatest force and speed, held for ever"
+        )
     lacking = all("steady state" in entry.lacks for entry in methods.values())
     if problem.steady and not lacking:
         flat = ", that of the flat punch: wear ends with all of the face in contact"
@@ -64,6 +70,8 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
             "its axis",
             "methods as operators": "compared for flat punches only",
         }
+    if problem.loading.varies:
+        reasons["times to 90 % and 99 % of running-in"] = "the load varies, and they are of one"
     alone = f"output.quantities asks for {', '.join(scene.output.quantities)} alone"
     if problem.quantities is not None:
         reasons["all other quantities"] = alone
@@ -113,9 +121,9 @@ def time_scale(scene: Scene) -> list[str]:
     slowest = slowest_relaxation_time(problem.rings, problem.indentation is not None)
     if not np.isfinite(slowest):
         return [f"running-in: not known beforehand for more than {MOST_RINGS} rings"]
-    first, last = problem.earliest / slowest, float(problem.times[-1]) / slowest
+    first, last = problem.earliest / slowest, float(problem.distances[-1]) / slowest
     written = UnitNames.of(scene.units).write(slowest * problem.units.time, "time", 3)
-    later = int(np.sum(problem.times > 0))
+    later = int(np.sum(problem.distances > 0))
     return [
         f"running-in: slowest relaxation time {written}; the {later} times after the start go "
         f"from {first:.2g} to {last:.2g} of it",

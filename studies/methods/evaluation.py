@@ -25,7 +25,7 @@ from ..problem.quantities import (
 )
 from ..wear.fitted_press import FittedPress
 from ..wear.full_contact import RunningIn
-from ..wear.history import History
+from ..wear.history import History, Pressed
 from ..wear.moments import moments, unresolved_height
 from ..wear.moving_contact import ContactMarch
 from ..wear.shared_modes import SharedModes
@@ -89,7 +89,7 @@ class Evaluation(ABC):
         problem = self.problem
         if problem.quantities is not None and not problem.quantities & FIELDS:
             return {
-                name: values[problem.checked] if name in {"time", *HISTORIES} else values
+                name: values[problem.checked] if name in {"time", "pressed", *HISTORIES} else values
                 for name, values in self.results.items()
             }
         history = [self.at(problem.checked)] if len(problem.times) else []
@@ -135,6 +135,7 @@ class FullContact(Evaluation):
             problem.earliest,
             shared,
             indentation=problem.indentation,
+            loading=problem.loading,
         )
 
     @cached_property
@@ -198,7 +199,8 @@ class FullContact(Evaluation):
         }
         if name not in at_start:
             return least
-        return np.where(self.problem.times == 0, max(at_start[name], least), least)
+        pressed = self.problem.loading.pressed(self.problem.times) > 0
+        return np.where(pressed, max(at_start[name], least), least)
 
 
 class MovingContact(Evaluation):
@@ -230,7 +232,8 @@ class MovingContact(Evaluation):
     def _march(self) -> ContactMarch:
         problem, compliance = self.problem, self.compliance
         of_profile = moments(problem.profile, compliance.space)
-        return ContactMarch(compliance, problem.wear_coefficients, of_profile, load_of(problem))
+        wear_coefficients, load = problem.wear_coefficients, load_of(problem)
+        return ContactMarch(compliance, wear_coefficients, of_profile, load, problem.loading)
 
     @cached_property
     def exact_in_time(self) -> History:
@@ -246,9 +249,14 @@ class MovingContact(Evaluation):
     def _started(self, history: History) -> History:
         if self.start is None:
             return history
-        indentation = history.indentation.copy()
-        indentation[0] = self.start.indentation
-        return replace(history, indentation=indentation, start=self.start)
+        started = (history.distances == 0) & (history.force == history.force[0])
+        indentation = np.where(started, self.start.indentation, history.indentation)
+        pressed = Pressed(
+            self.start,
+            np.where(started, self.start.force, 0.0),
+            np.where(started[:, None], 0.0, history.pressure),
+        )
+        return replace(history, indentation=indentation, pressed=pressed)
 
     def at(self, which: Indices) -> History:
         return self.marched[which]
@@ -284,7 +292,7 @@ class MovingContact(Evaluation):
             # cells lose this of the bend of fields: where an edge stays in a cell of both meshes,
             # their difference says nothing of it. Of punches drawn at random none penetrates by
             # more than .23 of it where cells hold the face
-            lost = 0.25 * self._bends / self.marched.indentation
+            lost = 0.25 * self._bends * self._per_depth
             least = np.maximum(least, np.where(later | (name != "profile"), lost, 0.0))
         if self._decays(name):
             return 2 * np.maximum(least, self._unresolved)
@@ -296,8 +304,14 @@ class MovingContact(Evaluation):
         """(T,) by how much heights of the face differ from what cells hold, over the
         indentation.
         """
-        depth, space = self.marched.indentation, self.compliance.space
-        return unresolved_height(self.problem.profile, space, float(depth.max())) / depth
+        depth, space = float(self.marched.indentation.max()), self.compliance.space
+        return unresolved_height(self.problem.profile, space, depth) * self._per_depth
+
+    @property
+    def _per_depth(self) -> Array:
+        """(T,) the inverse of the indentation, of which nothing is promised while that is zero."""
+        depth = self.marched.indentation
+        return np.divide(1.0, depth, out=np.zeros(len(depth)), where=depth > 0)
 
     @cached_property
     def _bends(self) -> Array:
@@ -307,7 +321,7 @@ class MovingContact(Evaluation):
         history, space = self.marched, self.compliance.space
         width = np.diff(space.breakpoints)
         wider = np.where(np.diff(space.ring) == 0, np.maximum(width[1:], width[:-1]), 0.0)
-        greatest = np.zeros(len(history.times))
+        greatest = np.zeros(len(history.distances))
         for field in (history.profile, self.sampler.displaced(history)):
             slope = (field[:, space.dofs[:, 1]] - field[:, space.dofs[:, 0]]) / width
             # at the axis the next cell is the same on the other side

@@ -37,6 +37,11 @@ class MdrGrid(Method):
                 "one disc, and an initial "
                 "profile or a fixed indentation may break that: leave it out of methods"
             )
+        if problem.loading.varies:
+            return (
+                "mdr-grid knows one force and one sliding speed: leave it out of methods, or give "
+                "load.normal_force and load.sliding_speed as numbers"
+            )
         if not len(problem.times):
             return (
                 "mdr-grid marches in time and knows no steady state: give wear.times, or leave it "

@@ -17,6 +17,7 @@ from ...meshes.errors import RingwearError
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
 from ..problem.defaults import mdr_sizes
+from ..problem.loading import Loading
 from ..problem.marching import refused_steps, steps_between
 from ..problem.problem import Problem
 from ..problem.profile import FLAT
@@ -26,7 +27,7 @@ from ..wear.fitted_press import FittedPress, fit_presses
 from .base import Discretised, Method, Solution, method
 from .evaluation import Evaluation, FullContact, MovingContact
 from .norms import differences, radial_weight
-from .spaces import first_contact, load_of, pressure_spaces
+from .spaces import first_contact, load_at_start, pressure_spaces
 from .together import Together, worn_together
 
 
@@ -43,6 +44,11 @@ class ComplianceMethod(Method):
 
     def refusal(self, problem: Problem) -> str:
         """Return why it cannot solve the problem at all, with the remedy; empty if it can."""
+        if problem.march != "modal" and problem.loading.varies:
+            return (
+                f"wear.march = '{problem.march}' takes steps of one length under one load: with a "
+                "load that varies give 'modal'"
+            )
         if problem.step and problem.march != "modal":
             steps = float(steps_between(problem.times, problem.step).sum())
             if refused := refused_steps(steps, "give a larger wear.step, or march = 'modal'"):
@@ -149,7 +155,7 @@ def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: 
     steady = None
     if problem.steady:
         flat = replace(problem, profile=FLAT, times=problem.times[:0], compared_on=problem.face)
-        steady = method.solve(flat, stages)
+        steady = method.solve(replace(flat, loading=Loading()), stages)
         if not len(problem.times):
             return steady
     with stages("locating"):
@@ -157,9 +163,9 @@ def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: 
     made = method.discretise(problem, stages)
     presses: tuple[FittedPress | None, FittedPress | None] = (None, None)
     notes = list(made.notes)
-    if problem.times[0] == 0 and made.fitted:
+    if problem.times[0] == 0 and problem.loading.forces[0] and made.fitted:
         with stages("pressing"):
-            load = load_of(problem)
+            load = load_at_start(problem)
             try:
                 presses = fit_presses(problem.profile, load, intervals, made.fitted)
             except RingwearError as error:

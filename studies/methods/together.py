@@ -127,9 +127,9 @@ def _solved_whole(problems: Sequence[Problem]) -> list[int]:
 
     One of them is within half an order of magnitude in wear ratio of each.
     """
-    if not all(
-        problem.earliest and problem.march == "modal" and problem.indentation is None
-        for problem in problems
+    singly = (problem.loading.varies or problem.indentation is not None for problem in problems)
+    if any(singly) or not all(
+        problem.earliest and problem.march == "modal" for problem in problems
     ):
         return []
     logs, numbers = _logs(problems), [0]

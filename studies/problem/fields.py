@@ -55,6 +55,34 @@ def check_increasing(key: str, values: list[float]) -> None:
         raise ValueError(f"{key} = {values} must increase, without repeats")
 
 
+class OverTime(Section):
+    """A number that varies: linear between times, constant before the first and after the last."""
+
+    times: list[NotNegative] = Field(description="increasing times, 0 or later, one or more")
+    values: list[NotNegative] = Field(
+        description="a value, 0 or more, for each of the times; not all 0"
+    )
+
+    @model_validator(mode="after")
+    def _check_knots(self) -> Self:
+        check_increasing("times", self.times)
+        if not 1 <= len(self.times) == len(self.values):
+            raise ValueError(
+                f"{len(self.values)} values for {len(self.times)} times: give one for each"
+            )
+        check_range(self.greatest)
+        return self
+
+    @property
+    def greatest(self) -> float:
+        return max(self.values)
+
+
+def over_time(given: "float | OverTime") -> OverTime:
+    """Return a number that may vary as one that does."""
+    return given if isinstance(given, OverTime) else OverTime(times=[0.0], values=[given])
+
+
 class ProfileSection(Section):
     """Heights of the unworn face over the radius: material that is missing."""
 
@@ -162,7 +190,10 @@ class HeightTable(ProfileSection):
         return PchipInterpolator(self.radii, self.heights)
 
 
-KINDS: dict[str, type[ProfileSection]] = {
+# what a key may be given as, by the name that messages leave out
+KINDS: dict[str, type[Section]] = {
+    "number": Section,
+    "over time": OverTime,
     "parabola": Parabola,
     "cone": Cone,
     "power": Power,

@@ -15,6 +15,7 @@ import numpy as np
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array, Indices, alternating_edges, graded_breakpoints, ring_of
 from .face import Face
+from .loading import Loading
 from .profile import FLAT, InitialProfile, unworn
 from .quantities import ENERGIES, GROUPS, HISTORIES, OF_PROFILES, STEADY, expand
 from .sections import (
@@ -146,6 +147,8 @@ class Problem:
         flat punch would take; None under a force
     quantities : names of those wanted; None for all that go with times and steady state. Sizes and
         estimates serve these alone
+    loading : force and speed over time; their greatest values are those of the units, and of the
+        steady state
     """
 
     rings: Rings
@@ -164,6 +167,7 @@ class Problem:
     indentation: float | None = None
     compared_on: Face | None = None
     quantities: frozenset[str] | None = None
+    loading: Loading = field(default_factory=Loading)
 
     @classmethod
     def posed(
@@ -187,10 +191,10 @@ class Problem:
         modulus = half_space.plane_strain_modulus or (half_space.youngs_modulus or 0.0) / (
             1 - half_space.poisson_ratio**2
         )
-        force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * length**2
+        force = load.greatest_force(length)
         force = force or 2 * length * modulus * _approach(punch, load, ring_edges)
         fastest = float(coefficients.max())
-        time = length / modulus / fastest / load.sliding_speed
+        time = length / modulus / fastest / load.sliding.greatest
         units = Units(length, modulus, force, time, fastest)
         problem = cls(
             rings=Rings(ring_edges, coefficients / fastest),
@@ -207,6 +211,7 @@ class Problem:
             units=units,
             profile=unworn(punch, ring_edges, length, units.displacement),
             indentation=None if load.indentation is None else D0,
+            loading=Loading.of(load.pressing, load.sliding, time),
         )
         wanted = expand(output.quantities)
         return problem if wanted == GROUPS["all"] else problem.asking_for(wanted)
@@ -221,10 +226,10 @@ class Problem:
 
     @property
     def full_contact(self) -> bool:
-        """Whether all of the face carries at all times: a flat punch never loses contact, and any
-        other may.
+        """Whether all of the face carries at all times: a flat punch under a force that never falls,
+        or at a fixed indentation, keeps contact, and any other may lose it.
         """
-        return self.profile.flat
+        return self.profile.flat and self.loading.rising
 
     @property
     def ring_edges(self) -> Array:
@@ -234,10 +239,15 @@ class Problem:
     def wear_coefficients(self) -> Array:
         return self.rings.wear_coefficients
 
+    @cached_property
+    def distances(self) -> Array:
+        """(T,) sliding distance by each time: the time itself at constant speed."""
+        return self.loading.distance(self.times)
+
     @property
     def earliest(self) -> float:
-        """The first time after the start; 0 without any."""
-        return float(min(self.times[self.times > 0], default=0.0))
+        """The first sliding distance after the start; 0 without any."""
+        return float(min(self.distances[self.distances > 0], default=0.0))
 
     @property
     def blunted(self) -> Blunted:
@@ -245,7 +255,7 @@ class Problem:
         wear, earliest = self.merged.wear_coefficients, self.earliest or np.inf
         outside = np.append(wear[1:], wear[-1])
         slower = np.minimum(wear, outside)
-        span = float(self.times[-1] / earliest) if self.earliest else 1.0
+        span = float(self.distances[-1] / earliest) if self.earliest else 1.0
         return Blunted(slower * earliest, np.maximum(wear, outside) / slower, span)
 
     def sizes_given(self, method: str) -> bool:
@@ -267,6 +277,8 @@ class Problem:
             missing = set(OF_PROFILES)
             if self.indentation is not None:
                 missing -= {"normal_force", "ring_worn_volume"}
+            elif self.loading.varies:
+                missing -= {"normal_force"}
         wanted = quantities - missing
         if not len(self.times):
             wanted -= HISTORIES
@@ -341,13 +353,15 @@ class Problem:
 
         From the earliest in steps of about two to beyond the last, and the start.
         """
-        later = self.times[self.times > 0]
+        later = self.times[self.distances > 0]
         if not len(later):
             return self.times
         count = min(int(np.log2(later[-1] / later[0])) + 3, MOST_ESTIMATED)
-        return np.concatenate(
-            [self.times[:1][self.times[:1] == 0], np.geomspace(later[0], 2 * later[-1], count)]
-        )
+        times = [self.times[:1][self.times[:1] == 0], np.geomspace(later[0], 2 * later[-1], count)]
+        if self.loading.varies:
+            # what knots bring does not come in proportion to the time
+            times.append(self.times[self.checked])
+        return np.unique(np.concatenate(times))
 
 
 def _approach(punch: PunchSection, load: LoadSection, ring_edges: Array) -> float:

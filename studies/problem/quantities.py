@@ -39,7 +39,8 @@ class Quantity(NamedTuple):
 NORMS = {
     "value": "difference over the value",
     "indentation": (
-        "greatest difference over the punch, over the indentation d(t) beyond the first touch"
+        "greatest difference over the punch, over the indentation d(t) beyond the first touch, the "
+        "greatest so far"
     ),
     "slope": "difference over the value, or over d/(1000 a) where that is more",
     "steady": "greatest difference over the punch, over the greatest steady displacement",

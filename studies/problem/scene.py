@@ -131,6 +131,11 @@ class Scene(Section):
         from ..wear.time_scale import slowest_relaxation_time
 
         problem = self.problem
+        if problem.loading.varies:
+            raise SceneError(
+                "wear.times by running-in is known for one force and one sliding speed: with a "
+                "load that varies give times as numbers"
+            )
         if not problem.full_contact:
             raise SceneError(
                 "wear.times by running-in is known for flat punches: give times as numbers"

@@ -6,12 +6,14 @@ Descriptions follow the word "give" in messages about a key.
 from collections.abc import Callable
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Field, model_validator
+import numpy as np
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from .fields import (
     Cone,
     HeightTable,
     NotNegative,
+    OverTime,
     Parabola,
     Positive,
     Power,
@@ -19,6 +21,7 @@ from .fields import (
     Section,
     check_increasing,
     optional,
+    over_time,
 )
 from .quantities import expand
 
@@ -126,18 +129,47 @@ class HalfSpaceSection(Section):
         return self
 
 
+# a number, or a table of times and values
+Varying = Annotated[
+    Annotated[Positive, Tag("number")] | Annotated[OverTime, Tag("over time")],
+    Discriminator(lambda given: "over time" if isinstance(given, dict | OverTime) else "number"),
+]
+
+
 class LoadSection(Section):
-    normal_force: Positive | None = optional("the normal force F, positive")
-    mean_pressure: Positive | None = optional("F / (pi a^2), positive")
+    normal_force: Varying | None = optional(
+        "the normal force F, positive, or { times = [...], values = [...] }"
+    )
+    mean_pressure: Varying | None = optional(
+        "F / (pi a^2), positive, or { times = [...], values = [...] }"
+    )
     indentation: Positive | None = optional(
         "the indentation d of the unworn face plane, held fixed: the force decays as wear goes on"
     )
-    sliding_speed: Positive = Field(default=1.0, description="the sliding speed, positive")
+    sliding_speed: Varying = Field(
+        default=1.0,
+        description="the sliding speed, positive, or { times = [...], values = [...] }",
+    )
 
     @model_validator(mode="after")
     def _check_load(self) -> Self:
         self.check_one_of("normal_force", "mean_pressure", "indentation")
         return self
+
+    @property
+    def pressing(self) -> OverTime:
+        """The force or mean pressure over time; of an indentation, one that is never felt."""
+        return over_time(self.normal_force or self.mean_pressure or 1.0)
+
+    @property
+    def sliding(self) -> OverTime:
+        """The sliding speed over time."""
+        return over_time(self.sliding_speed)
+
+    def greatest_force(self, radius: float) -> float:
+        """Return the greatest force on a punch of this radius; 0 if the indentation is given."""
+        area = np.pi * radius**2 if self.normal_force is None else 1.0
+        return 0.0 if self.indentation is not None else self.pressing.greatest * area
 
 
 class WearSection(Section):

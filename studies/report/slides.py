@@ -26,7 +26,8 @@ def slides(result: Result) -> dict[str, Any] | None:
         return None
     scale, rings = Scale(result.scene), result.scene.problem.rings
     modal = modal_method(result.solutions)
-    if modal is None or not len(result.scene.problem.times):
+    problem = result.scene.problem
+    if modal is None or problem.loading.varies or not len(problem.times):
         states = _select_times(result)
         labels = [scale.when(time) for time in states["time"]]
     else:

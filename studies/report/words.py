@@ -228,8 +228,8 @@ class Account:
             lines.append(f"{quantity} is undecided between {pair}{others}: {worst.remark}")
         slowest = self.answer("running_in_time")
         if slowest is not None and self.problem.earliest:
-            later = [time / float(slowest) for time in self.scene.wear.times if time]
-            lines += outside(later[0], later[-1])
+            scale = self.problem.units.time / float(slowest)
+            lines += outside(self.problem.earliest * scale, self.problem.distances[-1] * scale)
         return lines + [f"note: {note}" for note in result.notes]
 
 

@@ -39,6 +39,7 @@ class FlatStart:
     pressure: Array
     indentation: float
     intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
+    force: float = 1.0
 
     def times(self, factor: float) -> "FlatStart":
         """Return the same under so many times the load."""
@@ -103,6 +104,7 @@ class FlatPress:
     pressure: Array
     indentation: float
     intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
+    force: float = 1.0
 
     def times(self, factor: float) -> "FlatPress":
         """Return the same under so many times the load."""

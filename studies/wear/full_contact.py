@@ -1,17 +1,16 @@
-"""Archard's wear on any compliance.
-
-Exact in time by modes, or marched in steps (Eqs. 12 to 17). Non-dimensional.
+"""Archard's wear on any compliance, by modes or in steps (Eqs. 12 to 17). Non-dimensional.
 
 In full contact the pressure is affine in the profile, and with the wear rate ``k p`` continuous
 (which it is for every t > 0) the history obeys ``A p' = d' b - K p``, ``b . p = F``, with the mass
 matrix `K` of weight `k`. Its deviation from the steady state decays in modes of the pencil (A, K)
 on the pressures that carry no force, whose eigenvalues are the relaxation times. At a fixed
 indentation ``A p' = -K p``: all pressures decay, in modes of the pencil on all of them. A flat
-start never loses contact, so no inequality is enforced.
+start never loses contact, so no inequality is enforced. Nor does a force that never falls, whose
+rises are so many flat starts. Times of marches in steps are sliding distances.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +20,7 @@ from scipy.sparse import csr_matrix, diags
 from ...meshes.compliance import Compliance
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
+from ..problem.loading import Loading
 from ..problem.marching import Advance, take_steps
 from .flat_contact import FlatPress, FlatStart, SteadyState, flat_start, steady_state
 from .history import History
@@ -44,13 +44,14 @@ class RunningIn:
     ----------
     compliance : of the half-space
     wear_coefficients : (N,) of the rings of its pressure space
-    earliest : time > 0 before which no history is wanted, so that a large punch needs few of its
-        modes; 0: all of them
+    earliest : sliding distance > 0 before which no history is wanted, so that a large punch needs
+        few of its modes; 0: all of them
     shared : the span of the histories of punches that differ in wear alone; its modes stand for
         those of this one
     continuous : whether the wear rate is, as it is from a flat start on; else it may jump at ring
         edges, on a space of degree 1
     indentation : held fixed in place of the force 1, so that wear tends to no pressure at all
+    loading : of `modal`, its force never falls
     """
 
     compliance: Compliance
@@ -59,6 +60,7 @@ class RunningIn:
     shared: SharedModes | None = None
     continuous: bool = True
     indentation: float | None = None
+    loading: Loading = field(default_factory=Loading)
 
     @cached_property
     def steady(self) -> SteadyState:
@@ -219,51 +221,66 @@ class RunningIn:
         """Return the exact history from the flat start at any times from `earliest` on, none of
         which depends on another.
         """
-        if (times[times > 0] < self.earliest * (1 - 1e-12)).any():
+        loading, modes = self.loading, self._modes
+        part, distances = loading.since(times), loading.distance(times)
+        if (distances[distances > 0] < self.earliest * (1 - 1e-12)).any():
             raise SceneError(
-                f"this history was prepared for times from {self.earliest:.3g} on; prepare it for "
-                "all of them"
+                f"prepared for distances from {self.earliest:.3g} on: give all of them"
             )
-        history = self._relaxed(times, times, self._modes.amplitudes, 0.0)
-        history.profile[times == 0] = 0.0
-        return self._from_flat(history)
+        # where the pressure, not the wear rate, is continuous: a flat press of its own
+        pressed = loading.pressed(times)
+        excited = modes.excite(self._at_knots[part.knot], part)
+        excited -= np.outer(pressed, modes.amplitudes)
+        flat = np.zeros(self.compliance.space.size)
+        forces, work = loading.force(times) - pressed, loading.work(times)
+        history = self._relaxed(distances, excited, forces, work, flat)
+        return history.press(self.flat, pressed)
 
-    def from_full_contact(self, times: Array, since: float, unworn: Array, worn: Array) -> History:
-        """Return the exact history from the time at which all of a shaped face carries, for as long
-        as it does.
+    @cached_property
+    def _at_knots(self) -> Array:
+        return self._modes.at_knots(self.loading)
+
+    def from_full_contact(
+        self, distances: Array, since: float, spent: float, unworn: Array, worn: Array
+    ) -> History:
+        """Return the exact history from where all of a shaped face carries, for as long as it does.
 
         Parameters
         ----------
-        times : (T,) array
-            Times from `since` on, of a march from the time 0.
+        distances : (T,) array
+            Sliding distances from `since` on, under the force 1.
+        spent : float
+            Integral of the force over the sliding distance by then.
         unworn, worn : (size,) arrays
             Moments of the unworn face, and of what had worn off at `since`.
         """
-        modes = self._modes
+        modes, further = self._modes, distances - since
         moments = self._moments + self._to_pressure.T @ (unworn + worn)
         amplitudes = -(modes.shapes.T @ moments) / modes.relaxation
-        return self._relaxed(times, times - since, amplitudes, unworn)
+        excited = np.exp(-further[:, None] / modes.relaxation) * amplitudes
+        return self._relaxed(distances, excited, np.ones(len(further)), spent + further, unworn)
 
     def _relaxed(
-        self, times: Array, elapsed: Array, amplitudes: Array, unworn: Array | float
+        self, distances: Array, excited: Array, forces: Array, work: Array, unworn: Array
     ) -> History:
-        """Return the sum of the steady state and of modes that have decayed for some time."""
-        modes, steady = self._modes, self.steady
-        rates, displaced = self._sums(np.exp(-elapsed[:, None] / modes.relaxation) * amplitudes)
-        pressure = steady.pressure + rates @ self._to_pressure.T
+        """Return the sum of the steady state of a force, or of no pressure, and of modes."""
+        steady = self.steady
+        rates, displaced = self._sums(excited)
+        pressure = np.outer(forces, steady.pressure) + rates @ self._to_pressure.T
         if self.indentation is None:
-            # force balance against the steady pressures: d F = p_s . A p + int f p_s dA
-            indentation = steady.wear_rate * times + pressure @ steady.moments
+            # reciprocity with the steady pressures, int p_s dA = 1: d = p_s . A p + int f p_s dA,
+            # and what has worn, k p_s being one w, adds w int F dtau
+            indentation = steady.wear_rate * work + pressure @ steady.moments
             indentation += np.sum(unworn * steady.pressure)
         else:
-            indentation = np.full(len(times), self.indentation)
+            indentation = self.indentation * forces
+            forces = pressure @ self.compliance.space.weights
         # f = d - u: slopes of small elements would show the roundoff of a sum of what wore
         gap = np.outer(indentation, self._weights) - (
-            (steady.moments + unworn) @ self._to_pressure + displaced
+            (np.outer(forces, steady.moments) + unworn) @ self._to_pressure + displaced
         )
         profile = self._mass_factor.solve(gap.T).T @ self._to_profile.T
-        force = pressure @ self.compliance.space.weights
-        return History.in_full_contact(times, pressure, profile, indentation, force)
+        return History.in_full_contact(distances, pressure, profile, indentation, forces)
 
     def _sums(self, shares: Array) -> tuple[Array, Array]:
         """(T, n) wear rates that are sums of modes by (T, m) shares, and what they displace,
@@ -305,16 +322,6 @@ class RunningIn:
         ]
         return float(np.sqrt((squares[0] / squares[1]).max()))
 
-    def _from_flat(self, history: History) -> History:
-        """Put the flat start in: at t = 0 the pressure, not the wear rate, is continuous."""
-        start = np.flatnonzero(history.times == 0)
-        if not len(start):
-            return history
-        history.pressure[start] = self.flat.pressure
-        history.indentation[start] = self.flat.indentation
-        history.force[start] = self.compliance.space.weights @ self.flat.pressure
-        return replace(history, start=self.flat)
-
     @cached_property
     def _start(self) -> Array:
         """Unknowns of the flat start in the space of t > 0: the best approximation in energy."""
@@ -346,9 +353,7 @@ class RunningIn:
         return self._marched(times, step, advance_by, 1)
 
     def explicit(self, times: Array, step: float) -> History:
-        """Explicit Euler (Eqs.
-
-        14 to 17 on this compliance): first order, stable up to `stability_limit`.
+        """Explicit Euler (Eqs. 14 to 17), of first order, stable up to `stability_limit`.
 
         Raises
         ------
@@ -384,9 +389,11 @@ class RunningIn:
             # force balance against the steady pressures: d F = p_s . A p + int f p_s dA
             indentation = pressure @ self.steady.moments
             indentation += profiles @ (self._weights * self.steady.wear_rate)
-        force = pressure @ self.compliance.space.weights
-        history = History.in_full_contact(times, pressure, profile, indentation, force)
-        return self._from_flat(history)
+        begun = (times > 0).astype(float)
+        pressure, indentation = begun[:, None] * pressure, begun * indentation
+        forces = pressure @ self.compliance.space.weights
+        history = History.in_full_contact(times, pressure, profile, indentation, forces)
+        return history.press(self.flat, 1 - begun)
 
     def history(self, times: Array, march: str = "modal", step: float | None = None) -> History:
         """The history by the named march."""
