@@ -222,7 +222,8 @@ class MovingContact(Evaluation):
     def _march(self) -> ContactMarch:
         problem, compliance = self.problem, self.compliance
         of_profile = moments(problem.profile, compliance.space)
-        return ContactMarch(compliance, problem.wear_coefficients, of_profile, load_of(problem))
+        wear = problem.merged.wear_coefficients
+        return ContactMarch(compliance, wear, of_profile, load_of(problem))
 
     @cached_property
     def exact_in_time(self) -> History:

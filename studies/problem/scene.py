@@ -135,7 +135,7 @@ class Scene(Section):
                 "wear.times by running-in is known for flat punches under a force: give times as "
                 "numbers"
             )
-        scale = slowest_relaxation_time(self.problem.rings) * self.problem.units.time
+        scale = slowest_relaxation_time(self.problem.merged) * self.problem.units.time
         if scale != scale:
             raise SceneError(
                 "wear.times by running-in is known for up to 64 rings: give times as numbers"
