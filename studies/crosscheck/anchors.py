@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 from ...mdr import direct
-from ...meshes.radial import Array, ring_of
+from ...meshes.radial import Array
 from ..methods.base import Solution
 from ..methods.norms import radial_weight
 from ..problem.problem import D0, P0, Units
@@ -144,7 +144,8 @@ def natural_units(scene: Scene) -> Units:
     force = load.greatest_force(punch.radius)
     modulus = solid.plane_strain_modulus
     modulus = modulus or (solid.youngs_modulus or 0.0) / (1 - solid.poisson_ratio**2)
-    greatest = max(punch.coefficients[: punch.rings or len(punch.ring_edges or [])])
+    count = None if punch.table else punch.rings or len(punch.ring_edges or [])
+    greatest = max(punch.coefficients[:count])
     time = punch.radius / (modulus * greatest * load.sliding.greatest)
     return Units(punch.radius, modulus, force, time, greatest)
 
@@ -168,9 +169,12 @@ class _Reported:
         self.forces = self.problem.loading.force(self.times)
         self.work = self.problem.loading.work(self.times)
         self.later = self.work > 0
-        self.steady_pressures = direct.steady_pressures(*self.problem.merged)
         self.fixed = self.problem.indentation is not None
-        self.wear_rate = self.steady_pressures[0] * self.problem.merged.wear_coefficients[0]
+        self.graded = self.problem.merged.wear_coefficients.ndim == 2
+        self.wear_rate = 1 / float(np.sum(self.face.areas / self.face.wear))
+        if not self.graded:
+            self.steady_pressures = direct.steady_pressures(*self.problem.merged)
+            self.wear_rate = self.steady_pressures[0] * self.problem.merged.wear_coefficients[0]
 
     def _read(self, name: str) -> Array:
         """Return a quantity of the table, non-dimensional."""
@@ -296,12 +300,14 @@ class _Reported:
             tolerance = np.maximum(doubt[later] / work[later], self.rtol)
             yield "worn volume over k, F v0 t", worn[later], work[later], tolerance
             worn = self._read("worn_volume") / self.problem.wear_coefficients
-            if np.isfinite(worn).all():
+            if np.isfinite(worn).all() and not self.graded:
                 name = "worn volume of the answer over k, F v0 t"
                 yield name, worn.sum(), work[-1], tolerance[-1]
         tolerance = self._tolerate("indentation", "profile")
         lost, doubt = self._integrate(profile, P0 / _root(face.radii))
         yield "reciprocity with the flat punch", D0 * force + lost, depth, tolerance + doubt / depth
+        if self.graded:
+            return
         tolerance = self._tolerate("indentation", "profile", "pressure")
         lost, _ = self._integrate(profile, self.wear_rate / face.wear)
         moved, doubt = self._integrate(self._take("pressure"), self._displace(face.radii))
@@ -361,7 +367,8 @@ class _Reported:
         if (wear := self.solution.wear) is None:
             return
         coarse, fine = (
-            slowest_relaxation_time(self.problem.rings, self.fixed, size) for size in (COARSE, FINE)
+            slowest_relaxation_time(self.problem.merged, self.fixed, size)
+            for size in (COARSE, FINE)
         )
         tolerance = self._tolerate("relaxation_time")[0] + DOUBT * abs(coarse / fine - 1)
         name = "slowest relaxation time, by a small problem of its own"
@@ -393,10 +400,15 @@ class _Reported:
         yield "power, F d'(2t) = int k p^2 dA", rates, power, tolerance
 
     def check_steady_state(self) -> Rows:
-        problem, merged = self.problem, (self.problem.merged.ring_edges, self.steady_pressures)
-        by_rings = self.wear_rate / problem.wear_coefficients
-        pressures = by_rings[ring_of(problem.ring_edges, self.radii)]
+        problem, pressures = self.problem, self.wear_rate / self.problem.merged.at(self.radii)
+        name = "steady_wear_rate"
+        tolerance = np.maximum(self._tolerate(name), EXACT) if self.graded else EXACT
+        yield f"{name} in closed form", self._read(name), self.wear_rate, tolerance
         yield "steady pressures of Eq. 24", self._read("steady_pressure"), pressures, self.rtol
+        if self.graded:
+            return
+        merged = problem.merged.ring_edges, self.steady_pressures
+        by_rings = self.wear_rate / problem.wear_coefficients
         reported = np.array([self._read(name)[1] for name in ("pressure_min", "pressure_max")])
         yield "steady pressures of the answer", reported, by_rings, self.rtol
         greatest = direct.greatest_displacement(*merged)
@@ -408,8 +420,6 @@ class _Reported:
         ):
             tolerance = self._tolerate(name)
             yield f"{name} in closed form", self._read(name), reference, tolerance, scale
-        name = "steady_wear_rate"
-        yield f"{name} in closed form", self._read(name), self.wear_rate, EXACT
 
     def _displace(self, radii: Array) -> Array:
         """Return the steady displacement at radii."""

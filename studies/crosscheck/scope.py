@@ -92,7 +92,7 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
         reasons["far field"] = (
             "the scene clamps the outer boundary: expect the indentation to err by 1.1 a/R"
         )
-    if merged := len(problem.wear_coefficients) - len(problem.merged.wear_coefficients):
+    if (merged := len(problem.ring_edges) - len(problem.merged.ring_edges)) > 0:
         reasons["ring edges"] = (
             f"{merged} of them separate rings of equal wear, so nothing happens there"
         )
@@ -118,7 +118,7 @@ def time_scale(scene: Scene) -> list[str]:
         return []
     if not problem.full_contact:
         return ["running-in: not known beforehand where contact opens, closes and spreads"]
-    slowest = slowest_relaxation_time(problem.rings, problem.indentation is not None)
+    slowest = slowest_relaxation_time(problem.merged, problem.indentation is not None)
     if not np.isfinite(slowest):
         return [f"running-in: not known beforehand for more than {MOST_RINGS} rings"]
     first, last = problem.earliest / slowest, float(problem.distances[-1]) / slowest

@@ -232,7 +232,7 @@ class MovingContact(Evaluation):
     def _march(self) -> ContactMarch:
         problem, compliance = self.problem, self.compliance
         of_profile = moments(problem.profile, compliance.space)
-        wear_coefficients, load = problem.wear_coefficients, load_of(problem)
+        wear_coefficients, load = problem.merged.wear_coefficients, load_of(problem)
         return ContactMarch(compliance, wear_coefficients, of_profile, load, problem.loading)
 
     @cached_property

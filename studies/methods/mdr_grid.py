@@ -31,6 +31,11 @@ class MdrGrid(Method):
     }
 
     def refusal(self, problem: Problem) -> str:
+        if problem.merged.wear_coefficients.ndim == 2:
+            return (
+                "mdr-grid knows wear that is constant on rings: leave it out of methods, or give "
+                "steps or many rings in place of punch.wear_coefficient along the radius"
+            )
         if not problem.full_contact:
             return (
                 "mdr-grid uses the rule of springs, q = d - g, which holds only while contact is "

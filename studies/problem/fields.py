@@ -190,9 +190,31 @@ class HeightTable(ProfileSection):
         return PchipInterpolator(self.radii, self.heights)
 
 
+class WearTable(Section):
+    """Wear coefficients over the radius, linear between points, constant beyond the ends."""
+
+    radii: list[NotNegative] = Field(
+        min_length=1,
+        description="radii from 0 to punch.radius that do not decrease; two equal ones are a step",
+    )
+    values: list[Positive] = Field(
+        description="a wear coefficient, positive, for each of the radii"
+    )
+
+    def check_fit(self, punch_radius: float) -> None:
+        """Refuse what does not fit the punch."""
+        radii = self.radii
+        if len(self.values) != len(radii) or sorted(radii) != radii or radii[-1] > punch_radius:
+            raise ValueError(
+                f"wear_coefficient.radii = {radii} with {len(self.values)} values: give a value "
+                f"for each of radii from 0 to {punch_radius} that do not decrease"
+            )
+
+
 # what a key may be given as, by the name that messages leave out
 KINDS: dict[str, type[Section]] = {
     "number": Section,
+    "graded": WearTable,
     "over time": OverTime,
     "parabola": Parabola,
     "cone": Cone,

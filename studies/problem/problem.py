@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...meshes.errors import SceneError
-from ...meshes.radial import Array, Indices, alternating_edges, graded_breakpoints, ring_of
-from .face import Face
+from ...meshes.radial import Array, Indices, alternating_edges, graded_breakpoints, ring_areas
+from .face import Face, Rings
 from .loading import Loading
 from .profile import FLAT, InitialProfile, unworn
 from .quantities import ENERGIES, GROUPS, HISTORIES, OF_PROFILES, STEADY, expand
@@ -50,37 +50,6 @@ class Blunted(NamedTuple):
     slow: Array
     ratio: Array
     span: float
-
-
-class Rings(NamedTuple):
-    """Rings of a punch: (N+1,) edges from 0 to 1, and (N,) wear coefficients over the greatest."""
-
-    ring_edges: Array
-    wear_coefficients: Array
-
-    @classmethod
-    def alternating(cls, count: int, width_ratio: float, wear_ratio: float) -> "Rings":
-        """Two materials in turn from the centre, by ``h2/h1`` and ``k2/k1``."""
-        coefficients = np.where(np.arange(count) % 2, wear_ratio, 1.0)
-        return cls(alternating_edges(count, width_ratio), coefficients / coefficients.max())
-
-    @property
-    def widths(self) -> Array:
-        return np.diff(self.ring_edges)
-
-    @property
-    def narrower(self) -> Array:
-        """(N-1,) width of the narrower ring beside each edge between centre and rim."""
-        return np.minimum(self.widths[:-1], self.widths[1:])
-
-    def at(self, radii: Array) -> Array:
-        """Wear coefficient at each radius."""
-        return self.wear_coefficients[ring_of(self.ring_edges, radii)]
-
-    def merged(self) -> "Rings":
-        """Neighbouring rings of equal wear made one: what has to be modelled."""
-        changes = np.flatnonzero(np.diff(self.wear_coefficients) != 0) + 1
-        return Rings(self.ring_edges[[0, *changes, -1]], self.wear_coefficients[[0, *changes]])
 
 
 @dataclass(frozen=True)
@@ -130,7 +99,8 @@ class Problem:
 
     Parameters
     ----------
-    rings : as the scene gives them; `merged` is what has to be modelled
+    rings : as the scene gives them, with harmonic means where wear is graded; `merged` is what has
+        to be modelled
     times : (T,) increasing; empty if no history is wanted
     steady : whether the steady state is wanted
     poisson_ratio : of the half-space
@@ -145,6 +115,7 @@ class Problem:
         problem
     indentation : beyond the first touch, held fixed in place of the force, which then is what a
         flat punch would take; None under a force
+    graded : rings between the edges of which wear is linear; None if it is constant on `rings`
     quantities : names of those wanted; None for all that go with times and steady state. Sizes and
         estimates serve these alone
     loading : force and speed over time; their greatest values are those of the units, and of the
@@ -166,6 +137,7 @@ class Problem:
     profile: InitialProfile = FLAT
     indentation: float | None = None
     compared_on: Face | None = None
+    graded: Rings | None = None
     quantities: frozenset[str] | None = None
     loading: Loading = field(default_factory=Loading)
 
@@ -186,18 +158,24 @@ class Problem:
         else:
             ring_edges = np.array([0.0, *punch.ring_edges]) / length
             ring_edges[-1] = 1.0
-        count, given = len(ring_edges) - 1, np.array(punch.coefficients)
-        coefficients = given if len(given) == count else given[np.arange(count) % 2]
+        count, coefficients, graded = len(ring_edges) - 1, np.array(punch.coefficients), None
+        if not punch.table and len(coefficients) != count:
+            coefficients = coefficients[np.arange(count) % 2]
+        fastest = float(coefficients.max())
+        coefficients = coefficients / fastest
+        if punch.table:
+            graded = Rings.graded(np.array(punch.table.radii) / length, coefficients, ring_edges)
+            face = Face(graded.ring_edges, ring_edges, graded.at)
+            coefficients = ring_areas(ring_edges) / face.ring_sums(face.areas / face.wear)
         modulus = half_space.plane_strain_modulus or (half_space.youngs_modulus or 0.0) / (
             1 - half_space.poisson_ratio**2
         )
         force = load.greatest_force(length)
         force = force or 2 * length * modulus * _approach(punch, load, ring_edges)
-        fastest = float(coefficients.max())
         time = length / modulus / fastest / load.sliding.greatest
         units = Units(length, modulus, force, time, fastest)
         problem = cls(
-            rings=Rings(ring_edges, coefficients / fastest),
+            rings=Rings(ring_edges, coefficients),
             times=np.array(wear.times) / time,
             steady=wear.steady and load.indentation is None,
             poisson_ratio=half_space.poisson_ratio,
@@ -210,6 +188,7 @@ class Problem:
             mdr=accuracy.mdr,
             units=units,
             profile=unworn(punch, ring_edges, length, units.displacement),
+            graded=graded,
             indentation=None if load.indentation is None else D0,
             loading=Loading.of(load.pressing, load.sliding, time),
         )
@@ -222,7 +201,8 @@ class Problem:
 
         A recess ends at its ring's edge even if the next wears as fast.
         """
-        return self.rings.merged() if self.full_contact else self.rings
+        rings = self.graded or self.rings
+        return rings.merged() if self.full_contact else rings
 
     @property
     def full_contact(self) -> bool:
@@ -252,11 +232,12 @@ class Problem:
     @property
     def blunted(self) -> Blunted:
         """What wear has blunted, by which sizes go."""
-        wear, earliest = self.merged.wear_coefficients, self.earliest or np.inf
-        outside = np.append(wear[1:], wear[-1])
+        (inner, wear), earliest = self.merged.ends, self.earliest or np.inf
+        outside = np.append(inner[1:], wear[-1])
         slower = np.minimum(wear, outside)
         span = float(self.distances[-1] / earliest) if self.earliest else 1.0
-        return Blunted(slower * earliest, np.maximum(wear, outside) / slower, span)
+        slow = np.where(self.merged.smooth, np.inf, slower * earliest)
+        return Blunted(slow, np.maximum(wear, outside) / slower, span)
 
     def sizes_given(self, method: str) -> bool:
         """Return whether the user has given the sizes of a method, which then stay as they are."""
@@ -335,7 +316,7 @@ class Problem:
         if not self.full_contact:
             # pressures nearly jump at edges of the contact, which may be anywhere
             breakpoints = np.union1d(breakpoints, np.linspace(0, 1, cells_of_face + 1))
-        return Face(breakpoints, self.ring_edges, self.wear_coefficients, self.profile.standoff)
+        return Face(breakpoints, self.ring_edges, rings.at, self.profile.standoff)
 
     @cached_property
     def checked(self) -> Indices:

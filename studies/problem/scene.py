@@ -140,7 +140,7 @@ class Scene(Section):
             raise SceneError(
                 "wear.times by running-in is known for flat punches: give times as numbers"
             )
-        scale = slowest_relaxation_time(problem.rings, problem.indentation is not None)
+        scale = slowest_relaxation_time(problem.merged, problem.indentation is not None)
         scale *= problem.units.time
         if scale != scale:
             raise SceneError(

@@ -19,6 +19,7 @@ from .fields import (
     Power,
     RoundedRim,
     Section,
+    WearTable,
     check_increasing,
     optional,
     over_time,
@@ -68,12 +69,22 @@ class PunchSection(Section):
         repr=False,
         description="functions, in Python only: see Scene.with_heights",
     )
-    wear_coefficient: Positive | None = optional("that of odd rings, k1, a positive number")
+    wear_coefficient: (
+        Annotated[
+            Annotated[Positive, Tag("number")] | Annotated[WearTable, Tag("graded")],
+            Discriminator(lambda given: "number" if isinstance(given, float | int) else "graded"),
+        ]
+        | None
+    ) = optional(
+        "that of odd rings, k1, a positive number; or that along the radius, { radii = [...], "
+        "values = [...] }"
+    )
     wear_ratio: Positive | None = optional("k2/k1 of two materials that alternate from the centre")
 
     @model_validator(mode="after")
     def _check_rings(self) -> Self:
-        self.check_one_of("rings", "ring_edges")
+        if self.table is None or self.rings:
+            self.check_one_of("rings", "ring_edges")
         if self.ring_edges is not None:
             if "width_ratio" in self.model_fields_set:
                 raise ValueError("width_ratio goes with rings; with ring_edges leave it out")
@@ -82,15 +93,17 @@ class PunchSection(Section):
                 raise ValueError(
                     f"ring_edges = {self.ring_edges} must end at punch.radius = {self.radius}"
                 )
-        if (self.wear_coefficient is None) != (self.wear_ratio is None) or (
-            (self.wear_coefficients is None) == (self.wear_ratio is None)
-        ):
+        forms = self.wear_coefficients, self.wear_coefficient
+        if (self.wear_ratio is None) == isinstance(forms[1], float) or forms.count(None) != 1:
             raise ValueError(
                 "give either wear_coefficients, positive numbers, two that alternate from the "
-                "centre or one for each ring, or wear_coefficient = k1 with wear_ratio = k2/k1"
+                "centre or one for each ring, or wear_coefficient = k1 with wear_ratio = k2/k1, or "
+                "wear_coefficient = { radii = [...], values = [...] }"
             )
-        count, given = self.rings or len(self.ring_edges or []), len(self.coefficients)
-        if given not in (2, count):
+        count, given = self.rings or len(self.ring_edges or [0]), len(self.coefficients)
+        if self.table:
+            self.table.check_fit(self.radius)
+        elif given not in (2, count):
             raise ValueError(
                 f"wear_coefficients has {given} values for {count} rings: give {count}, or two, "
                 "which alternate from the centre"
@@ -105,11 +118,20 @@ class PunchSection(Section):
 
     @property
     def coefficients(self) -> list[float]:
-        """Wear coefficients: two, alternating from the centre, or one for each ring."""
+        """Wear coefficients: two, alternating from the centre, or one for each ring, or those of
+        the table.
+        """
         if self.wear_coefficients is not None:
             return self.wear_coefficients
         first = self.wear_coefficient or 0.0
+        if isinstance(first, WearTable):
+            return first.values
         return [first, first * (self.wear_ratio or 0.0)]
+
+    @property
+    def table(self) -> WearTable | None:
+        """The wear coefficient along the radius."""
+        return self.wear_coefficient if isinstance(self.wear_coefficient, WearTable) else None
 
 
 class HalfSpaceSection(Section):

@@ -203,7 +203,7 @@ class SteadyState:
 
 def steady_state(
     compliance: Compliance,
-    wear_coefficients: Array,
+    pressure: Array,
     projected: Callable[[Array], Array],
     softness: Array | None = None,
 ) -> SteadyState:
@@ -211,13 +211,12 @@ def steady_state(
 
     Parameters
     ----------
+    pressure : (size,) of the wear rate 1
     projected : moments (size,) -> coefficients of the displacement
     softness : the compliance times the pressures of the wear rate 1, where it is known
     """
-    space = compliance.space
-    pressure = space.ring_indicator() @ (1 / wear_coefficients)
-    wear_rate = 1 / (space.weights @ pressure)
-    pressure *= wear_rate
+    wear_rate = 1 / (compliance.space.weights @ pressure)
+    pressure = wear_rate * pressure
     moments = (
         compliance.factor.T @ (compliance.factor @ pressure)
         if softness is None

@@ -43,7 +43,8 @@ class RunningIn:
     Parameters
     ----------
     compliance : of the half-space
-    wear_coefficients : (N,) of the rings of its pressure space
+    wear_coefficients : (N,) of the rings of its pressure space; or (2, N) at the inner and outer
+        edge of each, linear between
     earliest : sliding distance > 0 before which no history is wanted, so that a large punch needs
         few of its modes; 0: all of them
     shared : the span of the histories of punches that differ in wear alone; its modes stand for
@@ -69,7 +70,12 @@ class RunningIn:
             nothing = np.zeros(self.compliance.space.size)
             return SteadyState(nothing, nothing, nothing, 0.0)
         of_one = None if self.shared is None else self.shared.moments(self.wear_coefficients)[:, 0]
-        return steady_state(self.compliance, self.wear_coefficients, self._displacement, of_one)
+        if self.wear_coefficients.ndim == 2:
+            # 1 / k is no polynomial: the pressure whose product with k is nearest to a constant
+            pressure = self._to_pressure @ self._mass_factor.solve(self._weights)
+        else:
+            pressure = self.compliance.space.ring_indicator() @ (1 / self.wear_coefficients)
+        return steady_state(self.compliance, pressure, self._displacement, of_one)
 
     def _displacement(self, moments: Array) -> Array:
         """Return the coefficients of a displacement by its moments against each pressure."""
@@ -90,12 +96,16 @@ class RunningIn:
         space = self.compliance.space
         if self.continuous:
             return space.joined(self.wear_coefficients)
-        return diags(space.ring_indicator() @ (1 / self.wear_coefficients)).tocsr()
+        return diags(1 / space.at_vertices(self.wear_coefficients)).tocsr()
 
     @cached_property
-    def _to_profile(self) -> csr_matrix:
+    def _to_profile(self) -> csr_matrix | Array:
         """(size, n) wear rates, and so worn profiles, by the same unknowns."""
         space = self.compliance.space
+        if self.continuous and self.wear_coefficients.ndim == 2:
+            # k p is of a degree more than p: its projection has the same volumes on rings
+            worn = space.mass(self.wear_coefficients) @ self._to_pressure
+            return BandedCholesky(space.mass()).solve(worn.toarray())
         return space.joined() if self.continuous else diags(np.ones(space.size)).tocsr()
 
     def _factor(self) -> Array:

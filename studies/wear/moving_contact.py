@@ -202,7 +202,7 @@ class ContactMarch:
     @cached_property
     def _softness(self) -> Array:
         """(size,) the inverse of the wear coefficient at each node."""
-        return self.compliance.space.ring_indicator() @ (1 / self.wear_coefficients)
+        return 1 / self.compliance.space.at_vertices(self.wear_coefficients)
 
     def _contact(self, dt: float) -> Contact:
         """Return the contact problem of a stage, with its factor if a recent one was as long."""

@@ -27,21 +27,22 @@ def slowest_relaxation_time(
     Of pressures that carry no force, or of all at a fixed indentation. NaN for more than
     `MOST_RINGS`.
     """
-    rings = rings.merged()
-    if len(rings.wear_coefficients) > MOST_RINGS:
+    if len(rings.widths) > MOST_RINGS:
         return float("nan")
-    return _slowest(tuple(rings.ring_edges), tuple(rings.wear_coefficients), fixed, sizes)
+    wear = np.atleast_2d(rings.wear_coefficients)
+    return _slowest(tuple(rings.ring_edges), tuple(map(tuple, wear)), fixed, sizes)
 
 
 @lru_cache(maxsize=8)  # the anchors of every method ask for it
 def _slowest(
     ring_edges: tuple[float, ...],
-    wear_coefficients: tuple[float, ...],
+    wear_coefficients: tuple[tuple[float, ...], ...],
     fixed: bool,
     sizes: tuple[int, float, float],
 ) -> float:
     degree, rim, grading = sizes
-    rings = Rings(np.array(ring_edges), np.array(wear_coefficients))
+    wear = np.array(wear_coefficients)
+    rings = Rings(np.array(ring_edges), wear if len(wear) == 2 else wear[0])
     breakpoints = graded_breakpoints(
         rings.ring_edges, 0.2 * rings.narrower, min(rim, 0.1 * rings.widths[-1]), grading
     )
