@@ -194,10 +194,11 @@ def _study(options: argparse.Namespace) -> Status:
     from .tables import keep_tables, keeping_rows
 
     scene, study = Scene.load(options.scene), STUDIES[options.study]
-    if not scene.problem.full_contact:
+    if not (study.of_any_punch or scene.problem.full_contact):
         raise SceneError(
-            f"study {options.study} is about flat punches under a force: leave out punch.recess "
-            "and punch.profile, and give load.normal_force"
+            f"study {options.study} is about flat punches under a force, whose singular edges stay: "
+            "leave out punch.recess and punch.profile, and give load.normal_force; study tradeoff "
+            "takes any punch"
         )
     out = _out(options, options.study)
     with output_folder(out, f"study {options.study}", ["report.html"]) as folder:

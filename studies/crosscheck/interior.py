@@ -24,7 +24,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ...meshes.compliance import Compliance
 from ...meshes.radial import Array, Indices
 from ..methods.base import Solution
 from ..methods.evaluation import MovingContact
@@ -100,10 +99,8 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     if times is None:
         # a flat start is in closed form, and the end near the steady state
         times = [0.0] if steady and problem.full_contact else [0.0, scene.wear.times[-1]]
+    at = np.array(times) / problem.units.time
     labels = tuple(f"t={time:g}" for time in times) + ("steady",) * steady
-    if not problem.full_contact:
-        with threadpool_limits(1):
-            return _of_march(problem, half_space, np.array(times) / problem.units.time, labels)
     # what the poles leave to the truncation is of the energy, where stresses feel its root
     accuracy = 1e-3 * min(SHARE * problem.rtol, 1e-3) ** 2
     poles = enough_poles(truncation(half_space.solid.mesh), accuracy)
@@ -113,9 +110,10 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     # greater than any other
     orders = (poles, poles[:-1]) if half_space.poles else ((), poles)
     # of a lower degree there may be no stable pressures
-    degree = max(half_space.solid.degree, 3)
-    # what the user has given stays, and no degree mends the truncation
-    given = problem.fem.degree or problem.fem.poles or not half_space.poles
+    flat = problem.full_contact
+    degree = max(half_space.solid.degree, 3) + (not flat)
+    # what the user has given stays, and no degree mends the truncation, or cells
+    given = problem.fem.degree or problem.fem.poles or not (half_space.poles and flat)
     highest = degree if given else max(degree, highest)
     # closer to incompressible, it takes that of the contact
     if not given and problem.poisson_ratio <= 0.499:
@@ -128,7 +126,11 @@ def interior(scene: Scene, fem: Solution) -> Interior:
             for lower in (degree, degree - 1)
         ]
         return [
-            HalfSpace(solid, pressure_space(solid, problem.merged.ring_edges), tied)
+            HalfSpace(
+                solid,
+                pressure_space(solid, problem.merged.ring_edges) if flat else half_space.space,
+                tied,
+            )
             for solid, tied in zip(solids, orders, strict=True)
         ]
 
@@ -136,8 +138,8 @@ def interior(scene: Scene, fem: Solution) -> Interior:
         while True:
             spaces = refine(degree)
             pressures = [
-                pressures_of(problem, refined.compliance(), np.array(times) / problem.units.time)
-                for refined in spaces
+                pressures_of(problem, refined, at, steady, coarse)
+                for refined, coarse in zip(spaces, (False, True), strict=True)
             ]
             result = held_against(problem, spaces, pressures, labels, refinements)
             excess = result.errors["stress"].max() / (SHARE * problem.rtol)
@@ -150,38 +152,30 @@ def interior(scene: Scene, fem: Solution) -> Interior:
                 return result
 
 
-def _of_march(
-    problem: Problem, half_space: "HalfSpace", times: Array, labels: tuple[str, ...]
-) -> Interior:
-    """Return the inside under a contact that opens, closes and spreads, as the march has it."""
-    solid, space = half_space.solid, half_space.space
-    higher = replace(half_space, solid=replace(solid, degree=solid.degree + 1))
-    spaces = higher, replace(half_space, poles=half_space.poles[:-1])
-    pressures = []
-    for refined, within, looser in zip(spaces, (space, space.coarser()), (1, 4), strict=True):
-        compliance = refined.compliance().restricted(within)
-        contact = MovingContact(replace(problem, times=np.unique(times)), compliance, looser=looser)
-        history = contact.marched.pressure[np.searchsorted(contact.problem.times, times)]
-        if "steady" in labels:
-            steady = RunningIn(compliance, problem.wear_coefficients, continuous=False).steady
-            history = np.vstack([history, steady.pressure])
-        pressures.append(history @ space.embedding(within).T)
-    return held_against(problem, spaces, pressures, labels, refinements=2)
-
-
-def pressures_of(problem: Problem, compliance: Compliance, times: Array) -> Array:
-    """Return the pressures (states, size) of a flat punch at non-dimensional times, and when
-    steady.
+def pressures_of(
+    problem: Problem, half_space: "HalfSpace", times: Array, steady: bool, coarse: bool
+) -> Array:
+    """Return the pressures (states, size) at non-dimensional times, and perhaps when steady; of a
+    march on every second cell, if coarse, whose steps may err by more.
     """
-    earliest = float(min(times[times > 0], default=0.0))
-    wear = RunningIn(compliance, problem.merged.wear_coefficients, earliest)
-    # no modes are needed for the start
-    pressures = [wear.flat.pressure] * len(times)
-    if times.any():
-        pressures = list(wear.modal(times).pressure)
-    if problem.steady:
-        pressures.append(wear.steady.pressure)
-    return np.array(pressures)
+    compliance, space = half_space.compliance(), half_space.space
+    if problem.full_contact:
+        earliest = float(min(times[times > 0], default=0.0))
+        wear = RunningIn(compliance, problem.merged.wear_coefficients, earliest)
+        # no modes are needed for the start
+        flat = [wear.flat.pressure] * len(times)
+        pressures = wear.modal(times).pressure if times.any() else np.array(flat)
+        within = space
+    else:
+        within = space.coarser() if coarse else space
+        compliance = compliance.restricted(within)
+        wear = RunningIn(compliance, problem.wear_coefficients, continuous=False)
+        at, places = np.unique(times, return_inverse=True)
+        contact = MovingContact(replace(problem, times=at), compliance, looser=1 + 3 * coarse)
+        pressures = contact.marched.pressure[places]
+    if steady:
+        pressures = np.vstack([pressures, wear.steady.pressure])
+    return np.asarray(pressures @ space.embedding(within).T)
 
 
 def held_against(

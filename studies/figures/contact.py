@@ -45,11 +45,10 @@ def draw_contact(result: Result) -> Figure:
 
 
 def _shade_contact(axes: Any, first: dict[str, Array], scale: Scale) -> None:
-    """Shade the contact, each time to half the way, or ratio, to its neighbours."""
-    drawn = first["time"] > 0 if scale.logarithmic else np.full(len(first["time"]), True)
-    times, radii = scale.shown("time", first["time"][drawn]), scale.shown("radius", first["radius"])
-    carries = np.where(first["contact"][drawn] > 0, 1.0, np.nan).T
-    to, fro = (np.log, np.exp) if scale.logarithmic else (np.asarray, np.asarray)
-    borders = fro(np.interp(np.arange(len(times) + 1) - 0.5, np.arange(len(times)), to(times)))
-    edges = np.concatenate([[0.0], (radii[1:] + radii[:-1]) / 2, radii[-1:]])
-    axes.pcolormesh(borders, edges, carries, cmap="Greys", vmin=0, vmax=5, zorder=-1)
+    """Shade the contact, each time after the start to half the ratio to its neighbours."""
+    times, radii = (scale.shown(name, first[name]) for name in ("time", "radius"))
+    later = times[times > 0]
+    at = [0.0, *np.sqrt(later[1:] * later[:-1]), later[-1]]
+    edges = [0.0, *(radii[1:] + radii[:-1]) / 2, radii[-1]]
+    carries = first["contact"][times > 0].T > 0
+    axes.pcolormesh(at, edges, carries, cmap="Greys", vmax=5, zorder=-1)

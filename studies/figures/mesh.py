@@ -31,11 +31,9 @@ def draw_stress(result: Result) -> Figure:
     highest = 1.2 * stress[:, beneath].max(axis=1)
     levels, norm = MaxNLocator(12).tick_values(0, float(highest.max())), None
     if highest.max() > 10 * highest.min() > 0:
-        low, high = np.log10([0.02 * highest.min(), highest.max()])
-        levels = [
-            part * 10.0**power for power in range(int(low) - 1, int(high) + 1) for part in (1, 2, 5)
-        ]
-        norm = LogNorm()
+        # three to a decade
+        low, high = 3 * np.log10([0.1 * highest.min(), highest.max()])
+        levels, norm = 10 ** (np.arange(np.floor(low), high + 1) / 3), LogNorm()
     corners = r[fields.triangles].min(axis=0), z[fields.triangles].min(axis=0)
     near = (corners[0] < 1.3 * depth) & (corners[1] < depth)
     for axes, values, label, error in zip(
@@ -60,8 +58,8 @@ def draw_stress(result: Result) -> Figure:
     views[0].set_ylabel("depth z/a")
     figure.colorbar(filled, cax=bar, label=scale.label("von_mises"))
     note = (
-        f"errors: by their own estimate, over pₘ = F/(πc²), c the radius of the contact, further "
-        f"than {NEAR:g} c from its edges and from ring edges, which are marked"
+        f"errors: estimates, over pₘ = F/(πc²), c the radius of the contact, further than {NEAR:g} c "
+        "from its edges and ring edges (marked)"
     )
     titles = result.scene.title, "von Mises stress under the rings"
     note = "\n".join(filter(None, (note, scale.note)))
