@@ -196,8 +196,8 @@ def _study(options: argparse.Namespace) -> Status:
     scene, study = Scene.load(options.scene), STUDIES[options.study]
     if not (study.of_any_punch or scene.problem.full_contact):
         raise SceneError(
-            f"study {options.study} is about flat punches under a force, whose singular edges stay: "
-            "leave out punch.recess and punch.profile, and give load.normal_force; study tradeoff "
+            f"study {options.study} is about flat punches under a force, whose edges stay: leave "
+            "out punch.recess and punch.profile, and give load.normal_force; study tradeoff "
             "takes any punch"
         )
     out = _out(options, options.study)

@@ -58,8 +58,8 @@ def draw_stress(result: Result) -> Figure:
     views[0].set_ylabel("depth z/a")
     figure.colorbar(filled, cax=bar, label=scale.label("von_mises"))
     note = (
-        f"errors: estimates, over pₘ = F/(πc²), c the radius of the contact, further than {NEAR:g} c "
-        "from its edges and ring edges (marked)"
+        f"errors: estimates, over pₘ = F/(πc²), c the radius of the contact, beyond {NEAR:g} c "
+        "of its edges and ring edges (marked)"
     )
     titles = result.scene.title, "von Mises stress under the rings"
     note = "\n".join(filter(None, (note, scale.note)))

@@ -72,7 +72,7 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
     if not problem.full_contact:
         # matrices on cells are dense
         dial = dial[: 2 if quick else 4]
-        exact_problem = replace(problem, rtol=0.1 * min(dial))
+        exact_problem = replace(problem, rtol=max(0.01 * min(dial), 1e-5))
     exact = method("mdr").solve(exact_problem, Stages("mdr")).checked
     # at the radii of the exact one
     problem = replace(problem, compared_on=exact_problem.face)
