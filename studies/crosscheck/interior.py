@@ -200,27 +200,22 @@ def held_against(
     # fields are in proportion to 1 - 2 nu, plus a constant, and neither is much more than the unit
     modelled = 2 * max(0.0, problem.poisson_ratio - solid.highest_ratio)
     carries = (space.on_elements(np.zeros(1)) @ pressures[0].T > 0).T
-    errors: dict[str, list[float]] = {"displacement": [], "stress": [], "von_mises": []}
-    reaches = np.ones(len(labels))
-    for state, carried in enumerate(carries):
-        ends = np.flatnonzero(np.diff(carried, prepend=False, append=False))
-        edges = np.union1d(problem.merged.ring_edges, space.breakpoints[ends])[1:]
-        reach = reaches[state] = float(space.breakpoints[ends].max(initial=0.0)) or 1.0
-        force = float(space.weights @ pressures[0][state]) or 1.0
+    errors, reaches = list[list[float]](), list[float]()
+    for carried, pressure in zip(carries, pressures[0], strict=True):
+        ends = space.breakpoints[np.diff(carried, prepend=False, append=False)]
+        edges = np.union1d(problem.merged.ring_edges, ends)[1:]
+        reaches.append(reach := float(ends.max(initial=0.0)) or 1.0)
+        force = float(space.weights @ pressure) or 1.0
         far = np.hypot(r - edges[:, None], z).min(axis=0) > NEAR * reach
-        moved, stress = ([part[at][state, far] for part in (fine, coarse)] for at in (2, 3))
-        indentation, pressure = D0 * force / reach, 2 * P0 * force / reach**2
-        for name, (values, others), unit in (
-            ("displacement", moved, indentation),
-            ("stress", stress, pressure),
-            # a norm: that of the difference is at least the difference of two
-            ("von_mises", [von_mises(stress[0] - stress[1]), 0.0], pressure),
-        ):
-            # with the factor of safety of the contact's own estimates
-            errors[name].append(1.5 * float(np.abs(values - others).max()) / unit + modelled)
-    return Interior(
-        *fine, labels, solid.degree, reaches, {name: np.array(of) for name, of in errors.items()}
-    )
+        state = len(errors)
+        moved, stress = (fine[at][state, far] - coarse[at][state, far] for at in (2, 3))
+        mean = 2 * P0 * force / reach**2
+        # a norm: that of the difference is at least the difference of two
+        differences = moved * reach / (D0 * force), stress / mean, von_mises(stress) / mean
+        # with the factor of safety of the contact's own estimates
+        errors.append([1.5 * float(np.abs(of).max()) + modelled for of in differences])
+    by_field = dict(zip(("displacement", "stress", "von_mises"), np.transpose(errors), strict=True))
+    return Interior(*fine, labels, solid.degree, np.array(reaches), by_field)
 
 
 def write_half_space(fields: Interior, units: Units, path: Path) -> None:

@@ -52,8 +52,7 @@ def draw_stress(result: Result) -> Figure:
         _draw_punch(axes, depth, result.scene.problem.ring_edges)
         axes.set(xlim=(0, 1.3 * depth), ylim=(depth, -0.08 * depth), aspect="equal", xlabel="r/a")
         state = "steady state" if label == "steady" else scale.when(float(label.removeprefix("t=")))
-        between = "\n" if count > 2 else "; "
-        axes.set_title(f"{state}{between}errors up to {error:.0e} pₘ")
+        axes.set_title(f"{state}\nerrors up to {error:.0e} pₘ")
         hide_inner_ticks(axes)
     views[0].set_ylabel("depth z/a")
     figure.colorbar(filled, cax=bar, label=scale.label("von_mises"))
