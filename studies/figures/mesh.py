@@ -29,7 +29,7 @@ def draw_stress(result: Result) -> Figure:
     beneath = (r < 1.3 * depth) & (z > 0.04 * depth) & (z < depth)
     stress = scale.shown("von_mises", fields.von_mises * result.scene.problem.units.pressure)
     highest = 1.2 * stress[:, beneath].max(axis=1)
-    levels, norm = MaxNLocator(12).tick_values(0, float(highest.max())), None
+    levels, norm = np.array(MaxNLocator(12).tick_values(0, float(highest.max()))), None
     if highest.max() > 10 * highest.min() > 0:
         # three to a decade
         low, high = 3 * np.log10([0.1 * highest.min(), highest.max()])

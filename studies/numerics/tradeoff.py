@@ -67,7 +67,7 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
     """Yield for each group the accuracies asked of each method, and its settings in steps and on
     the uniform grid.
     """
-    dial = (1e-1, 1e-2, 1e-4) if quick else [10.0**-digits for digits in range(1, 9)]
+    dial = [1e-1, 1e-2, 1e-4] if quick else [10.0**-digits for digits in range(1, 9)]
     exact_problem = replace(problem, rtol=1e-3 * min(dial) if quick else 1e-9)
     if not problem.full_contact:
         # matrices on cells are dense
