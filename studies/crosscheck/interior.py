@@ -24,7 +24,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ...meshes.compliance import Compliance
 from ...meshes.radial import Array, Indices
 from ..methods.base import Solution
 from ..methods.evaluation import MovingContact
@@ -100,10 +99,8 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     if times is None:
         # a flat start is in closed form, and the end near the steady state
         times = [0.0] if steady and problem.full_contact else [0.0, scene.wear.times[-1]]
+    at = np.array(times) / problem.units.time
     labels = tuple(f"t={time:g}" for time in times) + ("steady",) * steady
-    if not problem.full_contact:
-        with threadpool_limits(1):
-            return _of_march(problem, half_space, np.array(times) / problem.units.time, labels)
     # what the poles leave to the truncation is of the energy, where stresses feel its root
     accuracy = 1e-3 * min(SHARE * problem.rtol, 1e-3) ** 2
     poles = enough_poles(truncation(half_space.solid.mesh), accuracy)
@@ -113,9 +110,10 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     # greater than any other
     orders = (poles, poles[:-1]) if half_space.poles else ((), poles)
     # of a lower degree there may be no stable pressures
-    degree = max(half_space.solid.degree, 3)
-    # what the user has given stays, and no degree mends the truncation
-    given = problem.fem.degree or problem.fem.poles or not half_space.poles
+    flat = problem.full_contact
+    degree = max(half_space.solid.degree, 3) + (not flat)
+    # what the user has given stays, and no degree mends the truncation, or cells
+    given = problem.fem.degree or problem.fem.poles or not (half_space.poles and flat)
     highest = degree if given else max(degree, highest)
     # closer to incompressible, it takes that of the contact
     if not given and problem.poisson_ratio <= 0.499:
@@ -128,7 +126,11 @@ def interior(scene: Scene, fem: Solution) -> Interior:
             for lower in (degree, degree - 1)
         ]
         return [
-            HalfSpace(solid, pressure_space(solid, problem.merged.ring_edges), tied)
+            HalfSpace(
+                solid,
+                pressure_space(solid, problem.merged.ring_edges) if flat else half_space.space,
+                tied,
+            )
             for solid, tied in zip(solids, orders, strict=True)
         ]
 
@@ -136,8 +138,8 @@ def interior(scene: Scene, fem: Solution) -> Interior:
         while True:
             spaces = refine(degree)
             pressures = [
-                pressures_of(problem, refined.compliance(), np.array(times) / problem.units.time)
-                for refined in spaces
+                pressures_of(problem, refined, at, steady, coarse)
+                for refined, coarse in zip(spaces, (False, True), strict=True)
             ]
             result = held_against(problem, spaces, pressures, labels, refinements)
             excess = result.errors["stress"].max() / (SHARE * problem.rtol)
@@ -150,46 +152,36 @@ def interior(scene: Scene, fem: Solution) -> Interior:
                 return result
 
 
-def _of_march(
-    problem: Problem, half_space: "HalfSpace", times: Array, labels: tuple[str, ...]
-) -> Interior:
-    """Return the inside under a contact that opens, closes and spreads, as the march has it."""
-    solid, space = half_space.solid, half_space.space
-    higher = replace(half_space, solid=replace(solid, degree=solid.degree + 1))
-    spaces = higher, replace(half_space, poles=half_space.poles[:-1])
-    pressures = []
-    for refined, within, looser in zip(spaces, (space, space.coarser()), (1, 4), strict=True):
-        compliance = refined.compliance().restricted(within)
-        contact = MovingContact(replace(problem, times=np.unique(times)), compliance, looser=looser)
-        history = contact.marched.pressure[np.searchsorted(contact.problem.times, times)]
-        if "steady" in labels:
-            steady = RunningIn(compliance, problem.wear_coefficients, continuous=False).steady
-            history = np.vstack([history, steady.pressure])
-        pressures.append(history @ space.embedding(within).T)
-    return held_against(problem, spaces, pressures, labels, refinements=2)
-
-
-def pressures_of(problem: Problem, compliance: Compliance, times: Array) -> Array:
-    """Return the pressures (states, size) of a flat punch at non-dimensional times, and when
-    steady.
+def pressures_of(
+    problem: Problem, half_space: "HalfSpace", times: Array, steady: bool, coarse: bool
+) -> Array:
+    """Return the pressures (states, size) at non-dimensional times, and perhaps when steady; of a
+    march on every second cell, if coarse, whose steps may err by more.
     """
-    loading, rings = problem.loading, problem.merged
-    distances = loading.distance(times)
-    earliest = float(min(distances[distances > 0], default=0.0))
-    wear = RunningIn(
-        compliance,
-        rings.wear_coefficients,
-        earliest,
-        indentation=problem.indentation,
-        loading=loading,
-    )
-    # no modes are needed for the start
-    pressures = [force * wear.flat.pressure for force in loading.force(times)]
-    if distances.any():
-        pressures = list(wear.modal(times).pressure)
-    if problem.steady:
-        pressures.append(wear.steady.pressure)
-    return np.array(pressures)
+    compliance, space, loading = half_space.compliance(), half_space.space, problem.loading
+    wear_coefficients = problem.merged.wear_coefficients
+    if problem.full_contact:
+        distances = loading.distance(times)
+        earliest = float(min(distances[distances > 0], default=0.0))
+        fixed = problem.indentation
+        wear = RunningIn(
+            compliance, wear_coefficients, earliest, indentation=fixed, loading=loading
+        )
+        # no modes are needed for the start
+        pressures = np.outer(loading.force(times), wear.flat.pressure)
+        if distances.any():
+            pressures = wear.modal(times).pressure
+        within = space
+    else:
+        within = space.coarser() if coarse else space
+        compliance = compliance.restricted(within)
+        wear = RunningIn(compliance, wear_coefficients, continuous=False)
+        at, places = np.unique(times, return_inverse=True)
+        contact = MovingContact(replace(problem, times=at), compliance, looser=1 + 3 * coarse)
+        pressures = contact.marched.pressure[places]
+    if steady:
+        pressures = np.vstack([pressures, wear.steady.pressure])
+    return np.asarray(pressures @ space.embedding(within).T)
 
 
 def held_against(
@@ -214,27 +206,22 @@ def held_against(
     # fields are in proportion to 1 - 2 nu, plus a constant, and neither is much more than the unit
     modelled = 2 * max(0.0, problem.poisson_ratio - solid.highest_ratio)
     carries = (space.on_elements(np.zeros(1)) @ pressures[0].T > 0).T
-    errors: dict[str, list[float]] = {"displacement": [], "stress": [], "von_mises": []}
-    reaches = np.ones(len(labels))
-    for state, carried in enumerate(carries):
-        ends = np.flatnonzero(np.diff(carried, prepend=False, append=False))
-        edges = np.union1d(problem.merged.ring_edges, space.breakpoints[ends])[1:]
-        reach = reaches[state] = float(space.breakpoints[ends].max(initial=0.0)) or 1.0
-        force = float(space.weights @ pressures[0][state]) or 1.0
+    errors, reaches = list[list[float]](), list[float]()
+    for carried, pressure in zip(carries, pressures[0], strict=True):
+        ends = space.breakpoints[np.diff(carried, prepend=False, append=False)]
+        edges = np.union1d(problem.merged.ring_edges, ends)[1:]
+        reaches.append(reach := float(ends.max(initial=0.0)) or 1.0)
+        force = float(space.weights @ pressure) or 1.0
         far = np.hypot(r - edges[:, None], z).min(axis=0) > NEAR * reach
-        moved, stress = ([part[at][state, far] for part in (fine, coarse)] for at in (2, 3))
-        indentation, pressure = D0 * force / reach, 2 * P0 * force / reach**2
-        for name, (values, others), unit in (
-            ("displacement", moved, indentation),
-            ("stress", stress, pressure),
-            # a norm: that of the difference is at least the difference of two
-            ("von_mises", [von_mises(stress[0] - stress[1]), 0.0], pressure),
-        ):
-            # with the factor of safety of the contact's own estimates
-            errors[name].append(1.5 * float(np.abs(values - others).max()) / unit + modelled)
-    return Interior(
-        *fine, labels, solid.degree, reaches, {name: np.array(of) for name, of in errors.items()}
-    )
+        state = len(errors)
+        moved, stress = (fine[at][state, far] - coarse[at][state, far] for at in (2, 3))
+        mean = 2 * P0 * force / reach**2
+        # a norm: that of the difference is at least the difference of two
+        differences = moved * reach / (D0 * force), stress / mean, von_mises(stress) / mean
+        # with the factor of safety of the contact's own estimates
+        errors.append([1.5 * float(np.abs(of).max()) + modelled for of in differences])
+    by_field = dict(zip(("displacement", "stress", "von_mises"), np.transpose(errors), strict=True))
+    return Interior(*fine, labels, solid.degree, np.array(reaches), by_field)
 
 
 def write_half_space(fields: Interior, units: Units, path: Path) -> None:

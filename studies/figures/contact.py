@@ -1,11 +1,8 @@
 """Contact that opens, closes and spreads: where it is, and what it does to each ring, over time."""
 
-from typing import Any
-
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
 from .scale import Scale
 from .style import PAGE, complete, curve, method_curve, new_panels
@@ -29,7 +26,12 @@ def draw_contact(result: Result) -> Figure:
         )
     for height in scale.shown("radius", first["ring_outer_radius"][:-1]):
         where.axhline(height, color="0.75", linewidth=0.6, zorder=0, label="ring edge")
-    _shade_contact(where, first, scale)
+    times, radii = (scale.shown(name, first[name]) for name in ("time", "radius"))
+    later, carries = times[times > 0], first["contact"][all_times > 0].T > 0
+    # each time after the start to half the ratio to its neighbours
+    at = [0.0, *np.sqrt(later[1:] * later[:-1]), later[-1]]
+    borders = [0.0, *(radii[1:] + radii[:-1]) / 2, radii[-1]]
+    where.pcolormesh(at, borders, carries, cmap="Greys", vmax=5, zorder=-1)
     count = len(first["ring"])
     for number, ring in enumerate(np.unique(np.linspace(0, count - 1, min(count, 5)).round())):
         look = curve(number) | {"markersize": 2.5, "label": f"ring {ring + 1:g}"}
@@ -42,14 +44,3 @@ def draw_contact(result: Result) -> Figure:
         axes.set_ylim(0, 1.04 * axes.dataLim.y1)
     titles = result.scene.title, "contact over time"
     return complete(figure, titles, figure.axes, scale.note, across=0.56)
-
-
-def _shade_contact(axes: Any, first: dict[str, Array], scale: Scale) -> None:
-    """Shade the contact, each time to half the way, or ratio, to its neighbours."""
-    drawn = first["time"] > 0 if scale.logarithmic else np.full(len(first["time"]), True)
-    times, radii = scale.shown("time", first["time"][drawn]), scale.shown("radius", first["radius"])
-    carries = np.where(first["contact"][drawn] > 0, 1.0, np.nan).T
-    to, fro = (np.log, np.exp) if scale.logarithmic else (np.asarray, np.asarray)
-    borders = fro(np.interp(np.arange(len(times) + 1) - 0.5, np.arange(len(times)), to(times)))
-    edges = np.concatenate([[0.0], (radii[1:] + radii[:-1]) / 2, radii[-1:]])
-    axes.pcolormesh(borders, edges, carries, cmap="Greys", vmin=0, vmax=5, zorder=-1)

@@ -29,13 +29,11 @@ def draw_stress(result: Result) -> Figure:
     beneath = (r < 1.3 * depth) & (z > 0.04 * depth) & (z < depth)
     stress = scale.shown("von_mises", fields.von_mises * result.scene.problem.units.pressure)
     highest = 1.2 * stress[:, beneath].max(axis=1)
-    levels, norm = MaxNLocator(12).tick_values(0, float(highest.max())), None
+    levels, norm = np.array(MaxNLocator(12).tick_values(0, float(highest.max()))), None
     if highest.max() > 10 * highest.min() > 0:
-        low, high = np.log10([0.02 * highest.min(), highest.max()])
-        levels = [
-            part * 10.0**power for power in range(int(low) - 1, int(high) + 1) for part in (1, 2, 5)
-        ]
-        norm = LogNorm()
+        # three to a decade
+        low, high = 3 * np.log10([0.1 * highest.min(), highest.max()])
+        levels, norm = 10 ** (np.arange(np.floor(low), high + 1) / 3), LogNorm()
     corners = r[fields.triangles].min(axis=0), z[fields.triangles].min(axis=0)
     near = (corners[0] < 1.3 * depth) & (corners[1] < depth)
     for axes, values, label, error in zip(
@@ -54,14 +52,13 @@ def draw_stress(result: Result) -> Figure:
         _draw_punch(axes, depth, result.scene.problem.ring_edges)
         axes.set(xlim=(0, 1.3 * depth), ylim=(depth, -0.08 * depth), aspect="equal", xlabel="r/a")
         state = "steady state" if label == "steady" else scale.when(float(label.removeprefix("t=")))
-        between = "\n" if count > 2 else "; "
-        axes.set_title(f"{state}{between}errors up to {error:.0e} pₘ")
+        axes.set_title(f"{state}\nerrors up to {error:.0e} pₘ")
         hide_inner_ticks(axes)
     views[0].set_ylabel("depth z/a")
     figure.colorbar(filled, cax=bar, label=scale.label("von_mises"))
     note = (
-        f"errors: by their own estimate, over pₘ = F/(πc²), c the radius of the contact, further "
-        f"than {NEAR:g} c from its edges and from ring edges, which are marked"
+        f"errors: estimates, over pₘ = F/(πc²), c the radius of the contact, beyond {NEAR:g} c "
+        "of its edges and ring edges (marked)"
     )
     titles = result.scene.title, "von Mises stress under the rings"
     note = "\n".join(filter(None, (note, scale.note)))

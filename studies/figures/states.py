@@ -42,13 +42,13 @@ def draw_states(result: Result) -> Figure:
         scale.plot_radial(lower, "pressure", radii, pressures)
         unworn = _draw_unworn(upper, lower, scale, next(iter(profiles.values())))
         touching = np.array([values > 0 for values in pressures.values()]).any(axis=0)
-        reach = min(1.25 * radii[touching].max(initial=0.0), radii[-1]) or radii[-1]
+        length = problem.units.length
+        reach = min(1.25 * radii[touching].max(initial=0.0), length) or length
         near = radii <= reach
         deep += [max(np.max(heights[near]) for heights in [*profiles.values(), unworn])]
-        high += [max(high_pressure(radii, values) for values in pressures.values())]
-        if shaped:
-            for axes in (upper, lower):
-                axes.set_xlim(0, scale.shown("radius", reach))
+        high += [max(high_pressure(values) for values in pressures.values())]
+        upper.set_xlim(0, scale.shown("radius", reach))
+        lower.set_xlim(upper.get_xlim())
         when = scale.when(float(result.coordinates["time"][state]))
         less = f" − {scale.worn(worn)}" if worn > 1e-6 * problem.units.displacement else ""
         upper.set_title((": " if many else "\n").join([when, f"Δf = f{less}"]))

@@ -42,7 +42,7 @@ def slides(result: Result) -> dict[str, Any] | None:
     # so that a page of hundreds of rings stays small
     step = -(-len(radii) // 1100)
     problem, heights = scale.problem, profiles - least_wear(scale.problem, profiles)[:, None]
-    high = [high_pressure(radii, pressure) for pressure in pressures]
+    high = [high_pressure(pressure) for pressure in pressures]
     # what states are seen against: the unworn face, or the last of a flat punch
     beside, unworn = heights[-1], ""
     if not problem.full_contact:

@@ -40,7 +40,7 @@ DRAW = "draw"
 # answers of a run that can be kept, and the quantities that they are computed from
 ANSWERS = {
     "worn_volume": ("profile", "ring_worn_volume"),
-    "force_share": ("indentation", "normal_force", "steady_pressure", "steady_displacement_max"),
+    "force_share": ("ring_force", "normal_force", "indentation", "steady_pressure"),
     "running_in_time": ("indentation",),
     "time_to_90": ("indentation",),
     "time_to_99": ("indentation",),
@@ -187,9 +187,7 @@ class Sweep:
 
     def problem(self, scene: Scene) -> Problem:
         """Return the problem of a scene, asking for what is to be kept and nothing else."""
-        quantities = {part for name in self.keep for part in ANSWERS.get(name, (name,))}
-        if "force_share" in self.keep and not scene.problem.full_contact:
-            quantities.add("ring_force")
+        quantities = (part for name in self.keep for part in ANSWERS.get(name, (name,)))
         return scene.problem.asking_for(frozenset(quantities))
 
     def part(self, region: tuple[slice, ...]) -> "Sweep":

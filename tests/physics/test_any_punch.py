@@ -3,6 +3,9 @@
 What they ask for, what is refused, and what results say.
 """
 
+import argparse
+import csv
+
 import numpy as np
 import pytest
 from closed_forms import PowerPunch
@@ -14,6 +17,7 @@ from ringwear.studies.cli import main
 from ringwear.studies.crosscheck.agreement import AT_EDGES, remedy
 from ringwear.studies.methods.spaces import load_of
 from ringwear.studies.problem.defaults import cells_of
+from ringwear.studies.registry import STUDIES
 from ringwear.studies.wear.contact_edges import located
 
 LENGTH, MODULUS, FORCE = 2.0, 5.0, 0.3
@@ -317,6 +321,18 @@ def test_a_sweep_takes_flat_and_recessed_punches():
         alone = run(scene.changed(punch__recess=recess)).answers["mdr"]
         np.testing.assert_allclose(worn, alone["worn_volume"], rtol=1e-3)
         np.testing.assert_allclose(share, alone["force_share"], atol=1e-3)
+
+
+def test_the_tradeoff_of_a_sphere(tmp_path):
+    scene = Scene.load("sphere").changed(wear__times=[0.0, 0.1])
+    told = STUDIES["tradeoff"].conduct(scene, tmp_path, argparse.Namespace(quick=True))
+    assert not [line for line in told if "failed" in line]
+    rows = list(csv.DictReader((tmp_path / "tradeoff.csv").open(encoding="utf-8")))
+    promised = [row for row in rows if row["group"].startswith(("indentation", "steady"))]
+    assert {row["method"] for row in promised} == {"mdr", "bem", "fem"}
+    assert len(promised) == len(rows) / 2 == 12
+    for row in promised:
+        assert float(row["error"]) <= float(row["setting"].removeprefix("rtol "))
 
 
 def test_studies_of_flat_punches_refuse(capsys):
