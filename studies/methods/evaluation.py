@@ -227,21 +227,22 @@ class MovingContact(Evaluation):
         self._tolerance = 0.05 * looser * problem.rtol
 
     @cached_property
-    def _march(self) -> ContactMarch:
+    def march(self) -> ContactMarch:
+        """The punch on its compliance."""
         problem, compliance = self.problem, self.compliance
         of_profile = moments(problem.profile, compliance.space)
         return ContactMarch(compliance, problem.wear_coefficients, of_profile, load_of(problem))
 
     @cached_property
     def exact_in_time(self) -> History:
-        return self._started(self._march.adaptive(self.problem.times, self._tolerance))
+        return self._started(self.march.adaptive(self.problem.times, self._tolerance))
 
     @cached_property
     def marched(self) -> History:
         """At the times asked for, by the march asked for."""
         if self.problem.step is None:
             return self.exact_in_time
-        return self._started(self._march.implicit(self.problem.times, self.problem.step))
+        return self._started(self.march.implicit(self.problem.times, self.problem.step))
 
     def _started(self, history: History) -> History:
         if self.start is None:
