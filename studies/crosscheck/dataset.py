@@ -146,7 +146,7 @@ class Result:
 
     def first_answer(self, key: str) -> Array:
         """Return an answer by the first method that gives it; NaN if none does."""
-        values = [answers[key] for answers in self.answers.values()]
+        values = [answers.get(key, np.asarray(np.nan)) for answers in self.answers.values()]
         return next((value for value in values if np.isfinite(value).any()), values[0])
 
     @property
@@ -224,10 +224,13 @@ def tabulate(result: Result) -> Table:
         }
         errors = {error_name(key): error for key, error in solution.errors.items()}
         reported.append(given | errors | result.answers[name])
+
+    def gives(name: str) -> bool:
+        return any(name in given for given in reported)
+
     for name, quantity in QUANTITIES.items():
         # a flat punch has no more to say
-        said = name not in OF_PROFILES or any(name in given for given in reported)
-        if said and problem.wants(name):
+        if (name not in OF_PROFILES or gives(name)) and problem.wants(name):
             table[name] = quantity
             if name not in ("contact", "contact_edge"):
                 definition = ERROR.format(name, NORMS[quantity.norm])
@@ -246,7 +249,8 @@ def tabulate(result: Result) -> Table:
         return {"long_name": definition, "units": names.name(kind) or scene.units or UNSTATED}
 
     variables: Labelled = {}
-    for name, quantity in (table | ANSWER).items():
+    answers = {name: of for name, of in ANSWER.items() if of.always or gives(name)}
+    for name, quantity in (table | answers).items():
         gathered = np.full((len(reported), *(sizes[dim] for dim in quantity.dims)), np.nan)
         for row, given in enumerate(reported):
             if name in given:

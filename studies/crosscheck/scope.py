@@ -64,8 +64,8 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
         reasons |= {
             "springs' rule of the MDR": "q = d - g holds only while contact is one disc; the "
             "energy of the MDR needs no disc",
-            "relaxation modes": "they, and the running-in times, are those of a contact that does "
-            "not change",
+            "relaxation modes": "they are those of a contact that does not change; running-in "
+            "times are told once all of the face carries",
             "ring pressures at the start": "they may be infinite at edges of the contact, or on "
             "its axis",
             "methods as operators": "compared for flat punches only",

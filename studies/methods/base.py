@@ -13,8 +13,9 @@ from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..problem.quantities import COMPARED_MODES, QUANTITIES
 from ..progress import Stages
-from ..wear.fitted_press import CompliancesOn
+from ..wear.fitted_press import CompliancesOn, FittedPress
 from ..wear.full_contact import RunningIn
+from ..wear.moving_contact import ContactMarch
 from .norms import Results
 
 if TYPE_CHECKING:
@@ -35,6 +36,8 @@ class Solution:
     unknowns, settings, notes : of what was solved
     wear : the running-in on the method's compliance, if it has one
     half_space : the finite-element half-space, if there is one
+    march : of a contact that opens, closes and spreads
+    presses : its start, fitted to the edges of the contact, and a coarser one; empty if that failed
     """
 
     results: Results
@@ -46,6 +49,8 @@ class Solution:
     notes: tuple[str, ...] = ()
     wear: RunningIn | None = None
     half_space: "HalfSpace | None" = None
+    march: ContactMarch | None = None
+    presses: tuple[FittedPress, ...] = ()
 
     @property
     def error_estimate(self) -> float:

@@ -229,7 +229,8 @@ class MovingContact(Evaluation):
         self._tolerance = 0.05 * looser * problem.rtol
 
     @cached_property
-    def _march(self) -> ContactMarch:
+    def march(self) -> ContactMarch:
+        """The punch on its compliance."""
         problem, compliance = self.problem, self.compliance
         of_profile = moments(problem.profile, compliance.space)
         wear_coefficients, load = problem.merged.wear_coefficients, load_of(problem)
@@ -237,14 +238,14 @@ class MovingContact(Evaluation):
 
     @cached_property
     def exact_in_time(self) -> History:
-        return self._started(self._march.adaptive(self.problem.times, self._tolerance))
+        return self._started(self.march.adaptive(self.problem.times, self._tolerance))
 
     @cached_property
     def marched(self) -> History:
         """At the times asked for, by the march asked for."""
         if self.problem.step is None:
             return self.exact_in_time
-        return self._started(self._march.implicit(self.problem.times, self.problem.step))
+        return self._started(self.march.implicit(self.problem.times, self.problem.step))
 
     def _started(self, history: History) -> History:
         if self.start is None:

@@ -23,12 +23,13 @@ ENERGIES = ("indentation", "relaxation_time", "ring_force", "normal_force")
 
 
 class Quantity(NamedTuple):
-    """Dimensions, unit (of `Units`), definition, and norm of its error."""
+    """Dimensions, unit (of `Units`), definition, norm of its error, whether every run has it."""
 
     dims: tuple[str, ...]
     unit: str
     definition: str
     norm: str = "value"
+    always: bool = True
 
     @property
     def error_dims(self) -> tuple[str, ...]:
@@ -130,13 +131,15 @@ ANSWER = {
         "start it is the indentation",
     ),
     "running_in_time": Quantity(
-        OF_PUNCH, "time", "slowest relaxation time: what is left of running-in falls to 1/e in it"
+        OF_PUNCH,
+        "time",
+        "slowest relaxation time of the full face: what is left of running-in falls to 1/e in it",
     ),
     "time_to_90": Quantity(
         OF_PUNCH,
         "time",
-        "time by which the approach d(t), less steady wear, has made 90 % of its way from start "
-        "to steady",
+        "time by which the approach d(t), less steady wear, has made 90 % of its way to its "
+        "steady value, from the start or where it is farthest from it",
     ),
     "time_to_99": Quantity(OF_PUNCH, "time", "as time_to_90, for 99 %"),
     "pressure_min": Quantity(OF_RINGS, "pressure", "least contact pressure on each ring"),
@@ -148,6 +151,22 @@ ANSWER = {
     "force_share": Quantity(OF_RINGS, "share", "part of the normal force that each ring carries"),
     "worn_volume": Quantity(
         ("ring",), "volume", "volume worn off each ring by the last of the times"
+    ),
+    "force_start": Quantity(
+        OF_PUNCH, "force", "normal force at the start, of a given indentation", always=False
+    ),
+    "force_end": Quantity(OF_PUNCH, "force", "the same at the last of the times", always=False),
+    "time_to_half_force": Quantity(
+        OF_PUNCH, "time", "time by which that force has fallen to half of the first", always=False
+    ),
+    "contact_radius_start": Quantity(
+        OF_PUNCH, "length", "outermost radius of contact at the start", always=False
+    ),
+    "pressure_peak_start": Quantity(
+        OF_PUNCH, "pressure", "greatest contact pressure at the start, if finite", always=False
+    ),
+    "time_to_full_contact": Quantity(
+        OF_PUNCH, "time", "time from which all of the face carries, to a step", always=False
     ),
 }
 

@@ -3,7 +3,7 @@
 Non-dimensional.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -50,18 +50,22 @@ class Pressed(NamedTuple):
     rest: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Steps:
     """How a march went.
 
     Steps taken and rejected, active sets tried in each stage, and the error that the quadrature in
     time adds to the worn depth over all steps, in the norm of the march.
+
+    `path` is of the start and of each step taken: (S, 5) array of time, indentation, force,
+    outermost radius of contact, and its area over that of the face.
     """
 
     taken: int = 0
     rejected: int = 0
     iterations: tuple[int, ...] = ()
     error: float = 0.0
+    path: Array = field(default_factory=lambda: np.empty((0, 5)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,6 +33,7 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.loading import Loading
 from ..problem.marching import steps_between
+from .contact_edges import worn_edges
 from .full_contact import RunningIn
 from .history import History, Steps
 from .unilateral import Contact, Load, Mask, Press
@@ -87,6 +88,8 @@ class ContactMarch:
         self._dense_wear = self.wear.toarray()
         self._contacts: dict[float, Contact] = {}
         self._iterations: list[int] = []
+        self._path: list[tuple[float, ...]] = []
+        self._since: _Moment | None = None
 
     def start(self) -> Press:
         """Return the unworn punch, pressed on."""
@@ -137,7 +140,7 @@ class ContactMarch:
                 if relative > 1:
                     rejected, step = rejected + 1, longer
                 else:
-                    before, now = middle, after
+                    before, now = middle, self._taken(after)
                     errors.append(error)
                     # a step cut short by an output time says nothing against the longer ones
                     step = max(step, longer) if dt < step else longer
@@ -177,14 +180,25 @@ class ContactMarch:
             dt = length / max(count, 1)
             for _ in range(count):
                 distance = now.distance + dt
-                before, now = now, self._stage(dt, distance, now.integral, self.load, before, now)
+                after = self._stage(dt, distance, now.integral, self.load, before, now)
+                before, now = now, self._taken(after)
             now = now._replace(distance=float(time))
             states.append(now)
         return self._history(times, states, Steps(int(counts.sum())))
 
     def _begin(self) -> _Moment:
         self._iterations.clear()
-        return _Moment(0.0, self.start(), np.zeros(len(self.weights)))
+        self._path.clear()
+        self._since = None
+        return self._taken(_Moment(0.0, self.start(), np.zeros(len(self.weights))))
+
+    def _taken(self, now: _Moment) -> _Moment:
+        """Note where a step has come to."""
+        parts = worn_edges(self.compliance.space, now.press.contact, now.integral / self._softness)
+        radius = parts[-1][1] if parts else 0.0
+        area = sum(outer**2 - inner**2 for inner, outer in parts)
+        self._path.append((now.distance, now.press.indentation, now.press.force, radius, area))
+        return now
 
     def _history(self, distances: Array, moments: list[_Moment], steps: Steps) -> History:
         presses = [moment.press for moment in moments]
@@ -196,7 +210,7 @@ class ContactMarch:
             np.array([press.force for press in presses]),
             np.array([press.gap for press in presses]),
             np.array([press.contact for press in presses]),
-            steps=replace(steps, iterations=tuple(self._iterations)),
+            steps=replace(steps, iterations=tuple(self._iterations), path=np.array(self._path)),
         )
 
     @cached_property
@@ -251,6 +265,57 @@ class ContactMarch:
             self.compliance, self.wear_coefficients, continuous=False, indentation=depth
         )
 
+    def _relaxed(self, since: _Moment, distances: Array) -> History:
+        """Return the history from full contact on, under the force 1 or the indentation."""
+        force = 1.0 if self.load.force is None else since.press.force
+        unworn, worn = self.moments / force, self.wear @ since.integral / force
+        work = since.work / force
+        return self._full.from_full_contact(distances, since.distance, work, unworn, worn)
+
+    @property
+    def time_of_full_contact(self) -> float:
+        """When all of the face began to carry for good in the last march; NaN if it never did.
+
+        Steps end before and after; the area of contact grows in a straight line in between.
+        """
+        if self._since is None:
+            return np.nan
+        path = np.array(self._path)
+        times, areas = path[:, 0], path[:, -1]
+        partial = np.flatnonzero(areas < 1 - 1e-12)
+        if len(partial) < 2 or partial[-1] + 1 == len(times):
+            return self._since.distance
+        last = partial[-1]
+        growth = (areas[last] - areas[last - 1]) / (times[last] - times[last - 1])
+        ahead = (1 - areas[last]) / growth if growth > 0 else np.inf
+        return float(min(times[last] + ahead, times[last + 1]))
+
+    @property
+    def slowest_time(self) -> float:
+        """The slowest relaxation time of the full face."""
+        return float(self._full.slowest_times[0])
+
+    def left(self, times: Array | None = None) -> tuple[Array, Array]:
+        """Return times (T,), and how far the punch is from where wear tends to by each.
+
+        By the approach less steady wear, which may cross that, or by the force at a fixed
+        indentation. It is told at the steps of the last march, or at times after it found the
+        contact full: none if it did not.
+        """
+        force, steady = self.load.force, self._full.steady
+        limit = 0.0
+        if times is None:
+            times, depth, carried = np.array(self._path).T[:3]
+        elif self._since is None:
+            return times[:0], times[:0]
+        else:
+            history = self._relaxed(self._since, times)
+            depth, carried = (force or 1.0) * history.indentation, history.force
+        if force is None:
+            return times, carried
+        limit = steady.pressure @ (force * steady.moments + self.moments)
+        return times, depth - force * steady.wear_rate * times - limit
+
     def _relaxing(self, now: _Moment, times: Array) -> list[_Moment]:
         """Return the states to come if contact stays full from now on, exact in time; else none."""
         if not now.press.contact.all():
@@ -262,16 +327,10 @@ class ContactMarch:
         after = distances - now.distance
         # times to look at, beside those asked for: contact is full while no pressure is negative
         between = np.geomspace(min(fastest, after[0]), after[-1], 64)
-        history = self._full.from_full_contact(
-            np.concatenate([distances, now.distance + between]),
-            now.distance,
-            now.work / force,
-            self.moments / force,
-            self.wear @ now.integral / force,
-        )
+        history = self._relaxed(now, np.concatenate([distances, now.distance + between]))
         if history.pressure.min() < 0:
             return []
-        states = []
+        states, self._since = [], now
         for number, distance in enumerate(distances):
             pressure = force * history.pressure[number]
             integral = force * history.profile[number] * self._softness

@@ -56,6 +56,18 @@ def test_the_force_decays_by_the_modes_of_all_pressures(result):
         assert (table.indentation == pytest.approx(1.0, rel=1e-12)).all()
 
 
+def test_the_force_is_the_answer(result):
+    problem, answers = result.scene.problem, result.answers["mdr"]
+    slowest, _ = force_at(problem, problem.times[1:])
+    unit = problem.units.time
+    assert answers["force_start"] == pytest.approx(problem.units.force, rel=1e-7)
+    assert answers["force_end"] == float(result.dataset.normal_force[0, -1])
+    assert answers["running_in_time"] == pytest.approx(slowest * unit, rel=1e-8)
+    half = np.array([float(answers["time_to_half_force"]) / unit])
+    assert force_at(problem, half)[1] == pytest.approx([0.5], rel=1e-6)
+    assert np.isnan(answers["time_to_90"])
+
+
 def test_wear_ends_where_nothing_presses(result):
     assert result.verdict == "agree"
     assert all(anchor.holds for anchor in result.anchors)
