@@ -44,7 +44,7 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
         )
         if not problem.loading.forces.all():
             lines.append(
-                "no force: where it is zero, the punch rests on its foremost point and does not wear"
+                "no force: while it is 0, the punch rests on its foremost point and does not wear"
             )
     lacking = all("steady state" in entry.lacks for entry in methods.values())
     if problem.steady and problem.indentation is None and not lacking:

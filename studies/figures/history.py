@@ -58,7 +58,9 @@ def _draw_differences(axes: Any, times: Array, methods: dict[str, Array], scale:
     """Draw differences of each method from the first, over its value, where there are any."""
     (first, reference), *others = methods.items()
     for number, (method, heights) in enumerate(others):
-        differences = np.abs(heights / reference - 1)
+        # no more than roundoff is left of displacements where nothing presses
+        least = 1e-9 * np.nanmax(reference)
+        differences = np.abs(heights - reference) / np.maximum(reference, least)
         look = curve(number) | {"markersize": 2.5, "linewidth": 0.8}
         label = f"{method.upper()} from {first.upper()}"
         shown = np.where(differences > 0, differences, np.nan)
