@@ -26,8 +26,8 @@ def draw_history(result: Result) -> Figure:
     modal, smooth = modal_method(result.solutions), None
     if modal is not None and problem.march == "modal":
         space = np.geomspace if scale.logarithmic else np.linspace
-        first, last = problem.times[[np.argmax(problem.distances > 0), -1]]
-        times = space(first, last, 80)
+        later = problem.times[problem.distances > 0]
+        times = space(float(later[0]), float(later[-1]), 80)
         smooth = sample_modes(problem, modal[1], times)
     rows = min(2, len(curves["displacement_max"]))
     ratios = [2.2, 1][:rows]
