@@ -154,10 +154,9 @@ class _Reported:
         self.radii = np.asarray(table["radius"]) / self.units.length
         times = np.asarray(table["time"])[self.problem.checked] / self.units.time
         # differences are relative: nothing is held to while nothing presses
-        self.pressing = self.problem.loading.force(times) > 0
+        self.pressing = self.problem.loading.at(times).force > 0
         self.checked, self.times = self.problem.checked[self.pressing], times[self.pressing]
-        self.forces = self.problem.loading.force(self.times)
-        self.work = self.problem.loading.work(self.times)
+        self.forces, _, self.work, *_ = self.problem.loading.at(self.times)
         self.later = self.work > 0
         self.steady_pressures = direct.steady_pressures(*self.problem.merged)
         self.wear_rate = self.steady_pressures[0] * self.problem.merged.wear_coefficients[0]

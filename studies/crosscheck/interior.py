@@ -146,12 +146,12 @@ def sample(
     from ...fem.stresses import sampled
 
     loading = problem.loading
-    distances = loading.distance(times)
+    force, distances, *_ = loading.at(times)
     earliest = float(min(distances[distances > 0], default=0.0))
     rings = problem.merged
     wear = RunningIn(half_space.compliance(), rings.wear_coefficients, earliest, loading=loading)
     # no modes are needed for the start
-    pressures = [force * wear.flat.pressure for force in loading.force(times)]
+    pressures = list(np.outer(force, wear.flat.pressure))
     if distances.any():
         pressures = list(wear.modal(times).pressure)
     if problem.steady:

@@ -67,8 +67,8 @@ def test_integrals_of_a_loading():
             sum(quad(of, *ends[part : part + 2])[0] for part in range(len(knots)))
             for of in (speed, rate)
         )
-        assert float(loading.distance(np.array([at]))[0]) == pytest.approx(slid, abs=1e-15)
-        assert float(loading.work(np.array([at]))[0]) == pytest.approx(work, abs=1e-15)
+        assert float(loading.at(np.array([at])).distance[0]) == pytest.approx(slid, abs=1e-15)
+        assert float(loading.at(np.array([at])).work[0]) == pytest.approx(work, abs=1e-15)
         knot = max(int(np.searchsorted(loading.times, at)) - 1, 0)
         if speed(at) > 0:
             assert loading.time_at(slid, knot) == pytest.approx(at, abs=1e-12)
@@ -100,7 +100,7 @@ def test_wear_goes_by_the_sliding_distance(prepare):
     times = np.linspace(0, 1, 41)
     varied = RunningIn(punch.compliance, punch.wear.wear_coefficients, loading=STOP_AND_GO)
     history = varied.modal(times)
-    exact = punch.wear.modal(STOP_AND_GO.distance(times))
+    exact = punch.wear.modal(STOP_AND_GO.at(times).distance)
     check_same(punch.space, history, exact.indentation, exact.pressure, exact.profile)
 
 
@@ -132,8 +132,8 @@ def implicit_euler(half_space, loading, steps):
     pressure = start / (weights @ start)
     for begin, end in zip(loading.times[:-1], loading.times[1:], strict=True):
         ends = np.linspace(begin, end, steps + 1)
-        lengths = np.diff(loading.distance(ends))
-        for length, force in zip(lengths, loading.force(ends[1:]), strict=True):
+        lengths = np.diff(loading.at(ends).distance)
+        for length, force in zip(lengths, loading.at(ends[1:]).force, strict=True):
             both = np.column_stack([weights, mass @ worn])
             flat, lost = solve(matrix + length * mass, both, assume_a="pos").T
             depth = (force + weights @ lost) / (weights @ flat)
@@ -190,7 +190,7 @@ def test_a_force_taken_off_at_a_stop_and_put_on_again_leaves_no_trace(height):
         np.array([1.0, 1.0, 1.0, 0.0, 1.0, 1.0]),
         np.array([1.0, 1.0, 0.0, 0.0, 0.0, 1.0]),
     )
-    distances = stop.distance(times)
+    distances = stop.at(times).distance
     history = march(half_space, stop, 3e-8, times, height)
     whole = march(half_space, Loading(), 3e-8, distances, height)
     # and a scene of its own for what comes after the stop
@@ -206,8 +206,8 @@ def test_what_is_worn_is_the_integral_of_the_force(height):
     history = march(half_space, loading, 1e-4, times, height)
     ring = half_space.space.ring_indicator() @ np.arange(5)
     carried = history.profile / FIVE.wear_coefficients[ring.astype(int)]
-    assert carried @ half_space.space.weights == pytest.approx(loading.work(times), rel=1e-10)
-    forces = loading.force(times)
+    assert carried @ half_space.space.weights == pytest.approx(loading.at(times).work, rel=1e-10)
+    forces = loading.at(times).force
     assert history.pressure @ half_space.space.weights == pytest.approx(forces, rel=1e-10)
     assert history.pressure.min() >= 0
     # without force it rests on one point, and does not sink into the half-space

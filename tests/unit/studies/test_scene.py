@@ -195,7 +195,7 @@ def test_two_ways_to_say_one_thing():
     mean["mean_pressure"] = {"times": [1.0, 2.0], "values": [0.0, mean["mean_pressure"]]}
     varied = GOOD.changed(load=mean).problem
     assert varied.units.force == pytest.approx(2, rel=1e-15)
-    assert varied.loading.force(np.array([0.5, 1.5, 3.0]) / varied.units.time).tolist() == [
+    assert varied.loading.at(np.array([0.5, 1.5, 3.0]) / varied.units.time).force.tolist() == [
         0,
         0.5,
         1,
