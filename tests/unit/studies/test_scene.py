@@ -91,20 +91,7 @@ BAD_CHANGES = [
     ({"accuracy__fem": {"mesher": "quads", "degree": 3}}, "accuracy.fem quads 4 to 16"),
     ({"load__normal_force": {"times": [0.0, 1.0], "values": [1.0]}}, "load.normal_force 1 2 each"),
     ({"load__sliding_speed": {"times": [0.0], "values": [0.0]}}, "load.sliding_speed all 0 above"),
-    (
-        {"load__sliding_speed": {"times": [0.0, 0.0], "values": [0.0, 1.0]}},
-        "load.sliding_speed times increase",
-    ),
-    (
-        {"load__normal_force": {"times": [0.0], "values": [-1.0]}},
-        "load.normal_force.values.0 -1.0 0 or more",
-    ),
     ({"load__normal_force": {"tims": [0.0]}}, "load.normal_force.tims did you mean times"),
-    ({"load__normal_force": {"times": [0.0]}}, "missing load.normal_force.values"),
-    (
-        {"load__sliding_speed": {"times": [1.0], "values": [1e-300]}},
-        "load.sliding_speed 1e-300 units",
-    ),
     ({"methods": ["direct", "astrology"]}, "methods astrology mdr"),
     ({"methods": ["direct", "direct"]}, "methods twice"),
     ({"output__radii": [0.5, 2.5]}, "output.radii 2.5"),
