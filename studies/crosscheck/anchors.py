@@ -164,10 +164,9 @@ class _Reported:
         self.radii = np.asarray(table["radius"]) / self.units.length
         times = np.asarray(table["time"])[self.problem.checked] / self.units.time
         # differences are relative: nothing is held to while nothing presses
-        self.pressing = self.problem.loading.force(times) > 0
+        self.pressing = self.problem.loading.at(times).force > 0
         self.checked, self.times = self.problem.checked[self.pressing], times[self.pressing]
-        self.forces = self.problem.loading.force(self.times)
-        self.work = self.problem.loading.work(self.times)
+        self.forces, _, self.work, *_ = self.problem.loading.at(self.times)
         self.later = self.work > 0
         self.fixed = self.problem.indentation is not None
         self.graded = self.problem.merged.wear_coefficients.ndim == 2
@@ -240,7 +239,7 @@ class _Reported:
         """Hold the force at a fixed indentation, which decays, to what it wears."""
         force, passed = (
             self._take("normal_force"),
-            np.diff(self.problem.loading.distance(self.times)),
+            np.diff(self.problem.loading.at(self.times).distance),
         )
         if self.problem.full_contact and not self.times[0]:
             yield "flat start, F = 2 a E* d", force[0], 1.0, self._tolerate("normal_force")[0]

@@ -161,14 +161,14 @@ def pressures_of(
     compliance, space, loading = half_space.compliance(), half_space.space, problem.loading
     wear_coefficients = problem.merged.wear_coefficients
     if problem.full_contact:
-        distances = loading.distance(times)
+        force, distances, *_ = loading.at(times)
         earliest = float(min(distances[distances > 0], default=0.0))
         fixed = problem.indentation
         wear = RunningIn(
             compliance, wear_coefficients, earliest, indentation=fixed, loading=loading
         )
         # no modes are needed for the start
-        pressures = np.outer(loading.force(times), wear.flat.pressure)
+        pressures = np.outer(force, wear.flat.pressure)
         if distances.any():
             pressures = wear.modal(times).pressure
         within = space

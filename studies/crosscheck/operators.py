@@ -65,7 +65,7 @@ def difference(
 ) -> OperatorDifference:
     """Compare two compliances, each with the running-in on it, on the same pressure space."""
     pair, times = (first.compliance, second.compliance), problem.times[problem.checked]
-    times = times[problem.loading.force(times) > 0]
+    times = times[problem.loading.at(times).force > 0]
     try:
         ratios = eigh(pair[0].matrix, pair[1].matrix, eigvals_only=True)
     except np.linalg.LinAlgError as error:

@@ -42,6 +42,10 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
             "distance; the answer, the steady state and relaxation times are those of the "
             "greatest force and speed, held for ever"
         )
+        if not problem.loading.forces.all():
+            lines.append(
+                "no force: while it is 0, the punch rests on its foremost point and does not wear"
+            )
     lacking = all("steady state" in entry.lacks for entry in methods.values())
     if problem.steady and not lacking:
         flat = ", that of the flat punch: wear ends with all of the face in contact"

@@ -28,8 +28,8 @@ def draw_history(result: Result) -> Figure:
     modal, smooth = modal_method(result.solutions), None
     if modal is not None and problem.march == "modal":
         space = np.geomspace if scale.logarithmic else np.linspace
-        first, last = problem.times[[np.argmax(problem.distances > 0), -1]]
-        times = space(first, last, 80)
+        later = problem.times[problem.distances > 0]
+        times = space(float(later[0]), float(later[-1]), 80)
         smooth = sample_modes(problem, modal[1], times)
     rows = min(2, len(curves["rms_slope"]))
     ratios = [2.2, 1][:rows]
@@ -60,8 +60,9 @@ def _draw_differences(axes: Any, times: Array, methods: dict[str, Array], scale:
     """Draw differences of each method from the first, over its value, where there are any."""
     (first, reference), *others = methods.items()
     for number, (method, heights) in enumerate(others):
-        # forces may fall to nothing
-        differences = np.abs(heights - reference) / np.where(reference, np.abs(reference), np.inf)
+        # no more than roundoff is left of displacements where nothing presses
+        least = 1e-9 * np.nanmax(reference)
+        differences = np.abs(heights - reference) / np.maximum(reference, least)
         look = curve(number) | {"markersize": 2.5, "linewidth": 0.8}
         label = f"{method.upper()} from {first.upper()}"
         shown = np.where(differences > 0, differences, np.nan)

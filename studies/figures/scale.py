@@ -82,7 +82,8 @@ class Scale:
             self.axes[kind] = Axis(unit, name) if self.names.si else Axis(stored, "", symbol)
         later = [time for time in scene.wear.times if time] or [0.0]
         self.axes["time"] = Axis(*self.names.readable(float(np.sqrt(later[0] * later[-1])), "time"))
-        self.logarithmic = later[-1] > 30 * later[0]
+        # where loads vary, late times have as much to show as early ones
+        self.logarithmic = later[-1] > 30 * later[0] and not scene.problem.loading.varies
 
     def shown(self, name: str, values: Any) -> Any:
         """Return values of a quantity, in the units of the scene, as they are drawn."""

@@ -227,6 +227,9 @@ class MovingContact(Evaluation):
         self.start = start
         # of the accuracy asked for, that each step may add to the worn depth
         self._tolerance = 0.05 * looser * problem.rtol
+        if np.ptp(problem.loading.forces):
+            # measured: while a force rises from zero, little has worn for how deep the punch is
+            self._tolerance *= 0.02
 
     @cached_property
     def march(self) -> ContactMarch:
@@ -248,6 +251,9 @@ class MovingContact(Evaluation):
         return self._started(self.march.implicit(self.problem.times, self.problem.step))
 
     def _started(self, history: History) -> History:
+        # what does not press yet just touches
+        resting = (history.distances == 0) & (history.force == 0)
+        history = replace(history, indentation=np.where(resting, 0.0, history.indentation))
         if self.start is None:
             return history
         started = (history.distances == 0) & (history.force == history.force[0])

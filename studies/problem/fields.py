@@ -70,6 +70,8 @@ class OverTime(Section):
             raise ValueError(
                 f"{len(self.values)} values for {len(self.times)} times: give one for each"
             )
+        if not self.greatest:
+            raise ValueError("the values are all 0: give some above 0")
         check_range(self.greatest)
         return self
 

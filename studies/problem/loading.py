@@ -15,20 +15,23 @@ from ...meshes.radial import Array, Indices
 from .fields import OverTime
 
 
-class Part(NamedTuple):
-    """What happens from the last knot before each of T times until then.
+class State(NamedTuple):
+    """A load at T times.
 
     Parameters
     ----------
-    knot : (T,) number of the knot
-    force, distance, work : (T,) by how much these rise
-    bend : (T,) rise of the speed over twice its mean, from -1 to 1
+    force, distance, work : (T,) force, sliding distance, and integral of the force over it
+    knot : (T,) number of the last knot before
+    rise, slid : (T,) of the force, and of the distance, since that knot
+    bend : (T,) rise of the speed since then over twice its mean, from -1 to 1
     """
 
-    knot: Indices
     force: Array
     distance: Array
     work: Array
+    knot: Indices
+    rise: Array
+    slid: Array
     bend: Array
 
 
@@ -68,63 +71,49 @@ class Loading:
         """Whether the force never falls, so that contact of a flat punch stays full."""
         return bool((np.diff(self.forces) >= 0).all())
 
-    def since(self, times: Array) -> Part:
-        """Return what happens between each of the times and the last knot before it."""
+    def at(self, times: Array) -> State:
+        """Return the load at times (T,), exactly."""
         knot = np.searchsorted(self.times, times, side="right") - 1
-        return self._part(knot, times - self.times[knot])
+        return self._after(knot, times - self.times[knot], *self._integrals)
 
     @cached_property
-    def parts(self) -> Part:
-        """What happens between each knot and the next, (K - 1,)."""
-        return self._part(np.arange(len(self.times) - 1), np.diff(self.times))
+    def segments(self) -> State:
+        """What knots but the first bring (K - 1,): distance and work are those since the last."""
+        nothing = np.zeros(len(self.times))
+        return self._after(np.arange(len(nothing) - 1), np.diff(self.times), nothing, nothing)
 
-    def _part(self, knot: Indices, time: Array) -> Part:
+    def _after(self, knot: Indices, time: Array, distances: Array, works: Array) -> State:
         force, speed = self.forces[knot], self.speeds[knot]
-        more, faster = (rise[knot] * time for rise in self._rises)
+        rise, faster = (slope[knot] * time for slope in self._slopes)
         both = 2 * speed + faster
         bend = np.divide(faster, both, out=np.zeros(len(time)), where=both > 0)
-        work = time * (force * both / 2 + more * (speed / 2 + faster / 3))
-        return Part(knot, more, time * both / 2, work, bend)
+        slid, work = time * both / 2, time * (force * both / 2 + rise * (speed / 2 + faster / 3))
+        distance, work = distances[knot] + slid, works[knot] + work
+        return State(force + rise, distance, work, knot, rise, slid, bend)
 
     @cached_property
-    def _rises(self) -> tuple[Array, Array]:
+    def _slopes(self) -> tuple[Array, Array]:
         """Rise of the force and of the speed in a time, (K,) after each knot."""
-        lengths = np.diff(self.times)
-        force, speed = (
-            np.append(np.diff(values) / lengths, 0.0) for values in (self.forces, self.speeds)
-        )
+        slopes = np.diff([self.forces, self.speeds]) / np.diff(self.times)
+        force, speed = np.column_stack([slopes, np.zeros(2)])
         return force, speed
 
     @cached_property
-    def _distances(self) -> Array:
-        return np.cumsum([0.0, *self.parts.distance])
-
-    def force(self, times: Array) -> Array:
-        """Return the force at times (T,)."""
-        part = self.since(times)
-        return np.asarray(self.forces[part.knot] + part.force)
-
-    def distance(self, times: Array) -> Array:
-        """Return the sliding distance by times (T,), exactly."""
-        part = self.since(times)
-        return np.asarray(self._distances[part.knot] + part.distance)
-
-    def work(self, times: Array) -> Array:
-        """Return the integral of the force over the sliding distance by times (T,), exactly."""
-        part = self.since(times)
-        return np.asarray(np.cumsum([0.0, *self.parts.work])[part.knot] + part.work)
+    def _integrals(self) -> tuple[Array, Array]:
+        """Sliding distance and work (K,) by each knot."""
+        segments = self.segments
+        return np.cumsum([0.0, *segments.slid]), np.cumsum([0.0, *segments.work])
 
     def pressed(self, times: Array) -> Array:
         """Return by how much the force has risen (T,) since the punch last slid."""
-        part, distances = self.since(times), self.distance(times)
-        # the first knot that lies as far
-        stopped = np.minimum(np.searchsorted(self._distances, distances), len(self.times) - 1)
-        before = np.where(distances > 0, self.forces[stopped], 0.0)
-        forces = self.forces[part.knot] + part.force
-        return np.where(self._distances[stopped] == distances, forces - before, 0.0)
+        state, (distances, _) = self.at(times), self._integrals
+        # the first knot that lies as far, if one does
+        stop = np.minimum(np.searchsorted(distances, state.distance), len(distances) - 1)
+        before = np.where(state.distance > 0, self.forces[stop], 0.0)
+        return np.where(distances[stop] == state.distance, state.force - before, 0.0)
 
     def time_at(self, distance: float, knot: int) -> float:
         """Return when a sliding distance is reached between a knot and the next."""
-        speed, slid = self.speeds[knot], distance - self._distances[knot]
-        final = np.sqrt(max(speed**2 + 2 * self._rises[1][knot] * slid, 0.0))
+        speed, slid = self.speeds[knot], distance - self._integrals[0][knot]
+        final = np.sqrt(max(speed**2 + 2 * self._slopes[1][knot] * slid, 0.0))
         return float(self.times[knot] + (2 * slid / (speed + final) if slid > 0 else 0.0))

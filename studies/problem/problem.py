@@ -222,7 +222,7 @@ class Problem:
     @cached_property
     def distances(self) -> Array:
         """(T,) sliding distance by each time: the time itself at constant speed."""
-        return self.loading.distance(self.times)
+        return self.loading.at(self.times).distance
 
     @property
     def earliest(self) -> float:

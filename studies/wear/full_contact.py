@@ -231,19 +231,18 @@ class RunningIn:
         """Return the exact history from the flat start at any times from `earliest` on, none of
         which depends on another.
         """
-        loading, modes = self.loading, self._modes
-        part, distances = loading.since(times), loading.distance(times)
-        if (distances[distances > 0] < self.earliest * (1 - 1e-12)).any():
+        state, modes = self.loading.at(times), self._modes
+        later = state.distance[state.distance > 0]
+        if (later < self.earliest * (1 - 1e-12)).any():
             raise SceneError(
                 f"prepared for distances from {self.earliest:.3g} on: give all of them"
             )
         # where the pressure, not the wear rate, is continuous: a flat press of its own
-        pressed = loading.pressed(times)
-        excited = modes.excite(self._at_knots[part.knot], part)
+        pressed = self.loading.pressed(times)
+        excited = modes.excite(self._at_knots[state.knot], state)
         excited -= np.outer(pressed, modes.amplitudes)
-        flat = np.zeros(self.compliance.space.size)
-        forces, work = loading.force(times) - pressed, loading.work(times)
-        history = self._relaxed(distances, excited, forces, work, flat)
+        flat, forces = np.zeros(self.compliance.space.size), state.force - pressed
+        history = self._relaxed(state.distance, excited, forces, state.work, flat)
         return history.press(self.flat, pressed)
 
     @cached_property

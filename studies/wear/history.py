@@ -9,12 +9,15 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from ...meshes.radial import Array, Indices
-from .flat_contact import FlatPress, FlatStart
 from .unilateral import Interval, Mask
 
 
 class Start(Protocol):
     """A press that has not worn yet, on functions that suit it better than the pressure space."""
+
+    @property
+    def pressure(self) -> Array:
+        """Coefficients of the pressure on a space of its own, or of the history."""
 
     @property
     def indentation(self) -> float:
@@ -115,8 +118,8 @@ class History:
         force = np.broadcast_to(force, distances.shape)
         return cls(distances, pressure, profile, indentation, force, none, full)
 
-    def press(self, start: FlatStart | FlatPress, forces: Array) -> "History":
-        """Return the history with (T,) forces on a flat punch added at each time."""
+    def press(self, start: Start, forces: Array) -> "History":
+        """Return the history with (T,) forces on a flat punch of the same space added."""
         if not forces.any():
             return self
         return replace(

@@ -17,11 +17,11 @@ from scipy.linalg.blas import dsymv
 from scipy.linalg.lapack import dtbtrs
 from scipy.sparse import csr_matrix, tril
 from scipy.sparse.linalg import eigsh
-from scipy.special import dawsn, erfcx
+from scipy.special import exprel, wofz
 
 from ...meshes.errors import SolverError
 from ...meshes.radial import Array, unit_gauss
-from ..problem.loading import Loading, Part
+from ..problem.loading import Loading, State
 
 # share of the history, and of the slowest relaxation times, that the Krylov space may leave out
 NEGLIGIBLE = 1e-13
@@ -93,31 +93,30 @@ class Modes:
     amplitudes: Array
     exact: int
 
-    def excite(self, before: Array, part: Part) -> Array:
-        """Return what there is of each mode (T, m) when parts of a loading are over.
+    def excite(self, before: Array | float, state: State) -> Array:
+        """Return what there is of each mode (T, m) at states of a load.
 
         Every rise dF of the force excites ``amplitudes dF`` more, which decays from then on
         (Duhamel).
 
         Parameters
         ----------
-        before : (T, m) or (m,) what there was when they began
+        before : (T, m), what there was at the last knots
         """
-        decayed = part.distance[:, None] / self.relaxation
+        decayed = state.slid[:, None] / self.relaxation
         after = before * np.exp(-decayed)
-        rises = np.flatnonzero(part.force)
-        left = mean_decay(decayed[rises], part.bend[rises])
-        after[rises] += self.amplitudes * part.force[rises, None] * left
+        rises = np.flatnonzero(state.rise)
+        left = mean_decay(decayed[rises], state.bend[rises])
+        after[rises] += self.amplitudes * state.rise[rises, None] * left
         return np.asarray(after)
 
     def at_knots(self, loading: Loading) -> Array:
         """Return what there is of each mode (K, m) at the knots of a loading."""
-        excited = np.empty((len(loading.times), len(self.relaxation)))
-        excited[0] = loading.forces[0] * self.amplitudes
-        excited[1:] = self.excite(np.zeros(1), loading.parts)
-        decay = np.exp(-loading.parts.distance[:, None] / self.relaxation)
-        for knot, left in enumerate(decay):
-            excited[knot + 1] += left * excited[knot]
+        segments = loading.segments
+        first = loading.forces[0] * self.amplitudes
+        excited = np.vstack([first, self.excite(0.0, segments)])
+        for knot, slid in enumerate(segments.slid):
+            excited[knot + 1] += np.exp(-slid / self.relaxation) * excited[knot]
         return excited
 
 
@@ -134,28 +133,20 @@ def mean_decay(decayed: Array, bend: Array) -> Array:
     Notes
     -----
     With u the part of the time that is left, ``tau_1 - tau = distance u (1 + bend (1 - u))``: the
-    square completed, this is Dawson's integral where the speed rises, and the error function where
-    it falls. Where little has decayed they would cancel, and 8 Gauss points give all digits.
+    square completed, this is Faddeeva's function, which is Dawson's integral where the speed rises
+    and the error function where it falls. Where little has decayed two of them would cancel, and 8
+    Gauss points give all digits.
     """
-    mean = -np.expm1(-decayed) / np.maximum(decayed, np.finfo(float).tiny)
-    mean[decayed == 0] = 1.0
-    for rows, integral in ((bend > 0, dawsn), (bend < 0, _falling)):
-        mean[rows] = _bent_mean(decayed[rows], bend[rows, None], integral)
+    mean, bent = exprel(-decayed), np.flatnonzero(bend)
+    decayed, bend = decayed[bent], bend[bent, None]
+    points, weights = unit_gauss(8)
+    near, far = np.minimum(decayed, 1.0)[..., None], np.maximum(decayed, 1.0)
+    smooth = np.exp(-near * points * (1 + bend[..., None] * (1 - points))) @ weights
+    root = np.sqrt(-bend * far + 0j)
+    first, last = (wofz(0.5j * far * (1 + sign * bend) / root) for sign in (-1, 1))
+    closed = np.sqrt(np.pi) / 2 * (last - np.exp(-far) * first) / root
+    mean[bent] = np.where(decayed < 1, smooth, closed.real)
     return mean
-
-
-def _bent_mean(decayed: Array, bend: Array, integral: Callable[[Array], Array]) -> Array:
-    mean = np.zeros(decayed.shape)
-    for node, weight in zip(*unit_gauss(8), strict=True):
-        mean += weight * np.exp(-np.minimum(decayed, 1.0) * node * (1 + bend * (1 - node)))
-    far, size = np.maximum(decayed, 1.0), np.abs(bend)
-    first, last = (integral(np.sqrt(far / size) * (1 + sign * bend) / 2) for sign in (-1, 1))
-    return np.where(decayed < 1, mean, (last - np.exp(-far) * first) / np.sqrt(far * size))
-
-
-def _falling(argument: Array) -> Array:
-    """Return Dawson's integral of an imaginary argument, scaled."""
-    return np.asarray(np.sqrt(np.pi) / 2 * erfcx(argument))
 
 
 def every_mode(

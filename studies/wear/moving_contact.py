@@ -118,7 +118,7 @@ class ContactMarch:
         states, loading, deepest = list[_Moment](), self.loading, 1e-300
         rejected, errors = 0, list[float]()
         events = np.union1d(times, loading.times[loading.times < times[-1]])
-        distances = loading.distance(events)
+        distances = loading.at(events).distance
         step = _quantised(1e-6 * float(distances[-1])) if distances[-1] else 1.0
         for event, until in zip(events, distances, strict=True):
             knot = max(int(np.searchsorted(loading.times, event)) - 1, 0)
@@ -130,7 +130,7 @@ class ContactMarch:
                     relaxing := self._relaxing(now, times[times >= event])
                 ):
                     steps = Steps(len(errors), rejected, error=sum(errors))
-                    return self._history(loading.distance(times), states + relaxing, steps)
+                    return self._history(loading.at(times).distance, states + relaxing, steps)
                 dt = _shortened(step, left)
                 end = self._at(loading.time_at(now.distance + dt, knot)) if dt < left else target
                 middle, after, error = self._two_stages(dt, before, now, *end)
@@ -157,15 +157,12 @@ class ContactMarch:
             if event in times:
                 states.append(now)
         steps = Steps(len(errors), rejected, error=sum(errors))
-        return self._history(loading.distance(times), states, steps)
+        return self._history(loading.at(times).distance, states, steps)
 
     def _at(self, time: float) -> tuple[Load, float]:
         """Return the load at a time, and the integral of the force over the distance until then."""
-        force, work = (
-            float(of(np.array([time]))[0]) for of in (self.loading.force, self.loading.work)
-        )
-        greatest = self.load.force or 1.0
-        return self._load(force), greatest * work
+        state, greatest = self.loading.at(np.array([time])), self.load.force or 1.0
+        return self._load(float(state.force[0])), greatest * float(state.work[0])
 
     def implicit(self, times: Array, step: float) -> History:
         """March by implicit Euler in equal steps of at most `step` between output times."""
@@ -323,7 +320,7 @@ class ContactMarch:
         # modes know the force 1, or the indentation as it is
         force = 1.0 if self.load.force is None else now.press.force
         fastest = float(self._full.relaxation_times[-1])
-        distances = self.loading.distance(times)
+        distances = self.loading.at(times).distance
         after = distances - now.distance
         # times to look at, beside those asked for: contact is full while no pressure is negative
         between = np.geomspace(min(fastest, after[0]), after[-1], 64)
