@@ -69,7 +69,7 @@ def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solutio
     reported = _Reported(scene, table, solution)
     groups = [
         ("ring_force pressure", reported.check_forces),
-        ("ring_worn_volume", reported.check_volume),
+        ("ring_worn_volume" + " profile" * reported.graded, reported.check_volume),
         (
             "steady_pressure steady_profile steady_wear_rate steady_displacement_max "
             "steady_rms_slope",
@@ -202,8 +202,15 @@ class _Reported:
     def check_volume(self) -> Rows:
         """Hold what is worn where contact opens, closes and spreads."""
         if self.problem.indentation is None:
-            worn = self._take("ring_worn_volume")[self.later] / self.problem.wear_coefficients
-            yield "worn volume over k, F v0 t", worn.sum(1), self.times[self.later], EXACT
+            worn, tolerance = self._take("ring_worn_volume") / self.problem.wear_coefficients, EXACT
+            worn, times = worn.sum(axis=1), self.times[self.later]
+            if self.graded:
+                lost = self._take("profile") - self._take("profile")[0]
+                worn, doubt = self._integrate(lost, 1 / self.face.wear)
+                tolerance = (
+                    self._tolerate("ring_worn_volume")[self.later] + doubt[self.later] / times
+                )
+            yield "worn volume over k, F v0 t", worn[self.later], times, tolerance
 
     def check_start(self) -> Rows:
         depth = self._tolerate("indentation")

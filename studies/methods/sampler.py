@@ -196,10 +196,13 @@ class Sampler:
         ]
         if history.start is not None:
             edges[0] = [(part.inner, part.outer) for part in history.start.intervals]
-        on_rings = _ring_forces(self.space, self.problem.ring_edges.tobytes())
+        rings, space = self.problem.merged, self.space
+        pressed = history.profile / space.at_vertices(rings.wear_coefficients)
+        worn = pressed @ (space.mass(rings.wear_coefficients) @ space.ring_indicator())
+        first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1])
         values: Values = {
             "normal_force": lambda: self.ring_forces(history).sum(axis=1),
-            "ring_worn_volume": lambda: history.profile @ on_rings.T,
+            "ring_worn_volume": lambda: np.add.reduceat(worn, first, axis=1),
             "contact_radius": lambda: np.array([parts[-1][1] if parts else 0.0 for parts in edges]),
         }
         if not on_face:

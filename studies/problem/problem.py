@@ -13,7 +13,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ...meshes.errors import SceneError
-from ...meshes.radial import Array, Indices, alternating_edges, graded_breakpoints, ring_areas
+from ...meshes.radial import (
+    Array,
+    Indices,
+    alternating_edges,
+    graded_breakpoints,
+    ring_areas,
+    ring_of,
+)
 from .face import Face, Rings
 from .profile import FLAT, InitialProfile, unworn
 from .quantities import ENERGIES, GROUPS, HISTORIES, OF_PROFILES, STEADY, expand
@@ -170,6 +177,10 @@ class Problem:
         force = force or 2 * length * modulus * _approach(punch, load, ring_edges)
         time = length / modulus / fastest / load.sliding_speed
         units = Units(length, modulus, force, time, fastest)
+        profile = unworn(punch, ring_edges, length, units.displacement)
+        if graded:
+            recess = profile.recess[ring_of(ring_edges, graded.ring_edges[:-1])]
+            profile = replace(profile, ring_edges=graded.ring_edges, recess=recess)
         problem = cls(
             rings=Rings(ring_edges, coefficients),
             times=np.array(wear.times) / time,
@@ -183,7 +194,7 @@ class Problem:
             fem=accuracy.fem,
             mdr=accuracy.mdr,
             units=units,
-            profile=unworn(punch, ring_edges, length, units.displacement),
+            profile=profile,
             graded=graded,
             indentation=None if load.indentation is None else D0,
         )
