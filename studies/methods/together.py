@@ -127,8 +127,9 @@ def _solved_whole(problems: Sequence[Problem]) -> list[int]:
 
     One of them is within half an order of magnitude in wear ratio of each.
     """
-    if not all(problem.earliest and problem.march == "modal" for problem in problems) or any(
-        problem.merged.wear_coefficients.ndim == 2 for problem in problems
+    if not all(
+        problem.earliest and problem.march == "modal" and not problem.merged.linear
+        for problem in problems
     ):
         return []
     logs, numbers = _logs(problems), [0]
