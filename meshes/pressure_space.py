@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 
-from .radial import Array, Indices, gauss, ring_of
+from .radial import Array, Indices, gauss, ring_of, values_on_rings
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,23 +137,19 @@ class PressureSpace:
         for all, or (2, N) at the inner and outer edge of each, linear between.
         """
         radii, lengths, local = self.quadrature
-        areas = 2 * np.pi * radii * lengths * self._linear(ring_values, radii)
+        areas = 2 * np.pi * radii * lengths * self._on_rings(ring_values, radii)
         values = shapes(local, self.top)
         return self._gram(np.einsum("eq,qi,qj->eij", areas, values, values, optimize=True))
 
-    def _linear(self, ring_values: ArrayLike, radii: Array) -> Array:
-        """Values as in `mass` at radii (n, q) of the elements, (n, 1) if constant on rings."""
-        if np.ndim(ring_values) < 2:
-            return np.broadcast_to(ring_values, len(self.ring_edges) - 1)[self.ring, None]
-        inner, outer = np.asarray(ring_values)[:, self.ring, None]
-        starts, ends = self.ring_edges[self.ring, None], self.ring_edges[self.ring + 1, None]
-        return np.asarray(inner + (outer - inner) * (radii - starts) / (ends - starts))
+    def _on_rings(self, ring_values: ArrayLike, radii: Array) -> Array:
+        """Values as in `mass` at radii (n, q) of the elements."""
+        return values_on_rings(self.ring_edges, ring_values, radii, self.ring[:, None])
 
     def at_vertices(self, ring_values: ArrayLike) -> Array:
         """(size,) values as in `mass` at the vertex of each hat, for bubbles at the outer one."""
         ends = np.stack([self.breakpoints[:-1], self.breakpoints[1:]], axis=1)
         return np.asarray(
-            self._of_functions(self._linear(ring_values, np.repeat(ends, [1, self.top], axis=1)))
+            self._of_functions(self._on_rings(ring_values, np.repeat(ends, [1, self.top], axis=1)))
         )
 
     @cached_property

@@ -262,7 +262,9 @@ def tabulate(result: Result) -> Table:
     radius = problem.radii * units.length if scene.output.radii is None else scene.output.radii
     inner, outer = problem.ring_edges[:-1] * units.length, problem.ring_edges[1:] * units.length
     coefficients = problem.wear_coefficients * units.wear_coefficient
-    about_coefficients = describe("k of df/dt = k p v0 on the ring", "wear_coefficient")
+    about_coefficients = describe(
+        "k of df/dt = k p v0 on the ring, its harmonic mean by area", "wear_coefficient"
+    )
     times = np.array(scene.wear.times[: sizes["time"]], dtype=float)
     coordinates: Labelled = {
         "solver": (("solver",), np.array(list(result.solutions)), {}),

@@ -22,7 +22,7 @@ class Direct(Method):
     lacks: ClassVar[dict[str, str]] = {"history": "direct integration knows the steady state only"}
 
     def refusal(self, problem: Problem) -> str:
-        if problem.merged.wear_coefficients.ndim == 2:
+        if problem.merged.linear:
             return (
                 "direct integration knows pressures that are constant on rings, and with "
                 "punch.wear_coefficient along the radius none is: leave direct out of methods, or "

@@ -31,7 +31,7 @@ class MdrGrid(Method):
     }
 
     def refusal(self, problem: Problem) -> str:
-        if problem.merged.wear_coefficients.ndim == 2:
+        if problem.merged.linear:
             return (
                 "mdr-grid knows wear that is constant on rings: leave it out of methods, or give "
                 "steps or many rings in place of punch.wear_coefficient along the radius"

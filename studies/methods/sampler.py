@@ -223,7 +223,12 @@ class Sampler:
             fitted = [(part.inner, part.outer) for part in history.pressed.start.intervals]
             for row in np.flatnonzero(history.pressed.force):
                 edges[row] = fitted
+        rings, space = self.problem.merged, self.space
+        pressed = history.profile / space.at_vertices(rings.wear_coefficients)
+        worn = pressed @ (space.mass(rings.wear_coefficients) @ space.ring_indicator())
+        first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1])
         values: Values = {
+            "ring_worn_volume": lambda: np.add.reduceat(worn, first, axis=1),
             "contact_radius": lambda: np.array([parts[-1][1] if parts else 0.0 for parts in edges]),
         }
         if not on_face:

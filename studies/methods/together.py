@@ -128,9 +128,7 @@ def _solved_whole(problems: Sequence[Problem]) -> list[int]:
     One of them is within half an order of magnitude in wear ratio of each.
     """
     singly = (
-        problem.loading.varies
-        or problem.indentation is not None
-        or problem.merged.wear_coefficients.ndim == 2
+        problem.loading.varies or problem.indentation is not None or problem.merged.linear
         for problem in problems
     )
     if any(singly) or not all(

@@ -109,9 +109,7 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
 
 def list_cases(problem: Problem) -> list[Case]:
     """Return the flat punch, and the problem if it has rings."""
-    flat = Case(
-        "flat punch", replace(problem, graded=None, rings=Rings(np.array([0.0, 1.0]), np.ones(1)))
-    )
+    flat = Case("flat punch", replace(problem, rings=Rings(np.array([0.0, 1.0]), np.ones(1))))
     return [flat, Case("scene", problem)] if len(problem.merged.wear_coefficients) > 1 else [flat]
 
 

@@ -274,7 +274,7 @@ def cells_of(problem: Problem, finer: float = 1.0) -> ContactCells:
     count = finer * float(np.clip(150 * (1e-4 / problem.rtol) ** 0.5, 80, 300))
     edge = min(problem.rtol, 1e-3) / finer**2
     return ContactCells(
-        tuple(problem.ring_edges.tolist()),
+        tuple(problem.merged.ring_edges.tolist()),
         1 / count,
         edge,
         growth=0.4 / finer**0.5,

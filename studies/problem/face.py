@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial.legendre import legder, legval, legvander
 
-from ...meshes.radial import Array, Indices, alternating_edges, gauss, ring_of
+from ...meshes.radial import Array, Indices, alternating_edges, gauss, ring_of, values_on_rings
 
 POINTS = 8
 
@@ -46,21 +46,20 @@ class Rings(NamedTuple):
         values : (M,) wear coefficients there, those of the ends beyond
         ring_edges : (N+1,) other edges
         """
-        apart = np.abs(radii[:, None] - ring_edges)
-        radii = np.where(apart.min(axis=1) < 1e-9, ring_edges[apart.argmin(axis=1)], radii)
         more = np.setdiff1d(ring_edges, radii)
         while True:
             places = np.searchsorted(radii, more)
             values = np.insert(values, places, np.interp(more, radii, values))
             radii = np.insert(radii, places, more)
-            apart = np.diff(radii)
+            # anything narrower is a step
+            wide = np.diff(radii) > 1e-9
             # on the axis it is a cone, beside which pressures are a logarithm
-            wide = np.abs(np.diff(np.log2(values))) > np.where(radii[:-1] > 0, 1.0, 0.1)
-            more = (radii[:-1] + apart / 2)[wide & (apart > 0)]
+            steep = np.abs(np.diff(np.log2(values))) > np.where(radii[:-1] > 0, 1.0, 0.1)
+            more = (radii[:-1] + np.diff(radii) / 2)[wide & steep]
             if not len(more):
                 break
-        linear = np.stack([values[:-1], values[1:]])[:, apart > 0]
-        edges = np.append(radii[:-1][apart > 0], 1.0)
+        linear = np.stack([values[:-1], values[1:]])[:, wide]
+        edges = np.array([0.0, *radii[:-1][wide][1:], 1.0])
         return cls(edges, linear if np.ptp(linear, axis=0).any() else linear[0])
 
     @property
@@ -69,10 +68,15 @@ class Rings(NamedTuple):
         return np.broadcast_to(self.wear_coefficients, (2, len(self.widths)))
 
     @property
+    def linear(self) -> bool:
+        """Whether wear is graded."""
+        return self.wear_coefficients.ndim == 2
+
+    @property
     def smooth(self) -> Array:
         """(N,) whether wear is continuous at each edge but the centre, if it is graded."""
         inner, outer = self.ends
-        return np.append((outer[:-1] == inner[1:]) & (self.wear_coefficients.ndim == 2), False)
+        return np.append((outer[:-1] == inner[1:]) & self.linear, False)
 
     @property
     def widths(self) -> Array:
@@ -85,14 +89,11 @@ class Rings(NamedTuple):
 
     def at(self, radii: Array) -> Array:
         """Wear coefficient at each radius."""
-        ring = ring_of(self.ring_edges, radii)
-        inner, outer = self.ends[:, ring]
-        along = (radii - self.ring_edges[ring]) / self.widths[ring]
-        return np.asarray(inner + (outer - inner) * along)
+        return values_on_rings(*self, radii, ring_of(self.ring_edges, radii))
 
     def merged(self) -> "Rings":
         """Neighbouring rings of equal wear made one: what has to be modelled."""
-        if self.wear_coefficients.ndim == 2:
+        if self.linear:
             return self
         changes = np.flatnonzero(np.diff(self.wear_coefficients) != 0) + 1
         return Rings(self.ring_edges[[0, *changes, -1]], self.wear_coefficients[[0, *changes]])

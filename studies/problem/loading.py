@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ...meshes.radial import Array, Indices
-from .fields import OverTime
 
 
 class State(NamedTuple):
@@ -50,16 +49,6 @@ class Loading:
     times: Array = field(default_factory=lambda: np.zeros(1))
     forces: Array = field(default_factory=lambda: np.ones(1))
     speeds: Array = field(default_factory=lambda: np.ones(1))
-
-    @classmethod
-    def of(cls, force: OverTime, speed: OverTime, unit: float) -> "Loading":
-        """Return the loading of a scene, whose times count in a unit."""
-        times = np.unique([0.0, *force.times, *speed.times])
-        values = (
-            np.interp(times, each.times, each.values) / each.greatest for each in (force, speed)
-        )
-        loading = cls(times / unit, *values)
-        return loading if loading.varies else cls()
 
     @property
     def varies(self) -> bool:

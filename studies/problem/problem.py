@@ -13,7 +13,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ...meshes.errors import SceneError
-from ...meshes.radial import Array, Indices, alternating_edges, graded_breakpoints, ring_areas
+from ...meshes.radial import (
+    Array,
+    Indices,
+    alternating_edges,
+    graded_breakpoints,
+    ring_areas,
+    ring_of,
+)
 from .face import Face, Rings
 from .loading import Loading
 from .profile import FLAT, InitialProfile, unworn
@@ -174,6 +181,10 @@ class Problem:
         force = force or 2 * length * modulus * _approach(punch, load, ring_edges)
         time = length / modulus / fastest / load.sliding.greatest
         units = Units(length, modulus, force, time, fastest)
+        profile = unworn(punch, ring_edges, length, units.displacement)
+        if graded:
+            recess = profile.recess[ring_of(ring_edges, graded.ring_edges[:-1])]
+            profile = replace(profile, ring_edges=graded.ring_edges, recess=recess)
         problem = cls(
             rings=Rings(ring_edges, coefficients),
             times=np.array(wear.times) / time,
@@ -187,10 +198,10 @@ class Problem:
             fem=accuracy.fem,
             mdr=accuracy.mdr,
             units=units,
-            profile=unworn(punch, ring_edges, length, units.displacement),
+            profile=profile,
             graded=graded,
             indentation=None if load.indentation is None else D0,
-            loading=Loading.of(load.pressing, load.sliding, time),
+            loading=load.loading(time),
         )
         wanted = expand(output.quantities)
         return problem if wanted == GROUPS["all"] else problem.asking_for(wanted)
@@ -206,8 +217,8 @@ class Problem:
 
     @property
     def full_contact(self) -> bool:
-        """Whether all of the face carries at all times: a flat punch under a force that never falls,
-        or at a fixed indentation, keeps contact, and any other may lose it.
+        """Whether all of the face carries at all times: a flat punch at a fixed indentation, or
+        under a force that never falls, keeps contact, and any other may lose it.
         """
         return self.profile.flat and self.loading.rising
 

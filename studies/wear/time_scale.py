@@ -29,8 +29,7 @@ def slowest_relaxation_time(
     """
     if len(rings.widths) > MOST_RINGS:
         return float("nan")
-    wear = np.atleast_2d(rings.wear_coefficients)
-    return _slowest(tuple(rings.ring_edges), tuple(map(tuple, wear)), fixed, sizes)
+    return _slowest(tuple(rings.ring_edges), tuple(map(tuple, rings.ends)), fixed, sizes)
 
 
 @lru_cache(maxsize=8)  # the anchors of every method ask for it
@@ -41,8 +40,7 @@ def _slowest(
     sizes: tuple[int, float, float],
 ) -> float:
     degree, rim, grading = sizes
-    wear = np.array(wear_coefficients)
-    rings = Rings(np.array(ring_edges), wear if len(wear) == 2 else wear[0])
+    rings = Rings(np.array(ring_edges), np.array(wear_coefficients))
     breakpoints = graded_breakpoints(
         rings.ring_edges, 0.2 * rings.narrower, min(rim, 0.1 * rings.widths[-1]), grading
     )
