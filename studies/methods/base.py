@@ -35,6 +35,8 @@ class Solution:
     unknowns, settings, notes : of what was solved
     wear : the running-in on the method's compliance, if it has one
     half_space : the finite-element half-space, if there is one
+    march : of a contact that changes: (compliance, times, looser) -> pressures (T, size) by a march
+        whose steps may err by so many times more
     """
 
     results: Results
@@ -46,6 +48,7 @@ class Solution:
     notes: tuple[str, ...] = ()
     wear: RunningIn | None = None
     half_space: "HalfSpace | None" = None
+    march: Callable[[Compliance, Array, float], Array] | None = None
 
     @property
     def error_estimate(self) -> float:
