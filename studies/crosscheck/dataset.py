@@ -156,8 +156,9 @@ class Result:
         """
         problem, fem = self.scene.problem, self.solutions.get("fem")
         wanted = any(map(problem.wants, FIELDS)) or bool(self.scene.output.field_times)
-        timed = problem.full_contact or bool(len(problem.times))
-        return wanted and timed and fem is not None and fem.half_space is not None
+        if not wanted or fem is None or fem.half_space is None:
+            return False
+        return problem.full_contact or fem.pressures_at is not None
 
     @cached_property
     def inside(self) -> Interior:

@@ -19,14 +19,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil, log
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ...meshes.radial import Array, Indices
 from ..methods.base import Solution
-from ..methods.evaluation import MovingContact
 from ..problem.problem import D0, P0, Problem, Units
 from ..problem.scene import Scene
 from ..wear.full_contact import RunningIn
@@ -138,7 +137,7 @@ def interior(scene: Scene, fem: Solution) -> Interior:
         while True:
             spaces = refine(degree)
             pressures = [
-                pressures_of(problem, refined, at, steady, coarse)
+                pressures_of(problem, fem.pressures_at, refined, at, steady, coarse)
                 for refined, coarse in zip(spaces, (False, True), strict=True)
             ]
             result = held_against(problem, spaces, pressures, labels, refinements)
@@ -153,7 +152,12 @@ def interior(scene: Scene, fem: Solution) -> Interior:
 
 
 def pressures_of(
-    problem: Problem, half_space: "HalfSpace", times: Array, steady: bool, coarse: bool
+    problem: Problem,
+    march: Any,
+    half_space: "HalfSpace",
+    times: Array,
+    steady: bool,
+    coarse: bool,
 ) -> Array:
     """Return the pressures (states, size) at non-dimensional times, and perhaps when steady; of a
     march on every second cell, if coarse, whose steps may err by more.
@@ -177,8 +181,7 @@ def pressures_of(
         compliance = compliance.restricted(within)
         wear = RunningIn(compliance, wear_coefficients, continuous=False)
         at, places = np.unique(times, return_inverse=True)
-        contact = MovingContact(replace(problem, times=at), compliance, looser=1 + 3 * coarse)
-        pressures = contact.marched.pressure[places]
+        pressures = march(compliance, at, 1 + 3 * coarse)[places]
     if steady:
         pressures = np.vstack([pressures, wear.steady.pressure])
     return np.asarray(pressures @ space.embedding(within).T)

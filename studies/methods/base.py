@@ -38,6 +38,8 @@ class Solution:
     half_space : the finite-element half-space, if there is one
     march : of a contact that opens, closes and spreads
     presses : its start, fitted to the edges of the contact, and a coarser one; empty if that failed
+    pressures_at : of a contact that changes: (compliance, times, looser) -> pressures (T, size) by a march
+        whose steps may err by so many times more
     """
 
     results: Results
@@ -51,6 +53,7 @@ class Solution:
     half_space: "HalfSpace | None" = None
     march: ContactMarch | None = None
     presses: tuple[FittedPress, ...] = ()
+    pressures_at: Callable[[Compliance, Array, float], Array] | None = None
 
     @property
     def error_estimate(self) -> float:

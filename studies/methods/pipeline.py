@@ -185,8 +185,15 @@ def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: 
         notes=(*notes, *fine.notes()),
         march=fine.march,
         presses=presses,
+        pressures_at=partial(_march, problem),
     )
     return _beside(solution, steady) if steady else solution
+
+
+def _march(problem: Problem, compliance: Compliance, times: Array, looser: float) -> Array:
+    """Return pressures (T, size) of the problem at other times, marched on a compliance."""
+    contact = MovingContact(replace(problem, times=times), compliance, looser=looser)
+    return contact.marched.pressure
 
 
 def _solution(made: Discretised, fine: Evaluation, coarse: Evaluation) -> Solution:

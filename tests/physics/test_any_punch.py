@@ -315,8 +315,8 @@ def test_a_sweep_takes_flat_and_recessed_punches():
     keep = ["worn_volume", "contact_radius", "relaxation_time", "force_share"]
     data = sweep(scene, {"punch.recess": recesses}, keep=keep).sel(solver="mdr")
     # what one lacks is NaN, and the other has it
-    assert data["contact_radius"].isnull().values.tolist() == [[True] * 2, [False] * 2]
-    assert data["relaxation_time"][:, 0].isnull().values.tolist() == [False, True]
+    for name, lacks in (("contact_radius", [True, False]), ("relaxation_time", [False, True])):
+        assert data[name][:, 0].isnull().values.tolist() == lacks
     for recess, worn, share in zip(recesses, data["worn_volume"], data["force_share"], strict=True):
         alone = run(scene.changed(punch__recess=recess)).answers["mdr"]
         np.testing.assert_allclose(worn, alone["worn_volume"], rtol=1e-3)
