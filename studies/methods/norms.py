@@ -58,7 +58,7 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
         difference = difference.max(axis=over, initial=0.0)
         unit = np.ones(())
         # the greatest so far: under a force that falls it comes back
-        beyond_touch = against.get("indentation", unit) - face.standoff
+        beyond_touch = np.asarray(against.get("indentation", unit)) - face.standoff
         if beyond_touch.ndim:
             beyond_touch = np.maximum.accumulate(beyond_touch)
         scale = {

@@ -243,6 +243,7 @@ class RunningIn:
         excited -= np.outer(pressed, modes.amplitudes)
         flat, forces = np.zeros(self.compliance.space.size), state.force - pressed
         history = self._relaxed(state.distance, excited, forces, state.work, flat)
+        history.profile[state.distance == 0] = 0.0
         return history.press(self.flat, pressed)
 
     @cached_property
