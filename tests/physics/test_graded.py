@@ -96,7 +96,6 @@ def test_steady_pressure_is_the_wear_rate_over_the_coefficient(last, shape):
     np.testing.assert_allclose(table["force_share"][0, 1], forces, rtol=1e-6)
     # wear ends in it, from t = 4 to 5
     np.testing.assert_allclose(table["indentation"].diff("time")[:, -1], rate, rtol=1e-4)
-    assert result.summary["verdict"] != "disagree"
 
 
 @pytest.mark.parametrize(
