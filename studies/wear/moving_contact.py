@@ -60,8 +60,8 @@ class ContactMarch:
     ----------
     compliance : Compliance
         On a space of degree 1.
-    wear_coefficients : (N,) array
-        Of the rings of that space.
+    wear_coefficients : (N,) or (2, N) array
+        Of the rings of that space; or at the inner and outer edge of each, linear between.
     moments : (size,) array
         Of the initial profile.
     load : Load
