@@ -15,7 +15,7 @@ from ..problem.quantities import COMPARED_MODES, QUANTITIES
 from ..progress import Stages
 from ..wear.fitted_press import CompliancesOn, FittedPress
 from ..wear.full_contact import RunningIn
-from ..wear.moving_contact import ContactMarch
+from ..wear.history import March
 from .norms import Results
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class Solution:
     notes: tuple[str, ...] = ()
     wear: RunningIn | None = None
     half_space: "HalfSpace | None" = None
-    march: ContactMarch | None = None
+    march: March | None = None
     presses: tuple[FittedPress, ...] = ()
 
     @property
