@@ -6,7 +6,6 @@ falls as a sum of positive exponentials.
 """
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from ...meshes.radial import Array
 from ..methods.base import Solution
@@ -87,6 +86,8 @@ def _parts(problem: Problem) -> dict[str, float]:
 
 def _time_left(march: March, part: float) -> float:
     """Return the time from which no more than a part of the way is left; NaN if after the march."""
+    from scipy.interpolate import PchipInterpolator  # few runs need it
+
     paths = [march.left()]
     if np.isfinite(march.time_of_full_contact):
         # what is left decays, at least as fast as the slowest mode
