@@ -23,6 +23,7 @@ from ..problem.quantities import (
     OF_PROFILES,
     QUANTITIES,
     STATES,
+    STEPS,
     Quantity,
     error_name,
 )
@@ -251,6 +252,12 @@ def tabulate(result: Result) -> Table:
 
     variables: Labelled = {}
     answers = {name: of for name, of in ANSWER.items() if of.always or gives(name)}
+    steps = _of_steps(result) if scene.output.every_step else {}
+    sizes["step"] = max((len(given["step_time"]) for given in steps.values()), default=0)
+    if steps:
+        for row, name in enumerate(result.solutions):
+            reported[row] |= steps.get(name, {})
+        table |= STEPS
     for name, quantity in (table | answers).items():
         gathered = np.full((len(reported), *(sizes[dim] for dim in quantity.dims)), np.nan)
         for row, given in enumerate(reported):
@@ -295,6 +302,18 @@ def tabulate(result: Result) -> Table:
         "scene": scene.to_toml(),
     }
     return Table(variables, coordinates, about)
+
+
+def _of_steps(result: Result) -> dict[str, dict[str, Array]]:
+    """Return what is told at each step, by method: nothing of what has no steps."""
+    units, standoff = result.scene.problem.units, result.scene.problem.profile.standoff
+    offsets = np.array([0.0, standoff, 0.0, 0.0])
+    scales = [getattr(units, quantity.unit) for quantity in STEPS.values()]
+    return {
+        name: dict(zip(STEPS, ((solution.march.path + offsets) * scales).T, strict=True))
+        for name, solution in result.solutions.items()
+        if solution.march is not None
+    }
 
 
 def summary(result: Result) -> dict[str, Any]:

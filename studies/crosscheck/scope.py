@@ -9,7 +9,7 @@ import numpy as np
 from ..methods.base import Method, method
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
-from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time
+from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time, spreading
 
 Methods = Mapping[str, Method]
 
@@ -120,13 +120,21 @@ def time_scale(scene: Scene) -> list[str]:
     problem = scene.problem
     if not problem.earliest:
         return []
-    if not problem.full_contact:
-        return ["running-in: not known beforehand where contact opens, closes and spreads"]
     slowest = slowest_relaxation_time(problem.merged, problem.indentation is not None)
     if not np.isfinite(slowest):
         return [f"running-in: not known beforehand for more than {MOST_RINGS} rings"]
     first, last = problem.earliest / slowest, float(problem.distances[-1]) / slowest
-    written = UnitNames.of(scene.units).write(slowest * problem.units.time, "time", 3)
+    names, unit = UnitNames.of(scene.units), problem.units.time
+    written = names.write(slowest * unit, "time", 3)
+    if not problem.full_contact and problem.loading.varies:
+        return [f"running-in: slowest relaxation time of the full face {written}"]
+    if not problem.full_contact:
+        starts, ends = (names.write(time * unit, "time", 2) for time in spreading(problem))
+        ends = f" to {ends}" if problem.indentation is None else " on"
+        return [
+            f"running-in: contact spreads from about {starts}{ends}; slowest relaxation time of "
+            f"the full face {written}"
+        ]
     later = int(np.sum(problem.distances > 0))
     return [
         f"running-in: slowest relaxation time {written}; the {later} times after the start go "

@@ -15,7 +15,7 @@ from ..problem.quantities import COMPARED_MODES, QUANTITIES
 from ..progress import Stages
 from ..wear.fitted_press import CompliancesOn, FittedPress
 from ..wear.full_contact import RunningIn
-from ..wear.moving_contact import ContactMarch
+from ..wear.history import March
 from .norms import Results
 
 if TYPE_CHECKING:
@@ -38,8 +38,8 @@ class Solution:
     half_space : the finite-element half-space, if there is one
     march : of a contact that opens, closes and spreads
     presses : its start, fitted to the edges of the contact, and a coarser one; empty if that failed
-    pressures_at : of a contact that changes: (compliance, times, looser) -> pressures (T, size) by a march
-        whose steps may err by so many times more
+    pressures_at : of such a contact, too: (compliance, times, looser) -> pressures (T, size) by a
+        march whose steps may err by so many times more
     """
 
     results: Results
@@ -51,7 +51,7 @@ class Solution:
     notes: tuple[str, ...] = ()
     wear: RunningIn | None = None
     half_space: "HalfSpace | None" = None
-    march: ContactMarch | None = None
+    march: March | None = None
     presses: tuple[FittedPress, ...] = ()
     pressures_at: Callable[[Compliance, Array, float], Array] | None = None
 

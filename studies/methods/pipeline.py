@@ -161,7 +161,7 @@ def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: 
     with stages("locating"):
         intervals, _ = first_contact(problem)
     made = method.discretise(problem, stages)
-    presses: tuple[FittedPress, ...] = ()
+    presses: tuple[FittedPress | None, FittedPress | None] = (None, None)
     notes = list(made.notes)
     if problem.times[0] == 0 and problem.loading.forces[0] and made.fitted:
         with stages("pressing"):
@@ -174,17 +174,17 @@ def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: 
                     f"contact: {error}"
                 )
     with stages("marching"):
-        fine = MovingContact(problem, made.compliance, *presses[:1])
+        fine = MovingContact(problem, made.compliance, presses[0])
         _ = fine.results
     with stages("estimating"):
-        coarse = MovingContact(problem, made.coarser(), *presses[1:], looser=4.0)
+        coarse = MovingContact(problem, made.coarser(), presses[1], looser=4.0)
         solution = _solution(made, fine, coarse)
     solution = replace(
         solution,
         settings=fine.settings,
         notes=(*notes, *fine.notes()),
         march=fine.march,
-        presses=presses,
+        presses=tuple(press for press in presses if press is not None),
         pressures_at=partial(_march, problem),
     )
     return _beside(solution, steady) if steady else solution

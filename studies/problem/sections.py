@@ -318,6 +318,7 @@ class OutputSection(Section):
         "times at which the inside of the half-space is written, increasing"
     )
     gradient_average: Literal["line", "area"] = Field(default="line", description="line or area")
+    every_step: bool = Field(default=False, description="true or false")
     quantities: Annotated[list[str], AfterValidator(check_quantities)] = Field(
         default=["all"],
         min_length=1,

@@ -3,13 +3,13 @@
 Non-dimensional.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ...meshes.radial import Array, Indices
-from .unilateral import Interval, Mask
+from .unilateral import Interval, Load, Mask
 
 
 class Start(Protocol):
@@ -53,22 +53,42 @@ class Pressed(NamedTuple):
     rest: Array
 
 
-@dataclass(frozen=True, eq=False)
+class March(Protocol):
+    """A march of a contact that opens, closes and spreads (`ContactMarch`)."""
+
+    load: Load
+
+    @property
+    def time_of_full_contact(self) -> float:
+        """When all of the face began to carry for good; NaN if it never did."""
+
+    @property
+    def slowest_time(self) -> float:
+        """The slowest relaxation time of the full face."""
+
+    @property
+    def path(self) -> Array:
+        """(S, 4) time, indentation, force, and area of contact over that of the face.
+
+        At the start, and after each step taken.
+        """
+
+    def left(self, times: Array | None = None) -> tuple[Array, Array]:
+        """Return times (T,), and how far the punch is from where wear tends to by each."""
+
+
+@dataclass(frozen=True)
 class Steps:
     """How a march went.
 
     Steps taken and rejected, active sets tried in each stage, and the error that the quadrature in
     time adds to the worn depth over all steps, in the norm of the march.
-
-    `path` is of the start and of each step taken: (S, 5) array of time, indentation, force,
-    outermost radius of contact, and its area over that of the face.
     """
 
     taken: int = 0
     rejected: int = 0
     iterations: tuple[int, ...] = ()
     error: float = 0.0
-    path: Array = field(default_factory=lambda: np.empty((0, 5)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,7 +33,6 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.loading import Loading
 from ..problem.marching import steps_between
-from .contact_edges import worn_edges
 from .full_contact import RunningIn
 from .history import History, Steps
 from .unilateral import Contact, Load, Mask, Press
@@ -191,10 +190,8 @@ class ContactMarch:
 
     def _taken(self, now: _Moment) -> _Moment:
         """Note where a step has come to."""
-        parts = worn_edges(self.compliance.space, now.press.contact, now.integral / self._softness)
-        radius = parts[-1][1] if parts else 0.0
-        area = sum(outer**2 - inner**2 for inner, outer in parts)
-        self._path.append((now.distance, now.press.indentation, now.press.force, radius, area))
+        area = float(self.weights @ now.press.contact / self.weights.sum())
+        self._path.append((now.distance, now.press.indentation, now.press.force, area))
         return now
 
     def _history(self, distances: Array, moments: list[_Moment], steps: Steps) -> History:
@@ -207,7 +204,7 @@ class ContactMarch:
             np.array([press.force for press in presses]),
             np.array([press.gap for press in presses]),
             np.array([press.contact for press in presses]),
-            steps=replace(steps, iterations=tuple(self._iterations), path=np.array(self._path)),
+            steps=replace(steps, iterations=tuple(self._iterations)),
         )
 
     @cached_property
@@ -270,6 +267,14 @@ class ContactMarch:
         return self._full.from_full_contact(distances, since.distance, work, unworn, worn)
 
     @property
+    def path(self) -> Array:
+        """(S, 4) time, indentation, force, and area of contact over that of the face.
+
+        At the start, and after each step of the last march.
+        """
+        return np.array(self._path)
+
+    @property
     def time_of_full_contact(self) -> float:
         """When all of the face began to carry for good in the last march; NaN if it never did.
 
@@ -277,8 +282,7 @@ class ContactMarch:
         """
         if self._since is None:
             return np.nan
-        path = np.array(self._path)
-        times, areas = path[:, 0], path[:, -1]
+        times, _, _, areas = self.path.T
         partial = np.flatnonzero(areas < 1 - 1e-12)
         if len(partial) < 2 or partial[-1] + 1 == len(times):
             return self._since.distance
@@ -300,9 +304,8 @@ class ContactMarch:
         contact full: none if it did not.
         """
         force, steady = self.load.force, self._full.steady
-        limit = 0.0
         if times is None:
-            times, depth, carried = np.array(self._path).T[:3]
+            times, depth, carried, _ = self.path.T
         elif self._since is None:
             return times[:0], times[:0]
         else:

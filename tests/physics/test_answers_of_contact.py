@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from ringwear import Scene, run
+from ringwear.studies.crosscheck.scope import time_scale
 from ringwear.studies.report.words import Account
+from ringwear.studies.wear.time_scale import spreading
 
 CURVATURE, FORCE = 3.0, 0.1
 
@@ -99,3 +101,58 @@ def test_the_force_of_a_given_indentation():
     finer = run(scene.changed(wear__times=[half], accuracy__rtol=1e-4), methods=["fem"])
     assert float(finer.dataset.normal_force[0, 0]) == pytest.approx(FORCE / 2, rel=2e-3)
     assert "The force falls from" in " ".join(Account(result).sentences)
+
+
+@pytest.mark.parametrize("name", ["cone", "recessed_binder", "rounded_rim"])
+def test_times_that_show_all_of_the_running_in(name):
+    scene = Scene.load(name).changed(wear__times="running-in", accuracy__rtol=1e-2)
+    assert Scene.from_toml(scene.to_toml()).wear.times == scene.wear.times
+    result = run(scene, methods=["mdr"])
+    answers, times = result.answers["mdr"], scene.wear.times
+    assert times[1] < 0.05 * answers["time_to_90"]
+    assert answers["time_to_99"] <= times[-1] < 10 * answers["time_to_99"]
+    # the first of them still sees the punch as it was
+    depth = result.dataset.indentation.values[0]
+    assert 0 < depth[1] - depth[0] < 0.01 * depth[0]
+    # and at the depth where it began, until it has lost its force
+    fixed = scene.changed(load={"indentation": float(depth[0])})
+    force = run(fixed, methods=["mdr"]).dataset.normal_force.values[0]
+    assert 0.98 * force[0] < force[1] < force[0]
+    assert force[-1] < 0.02 * force[0]
+
+
+def test_a_rigid_sphere_wears_off_its_overlap():
+    problem = sphere([0.0, 1.0]).problem
+    start, end = spreading(problem)
+    # a^4 = 4 R k F v t / pi, at the radius of the punch
+    worn = np.pi * 2.0**4 / (4 * CURVATURE * 0.5 * FORCE * 3.0)
+    assert end * problem.units.time == pytest.approx(worn, rel=1e-4)
+    assert start < 1e-3 * end
+    assert "contact spreads from" in time_scale(sphere([0.0, 1.0]))[0]
+
+
+def test_counts_of_the_slowest_time_of_the_full_face():
+    counts = {"tau": [0.0, 0.5, 2.0]}
+    shaped = sphere(counts).wear.times
+    flat = Scene.load("flat_punch").changed(wear__times=counts).problem.times
+    assert shaped[1] == pytest.approx(flat[1] * 2.0 / 7.0 / 0.5 / 3.0, rel=5e-3)
+    fixed = {"indentation": 0.1, "sliding_speed": 3.0}
+    held = sphere(counts, load=fixed)
+    assert held.wear.times[2] / shaped[2] == pytest.approx(1.7275 / 0.4852837728, rel=1e-2)
+
+
+def test_the_steps_of_the_march_are_stored(worn):
+    assert "step_time" not in worn.dataset
+    scene = worn.scene.changed(output__every_step=True, accuracy__rtol=1e-3)
+    stored = run(scene, methods=["mdr"]).dataset.isel(solver=0)
+    times = stored.step_time.values
+    assert (np.diff(times) > 0).all()
+    # it ends where modes go on, and passes through the start
+    assert times[0] == 0.0
+    assert times[-1] < stored.time[-1]
+    assert stored.step_normal_force.values == pytest.approx(20.0)
+    assert stored.step_contact_area[-1] == 1.0
+    assert (np.diff(stored.step_contact_area) >= 0).all()
+    assert float(stored.step_indentation[0]) == pytest.approx(
+        float(stored.indentation[0]), rel=1e-4
+    )

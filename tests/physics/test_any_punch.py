@@ -62,7 +62,7 @@ def test_a_sphere_in_units():
     # F v0 t, shared out by the k of the rings that have touched
     assert np.sum(answer["worn_volume"] / WEAR) == pytest.approx(FORCE, rel=1e-12)
     assert answer["force_share"].sum(axis=1) == pytest.approx([1.0, 1.0], rel=1e-8)
-    for name in ("running_in_time", "time_to_90", "time_to_99"):
+    for name in ("time_to_90", "time_to_99"):
         assert np.isnan(answer[name]), name
     assert np.isnan(answer["pressure_max"][0]).all()
 
@@ -241,10 +241,6 @@ def table(radii, heights):
             },
             "flat_radius",
         ),
-        (
-            {"punch__recess": [0.0, 0.01, 0.0], "wear__times": "running-in"},
-            "known for flat punches",
-        ),
     ],
 )
 def test_what_is_no_punch_is_refused(changes, words):
@@ -256,8 +252,6 @@ def test_what_is_no_punch_is_refused(changes, words):
 def test_heights_that_do_not_fit_are_refused():
     with pytest.raises(SceneError, match="missing, 0 or more"):
         _ = SCENE.with_heights(lambda r: r - 0.5).problem
-    with pytest.raises(SceneError, match="known for flat punches"):
-        SCENE.changed(wear__times={"tau": [0.1, 1.0]}).with_heights(lambda r: r)
 
 
 @pytest.mark.parametrize(
