@@ -201,7 +201,7 @@ class Problem:
             profile=profile,
             graded=graded,
             indentation=None if load.indentation is None else D0,
-            loading=load.loading(time),
+            loading=_loading(load, time),
         )
         wanted = expand(output.quantities)
         return problem if wanted == GROUPS["all"] else problem.asking_for(wanted)
@@ -372,3 +372,12 @@ def _approach(punch: PunchSection, load: LoadSection, ring_edges: Array) -> floa
             "the half-space where it is nearest; give more"
         )
     return given - least
+
+
+def _loading(load: LoadSection, unit: float) -> Loading:
+    """Return force and speed over time, which is counted in a unit."""
+    force, speed = load.pressing, load.sliding
+    times = np.unique([0.0, *force.times, *speed.times])
+    values = (np.interp(times, each.times, each.values) / each.greatest for each in (force, speed))
+    loading = Loading(times / unit, *values)
+    return loading if loading.varies else Loading()

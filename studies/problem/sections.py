@@ -24,7 +24,6 @@ from .fields import (
     optional,
     over_time,
 )
-from .loading import Loading
 from .quantities import expand
 
 
@@ -188,16 +187,6 @@ class LoadSection(Section):
     def sliding(self) -> OverTime:
         """The sliding speed over time."""
         return over_time(self.sliding_speed)
-
-    def loading(self, unit: float) -> Loading:
-        """Return force and speed over time, which is counted in a unit."""
-        force, speed = self.pressing, self.sliding
-        times = np.unique([0.0, *force.times, *speed.times])
-        values = (
-            np.interp(times, each.times, each.values) / each.greatest for each in (force, speed)
-        )
-        loading = Loading(times / unit, *values)
-        return loading if loading.varies else Loading()
 
     def greatest_force(self, radius: float) -> float:
         """Return the greatest force on a punch of this radius; 0 if the indentation is given."""
