@@ -36,7 +36,7 @@ def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
         pressures = flat.pressure_at(problem.ring_edges[:-1])
         values["running_in_time"][...] = wear.relaxation_times[0]
         for name, part in _parts(problem).items():
-            values[name][...] = wear.time_to(1 - part)
+            values[name][...] = wear.modes.time_to(1 - part)
         values["indentation_start"][...] = flat.indentation
         values["pressure_min"][0], values["pressure_max"][0] = pressures, [*pressures[1:], np.inf]
         values["force_share"][0] = flat.ring_forces(problem.ring_edges)

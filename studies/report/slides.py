@@ -76,13 +76,13 @@ def _sample_times(result: Result, wear: RunningIn) -> tuple[dict[str, Array], li
     one asked for, or until the punch has run in.
     """
     problem, scale = replace(result.scene.problem, output_radii=None), Scale(result.scene)
-    done = wear.time_to(0.995)
+    done = wear.modes.time_to(0.995)
     first = problem.earliest or 1e-3 * done
     last = max(float(problem.times[-1]), done, 2 * first)
     times = np.array([0.0, *np.geomspace(first, last, COUNT)])
     labels = [
         f"{scale.when(time * problem.units.time)}, {100 * (1 - left):.3g} % run in"
-        for time, left in zip(times, wear.left(times), strict=True)
+        for time, left in zip(times, wear.modes.left(times), strict=True)
     ]
     return sample_modes(problem, wear, times), labels
 

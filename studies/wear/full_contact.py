@@ -159,7 +159,7 @@ class RunningIn:
         )
 
     @cached_property
-    def _modes(self) -> Modes:
+    def modes(self) -> Modes:
         moments = self._moments
         if self.shared is not None:
             return self.shared.modes(self.wear_coefficients, moments)
@@ -191,36 +191,12 @@ class RunningIn:
         if self._forceless is not None:
             steady = self._mass_factor.forward(self._forceless)
             whole -= (moments @ steady) ** 2 / (steady @ steady)
-        return float(np.sum((self._modes.amplitudes * self._modes.relaxation) ** 2) / whole)
+        return float(np.sum((self.modes.amplitudes * self.modes.relaxation) ** 2) / whole)
 
     @property
     def relaxation_times(self) -> Array:
         """(m,) slowest first."""
-        return self._modes.relaxation[: self._modes.exact]
-
-    def left(self, times: Array) -> Array:
-        """(T,) share of its way from the flat start to the steady state that the approach ``d(t) -
-        w t`` has yet to make, or the force at a fixed indentation.
-
-        It is a sum of decaying exponentials, all positive.
-        """
-        ways = self._modes.amplitudes**2 * self._modes.relaxation
-        return np.asarray(np.exp(-times[:, None] / self._modes.relaxation) @ ways / ways.sum())
-
-    def time_to(self, share: float) -> float:
-        """Time after which the approach, less steady wear, has made a share of its way.
-
-        There is one such time.
-        """
-        # the slowest mode alone would take longest
-        earlier, later = 0.0, float(self._modes.relaxation[0]) * np.log(1 / (1 - share))
-        for _ in range(60):
-            middle = (earlier + later) / 2
-            if self.left(np.array([middle]))[0] > 1 - share:
-                earlier = middle
-            else:
-                later = middle
-        return later
+        return self.modes.relaxation[: self.modes.exact]
 
     @cached_property
     def slowest_times(self) -> Array:
@@ -231,7 +207,7 @@ class RunningIn:
         """Return the exact history from the flat start at any times from `earliest` on, none of
         which depends on another.
         """
-        state, modes = self.loading.at(times), self._modes
+        state, modes = self.loading.at(times), self.modes
         later = state.distance[state.distance > 0]
         if (later < self.earliest * (1 - 1e-12)).any():
             raise SceneError(
@@ -248,7 +224,7 @@ class RunningIn:
 
     @cached_property
     def _at_knots(self) -> Array:
-        return self._modes.at_knots(self.loading)
+        return self.modes.at_knots(self.loading)
 
     def from_full_contact(
         self, distances: Array, since: float, spent: float, unworn: Array, worn: Array
@@ -264,7 +240,7 @@ class RunningIn:
         unworn, worn : (size,) arrays
             Moments of the unworn face, and of what had worn off at `since`.
         """
-        modes, further = self._modes, distances - since
+        modes, further = self.modes, distances - since
         moments = self._moments + self._to_pressure.T @ (unworn + worn)
         amplitudes = -(modes.shapes.T @ moments) / modes.relaxation
         excited = np.exp(-further[:, None] / modes.relaxation) * amplitudes
@@ -296,7 +272,7 @@ class RunningIn:
         """(T, n) wear rates that are sums of modes by (T, m) shares, and what they displace,
         against each.
         """
-        within = shares @ self._modes.shapes.T
+        within = shares @ self.modes.shapes.T
         if self.shared is not None:
             moments = within @ self.shared.moments(self.wear_coefficients).T @ self._to_pressure
             return within @ self.shared.basis.T, moments
@@ -306,7 +282,7 @@ class RunningIn:
         """(n, T + SHOWN) wear rates, less the steady one, at times, and those of the
         slowest modes.
         """
-        modes = self._modes
+        modes = self.modes
         left = np.exp(-times[:, None] / modes.relaxation) * modes.amplitudes
         return np.column_stack([self._sums(left)[0].T, modes.shapes[:, :SHOWN]])
 
@@ -317,7 +293,7 @@ class RunningIn:
         It shows in two ways to the profile: what the half-space leaves of the indentation, and the
         sum of what wore.
         """
-        modes, steady = self._modes, self.steady.wear_rate * steady_rate(self.compliance)
+        modes, steady = self.modes, self.steady.wear_rate * steady_rate(self.compliance)
         decay = np.exp(-times[:, None] / modes.relaxation)
         rate = steady + self._sums(decay * modes.amplitudes)[0]
         worn = (

@@ -93,6 +93,30 @@ class Modes:
     amplitudes: Array
     exact: int
 
+    def left(self, times: Array) -> Array:
+        """(T,) share of its way from the flat start to the steady state that the approach ``d(t) -
+        w t`` has yet to make, or the force at a fixed indentation.
+
+        It is a sum of decaying exponentials, all positive.
+        """
+        ways = self.amplitudes**2 * self.relaxation
+        return np.asarray(np.exp(-times[:, None] / self.relaxation) @ ways / ways.sum())
+
+    def time_to(self, share: float) -> float:
+        """Time after which the approach, less steady wear, has made a share of its way.
+
+        There is one such time.
+        """
+        # the slowest mode alone would take longest
+        earlier, later = 0.0, float(self.relaxation[0]) * np.log(1 / (1 - share))
+        for _ in range(60):
+            middle = (earlier + later) / 2
+            if self.left(np.array([middle]))[0] > 1 - share:
+                earlier = middle
+            else:
+                later = middle
+        return later
+
     def excite(self, before: Array | float, state: State) -> Array:
         """Return what there is of each mode (T, m) at states of a load.
 
