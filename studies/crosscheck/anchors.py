@@ -1,36 +1,47 @@
 """What no method can move.
 
-Closed forms and balances (`reported.py`) that its *reported* results are held to, each method by
-itself.
+Closed forms and balances that its *reported* results are held to, each method by itself.
+
+They take the table that is written, made non-dimensional by the numbers of the scene itself, so
+that what is scaled, sampled or derived on the way shows, too, and what all methods share. Fields
+over the whole face stand beside it, of which the table has some radii.
+
+A flat start is closed form (Eqs. 10, 11), and so is the steady state (Eqs. 21 to 27). In between
+hold, with the greatest force 1,
+
+    F = int p dA, on each ring too           the force
+    int F v0 dt = int f / k dA               what is worn is what pressure has worn
+    d = F d0 + int f p0 dA                   reciprocity with the flat punch, u0 = d0
+    d = int us p dA + int f ps dA            reciprocity with the steady pressures ps
+    d'(2 t) = int k p^2 dA                   power; by the symmetry of compliance and wear, at F = 1
+
+and at a fixed indentation, with ``d0 F`` for d0 and ``-d0 F'`` for d' in the third and the last,
+
+    F(t2) dt <= int df / k dA <= F(t1) dt    what wears from t1 to t2 = t1 + dt, for F decays
+    pi d = int (f + m + u1 p - gap) dA       reciprocity with a uniform pressure; m unworn
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ...mdr import direct
 from ...meshes.radial import Array
 from ..methods.base import Solution
+from ..methods.norms import radial_weight
+from ..problem.problem import D0, P0, Units
+from ..problem.quantities import ANSWER, FIELDS, QUANTITIES
 from ..problem.scene import Scene
-from .reported import Reported
+from ..wear.time_scale import COARSE, FINE, slowest_relaxation_time
+from .anchor import Anchor, judge
 
+Rows = Iterator[tuple[Any, ...]]
 
-@dataclass(frozen=True)
-class Anchor:
-    """A closed form or a balance that a method is held to.
-
-    Relative difference and what is tolerated.
-    """
-
-    name: str
-    method: str
-    difference: float
-    tolerance: float
-
-    @property
-    def holds(self) -> bool:
-        return self.difference <= self.tolerance
+# of sums and of closed forms to roundoff, where the accuracy asked for has no say
+EXACT = 1e-9
+# times the doubt of a quadrature or an interpolation on the face that its error may be
+DOUBT = 10.0
 
 
 def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solution) -> list[Anchor]:
@@ -43,7 +54,7 @@ def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solutio
     table : what is written of it, by the names of quantities, in the scene's units
     solution : what the method said of the face, and of its own errors
     """
-    reported = Reported(scene, table, solution)
+    reported = _Reported(scene, table, solution)
     groups = [
         (
             "steady_pressure steady_profile steady_wear_rate steady_displacement_max "
@@ -90,24 +101,296 @@ def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solutio
     ]
 
 
-def judge(
-    name: str,
-    method: str,
-    value: Array | float,
-    reference: Array | float,
-    tolerance: Array | float,
-    scale: Array | float | None = None,
-) -> Iterator[Anchor]:
-    """Yield an anchor where the difference is the greatest part of what is tolerated.
+def natural_units(scene: Scene) -> Units:
+    """Return the natural units by the scene itself, so that what is scaled wrongly shows."""
+    load, solid, punch = scene.load_, scene.half_space, scene.punch
+    if load.indentation is not None:
+        return scene.problem.units
+    force = load.greatest_force(punch.radius)
+    modulus = solid.plane_strain_modulus
+    modulus = modulus or (solid.youngs_modulus or 0.0) / (1 - solid.poisson_ratio**2)
+    count = None if punch.table else punch.rings or len(punch.ring_edges or [])
+    greatest = max(punch.coefficients[:count])
+    time = punch.radius / (modulus * greatest * load.sliding.greatest)
+    return Units(punch.radius, modulus, force, time, greatest)
 
-    It is relative to the reference, or to a scale. What is no number holds to nothing, and what may
-    be infinitely wrong is no anchor.
+
+class _Reported:
+    """What a method reports, non-dimensional, and the anchors that it is held to.
+
+    Each is a row: its name, value, reference and tolerance, and a scale if the difference is not
+    relative to the reference.
     """
-    difference = np.abs((value - reference) / (reference if scale is None else scale))
-    # JSON cannot hold what is no number
-    difference = np.nan_to_num(difference, nan=1e99)
-    differences, tolerances = np.broadcast_arrays(np.atleast_1d(difference), tolerance)
-    if (bound := np.isfinite(tolerances)).any():
-        differences, tolerances = differences[bound], tolerances[bound]
-        worst = np.argmax(differences / tolerances)
-        yield Anchor(name, method, float(differences[worst]), float(tolerances[worst]))
+
+    def __init__(self, scene: Scene, table: Mapping[str, Any], solution: Solution) -> None:
+        self.solution, self.table = solution, table
+        self.problem, self.units = scene.problem, natural_units(scene)
+        self.face, self.rtol = self.problem.face, self.problem.rtol
+        self.radii = np.asarray(table["radius"]) / self.units.length
+        times = np.asarray(table["time"])[self.problem.checked] / self.units.time
+        # differences are relative: nothing is held to while nothing presses
+        self.pressing = self.problem.loading.at(times).force > 0
+        self.checked, self.times = self.problem.checked[self.pressing], times[self.pressing]
+        self.forces, _, self.work, *_ = self.problem.loading.at(self.times)
+        self.later = self.work > 0
+        self.fixed = self.problem.indentation is not None
+        self.graded = self.problem.merged.linear
+        # F = w int dA / k
+        self.wear_rate = 1 / np.sum(self.face.areas / self.face.wear)
+        self.steady_pressures = self.wear_rate / self.problem.merged.wear_coefficients
+
+    def _read(self, name: str) -> Array:
+        """Return a quantity of the table, non-dimensional."""
+        unit = getattr(self.units, (QUANTITIES | ANSWER)[name].unit)
+        return np.asarray(self.table[name]) / unit
+
+    def _take(self, name: str) -> Array:
+        """Return a quantity at the times that are checked.
+
+        Fields over the face, numbers as they are reported.
+        """
+        if name in FIELDS:
+            return self.solution.checked[name][self.pressing]
+        return self._read(name)[self.checked]
+
+    def _error(self, name: str) -> Array:
+        """Return what the method states of a quantity."""
+        error = self.solution.checked_error(self.problem, name)
+        return error[self.pressing] if "time" in QUANTITIES[name].dims else error
+
+    def _tolerate(self, *names: str) -> Array:
+        """Return the accuracy asked for.
+
+        Infinity where the method states more of a quantity, and is held to nothing.
+        """
+        errors = [self._error(name) for name in names]
+        return np.where(np.max(errors, axis=0) > self.rtol, np.inf, self.rtol)
+
+    def _state(self, *names: str) -> Array:
+        """Return the sum of the errors that the method states."""
+        return np.sum([self._error(name) for name in names], axis=0)
+
+    def _integrate(self, values: Array, weights: Array | float) -> tuple[Array, Array]:
+        """Return integrals (T,) of (T, R) values over the face, and what they may be off."""
+        parts = values * weights * self.face.areas
+        return parts.sum(axis=1), DOUBT * self.face.integral_doubt(parts)
+
+    def check_forces(self) -> Rows:
+        forces, parts = self._take("ring_force"), self.face.areas * self._take("pressure")
+        whole = forces.sum(axis=1)
+        if not self.fixed:
+            error = np.maximum(self._error("ring_force"), EXACT)
+            yield "ring forces add up to F", whole, self.forces, error
+        doubt = DOUBT * self.face.integral_doubt(parts)
+        tolerance = (self._tolerate("pressure") * np.maximum(whole, np.finfo(float).tiny) + doubt)[
+            :, None
+        ]
+        sums = self.face.ring_sums(parts)
+        yield "ring forces are integrals of the pressure", sums, forces, tolerance, 1.0
+
+    def check_volume(self) -> Rows:
+        """Hold what is worn where contact opens, closes and spreads."""
+        # of k that varies on a ring no volume tells what pressure has worn
+        if not (self.fixed or self.graded):
+            worn = self._take("ring_worn_volume")[self.later] / self.problem.wear_coefficients
+            yield "worn volume over k, F v0 t", worn.sum(1), self.work[self.later], EXACT
+
+    @property
+    def starts(self) -> bool:
+        """Whether something presses at the time 0."""
+        return bool((self.times[:1] == 0).any())
+
+    def check_decay(self) -> Rows:
+        """Hold the force at a fixed indentation, which decays, to what it wears."""
+        force, passed = (
+            self._take("normal_force"),
+            np.diff(self.problem.loading.at(self.times).distance),
+        )
+        if self.problem.full_contact and not self.times[0]:
+            yield "flat start, F = 2 a E* d", force[0], 1.0, self._tolerate("normal_force")[0]
+        if self.graded:
+            return
+        worn = (self._take("ring_worn_volume") / self.problem.wear_coefficients).sum(axis=1)
+        error, lost = self._state("normal_force") * force, self._state("ring_worn_volume") * worn
+        doubt = EXACT * force[0] + error[1:] + error[:-1] + (lost[1:] + lost[:-1]) / passed
+        rates, scale = np.diff(worn) / passed, np.maximum(force[:-1], np.finfo(float).tiny)
+        between = np.clip(rates, force[1:], force[:-1])
+        yield "worn volume over k, between F v0 t", rates, between, doubt / scale, scale
+
+    def check_balance(self) -> Rows:
+        """Hold what is worn, and what is still pressed in, to what the face overlaps."""
+        depth, unworn = self._take("indentation"), self.problem.profile
+        uniform = direct.displacement(np.array([0.0, 1.0]), np.ones(1), self.face.radii)
+        heights = self._take("pressure") * uniform + unworn(self.face.radii) + unworn.standoff
+        gap = self._take("displacement") + self._take("profile") - depth[:, None]
+        parts, doubt = self._integrate(heights - gap, 1.0)
+        tolerance = self.rtol + self._state("pressure", "profile", "displacement") + doubt / depth
+        value = self._take("ring_worn_volume").sum(axis=1) + parts
+        yield "worn, unworn and pressed in, pi a^2 d", value, np.pi * depth, tolerance, depth
+
+    def check_start(self) -> Rows:
+        depth = self._tolerate("indentation")
+        if self.starts:
+            value = self._read("indentation")[0]
+            yield "flat start, d = F / (2 a E*)", value, D0 * self.forces[0], depth[0]
+        if self.solution.wear is not None:
+            value = self._read("indentation_start")
+            yield "flat start of the answer", value, D0, depth.max()
+
+    def check_start_pressures(self) -> Rows:
+        edges, inside = self.problem.ring_edges, self.radii < 1
+        pressure, force = (self._tolerate(name) for name in ("pressure", "ring_force"))
+        if self.starts:
+            value, reference = self._read("pressure")[0, inside], P0 / _root(self.radii[inside])
+            value = value / self.forces[0]
+            yield "flat start, p = p0 / sqrt(1 - r^2/a^2)", value, reference, pressure[0]
+            value, reference = self._read("ring_force")[0], -np.diff(_root(edges))
+            value = value / self.forces[0]
+            yield "flat start, forces of the rings", value, reference, force[0], 1.0
+        if self.solution.wear is not None:
+            least, greatest = self._read("pressure_min")[0], self._read("pressure_max")[0]
+            value, reference = np.append(least, greatest[:-1]), P0 / _root(edges[:-1])
+            reference = np.append(reference, reference[1:])
+            yield "flat start of the answer, pressures", value, reference, pressure.max()
+
+    def check_wear(self) -> Rows:
+        """Hold what is worn, over all of the face."""
+        work, face, later = self.work, self.face, self.later
+        profile, depth = self._take("profile"), self._take("indentation")
+        force = self._take("normal_force") if self.fixed else self.forces
+        if not self.fixed:
+            worn, doubt = self._integrate(profile, 1 / face.wear)
+            # the profile is promised relative to the indentation
+            doubt += self._tolerate("profile") * depth * (face.areas / face.wear).sum()
+            tolerance = np.maximum(doubt[later] / work[later], self.rtol)
+            yield "worn volume over k, F v0 t", worn[later], work[later], tolerance
+            worn = self._read("worn_volume") / self.problem.wear_coefficients
+            if np.isfinite(worn).all() and not self.graded:
+                name = "worn volume of the answer over k, F v0 t"
+                yield name, worn.sum(), work[-1], tolerance[-1]
+        tolerance = self._tolerate("indentation", "profile")
+        lost, doubt = self._integrate(profile, P0 / _root(face.radii))
+        yield "reciprocity with the flat punch", D0 * force + lost, depth, tolerance + doubt / depth
+        if self.graded:
+            return
+        tolerance = self._tolerate("indentation", "profile", "pressure")
+        lost, _ = self._integrate(profile, self.wear_rate / face.wear)
+        moved, doubt = self._integrate(self._take("pressure"), self._displace(face.radii))
+        yield "reciprocity with the steady state", moved + lost, depth, tolerance + doubt / depth
+
+    def check_fields(self) -> Rows:
+        """Hold the numbers that are read off fields."""
+        depth, moved = self._take("indentation"), self._take("displacement")
+        sum_of_both, each = moved + self._take("profile"), depth[:, None]
+        yield "displacement, u = d - f", sum_of_both, each, self.rtol, each
+        centre, doubt = (part[:, 0] for part in self.face.interpolate(moved, np.zeros(1)))
+        tolerance = self._tolerate("displacement_centre") + DOUBT * doubt / depth
+        value = self._take("displacement_centre")
+        yield "displacement at the centre", value, centre, tolerance, depth
+        # between the greatest and its neighbours there may be a greater one
+        near = np.clip(moved.argmax(axis=1)[:, None] + [-1, 0, 1], 0, moved.shape[1] - 1)
+        near = np.take_along_axis(moved, near, axis=1)
+        tolerance = self._tolerate("displacement_max") + np.ptp(near, axis=1) / depth
+        value = self._take("displacement_max")
+        yield "greatest displacement", value, near.max(axis=1), tolerance, depth
+
+    def check_slopes(self) -> Rows:
+        slope, face = self._take("rms_slope"), self.face
+        resolved = np.isfinite(self._tolerate("rms_slope")) & (slope > 0)
+        weights = radial_weight(face.radii, self.problem.gradient_average) * face.lengths
+        slopes, fewer = (
+            np.sqrt(values[resolved] ** 2 @ weights) / slope[resolved]
+            for values in face.slopes(self._take("profile"))
+        )
+        # it crosses zero now and then in time
+        doubt = DOUBT * np.max(np.abs(slopes - fewer), initial=0.0)
+        # slopes on the face that are as doubtful tell nothing
+        if doubt <= 0.1:
+            yield "RMS slope of the profile", slopes, 1.0, self.rtol + doubt
+
+    def check_output(self) -> Rows:
+        """Hold the fields at the radii of the output to those over the face."""
+        # not at the rim, where pressures of the start are infinite
+        inside, later = self.radii < self.face.breakpoints[-2], self.later
+        if not inside.any():
+            return
+        for name in ("pressure", "profile", "displacement"):
+            values, size = self._take(name)[later], self._take("indentation")[later]
+            if name == "pressure":
+                size = np.abs(values).max(axis=1)
+            reference, doubt = self.face.interpolate(values, self.radii[inside])
+            reported = self._read(name)[self.checked][later][:, inside]
+            # in the mean: pressures of elements have kinks of their own
+            wrong, doubt = (
+                np.sqrt((part**2).mean(axis=1)) / size for part in (reported - reference, doubt)
+            )
+            tolerance = self._tolerate(name)[later] + DOUBT * doubt
+            yield f"{name} at the radii reported", wrong, 0.0, tolerance, 1.0
+
+    def check_modes(self) -> Rows:
+        """Hold how fast the running-in is."""
+        if (wear := self.solution.wear) is None:
+            return
+        coarse, fine = (
+            slowest_relaxation_time(self.problem.merged, self.fixed, size)
+            for size in (COARSE, FINE)
+        )
+        tolerance = self._tolerate("relaxation_time")[0] + DOUBT * abs(coarse / fine - 1)
+        name = "slowest relaxation time, by a small problem of its own"
+        yield name, self._read("relaxation_time")[0], fine, tolerance
+        if self.later.any():
+            yield "modes add up to the flat start", wear.share_of_modes, 1.0, EXACT
+
+    def check_power(self) -> Rows:
+        """Hold the balance of power that the law of wear asks for."""
+        wear, times, step = self.solution.wear, self.times, 0.005
+        tolerated = self._tolerate("pressure")
+        later = np.flatnonzero(self.later & np.isfinite(tolerated))
+        marched = self.problem.march != "modal" or self.problem.loading.varies
+        if wear is None or marched or not len(later):
+            return
+        some = later[np.linspace(0, len(later) - 1, min(len(later), 6)).round().astype(int)]
+        # d'(2t) by differences of fourth order, with the roundoff of d over short times
+        twice = 2 * times[some]
+        near = wear.modal(np.outer(twice, 1 + step * np.array([-2, -1, 1, 2])).ravel())
+        depths = -D0 * near.force if self.fixed else near.indentation
+        steady = 0.0 if self.fixed else self.wear_rate
+        rates = depths.reshape(-1, 4) @ [1, -8, 8, -1] / (12 * step * twice)
+        # of what is not yet steady; its product with what is steady integrates to 0
+        pressure = self._take("pressure")[some] - steady / self.face.wear
+        spent, doubt = self._integrate(pressure**2, self.face.wear)
+        power = spent + steady
+        tolerance = self.rtol + 2 * tolerated[some] * np.sqrt(spent / power)
+        tolerance += (doubt + 2e-14 / step / twice) / power
+        yield "power, F d'(2t) = int k p^2 dA", rates, power, tolerance
+
+    def check_steady_state(self) -> Rows:
+        problem, pressures = self.problem, self.wear_rate / self.problem.merged.at(self.radii)
+        name = "steady_wear_rate"
+        exact = max(EXACT, self.graded * self.rtol)
+        yield f"{name} in closed form", self._read(name), self.wear_rate, exact
+        yield "steady pressures of Eq. 24", self._read("steady_pressure"), pressures, self.rtol
+        if self.graded:
+            return
+        merged = problem.merged.ring_edges, self.steady_pressures
+        by_rings = self.wear_rate / problem.wear_coefficients
+        reported = np.array([self._read(name)[1] for name in ("pressure_min", "pressure_max")])
+        yield "steady pressures of the answer", reported, by_rings, self.rtol
+        greatest = direct.greatest_displacement(*merged)
+        limit = greatest - self._displace(self.radii)
+        for name, reference, scale in (
+            ("steady_displacement_max", greatest, None),
+            ("steady_rms_slope", direct.rms_slope(*merged, problem.gradient_average), None),
+            ("steady_profile", limit, greatest),
+        ):
+            tolerance = self._tolerate(name)
+            yield f"{name} in closed form", self._read(name), reference, tolerance, scale
+
+    def _displace(self, radii: Array) -> Array:
+        """Return the steady displacement at radii."""
+        return direct.displacement(self.problem.merged.ring_edges, self.steady_pressures, radii)
+
+
+def _root(radii: Array) -> Array:
+    """Return ``sqrt(1 - r^2)``, p0 over which is Eq. 10, without cancellation."""
+    return np.asarray(np.sqrt((1 - radii) * (1 + radii)))

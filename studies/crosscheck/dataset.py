@@ -33,7 +33,8 @@ from ..progress import Stages
 from ..versions import versions
 from ..wear.modes import SHOWN
 from .agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
-from .anchors import Anchor, anchors
+from .anchor import Anchor
+from .anchors import anchors
 from .answer import ALSO, answer
 from .interior import Interior, interior
 from .operators import OperatorDifference
