@@ -11,12 +11,13 @@ All areas are those of the punch face: ``dA = 2 pi r dr``.
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 
-from .radial import Array, Indices, gauss, ring_of
+from .radial import Array, Indices, gauss, ring_of, values_on_rings
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,18 +62,18 @@ class PressureSpace:
         table[:, 0], table[:, 1] = left, left + self.degrees
         return table
 
-    def _of_functions(self, values: Indices) -> Indices:
+    def _of_functions(self, values: Any) -> Any:
         """(size,) a value of each basis function, by (n, top+1) values of the shape functions or
         (n, 1) of elements.
         """
-        out = np.zeros(self.size + 1, dtype=np.int64)
+        out = np.zeros(self.size + 1, dtype=values.dtype)
         out[self.dofs] = values
         return out[:-1]
 
     @cached_property
     def order(self) -> Indices:
         """Polynomial degree of each basis function: 1 for hats, 2 and up for bubbles."""
-        return self._of_functions(np.maximum(np.arange(self.top + 1), 1))
+        return np.asarray(self._of_functions(np.maximum(np.arange(self.top + 1), 1)))
 
     def matrix(self, radii: ArrayLike, derivative: bool = False) -> csr_matrix:
         """(len(radii), size) values, or slopes, of the basis.
@@ -131,22 +132,24 @@ class PressureSpace:
         left, half = self.breakpoints[:-1, None], np.diff(self.breakpoints)[:, None] / 2
         return left + half * (1 + local), half * weight, local
 
-    @cached_property
-    def _masses(self) -> Array:
-        """(n, top+1, top+1) ``int phi_i phi_j dA`` of each element."""
-        radii, weight, local = self.quadrature
-        values = shapes(local, self.top)
-        return np.asarray(
-            np.einsum("eq,qi,qj->eij", 2 * np.pi * radii * weight, values, values, optimize=True)
-        )
-
     def mass(self, ring_values: ArrayLike = 1.0) -> csr_matrix:
         """(size, size) ``int c phi_i phi_j dA`` with the constant `c` of each ring, or one
-        for all.
+        for all, or (2, N) at the inner and outer edge of each, linear between.
         """
-        return self._gram(
-            self._masses
-            * np.broadcast_to(ring_values, len(self.ring_edges) - 1)[self.ring, None, None]
+        radii, lengths, local = self.quadrature
+        areas = 2 * np.pi * radii * lengths * self._on_rings(ring_values, radii)
+        values = shapes(local, self.top)
+        return self._gram(np.einsum("eq,qi,qj->eij", areas, values, values, optimize=True))
+
+    def _on_rings(self, ring_values: ArrayLike, radii: Array) -> Array:
+        """Values as in `mass` at radii (n, q) of the elements."""
+        return values_on_rings(self.ring_edges, ring_values, radii, self.ring[:, None])
+
+    def at_vertices(self, ring_values: ArrayLike) -> Array:
+        """(size,) values as in `mass` at the vertex of each hat, for bubbles at the outer one."""
+        ends = np.stack([self.breakpoints[:-1], self.breakpoints[1:]], axis=1)
+        return np.asarray(
+            self._of_functions(self._on_rings(ring_values, np.repeat(ends, [1, self.top], axis=1)))
         )
 
     @cached_property
@@ -190,15 +193,15 @@ class PressureSpace:
         )
 
     def joined(self, ring_coefficients: ArrayLike = 1.0) -> csr_matrix:
-        """(size, size-N+1) basis of the pressures whose product with `ring_coefficients` is
-        continuous.
+        """(size, size-N+1) basis of the pressures whose product with `ring_coefficients`, as in
+        `mass`, is continuous.
 
         With the wear coefficients: the space of t > 0, in terms of the wear rate. By default:
         continuous pressures.
         """
         ring, function = self._of_functions(self.ring[:, None]), np.arange(self.size)
         # the last function of a ring and the first of the next are joined in one column
-        values = 1 / np.broadcast_to(ring_coefficients, len(self.ring_edges) - 1)[ring]
+        values = 1 / self.at_vertices(ring_coefficients)
         return csr_matrix((values, (function, function - ring)), (self.size, self.size - ring[-1]))
 
     def coarser(self) -> "PressureSpace":

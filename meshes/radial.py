@@ -36,6 +36,19 @@ def ring_of(ring_edges: Array, radii: ArrayLike) -> Indices:
     return np.clip(np.searchsorted(ring_edges, radii, side="right") - 1, 0, len(ring_edges) - 2)
 
 
+def values_on_rings(
+    ring_edges: Array, ring_values: ArrayLike, radii: Array, ring: Indices
+) -> Array:
+    """Values at radii of given rings.
+
+    Of (N,) constants of rings, one for all, or (2, N) values at the inner and outer edge of each,
+    linear between.
+    """
+    inner, outer = np.broadcast_to(ring_values, (2, len(ring_edges) - 1))[:, ring]
+    along = (radii - ring_edges[ring]) / (ring_edges[ring + 1] - ring_edges[ring])
+    return inner + (outer - inner) * along
+
+
 def graded_breakpoints(
     ring_edges: ArrayLike,
     edge_size: ArrayLike,

@@ -194,10 +194,14 @@ def _study(options: argparse.Namespace) -> Status:
     from .tables import keep_tables, keeping_rows
 
     scene, study = Scene.load(options.scene), STUDIES[options.study]
-    if not scene.problem.full_contact:
+    problem = scene.problem
+    flat = problem.full_contact and problem.indentation is None
+    if problem.merged.linear or not (study.of_any_punch or flat):
         raise SceneError(
-            f"study {options.study} is about flat punches under a force: leave out punch.recess "
-            "and punch.profile, and give load.normal_force"
+            f"study {options.study} is about flat punches under a force, whose edges stay, with "
+            "wear constant on rings: leave out punch.recess, punch.profile and "
+            "punch.wear_coefficient along the radius, and give load.normal_force; study tradeoff "
+            "takes any punch"
         )
     out = _out(options, options.study)
     with output_folder(out, f"study {options.study}", ["report.html"]) as folder:

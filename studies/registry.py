@@ -27,12 +27,15 @@ INTERRUPTED = "INTERRUPTED: tables and figures hold the rows that were finished.
 
 @dataclass(frozen=True)
 class Study:
-    """A study of flat punches: its file, its purpose, its scene by default, and its own options."""
+    """A study: its file, its purpose, its scene by default, its own options, and whether it is
+    about any punch, not flat ones under a force alone.
+    """
 
     module: str
     purpose: str
     scene: str = "five_rings"
     options: tuple[tuple[str, dict[str, Any]], ...] = ()
+    of_any_punch: bool = False
 
     @property
     def conduct(self) -> Callable[..., list[str]]:
@@ -87,5 +90,6 @@ STUDIES: dict[str, Study] = {
     "tradeoff": Study(
         "numerics.tradeoff",
         "error of groups of quantities against seconds, for every method",
+        of_any_punch=True,
     ),
 }

@@ -58,7 +58,7 @@ def error_of_sizes(problem: Problem, solution: Solution) -> float:
         # the cells of a march go by what was asked for
         return 0.0
     # closed forms and the uniform grid have no sizes that go by the accuracy asked for
-    discretisation = solution.parts.get("discretisation")
+    discretisation = solution.parts.get("discretisation", solution.parts.get("force"))
     if problem.march != "modal" or discretisation is None:
         return discretisation or 0.0
     # fields follow neither on triangles, whose degree is low, nor beyond the highest degree of

@@ -7,29 +7,34 @@ that what is scaled, sampled or derived on the way shows, too, and what all meth
 over the whole face stand beside it, of which the table has some radii.
 
 A flat start is closed form (Eqs. 10, 11), and so is the steady state (Eqs. 21 to 27). In between
-hold, with ``F = 1``,
+hold, with the greatest force 1,
 
     F = int p dA, on each ring too           the force
-    F v0 t = int f / k dA                    what is worn is what pressure has worn
-    d = d0 + int f p0 dA                     reciprocity with the flat punch, u0 = d0
+    int F v0 dt = int f / k dA               what is worn is what pressure has worn
+    d = F d0 + int f p0 dA                   reciprocity with the flat punch, u0 = d0
     d = int us p dA + int f ps dA            reciprocity with the steady pressures ps
-    d'(2 t) = int k p^2 dA                   power; by the symmetry of compliance and wear
+    d'(2 t) = int k p^2 dA                   power; by the symmetry of compliance and wear, at F = 1
+
+and at a fixed indentation, with ``d0 F`` for d0 and ``-d0 F'`` for d' in the third and the last,
+
+    F(t2) dt <= int df / k dA <= F(t1) dt    what wears from t1 to t2 = t1 + dt, for F decays
+    pi d = int (f + m + u1 p - gap) dA       reciprocity with a uniform pressure; m unworn
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...mdr import direct
-from ...meshes.radial import Array, ring_of
+from ...meshes.radial import Array
 from ..methods.base import Solution
 from ..methods.norms import radial_weight
 from ..problem.problem import D0, P0, Units
 from ..problem.quantities import ANSWER, FIELDS, QUANTITIES
 from ..problem.scene import Scene
 from ..wear.time_scale import COARSE, FINE, slowest_relaxation_time
+from .anchor import Anchor, judge
 
 Rows = Iterator[tuple[Any, ...]]
 
@@ -37,23 +42,6 @@ Rows = Iterator[tuple[Any, ...]]
 EXACT = 1e-9
 # times the doubt of a quadrature or an interpolation on the face that its error may be
 DOUBT = 10.0
-
-
-@dataclass(frozen=True)
-class Anchor:
-    """A closed form or a balance that a method is held to.
-
-    Relative difference and what is tolerated.
-    """
-
-    name: str
-    method: str
-    difference: float
-    tolerance: float
-
-    @property
-    def holds(self) -> bool:
-        return self.difference <= self.tolerance
 
 
 def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solution) -> list[Anchor]:
@@ -68,15 +56,26 @@ def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solutio
     """
     reported = _Reported(scene, table, solution)
     groups = [
-        ("ring_force pressure", reported.check_forces),
-        ("ring_worn_volume", reported.check_volume),
         (
             "steady_pressure steady_profile steady_wear_rate steady_displacement_max "
             "steady_rms_slope",
             reported.check_steady_state,
         ),
     ]
+    forces = "normal_force" if reported.fixed else ""
+    if reported.times.size:
+        groups += [
+            ("ring_force pressure", reported.check_forces),
+            ("ring_worn_volume", reported.check_volume),
+        ]
+    if reported.times.size and reported.fixed:
+        groups += [
+            ("normal_force ring_worn_volume", reported.check_decay),
+            ("pressure profile displacement ring_worn_volume", reported.check_balance),
+        ]
     if scene.problem.full_contact:
+        groups.append(("relaxation_time", reported.check_modes))
+    if scene.problem.full_contact and reported.times.size:
         groups += [
             ("indentation", reported.check_start),
             ("pressure ring_force", reported.check_start_pressures),
@@ -85,11 +84,10 @@ def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solutio
                 reported.check_fields,
             ),
             ("profile rms_slope", reported.check_slopes),
-            ("relaxation_time", reported.check_modes),
         ]
-    if scene.problem.full_contact and scene.problem.earliest:
+    if scene.problem.full_contact and reported.later.any():
         groups += [
-            ("indentation pressure profile", reported.check_wear),
+            (f"indentation pressure profile {forces}", reported.check_wear),
             ("indentation pressure profile displacement", reported.check_output),
             ("pressure", reported.check_power),
         ]
@@ -103,40 +101,17 @@ def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solutio
     ]
 
 
-def judge(
-    name: str,
-    method: str,
-    value: Array | float,
-    reference: Array | float,
-    tolerance: Array | float,
-    scale: Array | float | None = None,
-) -> Iterator[Anchor]:
-    """Yield an anchor where the difference to a reference is the greatest part of what is
-    tolerated.
-
-    It is relative to the reference, or to a scale. What is no number holds to nothing, and what may
-    be infinitely wrong is no anchor.
-    """
-    difference = np.abs((value - reference) / (reference if scale is None else scale))
-    # JSON cannot hold what is no number
-    difference = np.nan_to_num(difference, nan=1e99)
-    differences, tolerances = np.broadcast_arrays(np.atleast_1d(difference), tolerance)
-    if (bound := np.isfinite(tolerances)).any():
-        differences, tolerances = differences[bound], tolerances[bound]
-        worst = np.argmax(differences / tolerances)
-        yield Anchor(name, method, float(differences[worst]), float(tolerances[worst]))
-
-
 def natural_units(scene: Scene) -> Units:
     """Return the natural units by the scene itself, so that what is scaled wrongly shows."""
     load, solid, punch = scene.load_, scene.half_space, scene.punch
     if load.indentation is not None:
         return scene.problem.units
-    force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * punch.radius**2
+    force = load.greatest_force(punch.radius)
     modulus = solid.plane_strain_modulus
     modulus = modulus or (solid.youngs_modulus or 0.0) / (1 - solid.poisson_ratio**2)
-    greatest = max(punch.coefficients[: punch.rings or len(punch.ring_edges or [])])
-    time = punch.radius / (modulus * greatest * load.sliding_speed)
+    count = None if punch.table else punch.rings or len(punch.ring_edges or [])
+    greatest = max(punch.coefficients[:count])
+    time = punch.radius / (modulus * greatest * load.sliding.greatest)
     return Units(punch.radius, modulus, force, time, greatest)
 
 
@@ -152,10 +127,17 @@ class _Reported:
         self.problem, self.units = scene.problem, natural_units(scene)
         self.face, self.rtol = self.problem.face, self.problem.rtol
         self.radii = np.asarray(table["radius"]) / self.units.length
-        self.times = np.asarray(table["time"])[self.problem.checked] / self.units.time
-        self.later = self.times > 0
-        self.steady_pressures = direct.steady_pressures(*self.problem.merged)
-        self.wear_rate = self.steady_pressures[0] * self.problem.merged.wear_coefficients[0]
+        times = np.asarray(table["time"])[self.problem.checked] / self.units.time
+        # differences are relative: nothing is held to while nothing presses
+        self.pressing = self.problem.loading.at(times).force > 0
+        self.checked, self.times = self.problem.checked[self.pressing], times[self.pressing]
+        self.forces, _, self.work, *_ = self.problem.loading.at(self.times)
+        self.later = self.work > 0
+        self.fixed = self.problem.indentation is not None
+        self.graded = self.problem.merged.linear
+        # F = w int dA / k
+        self.wear_rate = 1 / np.sum(self.face.areas / self.face.wear)
+        self.steady_pressures = self.wear_rate / self.problem.merged.wear_coefficients
 
     def _read(self, name: str) -> Array:
         """Return a quantity of the table, non-dimensional."""
@@ -168,18 +150,27 @@ class _Reported:
         Fields over the face, numbers as they are reported.
         """
         if name in FIELDS:
-            return self.solution.checked[name]
-        return self._read(name)[self.problem.checked]
+            return self.solution.checked[name][self.pressing]
+        return self._read(name)[self.checked]
+
+    def _error(self, name: str) -> Array:
+        """Return what the method states of a quantity."""
+        error = self.solution.checked_error(self.problem, name)
+        return error[self.pressing] if "time" in QUANTITIES[name].dims else error
 
     def _tolerate(self, *names: str) -> Array:
         """Return the accuracy asked for.
 
         Infinity where the method states more of a quantity, and is held to nothing.
         """
-        errors = [self.solution.checked_error(self.problem, name) for name in names]
+        errors = [self._error(name) for name in names]
         return np.where(np.max(errors, axis=0) > self.rtol, np.inf, self.rtol)
 
-    def _integrate(self, values: Array, weights: Array) -> tuple[Array, Array]:
+    def _state(self, *names: str) -> Array:
+        """Return the sum of the errors that the method states."""
+        return np.sum([self._error(name) for name in names], axis=0)
+
+    def _integrate(self, values: Array, weights: Array | float) -> tuple[Array, Array]:
         """Return integrals (T,) of (T, R) values over the face, and what they may be off."""
         parts = values * weights * self.face.areas
         return parts.sum(axis=1), DOUBT * self.face.integral_doubt(parts)
@@ -187,25 +178,61 @@ class _Reported:
     def check_forces(self) -> Rows:
         forces, parts = self._take("ring_force"), self.face.areas * self._take("pressure")
         whole = forces.sum(axis=1)
-        if self.problem.indentation is None:
-            error = self.solution.checked_error(self.problem, "ring_force")
-            yield "ring forces add up to F", whole, 1.0, np.maximum(error, EXACT)
+        if not self.fixed:
+            error = np.maximum(self._error("ring_force"), EXACT)
+            yield "ring forces add up to F", whole, self.forces, error
         doubt = DOUBT * self.face.integral_doubt(parts)
-        tolerance = (self._tolerate("pressure") * whole + doubt)[:, None]
+        tolerance = (self._tolerate("pressure") * np.maximum(whole, np.finfo(float).tiny) + doubt)[
+            :, None
+        ]
         sums = self.face.ring_sums(parts)
         yield "ring forces are integrals of the pressure", sums, forces, tolerance, 1.0
 
     def check_volume(self) -> Rows:
         """Hold what is worn where contact opens, closes and spreads."""
-        if self.problem.indentation is None:
+        # of k that varies on a ring no volume tells what pressure has worn
+        if not (self.fixed or self.graded):
             worn = self._take("ring_worn_volume")[self.later] / self.problem.wear_coefficients
-            yield "worn volume over k, F v0 t", worn.sum(1), self.times[self.later], EXACT
+            yield "worn volume over k, F v0 t", worn.sum(1), self.work[self.later], EXACT
+
+    @property
+    def starts(self) -> bool:
+        """Whether something presses at the time 0."""
+        return bool((self.times[:1] == 0).any())
+
+    def check_decay(self) -> Rows:
+        """Hold the force at a fixed indentation, which decays, to what it wears."""
+        force, passed = (
+            self._take("normal_force"),
+            np.diff(self.problem.loading.at(self.times).distance),
+        )
+        if self.problem.full_contact and not self.times[0]:
+            yield "flat start, F = 2 a E* d", force[0], 1.0, self._tolerate("normal_force")[0]
+        if self.graded:
+            return
+        worn = (self._take("ring_worn_volume") / self.problem.wear_coefficients).sum(axis=1)
+        error, lost = self._state("normal_force") * force, self._state("ring_worn_volume") * worn
+        doubt = EXACT * force[0] + error[1:] + error[:-1] + (lost[1:] + lost[:-1]) / passed
+        rates, scale = np.diff(worn) / passed, np.maximum(force[:-1], np.finfo(float).tiny)
+        between = np.clip(rates, force[1:], force[:-1])
+        yield "worn volume over k, between F v0 t", rates, between, doubt / scale, scale
+
+    def check_balance(self) -> Rows:
+        """Hold what is worn, and what is still pressed in, to what the face overlaps."""
+        depth, unworn = self._take("indentation"), self.problem.profile
+        uniform = direct.displacement(np.array([0.0, 1.0]), np.ones(1), self.face.radii)
+        heights = self._take("pressure") * uniform + unworn(self.face.radii) + unworn.standoff
+        gap = self._take("displacement") + self._take("profile") - depth[:, None]
+        parts, doubt = self._integrate(heights - gap, 1.0)
+        tolerance = self.rtol + self._state("pressure", "profile", "displacement") + doubt / depth
+        value = self._take("ring_worn_volume").sum(axis=1) + parts
+        yield "worn, unworn and pressed in, pi a^2 d", value, np.pi * depth, tolerance, depth
 
     def check_start(self) -> Rows:
         depth = self._tolerate("indentation")
-        if self.times[0] == 0:
+        if self.starts:
             value = self._read("indentation")[0]
-            yield "flat start, d = F / (2 a E*)", value, D0, depth[0]
+            yield "flat start, d = F / (2 a E*)", value, D0 * self.forces[0], depth[0]
         if self.solution.wear is not None:
             value = self._read("indentation_start")
             yield "flat start of the answer", value, D0, depth.max()
@@ -213,10 +240,12 @@ class _Reported:
     def check_start_pressures(self) -> Rows:
         edges, inside = self.problem.ring_edges, self.radii < 1
         pressure, force = (self._tolerate(name) for name in ("pressure", "ring_force"))
-        if self.times[0] == 0:
+        if self.starts:
             value, reference = self._read("pressure")[0, inside], P0 / _root(self.radii[inside])
+            value = value / self.forces[0]
             yield "flat start, p = p0 / sqrt(1 - r^2/a^2)", value, reference, pressure[0]
             value, reference = self._read("ring_force")[0], -np.diff(_root(edges))
+            value = value / self.forces[0]
             yield "flat start, forces of the rings", value, reference, force[0], 1.0
         if self.solution.wear is not None:
             least, greatest = self._read("pressure_min")[0], self._read("pressure_max")[0]
@@ -226,19 +255,24 @@ class _Reported:
 
     def check_wear(self) -> Rows:
         """Hold what is worn, over all of the face."""
-        times, face, later = self.times, self.face, self.later
+        work, face, later = self.work, self.face, self.later
         profile, depth = self._take("profile"), self._take("indentation")
-        worn, doubt = self._integrate(profile, 1 / face.wear)
-        # the profile is promised relative to the indentation
-        doubt += self._tolerate("profile") * depth * (face.areas / face.wear).sum()
-        tolerance = np.maximum(doubt[later] / times[later], self.rtol)
-        yield "worn volume over k, F v0 t", worn[later], times[later], tolerance
-        worn = self._read("worn_volume") / self.problem.wear_coefficients
-        if np.isfinite(worn).all():
-            yield "worn volume of the answer over k, F v0 t", worn.sum(), times[-1], tolerance[-1]
+        force = self._take("normal_force") if self.fixed else self.forces
+        if not self.fixed:
+            worn, doubt = self._integrate(profile, 1 / face.wear)
+            # the profile is promised relative to the indentation
+            doubt += self._tolerate("profile") * depth * (face.areas / face.wear).sum()
+            tolerance = np.maximum(doubt[later] / work[later], self.rtol)
+            yield "worn volume over k, F v0 t", worn[later], work[later], tolerance
+            worn = self._read("worn_volume") / self.problem.wear_coefficients
+            if np.isfinite(worn).all() and not self.graded:
+                name = "worn volume of the answer over k, F v0 t"
+                yield name, worn.sum(), work[-1], tolerance[-1]
         tolerance = self._tolerate("indentation", "profile")
         lost, doubt = self._integrate(profile, P0 / _root(face.radii))
-        yield "reciprocity with the flat punch", D0 + lost, depth, tolerance + doubt / depth
+        yield "reciprocity with the flat punch", D0 * force + lost, depth, tolerance + doubt / depth
+        if self.graded:
+            return
         tolerance = self._tolerate("indentation", "profile", "pressure")
         lost, _ = self._integrate(profile, self.wear_rate / face.wear)
         moved, doubt = self._integrate(self._take("pressure"), self._displace(face.radii))
@@ -285,7 +319,7 @@ class _Reported:
             if name == "pressure":
                 size = np.abs(values).max(axis=1)
             reference, doubt = self.face.interpolate(values, self.radii[inside])
-            reported = self._read(name)[self.problem.checked][later][:, inside]
+            reported = self._read(name)[self.checked][later][:, inside]
             # in the mean: pressures of elements have kinks of their own
             wrong, doubt = (
                 np.sqrt((part**2).mean(axis=1)) / size for part in (reported - reference, doubt)
@@ -298,15 +332,12 @@ class _Reported:
         if (wear := self.solution.wear) is None:
             return
         coarse, fine = (
-            slowest_relaxation_time(self.problem.rings, size) for size in (COARSE, FINE)
+            slowest_relaxation_time(self.problem.merged, self.fixed, size)
+            for size in (COARSE, FINE)
         )
         tolerance = self._tolerate("relaxation_time")[0] + DOUBT * abs(coarse / fine - 1)
-        yield (
-            "slowest relaxation time, by a small problem of its own",
-            self._read("relaxation_time")[0],
-            fine,
-            tolerance,
-        )
+        name = "slowest relaxation time, by a small problem of its own"
+        yield name, self._read("relaxation_time")[0], fine, tolerance
         if self.later.any():
             yield "modes add up to the flat start", wear.share_of_modes, 1.0, EXACT
 
@@ -315,26 +346,34 @@ class _Reported:
         wear, times, step = self.solution.wear, self.times, 0.005
         tolerated = self._tolerate("pressure")
         later = np.flatnonzero(self.later & np.isfinite(tolerated))
-        if wear is None or self.problem.march != "modal" or not len(later):
+        marched = self.problem.march != "modal" or self.problem.loading.varies
+        if wear is None or marched or not len(later):
             return
         some = later[np.linspace(0, len(later) - 1, min(len(later), 6)).round().astype(int)]
         # d'(2t) by differences of fourth order, with the roundoff of d over short times
         twice = 2 * times[some]
-        depths = wear.modal(np.outer(twice, 1 + step * np.array([-2, -1, 1, 2])).ravel())
-        rates = depths.indentation.reshape(-1, 4) @ [1, -8, 8, -1] / (12 * step * twice)
+        near = wear.modal(np.outer(twice, 1 + step * np.array([-2, -1, 1, 2])).ravel())
+        depths = -D0 * near.force if self.fixed else near.indentation
+        steady = 0.0 if self.fixed else self.wear_rate
+        rates = depths.reshape(-1, 4) @ [1, -8, 8, -1] / (12 * step * twice)
         # of what is not yet steady; its product with what is steady integrates to 0
-        pressure = self._take("pressure")[some] - self.wear_rate / self.face.wear
+        pressure = self._take("pressure")[some] - steady / self.face.wear
         spent, doubt = self._integrate(pressure**2, self.face.wear)
-        power = spent + self.wear_rate
+        power = spent + steady
         tolerance = self.rtol + 2 * tolerated[some] * np.sqrt(spent / power)
         tolerance += (doubt + 2e-14 / step / twice) / power
         yield "power, F d'(2t) = int k p^2 dA", rates, power, tolerance
 
     def check_steady_state(self) -> Rows:
-        problem, merged = self.problem, (self.problem.merged.ring_edges, self.steady_pressures)
-        by_rings = self.wear_rate / problem.wear_coefficients
-        pressures = by_rings[ring_of(problem.ring_edges, self.radii)]
+        problem, pressures = self.problem, self.wear_rate / self.problem.merged.at(self.radii)
+        name = "steady_wear_rate"
+        exact = max(EXACT, self.graded * self.rtol)
+        yield f"{name} in closed form", self._read(name), self.wear_rate, exact
         yield "steady pressures of Eq. 24", self._read("steady_pressure"), pressures, self.rtol
+        if self.graded:
+            return
+        merged = problem.merged.ring_edges, self.steady_pressures
+        by_rings = self.wear_rate / problem.wear_coefficients
         reported = np.array([self._read(name)[1] for name in ("pressure_min", "pressure_max")])
         yield "steady pressures of the answer", reported, by_rings, self.rtol
         greatest = direct.greatest_displacement(*merged)
@@ -346,8 +385,6 @@ class _Reported:
         ):
             tolerance = self._tolerate(name)
             yield f"{name} in closed form", self._read(name), reference, tolerance, scale
-        name = "steady_wear_rate"
-        yield f"{name} in closed form", self._read(name), self.wear_rate, EXACT
 
     def _displace(self, radii: Array) -> Array:
         """Return the steady displacement at radii."""

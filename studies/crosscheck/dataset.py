@@ -23,6 +23,7 @@ from ..problem.quantities import (
     OF_PROFILES,
     QUANTITIES,
     STATES,
+    STEPS,
     Quantity,
     error_name,
 )
@@ -32,7 +33,8 @@ from ..progress import Stages
 from ..versions import versions
 from ..wear.modes import SHOWN
 from .agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
-from .anchors import Anchor, anchors
+from .anchor import Anchor
+from .anchors import anchors
 from .answer import ALSO, answer
 from .interior import Interior, interior
 from .operators import OperatorDifference
@@ -146,17 +148,19 @@ class Result:
 
     def first_answer(self, key: str) -> Array:
         """Return an answer by the first method that gives it; NaN if none does."""
-        values = [answers[key] for answers in self.answers.values()]
+        values = [answers.get(key, np.asarray(np.nan)) for answers in self.answers.values()]
         return next((value for value in values if np.isfinite(value).any()), values[0])
 
     @property
     def has_inside(self) -> bool:
-        """Whether finite elements of a flat punch can tell what is inside the half-space, and
-        fields are asked for.
+        """Whether finite elements can tell what is inside the half-space, and fields are asked
+        for: at times of a history, if contact changes.
         """
         problem, fem = self.scene.problem, self.solutions.get("fem")
         wanted = any(map(problem.wants, FIELDS)) or bool(self.scene.output.field_times)
-        return wanted and problem.full_contact and fem is not None and fem.half_space is not None
+        if not wanted or fem is None or fem.half_space is None:
+            return False
+        return problem.full_contact or fem.pressures_at is not None
 
     @cached_property
     def inside(self) -> Interior:
@@ -223,10 +227,13 @@ def tabulate(result: Result) -> Table:
         }
         errors = {error_name(key): error for key, error in solution.errors.items()}
         reported.append(given | errors | result.answers[name])
+
+    def gives(name: str) -> bool:
+        return any(name in given for given in reported)
+
     for name, quantity in QUANTITIES.items():
         # a flat punch has no more to say
-        said = name not in OF_PROFILES or any(name in given for given in reported)
-        if said and problem.wants(name):
+        if (name not in OF_PROFILES or gives(name)) and problem.wants(name):
             table[name] = quantity
             if name not in ("contact", "contact_edge"):
                 definition = ERROR.format(name, NORMS[quantity.norm])
@@ -245,7 +252,14 @@ def tabulate(result: Result) -> Table:
         return {"long_name": definition, "units": names.name(kind) or scene.units or UNSTATED}
 
     variables: Labelled = {}
-    for name, quantity in (table | ANSWER).items():
+    answers = {name: of for name, of in ANSWER.items() if of.always or gives(name)}
+    steps = _of_steps(result) if scene.output.every_step else {}
+    sizes["step"] = max((len(given["step_time"]) for given in steps.values()), default=0)
+    if steps:
+        for row, name in enumerate(result.solutions):
+            reported[row] |= steps.get(name, {})
+        table |= STEPS
+    for name, quantity in (table | answers).items():
         gathered = np.full((len(reported), *(sizes[dim] for dim in quantity.dims)), np.nan)
         for row, given in enumerate(reported):
             if name in given:
@@ -257,7 +271,9 @@ def tabulate(result: Result) -> Table:
     radius = problem.radii * units.length if scene.output.radii is None else scene.output.radii
     inner, outer = problem.ring_edges[:-1] * units.length, problem.ring_edges[1:] * units.length
     coefficients = problem.wear_coefficients * units.wear_coefficient
-    about_coefficients = describe("k of df/dt = k p v0 on the ring", "wear_coefficient")
+    about_coefficients = describe(
+        "k of df/dt = k p v0 on the ring, its harmonic mean by area", "wear_coefficient"
+    )
     times = np.array(scene.wear.times[: sizes["time"]], dtype=float)
     coordinates: Labelled = {
         "solver": (("solver",), np.array(list(result.solutions)), {}),
@@ -287,6 +303,18 @@ def tabulate(result: Result) -> Table:
         "scene": scene.to_toml(),
     }
     return Table(variables, coordinates, about)
+
+
+def _of_steps(result: Result) -> dict[str, dict[str, Array]]:
+    """Return what is told at each step, by method: nothing of what has no steps."""
+    units, standoff = result.scene.problem.units, result.scene.problem.profile.standoff
+    offsets = np.array([0.0, standoff, 0.0, 0.0])
+    scales = [getattr(units, quantity.unit) for quantity in STEPS.values()]
+    return {
+        name: dict(zip(STEPS, ((solution.march.path + offsets) * scales).T, strict=True))
+        for name, solution in result.solutions.items()
+        if solution.march is not None
+    }
 
 
 def summary(result: Result) -> dict[str, Any]:

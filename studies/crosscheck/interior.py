@@ -6,8 +6,12 @@ Stresses converge half as fast as the indentation, so they have a degree of thei
 that is accurate enough by their own estimate. It is how far the fields are from those of one degree
 and one pole less, on the same mesh: both computed from the contact on, the pressures with them. On
 quadrilaterals the error falls by a factor of three or more per degree, which makes the difference
-two to six times the error (`tests/physics/test_stresses.py`). Points within `NEAR` of the rim or a
-ring edge, where stresses are infinite or jump, are left out of the estimate.
+two to six times the error (`tests/physics/test_stresses.py`). Points within `NEAR` of an edge of
+the contact or of a ring, where stresses are infinite or jump, are left out of the estimate.
+
+Under a contact that opens, closes and spreads, the triangles are those of its march, a degree
+higher, and what they are held against has a degree and a pole less, and pressures on every second
+cell, which it has marched with by itself.
 """
 
 from collections.abc import Sequence
@@ -31,7 +35,7 @@ if TYPE_CHECKING:
 
 # error of stresses, over the mean pressure, that goes with a relative error of the indentation
 SHARE = 10
-# distance from the rim and from ring edges, in a, from which on the estimate holds
+# distance from edges of contact and rings, in radii of the contact, from which on estimates hold
 NEAR = 0.2
 
 
@@ -48,9 +52,10 @@ class Interior:
     stress : (states, n, 4) rr, zz, rz, hoop
     labels : of the states, `t=...` and `steady`
     degree : of the displacement
+    reach : (states,) radius of the contact; 1 where nothing touches
     errors : of each field, by its name, in each state (states,): estimate of its greatest error
-        further than `NEAR` from the rim and from ring edges; of displacements over a flat punch's
-        indentation, of stresses over the mean pressure
+        further than `NEAR` from edges of contact and rings; of displacements over the indentation
+        of a flat punch as wide as the contact, of stresses over the mean pressure
     """
 
     points: Array
@@ -59,6 +64,7 @@ class Interior:
     stress: Array
     labels: tuple[str, ...]
     degree: int
+    reach: Array
     errors: dict[str, Array]
 
     @cached_property
@@ -88,9 +94,12 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     refinements, highest, ratio = 3, 14, 0.499999
     if len(half_space.solid.mesh.t) == 3:
         refinements, highest, ratio = 2, 4, 0.49999
+    steady = problem.steady and problem.indentation is None
     if times is None:
-        times = [0.0] if problem.steady else [0.0, scene.wear.times[-1]]
-    labels = [f"t={time:g}" for time in times] + ["steady"] * problem.steady
+        # a flat start is in closed form, and the end near the steady state
+        times = [0.0] if steady and problem.full_contact else [0.0, scene.wear.times[-1]]
+    at = np.array(times) / problem.units.time
+    labels = tuple(f"t={time:g}" for time in times) + ("steady",) * steady
     # what the poles leave to the truncation is of the energy, where stresses feel its root
     accuracy = 1e-3 * min(SHARE * problem.rtol, 1e-3) ** 2
     poles = enough_poles(truncation(half_space.solid.mesh), accuracy)
@@ -100,9 +109,10 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     # greater than any other
     orders = (poles, poles[:-1]) if half_space.poles else ((), poles)
     # of a lower degree there may be no stable pressures
-    degree = max(half_space.solid.degree, 3)
-    # what the user has given stays, and no degree mends the truncation
-    given = problem.fem.degree or problem.fem.poles or not half_space.poles
+    flat = problem.full_contact
+    degree = max(half_space.solid.degree, 3) + (not flat)
+    # what the user has given stays, and no degree mends the truncation, or cells
+    given = problem.fem.degree or problem.fem.poles or not (half_space.poles and flat)
     highest = degree if given else max(degree, highest)
     # closer to incompressible, it takes that of the contact
     if not given and problem.poisson_ratio <= 0.499:
@@ -115,19 +125,23 @@ def interior(scene: Scene, fem: Solution) -> Interior:
             for lower in (degree, degree - 1)
         ]
         return [
-            HalfSpace(solid, pressure_space(solid, problem.merged.ring_edges), tied)
+            HalfSpace(
+                solid,
+                pressure_space(solid, problem.merged.ring_edges) if flat else half_space.space,
+                tied,
+            )
             for solid, tied in zip(solids, orders, strict=True)
         ]
 
     with threadpool_limits(1):
         while True:
-            fine, coarse = (
-                sample(problem, refined, np.array(times) / problem.units.time, refinements)
-                for refined in refine(degree)
-            )
-            errors = estimate(problem, fine, coarse, ratio)
-            excess = errors["stress"].max() / (SHARE * problem.rtol)
-            result = Interior(*fine, tuple(labels), degree, errors)
+            spaces = refine(degree)
+            pressures = [
+                pressures_of(problem, fem.pressures_at, refined, at, steady, coarse)
+                for refined, coarse in zip(spaces, (False, True), strict=True)
+            ]
+            result = held_against(problem, spaces, pressures, labels, refinements)
+            excess = result.errors["stress"].max() / (SHARE * problem.rtol)
             if excess <= 1 or degree == highest:
                 return result
             # three times as accurate by each degree
@@ -137,49 +151,80 @@ def interior(scene: Scene, fem: Solution) -> Interior:
                 return result
 
 
-def sample(
-    problem: Problem, half_space: "HalfSpace", times: Array, refinements: int
-) -> tuple[Array, Indices, Array, Array]:
-    """Return the fields of a half-space at non-dimensional times, and when steady, all from its
-    pressures.
+def pressures_of(
+    problem: Problem,
+    march: Any,
+    half_space: "HalfSpace",
+    times: Array,
+    steady: bool,
+    coarse: bool,
+) -> Array:
+    """Return the pressures (states, size) at non-dimensional times, and perhaps when steady; of a
+    march on every second cell, if coarse, whose steps may err by more.
     """
-    from ...fem.stresses import sampled
+    compliance, space, loading = half_space.compliance(), half_space.space, problem.loading
+    wear_coefficients = problem.merged.wear_coefficients
+    if problem.full_contact:
+        force, distances, *_ = loading.at(times)
+        earliest = float(min(distances[distances > 0], default=0.0))
+        fixed = problem.indentation
+        wear = RunningIn(
+            compliance, wear_coefficients, earliest, indentation=fixed, loading=loading
+        )
+        # no modes are needed for the start
+        pressures = np.outer(force, wear.flat.pressure)
+        if distances.any():
+            pressures = wear.modal(times).pressure
+        within = space
+    else:
+        within = space.coarser() if coarse else space
+        compliance = compliance.restricted(within)
+        wear = RunningIn(compliance, wear_coefficients, continuous=False)
+        at, places = np.unique(times, return_inverse=True)
+        pressures = march(compliance, at, 1 + 3 * coarse)[places]
+    if steady:
+        pressures = np.vstack([pressures, wear.steady.pressure])
+    return np.asarray(pressures @ space.embedding(within).T)
 
-    earliest = float(min(times[times > 0], default=0.0))
-    wear = RunningIn(half_space.compliance(), problem.merged.wear_coefficients, earliest)
-    # no modes are needed for the start
-    pressures = [wear.flat.pressure] * len(times)
-    if times.any():
-        pressures = list(wear.modal(times).pressure)
-    if problem.steady:
-        pressures.append(wear.steady.pressure)
-    return sampled(half_space, np.array(pressures), refinements)
 
+def held_against(
+    problem: Problem,
+    spaces: Sequence["HalfSpace"],
+    pressures: Sequence[Array],
+    labels: tuple[str, ...],
+    refinements: int,
+) -> Interior:
+    """Return the inside of a half-space under (states, size) pressures, and its estimated errors.
 
-def estimate(
-    problem: Problem, fine: Sequence[Any], coarse: Sequence[Any], highest_ratio: float
-) -> dict[str, Array]:
-    """Return the error estimate of each field in each state, by its name.
-
-    It is one and a half times the greatest difference, and what Poisson's ratio 1/2 adds to it.
+    They are one and a half times the greatest difference to a coarser half-space on the same mesh,
+    under pressures of its own, and what Poisson's ratio 1/2 adds to it.
     """
-    from ...fem.stresses import von_mises
+    from ...fem.stresses import sampled, von_mises
 
-    r, z = fine[0]
-    far = np.hypot(r - problem.merged.ring_edges[1:, None], z).min(axis=0) > NEAR
-    # fields are in proportion to 1 - 2 nu, plus a constant, and neither is much more than the unit
-    modelled = 2 * max(0.0, problem.poisson_ratio - highest_ratio)
-    moved, stress = (
-        part[:, far] - other[:, far] for part, other in zip(fine[2:], coarse[2:], strict=True)
+    fine, coarse = (
+        sampled(half_space, of_states, refinements)
+        for half_space, of_states in zip(spaces, pressures, strict=True)
     )
-    differences = {
-        "displacement": moved / D0,
-        "stress": stress / (2 * P0),
+    (r, z), solid, space = fine[0], spaces[0].solid, spaces[0].space
+    # fields are in proportion to 1 - 2 nu, plus a constant, and neither is much more than the unit
+    modelled = 2 * max(0.0, problem.poisson_ratio - solid.highest_ratio)
+    carries = (space.on_elements(np.zeros(1)) @ pressures[0].T > 0).T
+    errors, reaches = list[list[float]](), list[float]()
+    for carried, pressure in zip(carries, pressures[0], strict=True):
+        ends = space.breakpoints[np.diff(carried, prepend=False, append=False)]
+        edges = np.union1d(problem.merged.ring_edges, ends)[1:]
+        reaches.append(reach := float(ends.max(initial=0.0)) or 1.0)
+        force = float(space.weights @ pressure) or 1.0
+        far = np.hypot(r - edges[:, None], z).min(axis=0) > NEAR * reach
+        state = len(errors)
+        moved, stress = (fine[at][state, far] - coarse[at][state, far] for at in (2, 3))
+        mean = 2 * P0 * force / reach**2
         # a norm: that of the difference is at least the difference of two
-        "von_mises": von_mises(stress)[..., None] / (2 * P0),
-    }
-    # with the factor of safety of the contact's own estimates
-    return {name: 1.5 * np.abs(of).max(axis=(1, 2)) + modelled for name, of in differences.items()}
+        differences = moved * reach / (D0 * force), stress / mean, von_mises(stress) / mean
+        # with the factor of safety of the contact's own estimates
+        errors.append([1.5 * float(np.abs(of).max()) + modelled for of in differences])
+    by_field = dict(zip(("displacement", "stress", "von_mises"), np.transpose(errors), strict=True))
+    return Interior(*fine, labels, solid.degree, np.array(reaches), by_field)
 
 
 def write_half_space(fields: Interior, units: Units, path: Path) -> None:

@@ -65,6 +65,7 @@ def difference(
 ) -> OperatorDifference:
     """Compare two compliances, each with the running-in on it, on the same pressure space."""
     pair, times = (first.compliance, second.compliance), problem.times[problem.checked]
+    times = times[problem.loading.at(times).force > 0]
     try:
         ratios = eigh(pair[0].matrix, pair[1].matrix, eigvals_only=True)
     except np.linalg.LinAlgError as error:
@@ -92,10 +93,12 @@ def difference(
 
 def _energy_differences(first: Compliance, second: Compliance, pressures: Array) -> Array:
     """Return (m,) relative differences of the energies of pressures (m, n)."""
-    energies = [
+    energy, reference = (
         np.sum((pressures @ compliance.factor.T) ** 2, axis=1) for compliance in (first, second)
-    ]
-    return np.asarray(np.abs(energies[0] / energies[1] - 1))
+    )
+    # at a fixed indentation no pressure is left in the end
+    ratios = np.divide(energy, reference, out=np.ones(len(pressures)), where=reference > 0)
+    return np.asarray(np.abs(ratios - 1))
 
 
 def _over_rings(first: Compliance, second: Compliance) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from ..methods.base import Method, method
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
-from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time
+from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time, spreading
 
 Methods = Mapping[str, Method]
 
@@ -36,8 +36,18 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
         if problem.march != "modal":
             way = f"by steps of {problem.march} Euler"
         lines.append(f"history: {len(problem.times)} times from {start}, {way}")
+    if problem.loading.varies:
+        lines.append(
+            "load over time: linear between the times given, and wear goes by the sliding "
+            "distance; the answer, the steady state and relaxation times are those of the "
+            "greatest force and speed, held for ever"
+        )
+        if not problem.loading.forces.all():
+            lines.append(
+                "no force: while it is 0, the punch rests on its foremost point and does not wear"
+            )
     lacking = all("steady state" in entry.lacks for entry in methods.values())
-    if problem.steady and problem.indentation is None and not lacking:
+    if problem.steady and not lacking:
         flat = ", that of the flat punch: wear ends with all of the face in contact"
         lines.append(f"steady state: without any march{'' if problem.full_contact else flat}")
     return lines
@@ -58,23 +68,25 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
         reasons |= {
             "springs' rule of the MDR": "q = d - g holds only while contact is one disc; the "
             "energy of the MDR needs no disc",
-            "relaxation modes": "they, and the running-in times, are those of a contact that does "
-            "not change",
+            "relaxation modes": "they are those of a contact that does not change; running-in "
+            "times are told once all of the face carries",
             "ring pressures at the start": "they may be infinite at edges of the contact, or on "
             "its axis",
-            "stresses inside, and methods as operators": "computed for flat punches only",
+            "methods as operators": "compared for flat punches only",
         }
+    if problem.loading.varies:
+        reasons["times to 90 % and 99 % of running-in"] = "the load varies, and they are of one"
     alone = f"output.quantities asks for {', '.join(scene.output.quantities)} alone"
     if problem.quantities is not None:
         reasons["all other quantities"] = alone
     if not len(problem.times):
         reasons["history"] = alone if scene.wear.times else "the scene gives no times"
-    if not problem.steady:
-        reasons["steady state"] = alone if scene.wear.steady else "the scene says steady = false"
-    elif problem.indentation is not None:
+    if problem.indentation is not None:
         reasons["steady state"] = (
             "at a fixed indentation wear goes on until nothing presses any more"
         )
+    elif not problem.steady:
+        reasons["steady state"] = alone if scene.wear.steady else "the scene says steady = false"
     for name, entry in methods.items():
         lacks = {
             f"{what} by {name}": why for what, why in entry.lacks.items() if what not in reasons
@@ -84,7 +96,7 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
         reasons["far field"] = (
             "the scene clamps the outer boundary: expect the indentation to err by 1.1 a/R"
         )
-    if merged := len(problem.wear_coefficients) - len(problem.merged.wear_coefficients):
+    if (merged := len(problem.ring_edges) - len(problem.merged.ring_edges)) > 0:
         reasons["ring edges"] = (
             f"{merged} of them separate rings of equal wear, so nothing happens there"
         )
@@ -94,10 +106,11 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
 def refusals(scene: Scene, methods: Methods) -> list[str]:
     """Return why methods cannot compute a scene, each with its remedy."""
     refused = [entry.refusal(scene.problem) for entry in methods.values()]
-    if scene.output.field_times and not scene.problem.full_contact:
+    problem = scene.problem
+    if scene.output.field_times and not (problem.full_contact or len(problem.times)):
         refused.append(
-            "output.field_times asks for the inside of the half-space, which is computed for "
-            "flat punches under a force only: leave it out"
+            "output.field_times asks for the inside of the half-space under a contact that "
+            "changes: give wear.times, and ask for some of its history"
         )
     return [reason for reason in refused if reason]
 
@@ -107,14 +120,22 @@ def time_scale(scene: Scene) -> list[str]:
     problem = scene.problem
     if not problem.earliest:
         return []
-    if not problem.full_contact:
-        return ["running-in: not known beforehand where contact opens, closes and spreads"]
-    slowest = slowest_relaxation_time(problem.rings)
+    slowest = slowest_relaxation_time(problem.merged, problem.indentation is not None)
     if not np.isfinite(slowest):
         return [f"running-in: not known beforehand for more than {MOST_RINGS} rings"]
-    first, last = problem.earliest / slowest, float(problem.times[-1]) / slowest
-    written = UnitNames.of(scene.units).write(slowest * problem.units.time, "time", 3)
-    later = int(np.sum(problem.times > 0))
+    first, last = problem.earliest / slowest, float(problem.distances[-1]) / slowest
+    names, unit = UnitNames.of(scene.units), problem.units.time
+    written = names.write(slowest * unit, "time", 3)
+    if not problem.full_contact and problem.loading.varies:
+        return [f"running-in: slowest relaxation time of the full face {written}"]
+    if not problem.full_contact:
+        starts, ends = (names.write(time * unit, "time", 2) for time in spreading(problem))
+        ends = f" to {ends}" if problem.indentation is None else " on"
+        return [
+            f"running-in: contact spreads from about {starts}{ends}; slowest relaxation time of "
+            f"the full face {written}"
+        ]
+    later = int(np.sum(problem.distances > 0))
     return [
         f"running-in: slowest relaxation time {written}; the {later} times after the start go "
         f"from {first:.2g} to {last:.2g} of it",

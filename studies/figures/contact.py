@@ -21,12 +21,17 @@ def draw_contact(result: Result) -> Figure:
         look = {"linestyle": "none", "marker": "ox+^"[number % 4], "markerfacecolor": "none"}
         color = method_curve(method)["color"]
         look |= {"color": color, "label": method.upper()}
-        scale.plot(where, "contact_edge", "time", all_times, radii, markersize=4, **look)
+        scale.plot(
+            where, "contact_edge", "time", all_times, radii, markersize=4, clip_on=False, **look
+        )
     for height in scale.shown("radius", first["ring_outer_radius"][:-1]):
         where.axhline(height, color="0.75", linewidth=0.6, zorder=0, label="ring edge")
     times, radii = (scale.shown(name, first[name]) for name in ("time", "radius"))
-    carries = first["contact"].T > 0
-    where.pcolormesh(times, radii, carries, cmap="Greys", vmax=5, shading="nearest", zorder=-1)
+    later, carries = times[times > 0], first["contact"][all_times > 0].T > 0
+    # each time after the start to half the ratio to its neighbours
+    at = [0.0, *np.sqrt(later[1:] * later[:-1]), later[-1]]
+    borders = [0.0, *(radii[1:] + radii[:-1]) / 2, radii[-1]]
+    where.pcolormesh(at, borders, carries, cmap="Greys", vmax=5, zorder=-1)
     count = len(first["ring"])
     for number, ring in enumerate(np.unique(np.linspace(0, count - 1, min(count, 5)).round())):
         look = curve(number) | {"markersize": 2.5, "label": f"ring {ring + 1:g}"}
@@ -35,7 +40,7 @@ def draw_contact(result: Result) -> Figure:
     look = {"color": "black", "label": "all rings"}
     total = first["normal_force"]
     scale.plot(force, "normal_force", "time", all_times, total, linewidth=0.8, **look)
-    for axes, high in ((where, 1.04 * radii.max()), (force, None), (volume, None)):
-        axes.set_ylim(0, high)
+    for axes in panels.flat:
+        axes.set_ylim(0, 1.04 * axes.dataLim.y1)
     titles = result.scene.title, "contact over time"
     return complete(figure, titles, figure.axes, scale.note, across=0.56)

@@ -16,19 +16,22 @@ from .style import FAINT, PAGE, complete, curve, method_curve, new_panels, set_l
 
 
 def draw_history(result: Result) -> Figure:
-    """Draw displacement and RMS slope over time, marked at the times of the scene, and below them
-    by how much of the value methods differ from the first.
+    """Draw displacement, or the force that a given indentation takes, and RMS slope over time,
+    marked at the times of the scene, and below them by how much of the value methods differ from
+    the first.
     """
     scale, problem = Scale(result.scene), result.scene.problem
     worn = result.coordinates["time"] > 0
     worn_times = result.coordinates["time"][worn]
-    curves = {name: result.by_method(name, worn) for name in ("displacement_max", "rms_slope")}
+    names = ("displacement_max" if problem.indentation is None else "normal_force", "rms_slope")
+    curves = {name: result.by_method(name, worn) for name in names}
     modal, smooth = modal_method(result.solutions), None
     if modal is not None and problem.march == "modal":
         space = np.geomspace if scale.logarithmic else np.linspace
-        times = space(problem.earliest, float(problem.times[-1]), 80)
+        later = problem.times[problem.distances > 0]
+        times = space(float(later[0]), float(later[-1]), 80)
         smooth = sample_modes(problem, modal[1], times)
-    rows = min(2, len(curves["displacement_max"]))
+    rows = min(2, len(curves["rms_slope"]))
     ratios = [2.2, 1][:rows]
     figure, panels = new_panels(PAGE, 2.6 + 0.6 * rows, rows, 2, sharex=True, height_ratios=ratios)
     for (name, methods), (values, *below) in zip(curves.items(), panels.T, strict=True):
@@ -57,7 +60,9 @@ def _draw_differences(axes: Any, times: Array, methods: dict[str, Array], scale:
     """Draw differences of each method from the first, over its value, where there are any."""
     (first, reference), *others = methods.items()
     for number, (method, heights) in enumerate(others):
-        differences = np.abs(heights / reference - 1)
+        # no more than roundoff is left of displacements where nothing presses
+        least = 1e-9 * np.nanmax(reference)
+        differences = np.abs(heights - reference) / np.maximum(reference, least)
         look = curve(number) | {"markersize": 2.5, "linewidth": 0.8}
         label = f"{method.upper()} from {first.upper()}"
         shown = np.where(differences > 0, differences, np.nan)

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -24,26 +25,40 @@ def draw_stress(result: Result) -> Figure:
     figure, panels = new_panels(width, height, columns=count + 1, width_ratios=ratios)
     *views, bar = panels[0]
     r, z = fields.points
-    beneath = (r < 1.3) & (z > 0.04) & (z < 1.0)
+    depth = float(fields.reach.max())
+    beneath = (r < 1.3 * depth) & (z > 0.04 * depth) & (z < depth)
     stress = scale.shown("von_mises", fields.von_mises * result.scene.problem.units.pressure)
-    levels = MaxNLocator(12).tick_values(0, 1.2 * float(stress[:, beneath].max()))
-    near = (r[fields.triangles].min(axis=0) < 1.3) & (z[fields.triangles].min(axis=0) < 1.0)
+    highest = 1.2 * stress[:, beneath].max(axis=1)
+    levels, norm = np.array(MaxNLocator(12).tick_values(0, float(highest.max()))), None
+    if highest.max() > 10 * highest.min() > 0:
+        # three to a decade
+        low, high = 3 * np.log10([0.1 * highest.min(), highest.max()])
+        levels, norm = 10 ** (np.arange(np.floor(low), high + 1) / 3), LogNorm()
+    corners = r[fields.triangles].min(axis=0), z[fields.triangles].min(axis=0)
+    near = (corners[0] < 1.3 * depth) & (corners[1] < depth)
     for axes, values, label, error in zip(
         views, stress, fields.labels, fields.errors["von_mises"], strict=True
     ):
         filled = axes.tricontourf(
-            r, z, fields.triangles[:, near].T, values, levels, cmap="viridis", extend="max"
+            r,
+            z,
+            fields.triangles[:, near].T,
+            values,
+            levels,
+            norm=norm,
+            cmap="viridis",
+            extend="both" if norm else "max",
         )
-        _draw_punch(axes, 1.0, result.scene.problem.ring_edges)
-        axes.set(xlim=(0, 1.3), ylim=(1.0, -0.08), aspect="equal", xlabel="r/a")
+        _draw_punch(axes, depth, result.scene.problem.ring_edges)
+        axes.set(xlim=(0, 1.3 * depth), ylim=(depth, -0.08 * depth), aspect="equal", xlabel="r/a")
         state = "steady state" if label == "steady" else scale.when(float(label.removeprefix("t=")))
-        axes.set_title(f"{state}; errors up to {error:.0e} F/(πa²)")
+        axes.set_title(f"{state}\nerrors up to {error:.0e} pₘ")
         hide_inner_ticks(axes)
     views[0].set_ylabel("depth z/a")
     figure.colorbar(filled, cax=bar, label=scale.label("von_mises"))
     note = (
-        f"errors: by their own estimate, further than {NEAR:g} a from the rim and from ring edges, "
-        "which are marked"
+        f"errors: estimates, over pₘ = F/(πc²), c the radius of the contact, beyond {NEAR:g} c "
+        "of its edges and ring edges (marked)"
     )
     titles = result.scene.title, "von Mises stress under the rings"
     note = "\n".join(filter(None, (note, scale.note)))
@@ -55,7 +70,7 @@ def draw_result_mesh(result: Result) -> Figure:
     fem = result.solutions["fem"]
     assert fem.half_space is not None
     mesh, rings = fem.half_space.solid.mesh, result.scene.problem.ring_edges
-    return draw_mesh(mesh, fem.settings["mesher"], rings)
+    return draw_mesh(mesh, fem.settings.get("mesher", "bisection"), rings)
 
 
 def draw_mesh(mesh: Any, mesher: str, ring_edges: Array) -> Figure:

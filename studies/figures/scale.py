@@ -5,6 +5,7 @@ indentation of the unworn punch and ``p0 = F/(2 pi a^2)`` its least pressure; a 
 them says so.
 """
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from .style import broken_at, method_curve, set_logarithmic, shade_rings
 LABELS = {
     "radius": ("radius", "r", "length"),
     "time": ("time", "t", "time"),
-    "profile": ("worn height", "Δf", "displacement"),
+    "profile": ("profile", "Δf", "displacement"),
     "pressure": ("pressure", "p", "pressure"),
     "steady_profile": ("limiting profile", "fₛₜₐₜ", "displacement"),
     "steady_pressure": ("steady pressure", "p", "pressure"),
@@ -81,7 +82,8 @@ class Scale:
             self.axes[kind] = Axis(unit, name) if self.names.si else Axis(stored, "", symbol)
         later = [time for time in scene.wear.times if time] or [0.0]
         self.axes["time"] = Axis(*self.names.readable(float(np.sqrt(later[0] * later[-1])), "time"))
-        self.logarithmic = later[-1] > 30 * later[0]
+        # where loads vary, late times have as much to show as early ones
+        self.logarithmic = later[-1] > 30 * later[0] and not scene.problem.loading.varies
 
     def shown(self, name: str, values: Any) -> Any:
         """Return values of a quantity, in the units of the scene, as they are drawn."""
@@ -138,6 +140,27 @@ class Scale:
             f"d₀ = F/(2aE*) = {write(D0 * units.displacement, 'displacement', 3)}, "
             f"p₀ = F/(2πa²) = {write(P0 * units.pressure, 'pressure', 3)}"
         )
+
+
+def least_wear(problem: Problem, profiles: Array) -> Any:
+    """Return what has worn off everywhere, of (..., R) profiles at the radii of the output, in the
+    scene's units.
+    """
+    unworn = problem.profile(problem.radii) * problem.units.displacement
+    return (profiles - unworn).min(axis=-1)
+
+
+def high_pressure(pressure: Array) -> float:
+    """Return a pressure that a tenth of those (R,) in contact are above: some may be infinite."""
+    return float(np.quantile([0.0, *pressure[pressure > 0]], 0.9))
+
+
+def panel_tops(heights: Sequence[float]) -> Array:
+    """Return heights that panels are scaled to: all to the greatest, unless they differ by more
+    than a factor of ten.
+    """
+    tops = np.where(np.array(heights) > 0, heights, max(heights) or 1.0)
+    return np.where(tops.max() > 10 * tops.min(), tops, tops.max())
 
 
 def shown_times(problem: Problem, most: int) -> Indices:

@@ -2,8 +2,7 @@
 
 At several times (the paper's Fig. 4), and in the steady state.
 
-Profiles are shown less their least wear, which the figure names: most of what has worn is the same
-everywhere.
+Profiles are shown less what has worn off everywhere, which the figure names: it may be most of it.
 """
 
 from typing import Any
@@ -11,45 +10,56 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
 from ..problem.problem import P0
-from .scale import MANY, Scale, shown_times
-from .style import FAINT, PAGE, complete, hide_inner_ticks, new_panels
+from .scale import MANY, Scale, high_pressure, least_wear, panel_tops, shown_times
+from .style import FAINT, PAGE, RED, complete, hide_inner_ticks, new_panels
 
 
 def draw_states(result: Result) -> Figure:
-    """Draw profiles and pressures at several times, every method over the other."""
+    """Draw profiles and pressures at several times, every method over the other.
+
+    Of a punch that is not flat, the neighbourhood of the contact is shown.
+    """
     scale, many = Scale(result.scene), has_many_rings(result)
-    states = shown_times(scale.problem, 3 if many else 6)
+    problem, shaped = scale.problem, not scale.problem.full_contact
+    states = shown_times(problem, 3 if many else 5 if shaped else 6)
     radii = result.coordinates["radius"]
     if many:
-        figure, panels = new_panels(PAGE, 0.7 + 2.5 * len(states), 2 * len(states), sharex=True)
+        figure, panels = new_panels(PAGE, 0.7 + 2.5 * len(states), 2 * len(states))
         pairs = panels.reshape(-1, 2)
     else:
-        width = 0.6 + 1.1 * max(len(states), 3)
-        figure, panels = new_panels(width, 4.0, 2, len(states), sharex=True)
+        width = 0.6 + (1.32 if shaped else 1.1) * max(len(states), 3)
+        figure, panels = new_panels(width, 4.0, 2, len(states))
         pairs = panels.T
-    high = []
+    deep, high = [], []
     for state, (upper, lower) in zip(states, pairs, strict=True):
-        upper.sharey(pairs[0, 0])
-        lower.sharey(pairs[0, 1])
         profiles, pressures = (result.by_method(name, state) for name in ("profile", "pressure"))
-        worn = float(min(heights.min() for heights in profiles.values()))
+        worn = float(min(least_wear(problem, heights) for heights in profiles.values()))
         profiles = {method: heights - worn for method, heights in profiles.items()}
         scale.plot_radial(upper, "profile", radii, profiles)
         scale.plot_radial(lower, "pressure", radii, pressures)
-        # pressures are infinite here and there
-        high += [np.quantile(values[np.isfinite(values)], 0.97) for values in pressures.values()]
-        _draw_unworn(upper, lower, scale)
+        unworn = _draw_unworn(upper, lower, scale, next(iter(profiles.values())))
+        touching = np.array([values > 0 for values in pressures.values()]).any(axis=0)
+        length = problem.units.length
+        reach = min(1.25 * radii[touching].max(initial=0.0), length) or length
+        near = radii <= reach
+        deep += [max(np.max(heights[near]) for heights in [*profiles.values(), unworn])]
+        high += [max(high_pressure(values) for values in pressures.values())]
+        upper.set_xlim(0, scale.shown("radius", reach))
+        lower.set_xlim(upper.get_xlim())
         when = scale.when(float(result.coordinates["time"][state]))
-        less = f" − {scale.worn(worn)}" if worn else ""
+        less = f" − {scale.worn(worn)}" if worn > 1e-6 * problem.units.displacement else ""
         upper.set_title((": " if many else "\n").join([when, f"Δf = f{less}"]))
-        hide_inner_ticks(upper)
-        hide_inner_ticks(lower)
-    # worn down: what is missing below
-    pairs[0, 0].invert_yaxis()
-    pairs[0, 1].set_ylim(0, 2 * scale.shown("pressure", np.median(high)))
-    gaps = {"down": 0.3} if many else {"across": 0.24}
+    for name, row, heights in (("profile", pairs[:, 0], deep), ("pressure", pairs[:, 1], high)):
+        tops = scale.shown(name, panel_tops(heights))
+        for axes, top in zip(row, tops, strict=True):
+            # worn down: what is missing below
+            axes.set_ylim((1.08 * top, -0.06 * top) if name == "profile" else (0, 1.25 * top))
+            axes.yaxis.set_major_formatter("{x:.3g}")
+            hide_inner_ticks(axes, values_differ=len(set(tops)) > 1)
+    gaps = {"down": 0.3} if many else {"across": 0.42 if shaped else 0.24}
     return _complete(figure, result, "profiles and pressures", pairs[0], scale, **gaps)
 
 
@@ -70,19 +80,23 @@ def has_many_rings(result: Result) -> bool:
     return len(result.scene.problem.wear_coefficients) > MANY
 
 
-def _draw_unworn(upper: Any, lower: Any, scale: Scale) -> None:
-    """Draw the face before wear, less its least height; of a flat punch, the pressure."""
+def _draw_unworn(upper: Any, lower: Any, scale: Scale, worn: Array) -> Array:
+    """Draw the face before wear, and what (R,) heights have lost of it; of a flat punch the
+    pressure, too. Return the unworn heights (R,).
+    """
     problem, look = scale.problem, FAINT | {"label": "unworn punch"}
-    length, height = problem.units.length, problem.units.displacement
+    radii = scale.shown("radius", problem.radii * problem.units.length)
+    unworn = problem.profile(problem.radii) * problem.units.displacement
     if problem.full_contact:
-        radii = np.linspace(0, 1, 400)[:-1]
-        pressure = P0 * problem.units.pressure / np.sqrt(1 - radii**2)
-        axes, name, values = lower, "pressure", pressure
+        inside = np.linspace(0, 1, 400)[:-1]
+        pressure = P0 * problem.units.pressure / np.sqrt(1 - inside**2)
+        places = scale.shown("radius", inside * problem.units.length)
+        lower.plot(places, scale.shown("pressure", pressure), **look)
     else:
-        radii = problem.radii
-        heights = problem.profile(radii)
-        axes, name, values = upper, "profile", (heights - heights.min()) * height
-    axes.plot(scale.shown("radius", radii * length), scale.shown(name, values), **look)
+        faces = scale.shown("profile", unworn), scale.shown("profile", worn)
+        upper.plot(radii, faces[0], **look)
+        upper.fill_between(radii, *faces, color=RED, alpha=0.15, linewidth=0, label="worn off")
+    return unworn
 
 
 def _complete(

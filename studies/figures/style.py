@@ -173,11 +173,15 @@ def set_logarithmic(axes: Any, *directions: str) -> None:
         axis.set_minor_locator(NullLocator())
 
 
-def hide_inner_ticks(axes: Any) -> None:
-    """Leave ticks to the first of the panels in a row, and to the last of those in a column."""
+def hide_inner_ticks(axes: Any, values_differ: bool = False) -> None:
+    """Leave ticks to the first of the panels in a row, and to the last of those in a column, and
+    to all of a row whose values differ.
+    """
     place = axes.get_subplotspec()
     axes.xaxis.set_visible(place.is_last_row())
-    axes.yaxis.set_visible(place.is_first_col())
+    axes.yaxis.set_visible(values_differ or place.is_first_col())
+    if not place.is_first_col():
+        axes.set_ylabel("")
 
 
 def power_of_ten(value: float) -> str:

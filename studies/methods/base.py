@@ -13,8 +13,9 @@ from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..problem.quantities import COMPARED_MODES, QUANTITIES
 from ..progress import Stages
-from ..wear.fitted_press import CompliancesOn
+from ..wear.fitted_press import CompliancesOn, FittedPress
 from ..wear.full_contact import RunningIn
+from ..wear.history import March
 from .norms import Results
 
 if TYPE_CHECKING:
@@ -35,6 +36,10 @@ class Solution:
     unknowns, settings, notes : of what was solved
     wear : the running-in on the method's compliance, if it has one
     half_space : the finite-element half-space, if there is one
+    march : of a contact that opens, closes and spreads
+    presses : its start, fitted to the edges of the contact, and a coarser one; empty if that failed
+    pressures_at : of such a contact, too: (compliance, times, looser) -> pressures (T, size) by a
+        march whose steps may err by so many times more
     """
 
     results: Results
@@ -46,6 +51,9 @@ class Solution:
     notes: tuple[str, ...] = ()
     wear: RunningIn | None = None
     half_space: "HalfSpace | None" = None
+    march: March | None = None
+    presses: tuple[FittedPress, ...] = ()
+    pressures_at: Callable[[Compliance, Array, float], Array] | None = None
 
     @property
     def error_estimate(self) -> float:
@@ -148,7 +156,7 @@ class Method(ABC):
 
     def refusal(self, problem: Problem) -> str:
         """Return why it cannot solve the problem at all, with the remedy; empty if it can."""
-        if not problem.full_contact:
+        if not problem.full_contact or problem.indentation is not None:
             return f"{self.name} knows flat punches under a force only: leave it out of methods"
         return ""
 

@@ -22,6 +22,12 @@ class Direct(Method):
     lacks: ClassVar[dict[str, str]] = {"history": "direct integration knows the steady state only"}
 
     def refusal(self, problem: Problem) -> str:
+        if problem.merged.linear:
+            return (
+                "direct integration knows pressures that are constant on rings, and with "
+                "punch.wear_coefficient along the radius none is: leave direct out of methods, or "
+                "give steps, or many rings"
+            )
         if problem.indentation is not None:
             return (
                 "direct knows steady states, and with load.indentation nothing presses in the "

@@ -25,7 +25,7 @@ from ..problem.quantities import (
 )
 from ..wear.fitted_press import FittedPress
 from ..wear.full_contact import RunningIn
-from ..wear.history import History
+from ..wear.history import History, Pressed
 from ..wear.moments import moments, unresolved_height
 from ..wear.moving_contact import ContactMarch
 from ..wear.shared_modes import SharedModes
@@ -89,7 +89,7 @@ class Evaluation(ABC):
         problem = self.problem
         if problem.quantities is not None and not problem.quantities & FIELDS:
             return {
-                name: values[problem.checked] if name in {"time", *HISTORIES} else values
+                name: values[problem.checked] if name in {"time", "pressed", *HISTORIES} else values
                 for name, values in self.results.items()
             }
         history = [self.at(problem.checked)] if len(problem.times) else []
@@ -129,7 +129,14 @@ class FullContact(Evaluation):
         super().__init__(problem, compliance)
         self.safety = safety
         wear_coefficients = problem.merged.wear_coefficients
-        self.wear: RunningIn = RunningIn(compliance, wear_coefficients, problem.earliest, shared)
+        self.wear: RunningIn = RunningIn(
+            compliance,
+            wear_coefficients,
+            problem.earliest,
+            shared,
+            indentation=problem.indentation,
+            loading=problem.loading,
+        )
 
     @cached_property
     def _marched(self) -> History:
@@ -181,16 +188,19 @@ class FullContact(Evaluation):
         # the width of the element at the rim is known to roundoff, with the force that it carries,
         # the root of its width
         unknown = float(np.finfo(float).eps / np.sqrt(size))
+        # measured: the element at the rim costs the flat start .06 to .11 of its size
+        stiffness = 0.2 * size + 0.1 * unknown
         at_start = {
-            # measured: the element at the rim costs the flat start .06 to .11 of its size
-            "indentation": 0.2 * size + 0.1 * unknown,
+            "indentation": stiffness,
+            "normal_force": stiffness,
             # it moves the other functions that the start is sought among
             "pressure": 3.0 * size + unknown,
             "ring_force": unknown,
         }
         if name not in at_start:
             return least
-        return np.where(self.problem.times == 0, max(at_start[name], least), least)
+        pressed = self.problem.loading.pressed(self.problem.times) > 0
+        return np.where(pressed, max(at_start[name], least), least)
 
 
 class MovingContact(Evaluation):
@@ -217,30 +227,43 @@ class MovingContact(Evaluation):
         self.start = start
         # of the accuracy asked for, that each step may add to the worn depth
         self._tolerance = 0.05 * looser * problem.rtol
+        if np.ptp(problem.loading.forces):
+            # measured: while a force rises from zero, little has worn for how deep the punch is
+            self._tolerance *= 0.02
 
     @cached_property
-    def _march(self) -> ContactMarch:
+    def march(self) -> ContactMarch:
+        """The punch on its compliance."""
         problem, compliance = self.problem, self.compliance
         of_profile = moments(problem.profile, compliance.space)
-        return ContactMarch(compliance, problem.wear_coefficients, of_profile, load_of(problem))
+        wear_coefficients, load = problem.merged.wear_coefficients, load_of(problem)
+        return ContactMarch(compliance, wear_coefficients, of_profile, load, problem.loading)
 
     @cached_property
     def exact_in_time(self) -> History:
-        return self._started(self._march.adaptive(self.problem.times, self._tolerance))
+        return self._started(self.march.adaptive(self.problem.times, self._tolerance))
 
     @cached_property
     def marched(self) -> History:
         """At the times asked for, by the march asked for."""
         if self.problem.step is None:
             return self.exact_in_time
-        return self._started(self._march.implicit(self.problem.times, self.problem.step))
+        return self._started(self.march.implicit(self.problem.times, self.problem.step))
 
     def _started(self, history: History) -> History:
+        # what does not press yet just touches
+        resting = (history.distances == 0) & (history.force == 0)
+        history = replace(history, indentation=np.where(resting, 0.0, history.indentation))
         if self.start is None:
             return history
-        indentation = history.indentation.copy()
-        indentation[0] = self.start.indentation
-        return replace(history, indentation=indentation, start=self.start)
+        started = (history.distances == 0) & (history.force == history.force[0])
+        indentation = np.where(started, self.start.indentation, history.indentation)
+        pressed = Pressed(
+            self.start,
+            np.where(started, self.start.force, 0.0),
+            np.where(started[:, None], 0.0, history.pressure),
+        )
+        return replace(history, indentation=indentation, pressed=pressed)
 
     def at(self, which: Indices) -> History:
         return self.marched[which]
@@ -276,7 +299,7 @@ class MovingContact(Evaluation):
             # cells lose this of the bend of fields: where an edge stays in a cell of both meshes,
             # their difference says nothing of it. Of punches drawn at random none penetrates by
             # more than .23 of it where cells hold the face
-            lost = 0.25 * self._bends / self.marched.indentation
+            lost = 0.25 * self._bends * self._per_depth
             least = np.maximum(least, np.where(later | (name != "profile"), lost, 0.0))
         if self._decays(name):
             return 2 * np.maximum(least, self._unresolved)
@@ -288,8 +311,14 @@ class MovingContact(Evaluation):
         """(T,) by how much heights of the face differ from what cells hold, over the
         indentation.
         """
-        depth, space = self.marched.indentation, self.compliance.space
-        return unresolved_height(self.problem.profile, space, float(depth.max())) / depth
+        depth, space = float(self.marched.indentation.max()), self.compliance.space
+        return unresolved_height(self.problem.profile, space, depth) * self._per_depth
+
+    @property
+    def _per_depth(self) -> Array:
+        """(T,) the inverse of the indentation, of which nothing is promised while that is zero."""
+        depth = self.marched.indentation
+        return np.divide(1.0, depth, out=np.zeros(len(depth)), where=depth > 0)
 
     @cached_property
     def _bends(self) -> Array:
@@ -299,7 +328,7 @@ class MovingContact(Evaluation):
         history, space = self.marched, self.compliance.space
         width = np.diff(space.breakpoints)
         wider = np.where(np.diff(space.ring) == 0, np.maximum(width[1:], width[:-1]), 0.0)
-        greatest = np.zeros(len(history.times))
+        greatest = np.zeros(len(history.distances))
         for field in (history.profile, self.sampler.displaced(history)):
             slope = (field[:, space.dofs[:, 1]] - field[:, space.dofs[:, 0]]) / width
             # at the axis the next cell is the same on the other side

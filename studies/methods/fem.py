@@ -109,8 +109,8 @@ class Fem(ComplianceMethod):
     def refusal(self, problem: Problem) -> str:
         if not problem.full_contact and problem.fem.model_fields_set - {"mesher"}:
             return (
-                "accuracy.fem sizes the mesh of a flat punch: with an initial profile or a fixed "
-                "indentation leave out all but the mesher, which is that of the steady state"
+                "accuracy.fem sizes the mesh of a flat punch: with an initial profile leave out "
+                "all but the mesher, which is that of the steady state"
             )
         narrowest = float(problem.merged.widths.min())
         if narrowest < NARROWEST:
@@ -180,6 +180,7 @@ def _on_cells(problem: Problem, stages: Stages) -> Discretised:
         compliance,
         lambda: even_half_space(coarser, ratio, COARSER_GROWTH).compliance(),
         half_space.unknowns,
+        half_space=half_space,
         fitted=(partial(fitted, degree=8), partial(fitted, degree=7)),
     )
 

@@ -31,11 +31,21 @@ class MdrGrid(Method):
     }
 
     def refusal(self, problem: Problem) -> str:
+        if problem.merged.linear:
+            return (
+                "mdr-grid knows wear that is constant on rings: leave it out of methods, or give "
+                "steps or many rings in place of punch.wear_coefficient along the radius"
+            )
         if not problem.full_contact:
             return (
                 "mdr-grid uses the rule of springs, q = d - g, which holds only while contact is "
                 "one disc, and an initial "
                 "profile or a fixed indentation may break that: leave it out of methods"
+            )
+        if problem.loading.varies:
+            return (
+                "mdr-grid knows one force and one sliding speed: leave it out of methods, or give "
+                "load.normal_force and load.sliding_speed as numbers"
             )
         if not len(problem.times):
             return (
@@ -75,7 +85,9 @@ def _marched(problem: Problem, count: int, step: float) -> tuple[Sampler, Histor
     """Return the history on a grid, linear between its points, and what samples it."""
     grid = UniformGrid(*problem.merged, count)
     space = PressureSpace(grid.radii, np.ones(count, dtype=np.int64), np.array([0.0, 1.0]))
-    history = History.in_full_contact(problem.times, *grid.march(problem.times, step))
+    history = History.in_full_contact(
+        problem.times, *grid.march(problem.times, step), np.ones(len(problem.times))
+    )
     return Sampler(problem, space), history
 
 

@@ -43,8 +43,8 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
     if norm == "pressure":
         weights = face.weights
         if "time" in QUANTITIES[name].dims:
-            start = against["time"][:, None] == 0
-            weights = weights * np.where(start, (1 - face.radii) * (1 + face.radii), 1.0)
+            pressed = against.get("pressed", against["time"] == 0)
+            weights = weights * np.where(pressed[:, None], (1 - face.radii) * (1 + face.radii), 1.0)
         difference, scale = (
             np.sqrt(np.sum(weights * field**2, axis=-1)) for field in (value - reference, reference)
         )
@@ -57,7 +57,10 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
         )
         difference = difference.max(axis=over, initial=0.0)
         unit = np.ones(())
-        beyond_touch = against.get("indentation", unit) - face.standoff
+        # the greatest so far: under a force that falls it comes back
+        beyond_touch = np.asarray(against.get("indentation", unit)) - face.standoff
+        if beyond_touch.ndim:
+            beyond_touch = np.maximum.accumulate(beyond_touch)
         scale = {
             "value": np.abs(beyond_touch if name == "indentation" else reference),
             "indentation": beyond_touch,
@@ -65,5 +68,8 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
             "force": against.get("normal_force", unit),
             "volume": reference.sum(axis=-1),
             "radius": unit,
+            "slope": np.abs(reference),
         }[norm]
+        if norm == "slope":
+            scale = np.maximum(scale, 1e-3 * beyond_touch)
     return np.divide(difference, scale, out=np.zeros(difference.shape), where=scale > 0)

@@ -17,6 +17,7 @@ from ...meshes.errors import RingwearError
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
 from ..problem.defaults import mdr_sizes
+from ..problem.loading import Loading
 from ..problem.marching import refused_steps, steps_between
 from ..problem.problem import Problem
 from ..problem.profile import FLAT
@@ -26,7 +27,7 @@ from ..wear.fitted_press import FittedPress, fit_presses
 from .base import Discretised, Method, Solution, method
 from .evaluation import Evaluation, FullContact, MovingContact
 from .norms import differences, radial_weight
-from .spaces import first_contact, load_of, pressure_spaces
+from .spaces import first_contact, load_at_start, pressure_spaces
 from .together import Together, worn_together
 
 
@@ -43,22 +44,25 @@ class ComplianceMethod(Method):
 
     def refusal(self, problem: Problem) -> str:
         """Return why it cannot solve the problem at all, with the remedy; empty if it can."""
+        if problem.march != "modal" and problem.loading.varies:
+            return (
+                f"wear.march = '{problem.march}' takes steps of one length under one load: with a "
+                "load that varies give 'modal'"
+            )
         if problem.step and problem.march != "modal":
             steps = float(steps_between(problem.times, problem.step).sum())
             if refused := refused_steps(steps, "give a larger wear.step, or march = 'modal'"):
                 return refused
-        if problem.full_contact:
-            return ""
-        if problem.march == "explicit":
-            return (
-                f"wear.march = 'explicit' does not go with {self.name} on an initial profile or a "
-                "fixed indentation, where contact is an inequality: give 'implicit', or 'modal' "
-                "for steps that suit the accuracy"
-            )
         if problem.indentation is not None and not len(problem.times):
             return (
                 "load.indentation has no steady state but that nothing presses any more: give "
                 "wear.times"
+            )
+        if not problem.full_contact and problem.march == "explicit":
+            return (
+                f"wear.march = 'explicit' does not go with {self.name} on an initial profile, "
+                "where contact is an inequality: give 'implicit', or 'modal' for steps that suit "
+                "the accuracy"
             )
         return ""
 
@@ -82,8 +86,7 @@ class AnySpaceMethod(ComplianceMethod):
     def refusal(self, problem: Problem) -> str:
         if not problem.full_contact and problem.mdr.given:
             return (
-                "accuracy.mdr sizes the mesh of a flat punch: with an initial profile or a fixed "
-                "indentation leave it out"
+                "accuracy.mdr sizes the mesh of a flat punch: with an initial profile leave it out"
             )
         return super().refusal(problem)
 
@@ -150,9 +153,9 @@ def _in_full_contact(
 def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: Stages) -> Solution:
     """Solve a punch whose contact opens, closes and spreads; its steady state is the flat one's."""
     steady = None
-    if problem.steady and problem.indentation is None:
+    if problem.steady:
         flat = replace(problem, profile=FLAT, times=problem.times[:0], compared_on=problem.face)
-        steady = method.solve(flat, stages)
+        steady = method.solve(replace(flat, loading=Loading()), stages)
         if not len(problem.times):
             return steady
     with stages("locating"):
@@ -160,9 +163,9 @@ def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: 
     made = method.discretise(problem, stages)
     presses: tuple[FittedPress | None, FittedPress | None] = (None, None)
     notes = list(made.notes)
-    if problem.times[0] == 0 and made.fitted:
+    if problem.times[0] == 0 and problem.loading.forces[0] and made.fitted:
         with stages("pressing"):
-            load = load_of(problem)
+            load = load_at_start(problem)
             try:
                 presses = fit_presses(problem.profile, load, intervals, made.fitted)
             except RingwearError as error:
@@ -180,8 +183,17 @@ def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: 
         solution,
         settings=fine.settings,
         notes=(*notes, *fine.notes()),
+        march=fine.march,
+        presses=tuple(press for press in presses if press is not None),
+        pressures_at=partial(_march, problem),
     )
     return _beside(solution, steady) if steady else solution
+
+
+def _march(problem: Problem, compliance: Compliance, times: Array, looser: float) -> Array:
+    """Return pressures (T, size) of the problem at other times, marched on a compliance."""
+    contact = MovingContact(replace(problem, times=times), compliance, looser=looser)
+    return contact.marched.pressure
 
 
 def _solution(made: Discretised, fine: Evaluation, coarse: Evaluation) -> Solution:
@@ -229,7 +241,7 @@ def estimate_errors(
     if problem.indentation is not None:
         # what was given has no error; the force decays, and is judged by the first
         forces = [each.for_estimate["normal_force"] for each in (fine, coarse)]
-        difference = np.abs(forces[1] - forces[0]).max() / forces[0][0]
+        difference = np.abs(forces[1] - forces[0]).max() / max(forces[0][0], np.finfo(float).tiny)
         parts = {"force": fine.safety_of("indentation") * float(difference)}
     if problem.march != "modal" and "indentation" in errors:
         at, sampler = np.arange(len(problem.times)), fine.sampler

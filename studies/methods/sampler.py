@@ -13,7 +13,7 @@ from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..wear.contact_edges import worn_edges
 from ..wear.flat_contact import SteadyState
-from ..wear.history import History
+from ..wear.history import History, Start
 from ..wear.moments import moments
 from .norms import Results, radial_weight
 
@@ -99,27 +99,39 @@ class Sampler:
         None is negative: what polynomials have below zero beside an edge is an artefact of theirs.
         """
         at = _matrix(self.space, radii.tobytes())
-        pressure = np.maximum((at @ history.pressure.T).T, 0.0)
-        if history.start is not None:
-            pressure[history.times == 0] = history.start.pressure_at(radii)
-        return pressure
+
+        def sample(pressures: Array) -> Array:
+            return np.maximum((at @ pressures.T).T, 0.0)
+
+        return self._of_pressures(history, sample, lambda start: start.pressure_at(radii))
+
+    @staticmethod
+    def _of_pressures(
+        history: History, take: Callable[[Array], Array], of: Callable[[Start], Array]
+    ) -> Array:
+        """Return values (T, ...) of pressures, with those that have functions of their own."""
+        if (pressed := history.pressed) is None:
+            return take(history.pressure)
+        values, rows = take(pressed.rest), pressed.force > 0
+        # at a rim they need not be finite
+        values[rows] += np.outer(pressed.force[rows] / pressed.start.force, of(pressed.start))
+        return values
 
     def ring_forces(self, history: History) -> Array:
         """Return the force (T, N) on each ring."""
         ring_edges = self.problem.ring_edges
-        forces = history.pressure @ _ring_forces(self.space, ring_edges.tobytes()).T
-        if history.start is not None:
-            forces[history.times == 0] = history.start.ring_forces(ring_edges)
-        return forces
+        on_rings = _ring_forces(self.space, ring_edges.tobytes()).T
+        return self._of_pressures(
+            history, on_rings.__rmatmul__, lambda start: start.ring_forces(ring_edges)
+        )
 
     def _carries(self, history: History, radii: Array) -> Array:
         """Return whether the punch touches (T, R) at radii."""
         carries = _matrix(self.space, radii.tobytes()) @ history.pressure.T > 0
-        if history.start is not None:
-            within = [
-                (radii >= part.inner) & (radii <= part.outer) for part in history.start.intervals
-            ]
-            carries[:, history.times == 0] = np.any(within, axis=0)[:, None]
+        if history.pressed is not None:
+            parts = history.pressed.start.intervals
+            within = [(radii >= part.inner) & (radii <= part.outer) for part in parts]
+            carries[:, history.pressed.force > 0] = np.any(within, axis=0)[:, None]
         return np.asarray(carries.T)
 
     def displaced(self, history: History) -> Array:
@@ -164,9 +176,11 @@ class Sampler:
 
         def at_centre() -> Array:
             centre = (_matrix(self.space, np.zeros(1).tobytes()) @ displaced.T)[0]
-            if history.start is not None and history.start.intervals[0].inner == 0:
+            pressed = history.pressed
+            if pressed is not None and pressed.start.intervals[0].inner == 0:
                 unworn = profile(np.zeros(1))[0]
-                centre = np.where(history.times == 0, history.indentation - unworn, centre)
+                started = (pressed.force > 0) & (history.distances == 0)
+                centre = np.where(started, history.indentation - unworn, centre)
             return np.asarray(centre)
 
         unworn = 0.0 if problem.full_contact else self._unworn_slopes
@@ -180,13 +194,24 @@ class Sampler:
             "rms_slope": lambda: self._rms_slope(history.profile, unworn),
             "ring_force": lambda: self.ring_forces(history),
         }
+        if problem.indentation is not None or not problem.full_contact:
+            on_rings = _ring_forces(self.space, problem.ring_edges.tobytes())
+            values["normal_force"] = lambda: self.ring_forces(history).sum(axis=1)
+            values["ring_worn_volume"] = lambda: history.profile @ on_rings.T
+        elif problem.loading.varies:
+            values["normal_force"] = lambda: history.force
         if not problem.full_contact:
             values |= self._of_contact(history, radii, on_face)
         # by these the errors of the others are measured
         measures = ["indentation", "normal_force"]
         if self.by_fields and problem.wants("displacement_max"):
             measures.append("displacement")
-        return self._wanted(values, *measures) | {"time": history.times}
+        # where pressures may be infinite
+        pressed = history.distances == 0
+        if history.pressed is not None:
+            pressed = history.pressed.force > 0
+        wanted = self._wanted(values, *measures)
+        return wanted | {"time": history.distances, "pressed": pressed}
 
     def _of_contact(self, history: History, radii: Array, on_face: bool) -> Values:
         """Return what is of interest only where contact opens, closes and spreads."""
@@ -194,12 +219,16 @@ class Sampler:
             worn_edges(self.space, contact, worn)
             for contact, worn in zip(history.contact, history.profile, strict=True)
         ]
-        if history.start is not None:
-            edges[0] = [(part.inner, part.outer) for part in history.start.intervals]
-        on_rings = _ring_forces(self.space, self.problem.ring_edges.tobytes())
+        if history.pressed is not None:
+            fitted = [(part.inner, part.outer) for part in history.pressed.start.intervals]
+            for row in np.flatnonzero(history.pressed.force):
+                edges[row] = fitted
+        rings, space = self.problem.merged, self.space
+        pressed = history.profile / space.at_vertices(rings.wear_coefficients)
+        worn = pressed @ (space.mass(rings.wear_coefficients) @ space.ring_indicator())
+        first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1])
         values: Values = {
-            "normal_force": lambda: self.ring_forces(history).sum(axis=1),
-            "ring_worn_volume": lambda: history.profile @ on_rings.T,
+            "ring_worn_volume": lambda: np.add.reduceat(worn, first, axis=1),
             "contact_radius": lambda: np.array([parts[-1][1] if parts else 0.0 for parts in edges]),
         }
         if not on_face:

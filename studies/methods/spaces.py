@@ -30,8 +30,14 @@ def pressure_spaces(problem: Problem) -> tuple[PressureSpace, PressureSpace]:
 
 
 def load_of(problem: Problem) -> Load:
-    """Return the load: the force, which is the unit, or the indentation that is given."""
+    """Return the greatest load: the force, which is the unit, or the indentation that is given."""
     return Load(1.0) if problem.indentation is None else Load(None, problem.indentation)
+
+
+def load_at_start(problem: Problem) -> Load:
+    """Return the load at the time 0, or the greatest where that is none."""
+    load = load_of(problem)
+    return Load(float(problem.loading.forces[0]) or 1.0) if load.force else load
 
 
 @lru_cache(maxsize=16)
@@ -42,7 +48,8 @@ def first_contact(
 
     It decides on the cells only: any method's compliance will do, and this one is quick.
     """
-    return located(energy.compliance, problem.profile, load_of(problem), cells_of(problem, finer))
+    cells = cells_of(problem, finer)
+    return located(energy.compliance, problem.profile, load_at_start(problem), cells)
 
 
 def contact_cells(problem: Problem) -> tuple[ContactCells, ContactCells]:

@@ -127,7 +127,13 @@ def _solved_whole(problems: Sequence[Problem]) -> list[int]:
 
     One of them is within half an order of magnitude in wear ratio of each.
     """
-    if not all(problem.earliest and problem.march == "modal" for problem in problems):
+    singly = (
+        problem.loading.varies or problem.indentation is not None or problem.merged.linear
+        for problem in problems
+    )
+    if any(singly) or not all(
+        problem.earliest and problem.march == "modal" for problem in problems
+    ):
         return []
     logs, numbers = _logs(problems), [0]
     while (farthest := _farthest(logs, numbers))[1] > np.log(10) / 2 * 1.01:

@@ -31,6 +31,7 @@ TABLES = {
     ("ring",): "worn_volumes.csv",
     ("state", "ring"): "rings.csv",
     ("mode",): "relaxation_times.csv",
+    ("step",): "steps.csv",
 }
 """Tables of the results, by the dimensions besides the method."""
 

@@ -53,7 +53,7 @@ def degree_of_modes(problem: Problem) -> float:
     are of one ring, by 7e-5, 1e-7, 1e-10 in degrees 4, 6, 8 if two are, by 2e-8 in degree 4 if each
     has one.
     """
-    slowest = problem.merged.widths / problem.merged.wear_coefficients
+    slowest = problem.merged.widths / problem.merged.ends.mean(axis=0)
     times = slowest[:, None] / np.arange(1, COMPARED_MODES + 1)
     most = (times >= np.sort(times, axis=None)[-COMPARED_MODES]).sum(axis=1).max()
     return float(2.8 - 1.15 * np.log10(problem.rtol) - 1.5 * (COMPARED_MODES - most))
@@ -144,6 +144,8 @@ def edge_sizes(problem: Problem) -> Array:
     )
     # of the pressure, the power 3/2 of that
     sizes = np.minimum(sizes, 0.3 * blunted.slow * (rtol / np.sqrt(sharp)) ** (2 / 3))
+    # where wear is continuous, pressures of early times are a logarithm of the distance at most
+    sizes = np.maximum(sizes, np.where(problem.merged.smooth, rtol**0.5 * narrower, 0.0))
     return np.asarray(np.maximum(sizes, np.where(at_rim, SMALLEST_RIM, SMALLEST)))
 
 
@@ -272,7 +274,7 @@ def cells_of(problem: Problem, finer: float = 1.0) -> ContactCells:
     count = finer * float(np.clip(150 * (1e-4 / problem.rtol) ** 0.5, 80, 300))
     edge = min(problem.rtol, 1e-3) / finer**2
     return ContactCells(
-        tuple(problem.ring_edges.tolist()),
+        tuple(problem.merged.ring_edges.tolist()),
         1 / count,
         edge,
         growth=0.4 / finer**0.5,

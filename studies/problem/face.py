@@ -1,4 +1,4 @@
-"""The face of the punch at many radii.
+"""The face of the punch: its rings, and many radii.
 
 Norms of fields, and what follows from fields there. Non-dimensional.
 
@@ -8,15 +8,95 @@ that is to be trusted. At the rim the points follow the root of the distance, in
 a flat punch are smooth.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import legder, legval, legvander
 
-from ...meshes.radial import Array, Indices, gauss, ring_of
+from ...meshes.radial import Array, Indices, alternating_edges, gauss, ring_of, values_on_rings
 
 POINTS = 8
+
+
+class Rings(NamedTuple):
+    """Rings of a punch: (N+1,) edges from 0 to 1, and (N,) wear coefficients over the greatest.
+
+    Where wear is graded, (2, N) at the inner and outer edge of each ring, linear between.
+    """
+
+    ring_edges: Array
+    wear_coefficients: Array
+
+    @classmethod
+    def alternating(cls, count: int, width_ratio: float, wear_ratio: float) -> "Rings":
+        """Two materials in turn from the centre, by ``h2/h1`` and ``k2/k1``."""
+        coefficients = np.where(np.arange(count) % 2, wear_ratio, 1.0)
+        return cls(alternating_edges(count, width_ratio), coefficients / coefficients.max())
+
+    @classmethod
+    def graded(cls, radii: Array, values: Array, ring_edges: Array) -> "Rings":
+        """Rings in which a table of wear coefficients is linear, and at most doubles.
+
+        Parameters
+        ----------
+        radii : (M,) not decreasing, two equal ones at a step
+        values : (M,) wear coefficients there, those of the ends beyond
+        ring_edges : (N+1,) other edges
+        """
+        more = np.setdiff1d(ring_edges, radii)
+        while True:
+            places = np.searchsorted(radii, more)
+            values = np.insert(values, places, np.interp(more, radii, values))
+            radii = np.insert(radii, places, more)
+            # anything narrower is a step
+            wide = np.diff(radii) > 1e-9
+            # on the axis it is a cone, beside which pressures are a logarithm
+            steep = np.abs(np.diff(np.log2(values))) > np.where(radii[:-1] > 0, 1.0, 0.1)
+            more = (radii[:-1] + np.diff(radii) / 2)[wide & steep]
+            if not len(more):
+                break
+        linear = np.stack([values[:-1], values[1:]])[:, wide]
+        edges = np.array([0.0, *radii[:-1][wide][1:], 1.0])
+        return cls(edges, linear if np.ptp(linear, axis=0).any() else linear[0])
+
+    @property
+    def ends(self) -> Array:
+        """(2, N) wear coefficient at the inner and outer edge of each ring."""
+        return np.broadcast_to(self.wear_coefficients, (2, len(self.widths)))
+
+    @property
+    def linear(self) -> bool:
+        """Whether wear is graded."""
+        return self.wear_coefficients.ndim == 2
+
+    @property
+    def smooth(self) -> Array:
+        """(N,) whether wear is continuous at each edge but the centre, if it is graded."""
+        inner, outer = self.ends
+        return np.append((outer[:-1] == inner[1:]) & self.linear, False)
+
+    @property
+    def widths(self) -> Array:
+        return np.diff(self.ring_edges)
+
+    @property
+    def narrower(self) -> Array:
+        """(N-1,) width of the narrower ring beside each edge between centre and rim."""
+        return np.minimum(self.widths[:-1], self.widths[1:])
+
+    def at(self, radii: Array) -> Array:
+        """Wear coefficient at each radius."""
+        return values_on_rings(*self, radii, ring_of(self.ring_edges, radii))
+
+    def merged(self) -> "Rings":
+        """Neighbouring rings of equal wear made one: what has to be modelled."""
+        if self.linear:
+            return self
+        changes = np.flatnonzero(np.diff(self.wear_coefficients) != 0) + 1
+        return Rings(self.ring_edges[[0, *changes, -1]], self.wear_coefficients[[0, *changes]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,14 +106,15 @@ class Face:
     Parameters
     ----------
     breakpoints : (n+1,) from 0 to 1, ring edges among them
-    ring_edges, wear_coefficients : (N+1,), (N,) of the rings
+    ring_edges : (N+1,) of the rings
+    wear_at : wear coefficients by radii
     standoff : what displacements and heights are measured beyond: the indentation at the first
         touch
     """
 
     breakpoints: Array
     ring_edges: Array
-    wear_coefficients: Array
+    wear_at: Callable[[Array], Array]
     standoff: float = 0.0
 
     @cached_property
@@ -69,7 +150,7 @@ class Face:
     @cached_property
     def wear(self) -> Array:
         """(R,) wear coefficient of each."""
-        return self.wear_coefficients[self.ring]
+        return self.wear_at(self.radii)
 
     @cached_property
     def weights(self) -> Array:

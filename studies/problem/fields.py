@@ -55,6 +55,36 @@ def check_increasing(key: str, values: list[float]) -> None:
         raise ValueError(f"{key} = {values} must increase, without repeats")
 
 
+class OverTime(Section):
+    """A number that varies: linear between times, constant before the first and after the last."""
+
+    times: list[NotNegative] = Field(description="increasing times, 0 or later, one or more")
+    values: list[NotNegative] = Field(
+        description="a value, 0 or more, for each of the times; not all 0"
+    )
+
+    @model_validator(mode="after")
+    def _check_knots(self) -> Self:
+        check_increasing("times", self.times)
+        if not 1 <= len(self.times) == len(self.values):
+            raise ValueError(
+                f"{len(self.values)} values for {len(self.times)} times: give one for each"
+            )
+        if not self.greatest:
+            raise ValueError("the values are all 0: give some above 0")
+        check_range(self.greatest)
+        return self
+
+    @property
+    def greatest(self) -> float:
+        return max(self.values)
+
+
+def over_time(given: "float | OverTime") -> OverTime:
+    """Return a number that may vary as one that does."""
+    return given if isinstance(given, OverTime) else OverTime(times=[0.0], values=[given])
+
+
 class ProfileSection(Section):
     """Heights of the unworn face over the radius: material that is missing."""
 
@@ -162,7 +192,32 @@ class HeightTable(ProfileSection):
         return PchipInterpolator(self.radii, self.heights)
 
 
-KINDS: dict[str, type[ProfileSection]] = {
+class WearTable(Section):
+    """Wear coefficients over the radius, linear between points, constant beyond the ends."""
+
+    radii: list[NotNegative] = Field(
+        min_length=1,
+        description="radii from 0 to punch.radius that do not decrease; two equal ones are a step",
+    )
+    values: list[Positive] = Field(
+        description="a wear coefficient, positive, for each of the radii"
+    )
+
+    def check_fit(self, punch_radius: float) -> None:
+        """Refuse what does not fit the punch."""
+        radii = self.radii
+        if len(self.values) != len(radii) or sorted(radii) != radii or radii[-1] > punch_radius:
+            raise ValueError(
+                f"wear_coefficient.radii = {radii} with {len(self.values)} values: give a value "
+                f"for each of radii from 0 to {punch_radius} that do not decrease"
+            )
+
+
+# what a key may be given as, by the name that messages leave out
+KINDS: dict[str, type[Section]] = {
+    "number": Section,
+    "graded": WearTable,
+    "over time": OverTime,
     "parabola": Parabola,
     "cone": Cone,
     "power": Power,

@@ -13,8 +13,16 @@ from typing import NamedTuple
 import numpy as np
 
 from ...meshes.errors import SceneError
-from ...meshes.radial import Array, Indices, alternating_edges, graded_breakpoints, ring_of
-from .face import Face
+from ...meshes.radial import (
+    Array,
+    Indices,
+    alternating_edges,
+    graded_breakpoints,
+    ring_areas,
+    ring_of,
+)
+from .face import Face, Rings
+from .loading import Loading
 from .profile import FLAT, InitialProfile, unworn
 from .quantities import ENERGIES, GROUPS, HISTORIES, OF_PROFILES, STEADY, expand
 from .sections import (
@@ -49,37 +57,6 @@ class Blunted(NamedTuple):
     slow: Array
     ratio: Array
     span: float
-
-
-class Rings(NamedTuple):
-    """Rings of a punch: (N+1,) edges from 0 to 1, and (N,) wear coefficients over the greatest."""
-
-    ring_edges: Array
-    wear_coefficients: Array
-
-    @classmethod
-    def alternating(cls, count: int, width_ratio: float, wear_ratio: float) -> "Rings":
-        """Two materials in turn from the centre, by ``h2/h1`` and ``k2/k1``."""
-        coefficients = np.where(np.arange(count) % 2, wear_ratio, 1.0)
-        return cls(alternating_edges(count, width_ratio), coefficients / coefficients.max())
-
-    @property
-    def widths(self) -> Array:
-        return np.diff(self.ring_edges)
-
-    @property
-    def narrower(self) -> Array:
-        """(N-1,) width of the narrower ring beside each edge between centre and rim."""
-        return np.minimum(self.widths[:-1], self.widths[1:])
-
-    def at(self, radii: Array) -> Array:
-        """Wear coefficient at each radius."""
-        return self.wear_coefficients[ring_of(self.ring_edges, radii)]
-
-    def merged(self) -> "Rings":
-        """Neighbouring rings of equal wear made one: what has to be modelled."""
-        changes = np.flatnonzero(np.diff(self.wear_coefficients) != 0) + 1
-        return Rings(self.ring_edges[[0, *changes, -1]], self.wear_coefficients[[0, *changes]])
 
 
 @dataclass(frozen=True)
@@ -129,7 +106,8 @@ class Problem:
 
     Parameters
     ----------
-    rings : as the scene gives them; `merged` is what has to be modelled
+    rings : as the scene gives them, with harmonic means where wear is graded; `merged` is what has
+        to be modelled
     times : (T,) increasing; empty if no history is wanted
     steady : whether the steady state is wanted
     poisson_ratio : of the half-space
@@ -144,8 +122,11 @@ class Problem:
         problem
     indentation : beyond the first touch, held fixed in place of the force, which then is what a
         flat punch would take; None under a force
+    graded : rings between the edges of which wear is linear; None if it is constant on `rings`
     quantities : names of those wanted; None for all that go with times and steady state. Sizes and
         estimates serve these alone
+    loading : force and speed over time; their greatest values are those of the units, and of the
+        steady state
     """
 
     rings: Rings
@@ -163,7 +144,9 @@ class Problem:
     profile: InitialProfile = FLAT
     indentation: float | None = None
     compared_on: Face | None = None
+    graded: Rings | None = None
     quantities: frozenset[str] | None = None
+    loading: Loading = field(default_factory=Loading)
 
     @classmethod
     def posed(
@@ -182,20 +165,30 @@ class Problem:
         else:
             ring_edges = np.array([0.0, *punch.ring_edges]) / length
             ring_edges[-1] = 1.0
-        count, given = len(ring_edges) - 1, np.array(punch.coefficients)
-        coefficients = given if len(given) == count else given[np.arange(count) % 2]
+        count, coefficients, graded = len(ring_edges) - 1, np.array(punch.coefficients), None
+        if not punch.table and len(coefficients) != count:
+            coefficients = coefficients[np.arange(count) % 2]
+        fastest = float(coefficients.max())
+        coefficients = coefficients / fastest
+        if punch.table:
+            graded = Rings.graded(np.array(punch.table.radii) / length, coefficients, ring_edges)
+            face = Face(graded.ring_edges, ring_edges, graded.at)
+            coefficients = ring_areas(ring_edges) / face.ring_sums(face.areas / face.wear)
         modulus = half_space.plane_strain_modulus or (half_space.youngs_modulus or 0.0) / (
             1 - half_space.poisson_ratio**2
         )
-        force = load.normal_force or (load.mean_pressure or 0.0) * np.pi * length**2
+        force = load.greatest_force(length)
         force = force or 2 * length * modulus * _approach(punch, load, ring_edges)
-        fastest = float(coefficients.max())
-        time = length / modulus / fastest / load.sliding_speed
+        time = length / modulus / fastest / load.sliding.greatest
         units = Units(length, modulus, force, time, fastest)
+        profile = unworn(punch, ring_edges, length, units.displacement)
+        if graded:
+            recess = profile.recess[ring_of(ring_edges, graded.ring_edges[:-1])]
+            profile = replace(profile, ring_edges=graded.ring_edges, recess=recess)
         problem = cls(
-            rings=Rings(ring_edges, coefficients / fastest),
+            rings=Rings(ring_edges, coefficients),
             times=np.array(wear.times) / time,
-            steady=wear.steady,
+            steady=wear.steady and load.indentation is None,
             poisson_ratio=half_space.poisson_ratio,
             rtol=accuracy.rtol,
             march=wear.march,
@@ -205,8 +198,10 @@ class Problem:
             fem=accuracy.fem,
             mdr=accuracy.mdr,
             units=units,
-            profile=unworn(punch, ring_edges, length, units.displacement),
+            profile=profile,
+            graded=graded,
             indentation=None if load.indentation is None else D0,
+            loading=_loading(load, time),
         )
         wanted = expand(output.quantities)
         return problem if wanted == GROUPS["all"] else problem.asking_for(wanted)
@@ -217,14 +212,15 @@ class Problem:
 
         A recess ends at its ring's edge even if the next wears as fast.
         """
-        return self.rings.merged() if self.full_contact else self.rings
+        rings = self.graded or self.rings
+        return rings.merged() if self.full_contact else rings
 
     @property
     def full_contact(self) -> bool:
-        """Whether all of the face carries at all times: a flat punch under a force never loses
-        contact, and any other may.
+        """Whether all of the face carries at all times: a flat punch at a fixed indentation, or
+        under a force that never falls, keeps contact, and any other may lose it.
         """
-        return self.profile.flat and self.indentation is None
+        return self.profile.flat and self.loading.rising
 
     @property
     def ring_edges(self) -> Array:
@@ -234,19 +230,25 @@ class Problem:
     def wear_coefficients(self) -> Array:
         return self.rings.wear_coefficients
 
+    @cached_property
+    def distances(self) -> Array:
+        """(T,) sliding distance by each time: the time itself at constant speed."""
+        return self.loading.at(self.times).distance
+
     @property
     def earliest(self) -> float:
-        """The first time after the start; 0 without any."""
-        return float(min(self.times[self.times > 0], default=0.0))
+        """The first sliding distance after the start; 0 without any."""
+        return float(min(self.distances[self.distances > 0], default=0.0))
 
     @property
     def blunted(self) -> Blunted:
         """What wear has blunted, by which sizes go."""
-        wear, earliest = self.merged.wear_coefficients, self.earliest or np.inf
-        outside = np.append(wear[1:], wear[-1])
+        (inner, wear), earliest = self.merged.ends, self.earliest or np.inf
+        outside = np.append(inner[1:], wear[-1])
         slower = np.minimum(wear, outside)
-        span = float(self.times[-1] / earliest) if self.earliest else 1.0
-        return Blunted(slower * earliest, np.maximum(wear, outside) / slower, span)
+        span = float(self.distances[-1] / earliest) if self.earliest else 1.0
+        slow = np.where(self.merged.smooth, np.inf, slower * earliest)
+        return Blunted(slow, np.maximum(wear, outside) / slower, span)
 
     def sizes_given(self, method: str) -> bool:
         """Return whether the user has given the sizes of a method, which then stay as they are."""
@@ -262,7 +264,14 @@ class Problem:
             if the scene has none of them
         """
         # contact that never changes has no edges, and no other has relaxation times
-        wanted = quantities.difference(OF_PROFILES if self.full_contact else ["relaxation_time"])
+        missing = {"relaxation_time"}
+        if self.full_contact:
+            missing = set(OF_PROFILES)
+            if self.indentation is not None:
+                missing -= {"normal_force", "ring_worn_volume"}
+            elif self.loading.varies:
+                missing -= {"normal_force"}
+        wanted = quantities - missing
         if not len(self.times):
             wanted -= HISTORIES
         if not self.steady:
@@ -318,7 +327,7 @@ class Problem:
         if not self.full_contact:
             # pressures nearly jump at edges of the contact, which may be anywhere
             breakpoints = np.union1d(breakpoints, np.linspace(0, 1, cells_of_face + 1))
-        return Face(breakpoints, self.ring_edges, self.wear_coefficients, self.profile.standoff)
+        return Face(breakpoints, self.ring_edges, rings.at, self.profile.standoff)
 
     @cached_property
     def checked(self) -> Indices:
@@ -336,13 +345,15 @@ class Problem:
 
         From the earliest in steps of about two to beyond the last, and the start.
         """
-        later = self.times[self.times > 0]
+        later = self.times[self.distances > 0]
         if not len(later):
             return self.times
         count = min(int(np.log2(later[-1] / later[0])) + 3, MOST_ESTIMATED)
-        return np.concatenate(
-            [self.times[:1][self.times[:1] == 0], np.geomspace(later[0], 2 * later[-1], count)]
-        )
+        times = [self.times[:1][self.times[:1] == 0], np.geomspace(later[0], 2 * later[-1], count)]
+        if self.loading.varies:
+            # what knots bring does not come in proportion to the time
+            times.append(self.times[self.checked])
+        return np.unique(np.concatenate(times))
 
 
 def _approach(punch: PunchSection, load: LoadSection, ring_edges: Array) -> float:
@@ -361,3 +372,12 @@ def _approach(punch: PunchSection, load: LoadSection, ring_edges: Array) -> floa
             "the half-space where it is nearest; give more"
         )
     return given - least
+
+
+def _loading(load: LoadSection, unit: float) -> Loading:
+    """Return force and speed over time, which is counted in a unit."""
+    force, speed = load.pressing, load.sliding
+    times = np.unique([0.0, *force.times, *speed.times])
+    values = (np.interp(times, each.times, each.values) / each.greatest for each in (force, speed))
+    loading = Loading(times / unit, *values)
+    return loading if loading.varies else Loading()

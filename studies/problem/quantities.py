@@ -19,16 +19,17 @@ ERROR = "relative error of {}, the method's own estimate: {}"
 # relaxation times that are promised and compared: the slowest, which last
 COMPARED_MODES = 3
 # quantities that converge twice as fast as fields do
-ENERGIES = ("indentation", "relaxation_time", "ring_force")
+ENERGIES = ("indentation", "relaxation_time", "ring_force", "normal_force")
 
 
 class Quantity(NamedTuple):
-    """Dimensions, unit (of `Units`), definition, and norm of its error."""
+    """Dimensions, unit (of `Units`), definition, norm of its error, whether every run has it."""
 
     dims: tuple[str, ...]
     unit: str
     definition: str
     norm: str = "value"
+    always: bool = True
 
     @property
     def error_dims(self) -> tuple[str, ...]:
@@ -39,8 +40,10 @@ class Quantity(NamedTuple):
 NORMS = {
     "value": "difference over the value",
     "indentation": (
-        "greatest difference over the punch, over the indentation d(t) beyond the first touch"
+        "greatest difference over the punch, over the indentation d(t) beyond the first touch, the "
+        "greatest so far"
     ),
+    "slope": "difference over the value, or over d/(1000 a) where that is more",
     "steady": "greatest difference over the punch, over the greatest steady displacement",
     "force": "greatest difference of all rings, over the normal force",
     "volume": "greatest difference of all rings, over that of all rings together",
@@ -75,7 +78,10 @@ QUANTITIES = {
         ("time",), "displacement", "greatest u_z under the punch", "indentation"
     ),
     "rms_slope": Quantity(
-        ("time",), "slope", "root mean square of df/dr (Eq. 18), average: see gradient_average"
+        ("time",),
+        "slope",
+        "root mean square of df/dr (Eq. 18), average: see gradient_average",
+        "slope",
     ),
     "ring_force": Quantity(
         ("time", "ring"), "force", "normal force on each ring, from the centre", "force"
@@ -109,40 +115,68 @@ QUANTITIES = {
     ),
 }
 
+# of the march of a contact that opens, closes and spreads, at its start and after each of its steps
+STEPS = {
+    "step_time": Quantity(("step",), "time", "time of each step of the march, the start first"),
+    "step_indentation": Quantity(("step",), "displacement", "indentation at each step"),
+    "step_normal_force": Quantity(("step",), "force", "normal force at each step"),
+    "step_contact_area": Quantity(
+        ("step",), "number", "area of contact at each step, over that of the face"
+    ),
+}
 # the answer of a run (`studies/crosscheck/answer.py`), without errors of its own
 STATES = ("start", "steady")
-OF_PUNCH, OF_RINGS = (), ("state", "ring")
 ANSWER = {
     "indentation_start": Quantity(
-        OF_PUNCH,
+        (),
         "displacement",
         "indentation of the unworn face plane at the start; of a flat punch F / (2 a E*)",
     ),
     "indentation_steady": Quantity(
-        OF_PUNCH,
+        (),
         "displacement",
         "depth of the foremost point of the worn punch in the half-space, u_max of Eq. 27; at the "
         "start it is the indentation",
     ),
     "running_in_time": Quantity(
-        OF_PUNCH, "time", "slowest relaxation time: what is left of running-in falls to 1/e in it"
+        (),
+        "time",
+        "slowest relaxation time of the full face: what is left of running-in falls to 1/e in it",
     ),
     "time_to_90": Quantity(
-        OF_PUNCH,
+        (),
         "time",
-        "time by which the approach d(t), less steady wear, has made 90 % of its way from start "
-        "to steady",
+        "time by which the approach d(t), less steady wear, has made 90 % of its way to its "
+        "steady value, from the start or where it is farthest from it",
     ),
-    "time_to_99": Quantity(OF_PUNCH, "time", "as time_to_90, for 99 %"),
-    "pressure_min": Quantity(OF_RINGS, "pressure", "least contact pressure on each ring"),
+    "time_to_99": Quantity((), "time", "as time_to_90, for 99 %"),
+    "pressure_min": Quantity(("state", "ring"), "pressure", "least contact pressure on each ring"),
     "pressure_max": Quantity(
-        OF_RINGS,
+        ("state", "ring"),
         "pressure",
         "greatest contact pressure on each ring; infinite at a flat punch's rim",
     ),
-    "force_share": Quantity(OF_RINGS, "share", "part of the normal force that each ring carries"),
+    "force_share": Quantity(
+        ("state", "ring"), "share", "part of the normal force that each ring carries"
+    ),
     "worn_volume": Quantity(
         ("ring",), "volume", "volume worn off each ring by the last of the times"
+    ),
+    "force_start": Quantity(
+        (), "force", "normal force at the start, of a given indentation", always=False
+    ),
+    "force_end": Quantity((), "force", "the same at the last of the times", always=False),
+    "time_to_half_force": Quantity(
+        (), "time", "time by which that force has fallen to half of the first", always=False
+    ),
+    "contact_radius_start": Quantity(
+        (), "length", "outermost radius of contact at the start", always=False
+    ),
+    "pressure_peak_start": Quantity(
+        (), "pressure", "greatest contact pressure at the start, if finite", always=False
+    ),
+    "time_to_full_contact": Quantity(
+        (), "time", "time from which all of the face carries, to a step", always=False
     ),
 }
 

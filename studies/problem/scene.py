@@ -128,21 +128,21 @@ class Scene(Section):
 
     def _with_times_of(self, counts: list[float]) -> "Scene":
         """Return the scene at counts of its slowest relaxation time, to three digits."""
-        from ..wear.time_scale import slowest_relaxation_time
+        from ..wear.time_scale import running_in
 
-        if not self.problem.full_contact:
+        if self.problem.loading.varies:
             raise SceneError(
-                "wear.times by running-in is known for flat punches under a force: give times as "
-                "numbers"
+                "wear.times by running-in is known for one force and one sliding speed: with a "
+                "load that varies give times as numbers"
             )
-        scale = slowest_relaxation_time(self.problem.rings) * self.problem.units.time
-        if scale != scale:
+        exact = (running_in(self.problem, counts) * self.problem.units.time).tolist()
+        if exact[-1] != exact[-1]:
             raise SceneError(
                 "wear.times by running-in is known for up to 64 rings: give times as numbers"
             )
-        times = [float(f"{count * scale:.3g}") for count in counts]
+        times = [float(f"{time:.3g}") for time in exact]
         if any(after <= before for before, after in pairwise(times)):
-            times = [count * scale for count in counts]
+            times = exact
         return self._updated(wear=self.wear.model_copy(update={"times": times}))
 
     def _updated(self, **sections: Section) -> "Scene":
@@ -177,11 +177,6 @@ class Scene(Section):
 
         Heights by arrays of radii, in the scene's units. A file cannot hold them: `to_toml` leaves
         them out.
-
-        Raises
-        ------
-        SceneError
-            if times are counts of the relaxation time, which is that of a flat punch
         """
         if not heights:
             return self

@@ -6,19 +6,23 @@ Descriptions follow the word "give" in messages about a key.
 from collections.abc import Callable
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Field, model_validator
+import numpy as np
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from .fields import (
     Cone,
     HeightTable,
     NotNegative,
+    OverTime,
     Parabola,
     Positive,
     Power,
     RoundedRim,
     Section,
+    WearTable,
     check_increasing,
     optional,
+    over_time,
 )
 from .quantities import expand
 
@@ -65,12 +69,22 @@ class PunchSection(Section):
         repr=False,
         description="functions, in Python only: see Scene.with_heights",
     )
-    wear_coefficient: Positive | None = optional("that of odd rings, k1, a positive number")
+    wear_coefficient: (
+        Annotated[
+            Annotated[Positive, Tag("number")] | Annotated[WearTable, Tag("graded")],
+            Discriminator(lambda given: "number" if isinstance(given, float | int) else "graded"),
+        ]
+        | None
+    ) = optional(
+        "that of odd rings, k1, a positive number; or that along the radius, { radii = [...], "
+        "values = [...] }"
+    )
     wear_ratio: Positive | None = optional("k2/k1 of two materials that alternate from the centre")
 
     @model_validator(mode="after")
     def _check_rings(self) -> Self:
-        self.check_one_of("rings", "ring_edges")
+        if self.table is None or self.rings:
+            self.check_one_of("rings", "ring_edges")
         if self.ring_edges is not None:
             if "width_ratio" in self.model_fields_set:
                 raise ValueError("width_ratio goes with rings; with ring_edges leave it out")
@@ -79,15 +93,17 @@ class PunchSection(Section):
                 raise ValueError(
                     f"ring_edges = {self.ring_edges} must end at punch.radius = {self.radius}"
                 )
-        if (self.wear_coefficient is None) != (self.wear_ratio is None) or (
-            (self.wear_coefficients is None) == (self.wear_ratio is None)
-        ):
+        forms = self.wear_coefficients, self.wear_coefficient
+        if (self.wear_ratio is None) == isinstance(forms[1], float) or forms.count(None) != 1:
             raise ValueError(
                 "give either wear_coefficients, positive numbers, two that alternate from the "
-                "centre or one for each ring, or wear_coefficient = k1 with wear_ratio = k2/k1"
+                "centre or one for each ring, or wear_coefficient = k1 with wear_ratio = k2/k1, or "
+                "wear_coefficient = { radii = [...], values = [...] }"
             )
-        count, given = self.rings or len(self.ring_edges or []), len(self.coefficients)
-        if given not in (2, count):
+        count, given = self.rings or len(self.ring_edges or [0]), len(self.coefficients)
+        if self.table:
+            self.table.check_fit(self.radius)
+        elif given not in (2, count):
             raise ValueError(
                 f"wear_coefficients has {given} values for {count} rings: give {count}, or two, "
                 "which alternate from the centre"
@@ -102,11 +118,20 @@ class PunchSection(Section):
 
     @property
     def coefficients(self) -> list[float]:
-        """Wear coefficients: two, alternating from the centre, or one for each ring."""
+        """Wear coefficients: two, alternating from the centre, or one for each ring, or those of
+        the table.
+        """
         if self.wear_coefficients is not None:
             return self.wear_coefficients
         first = self.wear_coefficient or 0.0
+        if isinstance(first, WearTable):
+            return first.values
         return [first, first * (self.wear_ratio or 0.0)]
+
+    @property
+    def table(self) -> WearTable | None:
+        """The wear coefficient along the radius."""
+        return self.wear_coefficient if isinstance(self.wear_coefficient, WearTable) else None
 
 
 class HalfSpaceSection(Section):
@@ -126,18 +151,47 @@ class HalfSpaceSection(Section):
         return self
 
 
+# a number, or a table of times and values
+Varying = Annotated[
+    Annotated[Positive, Tag("number")] | Annotated[OverTime, Tag("over time")],
+    Discriminator(lambda given: "over time" if isinstance(given, dict | OverTime) else "number"),
+]
+
+
 class LoadSection(Section):
-    normal_force: Positive | None = optional("the normal force F, positive")
-    mean_pressure: Positive | None = optional("F / (pi a^2), positive")
+    normal_force: Varying | None = optional(
+        "the normal force F, positive, or { times = [...], values = [...] }"
+    )
+    mean_pressure: Varying | None = optional(
+        "F / (pi a^2), positive, or { times = [...], values = [...] }"
+    )
     indentation: Positive | None = optional(
         "the indentation d of the unworn face plane, held fixed: the force decays as wear goes on"
     )
-    sliding_speed: Positive = Field(default=1.0, description="the sliding speed, positive")
+    sliding_speed: Varying = Field(
+        default=1.0,
+        description="the sliding speed, positive, or { times = [...], values = [...] }",
+    )
 
     @model_validator(mode="after")
     def _check_load(self) -> Self:
         self.check_one_of("normal_force", "mean_pressure", "indentation")
         return self
+
+    @property
+    def pressing(self) -> OverTime:
+        """The force or mean pressure over time; of an indentation, one that is never felt."""
+        return over_time(self.normal_force or self.mean_pressure or 1.0)
+
+    @property
+    def sliding(self) -> OverTime:
+        """The sliding speed over time."""
+        return over_time(self.sliding_speed)
+
+    def greatest_force(self, radius: float) -> float:
+        """Return the greatest force on a punch of this radius; 0 if the indentation is given."""
+        area = np.pi * radius**2 if self.normal_force is None else 1.0
+        return 0.0 if self.indentation is not None else self.pressing.greatest * area
 
 
 class WearSection(Section):
@@ -253,6 +307,7 @@ class OutputSection(Section):
         "times at which the inside of the half-space is written, increasing"
     )
     gradient_average: Literal["line", "area"] = Field(default="line", description="line or area")
+    every_step: bool = Field(default=False, description="true or false")
     quantities: Annotated[list[str], AfterValidator(check_quantities)] = Field(
         default=["all"],
         min_length=1,

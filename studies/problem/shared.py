@@ -54,7 +54,8 @@ def discretised_alike(problem: Problem) -> Hashable:
     sizes = problem.fem.model_dump_json(), problem.mdr.model_dump_json()
     numbers = problem.poisson_ratio, problem.rtol, problem.gradient_average
     kinds = bool(len(problem.times)), problem.full_contact
-    return problem.merged.ring_edges.tobytes(), *numbers, *kinds, *sizes
+    rings = problem.merged
+    return rings.ring_edges.tobytes(), rings.smooth.tobytes(), *numbers, *kinds, *sizes
 
 
 def groups(problems: Sequence[Problem]) -> list[list[int]]:

@@ -44,6 +44,10 @@ UNSTATED = "the scene's own consistent units"
 KINDS = {
     "punch.radius": "length",
     "punch.ring_edges": "length",
+    "punch.profile.curvature_radius": "length",
+    "punch.profile.flat_radius": "length",
+    "punch.profile.coefficient": "length",
+    "load.indentation": "length",
     "output.radii": "length",
     "punch.wear_coefficient": "wear_coefficient",
     "punch.wear_coefficients": "wear_coefficient",

@@ -20,9 +20,10 @@
   const across = (r) => box.left + (r / radius) * (box.right - box.left);
   const rings = data.ring;
 
-  // axes and ghost of the last state once, the curve again for each state
-  const plot = (id, values, top, down, label) => {
+  // axes once; heights, the curve and what it is seen against again for each state
+  const plot = (id, values, beside, tops, down, label) => {
     const svg = document.getElementById(id);
+    let top = 1;
     const upright = (value) => {
       const part = Math.min(9, value / top);
       return down ? box.top + part * (box.bottom - box.top) : box.bottom - part * (box.bottom - box.top);
@@ -31,10 +32,6 @@
       const x = across(data.edges[ring]), width = across(data.edges[ring + 1]) - x;
       if (shade > 0.5) make(svg, "rect", { x, width, y: box.top, height: box.bottom - box.top, fill: "#e8e8e8" });
     });
-    for (const tick of ticks(top)) {
-      make(svg, "line", { x1: box.left - 4, x2: box.left, y1: upright(tick), y2: upright(tick), stroke: "#1b1f24" });
-      make(svg, "text", { x: box.left - 7, y: upright(tick) + 4, "text-anchor": "end" }, tick);
-    }
     for (const tick of ticks(radius)) {
       make(svg, "line", { x1: across(tick), x2: across(tick), y1: box.bottom, y2: box.bottom + 4, stroke: "#1b1f24" });
       make(svg, "text", { x: across(tick), y: box.bottom + 17, "text-anchor": "middle" }, tick);
@@ -52,12 +49,23 @@
     const clip = make(make(svg, "clipPath", { id: `within-${id}` }), "rect", { ...frame });
     clip.setAttribute("y", box.top - 2);
     const look = { fill: "none", "stroke-linejoin": "round", "clip-path": `url(#within-${id})` };
-    if (last > 0) make(svg, "path", { ...look, d: line(values[last]), stroke: "#777", "stroke-dasharray": "2 3" });
+    const scaled = make(svg, "g", {});
+    const ghost = make(svg, "path", { ...look, stroke: "#777", "stroke-dasharray": "2 3" });
     const curve = make(svg, "path", { ...look, stroke: "#1f4e79", "stroke-width": 2 });
-    return (state) => curve.setAttribute("d", line(values[state]));
+    return (state) => {
+      top = tops[state];
+      scaled.replaceChildren();
+      for (const tick of ticks(top)) {
+        make(scaled, "line", { x1: box.left - 4, x2: box.left, y1: upright(tick), y2: upright(tick), stroke: "#1b1f24" });
+        make(scaled, "text", { x: box.left - 7, y: upright(tick) + 4, "text-anchor": "end" }, tick);
+      }
+      if (last > 0) ghost.setAttribute("d", line(beside));
+      curve.setAttribute("d", line(values[state]));
+    };
   };
-  const drawProfile = plot("profile", data.profile, 1.08 * data.deepest, true, data.axes.profile);
-  const drawPressure = plot("pressure", data.pressure, data.highest, false, data.axes.pressure);
+  const deep = data.labels.map(() => 1.08 * data.deepest);
+  const drawProfile = plot("profile", data.profile, data.beside, deep, true, data.axes.profile);
+  const drawPressure = plot("pressure", data.pressure, data.pressure[last], data.highest, false, data.axes.pressure);
 
   // the worn face as a surface of revolution, cut open: painted from the back to the front
   const canvas = document.getElementById("solid"), pen = canvas.getContext("2d");

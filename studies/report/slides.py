@@ -11,7 +11,7 @@ import numpy as np
 from ...meshes.radial import Array, ring_of
 from ..crosscheck.dataset import Result
 from ..figures.modal import modal_method, sample_modes
-from ..figures.scale import Scale, shown_times
+from ..figures.scale import Scale, high_pressure, least_wear, panel_tops, shown_times
 from ..wear.full_contact import RunningIn
 
 COUNT = 48
@@ -26,7 +26,8 @@ def slides(result: Result) -> dict[str, Any] | None:
         return None
     scale, rings = Scale(result.scene), result.scene.problem.rings
     modal = modal_method(result.solutions)
-    if modal is None or not len(result.scene.problem.times):
+    problem = result.scene.problem
+    if modal is None or problem.loading.varies or not len(problem.times):
         states = _select_times(result)
         labels = [scale.when(time) for time in states["time"]]
     else:
@@ -40,8 +41,14 @@ def slides(result: Result) -> dict[str, Any] | None:
         return None
     # so that a page of hundreds of rings stays small
     step = -(-len(radii) // 1100)
-    radii, pressures, heights = radii[::step], pressures[:, ::step], profiles[:, ::step]
-    heights = heights - heights.min(axis=1, keepdims=True)
+    problem, heights = scale.problem, profiles - least_wear(scale.problem, profiles)[:, None]
+    high = [high_pressure(pressure) for pressure in pressures]
+    # what states are seen against: the unworn face, or the last of a flat punch
+    beside, unworn = heights[-1], ""
+    if not problem.full_contact:
+        unworn = "the unworn face, and the pressure at "
+        beside = problem.profile(problem.radii) * problem.units.displacement
+    radii, pressures, heights = radii[::step], pressures[:, ::step], heights[:, ::step]
     deepest = float(heights.max()) or scale.axes["displacement"].unit
     # part of the radius that the greatest difference of heights is drawn as, in 3-D
     drawn, edges = 0.3, rings.ring_edges * result.scene.punch.radius
@@ -54,7 +61,9 @@ def slides(result: Result) -> dict[str, Any] | None:
         "labels": labels,
         "profile": _round(scale.shown("profile", heights)),
         "pressure": _round(scale.shown("pressure", pressures)),
-        "highest": 1.15 * float(np.quantile(scale.shown("pressure", pressures), 0.98)),
+        "beside": _round(scale.shown("profile", beside[::step])),
+        "dotted": f"{unworn}{labels[-1]}",
+        "highest": _round(1.15 * scale.shown("pressure", panel_tops(high))),
         "deepest": scale.shown("profile", deepest),
         "drawn": drawn,
         "magnified": f"{drawn * result.scene.punch.radius / deepest:.3g}",
@@ -67,13 +76,13 @@ def _sample_times(result: Result, wear: RunningIn) -> tuple[dict[str, Array], li
     one asked for, or until the punch has run in.
     """
     problem, scale = replace(result.scene.problem, output_radii=None), Scale(result.scene)
-    done = wear.time_to(0.995)
+    done = wear.modes.time_to(0.995)
     first = problem.earliest or 1e-3 * done
     last = max(float(problem.times[-1]), done, 2 * first)
     times = np.array([0.0, *np.geomspace(first, last, COUNT)])
     labels = [
         f"{scale.when(time * problem.units.time)}, {100 * (1 - left):.3g} % run in"
-        for time, left in zip(times, wear.left(times), strict=True)
+        for time, left in zip(times, wear.modes.left(times), strict=True)
     ]
     return sample_modes(problem, wear, times), labels
 

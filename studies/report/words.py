@@ -58,15 +58,10 @@ class Account:
     @property
     def answers(self) -> list[tuple[str, str, str]]:
         """What, how much, and what that means."""
-        keys = (
-            "running_in_time",
-            "time_to_90",
-            "time_to_99",
-            "indentation_start",
-            "indentation_steady",
-            "steady_wear_rate",
-            "steady_rms_slope",
-        )
+        of_punch = [name for name, quantity in ANSWER.items() if not quantity.dims]
+        # times first
+        of_punch.sort(key=lambda name: ANSWER[name].unit != "time")
+        keys = (*of_punch, "steady_wear_rate", "steady_rms_slope")
         return [
             (
                 key.replace("_", " ").replace("rms", "RMS"),
@@ -113,6 +108,19 @@ class Account:
     def sentences(self) -> list[str]:
         """Tell how long running-in takes, and which ring wears how much."""
         told = []
+        if self.answer("force_start") is not None and self.answer("force_end") is not None:
+            half = self.answer("time_to_half_force")
+            told.append(
+                f"The force falls from {self.write('force_start', 3)} to "
+                f"{self.write('force_end', 3)} by t = {self.last_time}"
+                + (
+                    "."
+                    if half is None
+                    else f", to half after {self.write('time_to_half_force', 3)}."
+                )
+            )
+        if self.answer("time_to_full_contact") is not None:
+            told.append(f"All of the face carries after {self.write('time_to_full_contact', 3)}.")
         if (ninety := self.answer("time_to_90")) is not None:
             told.append(
                 f"Running-in takes {self.write('time_to_99', 3)}: by then 99 % of it is over, and "
@@ -227,9 +235,10 @@ class Account:
             pair = " and ".join(worst.methods)
             lines.append(f"{quantity} is undecided between {pair}{others}: {worst.remark}")
         slowest = self.answer("running_in_time")
-        if slowest is not None and self.problem.earliest:
-            later = [time / float(slowest) for time in self.scene.wear.times if time]
-            lines += outside(later[0], later[-1])
+        # contact that spreads has a time scale of its own
+        if slowest is not None and self.problem.earliest and self.problem.full_contact:
+            scale = self.problem.units.time / float(slowest)
+            lines += outside(self.problem.earliest * scale, self.problem.distances[-1] * scale)
         return lines + [f"note: {note}" for note in result.notes]
 
 

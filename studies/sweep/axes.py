@@ -32,23 +32,24 @@ from pandas import DataFrame
 
 from ...meshes.errors import SceneError
 from ..problem.problem import Problem
-from ..problem.quantities import ANSWER, OF_PROFILES, QUANTITIES
+from ..problem.quantities import ANSWER, GROUPS, QUANTITIES, STEADY
 from ..problem.scene import Scene, set_key
-from ..problem.sections import WearSection
 
 Table = dict[str, Any]
 DRAW = "draw"
 # answers of a run that can be kept, and the quantities that they are computed from
 ANSWERS = {
-    "worn_volume": ("profile",),
-    "force_share": ("indentation", "steady_pressure", "steady_displacement_max"),
+    "worn_volume": ("profile", "ring_worn_volume"),
+    "force_share": ("ring_force", "normal_force", "indentation", "steady_pressure"),
     "running_in_time": ("indentation",),
     "time_to_90": ("indentation",),
     "time_to_99": ("indentation",),
 }
-KEEPABLE = {name: QUANTITIES[name] for name in QUANTITIES if name not in OF_PROFILES} | {
-    name: ANSWER[name] for name in ANSWERS
-}
+KEEPABLE = {
+    name: quantity
+    for name, quantity in QUANTITIES.items()
+    if name not in ("contact", "contact_edge")
+} | {name: ANSWER[name] for name in ANSWERS}
 # of scenes that several methods compute, by the quantities to keep
 JUDGED = {
     "disagreement": "greatest difference over its uncertainty: above 1 methods disagree",
@@ -125,16 +126,18 @@ class Sweep:
             base = Scene.load(beside if beside.is_file() else base).table()
         keys = {key for rows in axes.values() for key in rows[0]}
         table = table | {"base": _without_alternatives(base, keys, name)}
-        first = cls(table, axes, name).first
-        keep = _checked_keep(table.get("keep"), first.wear, name)
+        bare = cls(table, axes, name)
+        changes, first = next(bare.changes()), bare.first
+        tried = [changes | row for rows in axes.values() for row in rows[:200]]
+        problems = [first.problem, *(bare.scene(of).problem for of in tried)]
+        keep = _checked_keep(table.get("keep"), problems, bare.coordinates, name)
         dims = {dim for quantity in keep for dim in KEEPABLE[quantity].dims}
         if "worn_volume" in keep and "wear.times" not in keys:
             dims.add("time")  # by the last of which it is worn
         labels = {dim: values for dim, values in _labels(first).items() if dim in dims}
         sweep = cls(table | {"keep": list(keep)}, axes, name, keep, labels)
-        for rows in axes.values():
-            for row in rows[:200]:
-                sweep.scene(next(sweep.changes()) | row)
+        for of in tried if labels else ():
+            sweep.scene(of)
         return sweep
 
     @property
@@ -173,11 +176,6 @@ class Sweep:
             set_key(table, key.split("."), value)
         name = f"{self.name}, {_in_words(changes)}"
         scene = Scene.from_table(table, name)
-        if not scene.problem.full_contact:
-            raise SceneError(
-                f"{name}: sweeps are over flat punches under a force: leave out punch.recess and "
-                "punch.profile, and give load.normal_force; or run such scenes one by one"
-            )
         for dim, values in self.labels.items():
             if not values or values != _labels(scene)[dim]:
                 key = {"time": "wear.times", "radius": "output.radii"}[dim]
@@ -291,7 +289,7 @@ def _without_alternatives(base: Table, keys: set[str], name: str) -> Table:
         ("punch", ("wear_coefficients",), ("wear_coefficient", "wear_ratio")),
         ("punch", ("rings", "width_ratio"), ("ring_edges",)),
         ("half_space", ("plane_strain_modulus",), ("youngs_modulus",)),
-        ("load", ("normal_force",), ("mean_pressure",)),
+        ("load", ("normal_force",), ("mean_pressure",), ("indentation",)),
     )
     table = copy.deepcopy(base)
     punch = table.get("punch", {})
@@ -304,35 +302,37 @@ def _without_alternatives(base: Table, keys: set[str], name: str) -> Table:
             )
         punch["wear_coefficient"], punch["wear_ratio"] = pair[0], pair[1] / pair[0]
     for section, *ways in alternatives:
-        for given, dropped in permutations(ways):
+        for given, dropped in permutations(ways, 2):
             for key in dropped if keys.intersection(f"{section}.{way}" for way in given) else ():
                 table.get(section, {}).pop(key, None)
     return table
 
 
-def _checked_keep(keep: Any, wear: WearSection, name: str) -> tuple[str, ...]:
-    """Return the quantities to keep: those named, or all that need no radius and no ring."""
-    computed = {
-        quantity
-        for quantity in KEEPABLE
-        if any(_is_computed(wear, part) for part in ANSWERS.get(quantity, (quantity,)))
-    }
+def _checked_keep(
+    keep: Any, problems: list[Problem], axes: Iterable[str], name: str
+) -> tuple[str, ...]:
+    """Return the quantities to keep: those named, or all that need no radius and no ring; none
+    that is an axis.
+    """
+    given = frozenset[str]().union(*map(_given, problems)) - set(axes)
     if keep is None:
+        alone = {"radius", "ring"}
+        if not len(problems[0].times):
+            alone.add("mode")
         return tuple(
-            name
-            for name, quantity in QUANTITIES.items()
-            if name in computed and not {"radius", "ring"} & set(quantity.dims)
+            name for name in KEEPABLE if name in given and not alone & set(KEEPABLE[name].dims)
         )
-    computed.add("relaxation_time")
+    computed = {of for of in KEEPABLE if not given.isdisjoint(ANSWERS.get(of, (of,)))}
     if not (isinstance(keep, list) and keep and set(map(str, keep)) <= computed):
         raise SceneError(
-            f"{name}: keep = {keep!r} names what is no quantity of a flat punch like the base: "
+            f"{name}: keep = {keep!r} names what is no quantity of such punches: "
             f"give a list of {', '.join(sorted(computed))}; histories need wear.times, and steady "
             "quantities wear.steady = true"
         )
     return tuple(dict.fromkeys(keep))
 
 
-def _is_computed(wear: WearSection, name: str) -> bool:
-    """Return whether a scene with such times and steady state has a quantity."""
-    return wear.steady if name.startswith("steady_") else bool(wear.times)
+def _given(problem: Problem) -> frozenset[str]:
+    """Return the quantities that a problem has."""
+    given = problem.asking_for(GROUPS["all"]).quantities or frozenset()
+    return given - (STEADY if problem.indentation is not None else frozenset())

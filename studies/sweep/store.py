@@ -97,13 +97,16 @@ def block_shape(sweep: Sweep, blank: xarray.Dataset) -> tuple[int, ...]:
     """Return how many scenes along each axis are computed, written and read at once.
 
     A block holds the scenes of one geometry as far as that is not too many, for they share a
-    discretisation; of few scenes it takes several geometries. Large sweeps have larger blocks.
+    discretisation; of few scenes, or of shaped punches, it takes several geometries. Large sweeps
+    have larger blocks.
     """
     # beginnings of keys that scenes may differ in and yet share a discretisation
-    sharing = (
-        *("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs"),
-        *("load.", "wear.", "output.", "title"),
-    )
+    sharing: tuple[str, ...] = ()
+    if sweep.first.problem.full_contact:
+        sharing = (
+            *("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs"),
+            *("load.", "wear.", "output.", "title"),
+        )
     # closed forms take a fraction of a millisecond
     largest = 256 if blank["solver"].values.tolist() == ["direct"] else 16
     larger = min(max(sweep.count // 8192, 1), largest)

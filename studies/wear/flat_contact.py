@@ -39,6 +39,13 @@ class FlatStart:
     pressure: Array
     indentation: float
     intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
+    force: float = 1.0
+
+    def times(self, factor: float) -> "FlatStart":
+        """Return the same under so many times the load."""
+        return FlatStart(
+            factor * self.coefficients, factor * self.pressure, factor * self.indentation
+        )
 
     def pressure_at(self, radii: Array) -> Array:
         """Return the pressures at radii (R,); infinite at the rim."""
@@ -97,6 +104,11 @@ class FlatPress:
     pressure: Array
     indentation: float
     intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
+    force: float = 1.0
+
+    def times(self, factor: float) -> "FlatPress":
+        """Return the same under so many times the load."""
+        return FlatPress(self.space, factor * self.pressure, factor * self.indentation)
 
     def pressure_at(self, radii: Array) -> Array:
         """Return the pressures at radii (R,)."""
@@ -191,7 +203,7 @@ class SteadyState:
 
 def steady_state(
     compliance: Compliance,
-    wear_coefficients: Array,
+    pressure: Array,
     projected: Callable[[Array], Array],
     softness: Array | None = None,
 ) -> SteadyState:
@@ -199,13 +211,12 @@ def steady_state(
 
     Parameters
     ----------
+    pressure : (size,) of the wear rate 1
     projected : moments (size,) -> coefficients of the displacement
     softness : the compliance times the pressures of the wear rate 1, where it is known
     """
-    space = compliance.space
-    pressure = space.ring_indicator() @ (1 / wear_coefficients)
-    wear_rate = 1 / (space.weights @ pressure)
-    pressure *= wear_rate
+    wear_rate = 1 / (compliance.space.weights @ pressure)
+    pressure = wear_rate * pressure
     moments = (
         compliance.factor.T @ (compliance.factor @ pressure)
         if softness is None

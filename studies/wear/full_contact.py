@@ -1,16 +1,16 @@
-"""Archard's wear on any compliance.
-
-Exact in time by modes, or marched in steps (Eqs. 12 to 17). Non-dimensional.
+"""Archard's wear on any compliance, by modes or in steps (Eqs. 12 to 17). Non-dimensional.
 
 In full contact the pressure is affine in the profile, and with the wear rate ``k p`` continuous
 (which it is for every t > 0) the history obeys ``A p' = d' b - K p``, ``b . p = F``, with the mass
 matrix `K` of weight `k`. Its deviation from the steady state decays in modes of the pencil (A, K)
-on the pressures that carry no force, whose eigenvalues are the relaxation times. A flat start never
-loses contact, so no inequality is enforced.
+on the pressures that carry no force, whose eigenvalues are the relaxation times. At a fixed
+indentation ``A p' = -K p``: all pressures decay, in modes of the pencil on all of them. A flat
+start never loses contact, so no inequality is enforced. Nor does a force that never falls, whose
+rises are so many flat starts. Times of marches in steps are sliding distances.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -20,7 +20,8 @@ from scipy.sparse import csr_matrix, diags
 from ...meshes.compliance import Compliance
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
-from ..problem.marching import refused_steps, steps_between
+from ..problem.loading import Loading
+from ..problem.marching import Advance, take_steps
 from .flat_contact import FlatPress, FlatStart, SteadyState, flat_start, steady_state
 from .history import History
 from .modes import (
@@ -34,9 +35,6 @@ from .modes import (
 )
 from .shared_modes import SharedModes, steady_rate
 
-# (state, step, how many) -> (state, wear of each unknown in between)
-Advance = Callable[[Array, float, int], tuple[Array, Array]]
-
 
 @dataclass(frozen=True, eq=False)
 class RunningIn:
@@ -45,13 +43,16 @@ class RunningIn:
     Parameters
     ----------
     compliance : of the half-space
-    wear_coefficients : (N,) of the rings of its pressure space
-    earliest : time > 0 before which no history is wanted, so that a large punch needs few of its
-        modes; 0: all of them
+    wear_coefficients : (N,) of the rings of its pressure space; or (2, N) at the inner and outer
+        edge of each, linear between
+    earliest : sliding distance > 0 before which no history is wanted, so that a large punch needs
+        few of its modes; 0: all of them
     shared : the span of the histories of punches that differ in wear alone; its modes stand for
         those of this one
     continuous : whether the wear rate is, as it is from a flat start on; else it may jump at ring
         edges, on a space of degree 1
+    indentation : held fixed in place of the force 1, so that wear tends to no pressure at all
+    loading : of `modal`, its force never falls
     """
 
     compliance: Compliance
@@ -59,11 +60,22 @@ class RunningIn:
     earliest: float = 0.0
     shared: SharedModes | None = None
     continuous: bool = True
+    indentation: float | None = None
+    loading: Loading = field(default_factory=Loading)
 
     @cached_property
     def steady(self) -> SteadyState:
+        """The state that wear tends to."""
+        if self.indentation is not None:
+            nothing = np.zeros(self.compliance.space.size)
+            return SteadyState(nothing, nothing, nothing, 0.0)
         of_one = None if self.shared is None else self.shared.moments(self.wear_coefficients)[:, 0]
-        return steady_state(self.compliance, self.wear_coefficients, self._displacement, of_one)
+        if self.wear_coefficients.ndim == 2:
+            # 1 / k is no polynomial: the pressure whose product with k is nearest to a constant
+            pressure = self._to_pressure @ self._mass_factor.solve(self._weights)
+        else:
+            pressure = self.compliance.space.ring_indicator() @ (1 / self.wear_coefficients)
+        return steady_state(self.compliance, pressure, self._displacement, of_one)
 
     def _displacement(self, moments: Array) -> Array:
         """Return the coefficients of a displacement by its moments against each pressure."""
@@ -73,7 +85,10 @@ class RunningIn:
 
     @cached_property
     def flat(self) -> FlatStart | FlatPress:
-        return flat_start(self.compliance)
+        start = flat_start(self.compliance)
+        return (
+            start if self.indentation is None else start.times(self.indentation / start.indentation)
+        )
 
     @cached_property
     def _to_pressure(self) -> csr_matrix:
@@ -81,12 +96,16 @@ class RunningIn:
         space = self.compliance.space
         if self.continuous:
             return space.joined(self.wear_coefficients)
-        return diags(space.ring_indicator() @ (1 / self.wear_coefficients)).tocsr()
+        return diags(1 / space.at_vertices(self.wear_coefficients)).tocsr()
 
     @cached_property
-    def _to_profile(self) -> csr_matrix:
+    def _to_profile(self) -> csr_matrix | Array:
         """(size, n) wear rates, and so worn profiles, by the same unknowns."""
         space = self.compliance.space
+        if self.continuous and self.wear_coefficients.ndim == 2:
+            # k p is of a degree more than p: its projection has the same volumes on rings
+            worn = space.mass(self.wear_coefficients) @ self._to_pressure
+            return BandedCholesky(space.mass()).solve(worn.toarray())
         return space.joined() if self.continuous else diags(np.ones(space.size)).tocsr()
 
     def _factor(self) -> Array:
@@ -115,6 +134,16 @@ class RunningIn:
         return self._to_pressure.T @ self.compliance.space.weights
 
     @property
+    def _forceless(self) -> Array | None:
+        """The weights of force, where modes carry none of it."""
+        return self._weights if self.indentation is None else None
+
+    @cached_property
+    def _moments(self) -> Array:
+        """(n,) by how much less the flat start displaces than the state that wear tends to."""
+        return self._to_pressure.T @ self.steady.moments - (self.indentation or 0.0) * self._weights
+
+    @property
     def gentle(self) -> bool:
         """Whether eigenvalues will do.
 
@@ -130,8 +159,8 @@ class RunningIn:
         )
 
     @cached_property
-    def _modes(self) -> Modes:
-        moments = self._to_pressure.T @ self.steady.moments
+    def modes(self) -> Modes:
+        moments = self._moments
         if self.shared is not None:
             return self.shared.modes(self.wear_coefficients, moments)
         # singular values would take minutes
@@ -140,7 +169,7 @@ class RunningIn:
         if self.earliest and large:
             try:
                 return excited_modes(
-                    self._energy, self._mass_factor, self._weights, moments, self.earliest
+                    self._energy, self._mass_factor, self._forceless, moments, self.earliest
                 )
             except TooEarlyError:
                 # and hours; up to this they are taken where a history begins too early
@@ -148,7 +177,7 @@ class RunningIn:
                     raise
                 gentle = False
         return every_mode(
-            self._energy, self._factor, self._mass_factor, self._weights, moments, gentle
+            self._energy, self._factor, self._mass_factor, self._forceless, moments, gentle
         )
 
     @property
@@ -157,99 +186,93 @@ class RunningIn:
 
         1 if none is lost.
         """
-        moments, steady = (
-            self._mass_factor.forward(right)
-            for right in (self._to_pressure.T @ self.steady.moments, self._weights)
-        )
-        whole = moments @ moments - (moments @ steady) ** 2 / (steady @ steady)
-        return float(np.sum((self._modes.amplitudes * self._modes.relaxation) ** 2) / whole)
+        moments = self._mass_factor.forward(self._moments)
+        whole = moments @ moments
+        if self._forceless is not None:
+            steady = self._mass_factor.forward(self._forceless)
+            whole -= (moments @ steady) ** 2 / (steady @ steady)
+        return float(np.sum((self.modes.amplitudes * self.modes.relaxation) ** 2) / whole)
 
     @property
     def relaxation_times(self) -> Array:
         """(m,) slowest first."""
-        return self._modes.relaxation[: self._modes.exact]
-
-    def left(self, times: Array) -> Array:
-        """(T,) share of its way from the flat start to the steady state that the approach ``d(t) -
-        w t`` has yet to make.
-
-        It is a sum of decaying exponentials, all positive.
-        """
-        ways = self._modes.amplitudes**2 * self._modes.relaxation
-        return np.asarray(np.exp(-times[:, None] / self._modes.relaxation) @ ways / ways.sum())
-
-    def time_to(self, share: float) -> float:
-        """Time after which the approach, less steady wear, has made a share of its way.
-
-        There is one such time.
-        """
-        # the slowest mode alone would take longest
-        earlier, later = 0.0, float(self._modes.relaxation[0]) * np.log(1 / (1 - share))
-        for _ in range(60):
-            middle = (earlier + later) / 2
-            if self.left(np.array([middle]))[0] > 1 - share:
-                earlier = middle
-            else:
-                later = middle
-        return later
+        return self.modes.relaxation[: self.modes.exact]
 
     @cached_property
     def slowest_times(self) -> Array:
         """(m,) the slowest of them, where no history is wanted."""
-        return slowest_times(self._energy, self._mass_factor, self._weights)
+        return slowest_times(self._energy, self._mass_factor, self._forceless)
 
     def modal(self, times: Array) -> History:
         """Return the exact history from the flat start at any times from `earliest` on, none of
         which depends on another.
         """
-        if (times[times > 0] < self.earliest * (1 - 1e-12)).any():
+        state, modes = self.loading.at(times), self.modes
+        later = state.distance[state.distance > 0]
+        if (later < self.earliest * (1 - 1e-12)).any():
             raise SceneError(
-                f"this history was prepared for times from {self.earliest:.3g} on; prepare it for "
-                "all of them"
+                f"prepared for distances from {self.earliest:.3g} on: give all of them"
             )
-        history = self._relaxed(times, times, self._modes.amplitudes, 0.0)
-        history.profile[times == 0] = 0.0
-        return self._from_flat(history)
+        # where the pressure, not the wear rate, is continuous: a flat press of its own
+        pressed = self.loading.pressed(times)
+        excited = modes.excite(self._at_knots[state.knot], state)
+        excited -= np.outer(pressed, modes.amplitudes)
+        flat, forces = np.zeros(self.compliance.space.size), state.force - pressed
+        history = self._relaxed(state.distance, excited, forces, state.work, flat)
+        history.profile[state.distance == 0] = 0.0
+        return history.press(self.flat, pressed)
 
-    def from_full_contact(self, times: Array, since: float, unworn: Array, worn: Array) -> History:
-        """Return the exact history from the time at which all of a shaped face carries, for as long
-        as it does.
+    @cached_property
+    def _at_knots(self) -> Array:
+        return self.modes.at_knots(self.loading)
+
+    def from_full_contact(
+        self, distances: Array, since: float, spent: float, unworn: Array, worn: Array
+    ) -> History:
+        """Return the exact history from where all of a shaped face carries, for as long as it does.
 
         Parameters
         ----------
-        times : (T,) array
-            Times from `since` on, of a march under the force 1 from the time 0.
+        distances : (T,) array
+            Sliding distances from `since` on, under the force 1.
+        spent : float
+            Integral of the force over the sliding distance by then.
         unworn, worn : (size,) arrays
             Moments of the unworn face, and of what had worn off at `since`.
         """
-        modes = self._modes
-        moments = self._to_pressure.T @ (self.steady.moments + unworn + worn)
+        modes, further = self.modes, distances - since
+        moments = self._moments + self._to_pressure.T @ (unworn + worn)
         amplitudes = -(modes.shapes.T @ moments) / modes.relaxation
-        return self._relaxed(times, times - since, amplitudes, unworn)
+        excited = np.exp(-further[:, None] / modes.relaxation) * amplitudes
+        return self._relaxed(distances, excited, np.ones(len(further)), spent + further, unworn)
 
     def _relaxed(
-        self, times: Array, elapsed: Array, amplitudes: Array, unworn: Array | float
+        self, distances: Array, excited: Array, forces: Array, work: Array, unworn: Array
     ) -> History:
-        """Return the sum of the steady state and of modes that have decayed for some time."""
-        modes, steady = self._modes, self.steady
-        rates, displaced = self._sums(np.exp(-elapsed[:, None] / modes.relaxation) * amplitudes)
-        pressure = steady.pressure + rates @ self._to_pressure.T
-        # force balance against the steady pressures: d F = p_s . A p + int f p_s dA
-        indentation = (
-            steady.wear_rate * times + pressure @ steady.moments + np.sum(unworn * steady.pressure)
-        )
+        """Return the sum of the steady state of a force, or of no pressure, and of modes."""
+        steady = self.steady
+        rates, displaced = self._sums(excited)
+        pressure = np.outer(forces, steady.pressure) + rates @ self._to_pressure.T
+        if self.indentation is None:
+            # reciprocity with the steady pressures, int p_s dA = 1: d = p_s . A p + int f p_s dA,
+            # and what has worn, k p_s being one w, adds w int F dtau
+            indentation = steady.wear_rate * work + pressure @ steady.moments
+            indentation += np.sum(unworn * steady.pressure)
+        else:
+            indentation = self.indentation * forces
+            forces = pressure @ self.compliance.space.weights
         # f = d - u: slopes of small elements would show the roundoff of a sum of what wore
         gap = np.outer(indentation, self._weights) - (
-            (steady.moments + unworn) @ self._to_pressure + displaced
+            (np.outer(forces, steady.moments) + unworn) @ self._to_pressure + displaced
         )
         profile = self._mass_factor.solve(gap.T).T @ self._to_profile.T
-        return History.in_full_contact(times, pressure, profile, indentation)
+        return History.in_full_contact(distances, pressure, profile, indentation, forces)
 
     def _sums(self, shares: Array) -> tuple[Array, Array]:
         """(T, n) wear rates that are sums of modes by (T, m) shares, and what they displace,
         against each.
         """
-        within = shares @ self._modes.shapes.T
+        within = shares @ self.modes.shapes.T
         if self.shared is not None:
             moments = within @ self.shared.moments(self.wear_coefficients).T @ self._to_pressure
             return within @ self.shared.basis.T, moments
@@ -259,7 +282,7 @@ class RunningIn:
         """(n, T + SHOWN) wear rates, less the steady one, at times, and those of the
         slowest modes.
         """
-        modes = self._modes
+        modes = self.modes
         left = np.exp(-times[:, None] / modes.relaxation) * modes.amplitudes
         return np.column_stack([self._sums(left)[0].T, modes.shapes[:, :SHOWN]])
 
@@ -270,7 +293,7 @@ class RunningIn:
         It shows in two ways to the profile: what the half-space leaves of the indentation, and the
         sum of what wore.
         """
-        modes, steady = self._modes, self.steady.wear_rate * steady_rate(self.compliance)
+        modes, steady = self.modes, self.steady.wear_rate * steady_rate(self.compliance)
         decay = np.exp(-times[:, None] / modes.relaxation)
         rate = steady + self._sums(decay * modes.amplitudes)[0]
         worn = (
@@ -285,20 +308,17 @@ class RunningIn:
         ]
         return float(np.sqrt((squares[0] / squares[1]).max()))
 
-    def _from_flat(self, history: History) -> History:
-        """Put the flat start in: at t = 0 the pressure, not the wear rate, is continuous."""
-        start = np.flatnonzero(history.times == 0)
-        if not len(start):
-            return history
-        history.pressure[start] = self.flat.pressure
-        history.indentation[start] = self.flat.indentation
-        return replace(history, start=self.flat)
-
     @cached_property
     def _start(self) -> Array:
         """Unknowns of the flat start in the space of t > 0: the best approximation in energy."""
         solution = cho_solve(cho_factor(self._energy), self._weights)
-        return solution / (self._weights @ solution)
+        return solution * (self.indentation or 1 / (self._weights @ solution))
+
+    def _loaded(self, state: Array, by_weights: Array) -> Array:
+        """Return a state pressed on until it carries the force 1, if that is the load."""
+        if self.indentation is not None:
+            return state
+        return state + by_weights * (1 - self._weights @ state) / (self._weights @ by_weights)
 
     def stability_limit(self) -> float:
         """Greatest stable step of the explicit march, twice the shortest relaxation time."""
@@ -309,26 +329,17 @@ class RunningIn:
         """Implicit Euler, equal steps of at most `step` between output times: stable, first
         order.
         """
+        energy, mass = self._energy, self._mass.toarray()
 
-        def advance(state: Array, dt: float, count: int) -> tuple[Array, Array]:
+        def advance_by(dt: float) -> Advance:
             factor = cho_factor(energy + dt * mass)
             by_weights = cho_solve(factor, self._weights)
-            worn = np.zeros_like(state)
-            for _ in range(count):
-                trial = cho_solve(factor, energy @ state)
-                state = trial + by_weights * (1 - self._weights @ trial) / (
-                    self._weights @ by_weights
-                )
-                worn += dt * state
-            return state, worn
+            return lambda state: self._loaded(cho_solve(factor, energy @ state), by_weights)
 
-        energy, mass = self._energy, self._mass.toarray()
-        return self._marched(times, step, advance)
+        return self._marched(times, step, advance_by, 1)
 
     def explicit(self, times: Array, step: float) -> History:
-        """Explicit Euler (Eqs.
-
-        14 to 17 on this compliance): first order, stable up to `stability_limit`.
+        """Explicit Euler (Eqs. 14 to 17), of first order, stable up to `stability_limit`.
 
         Raises
         ------
@@ -346,40 +357,29 @@ class RunningIn:
         energy = cho_factor(self._energy)
         by_weights = cho_solve(energy, self._weights)
         rate = -cho_solve(energy, self._mass.toarray())
-        rate -= np.outer(by_weights, self._weights @ rate) / (self._weights @ by_weights)
+        if self.indentation is None:
+            rate -= np.outer(by_weights, self._weights @ rate) / (self._weights @ by_weights)
 
-        def advance(state: Array, dt: float, count: int) -> tuple[Array, Array]:
-            worn = np.zeros_like(state)
-            for _ in range(count):
-                worn += dt * state
-                state = state + dt * (rate @ state)
-            return state, worn
+        def advance_by(dt: float) -> Advance:
+            return lambda state: state + dt * (rate @ state)
 
-        return self._marched(times, step, advance)
+        return self._marched(times, step, advance_by, 0)
 
-    def _marched(self, times: Array, step: float, advance: Advance) -> History:
-        steps = steps_between(times, step)
-        if refusal := refused_steps(
-            float(steps.sum()), "give a larger wear.step, or march = 'modal'"
-        ):
-            raise SceneError(refusal)
-        state, worn, now = self._start, np.zeros_like(self._start), 0.0
-        states, profiles = [], []
-        for time, count in zip(times, steps, strict=True):
-            if count:
-                state, more = advance(state, (time - now) / count, int(count))
-                worn, now = worn + more, time
-            states.append(state)
-            profiles.append(worn)
-        pressure, profile = (
-            np.array(states) @ self._to_pressure.T,
-            np.array(profiles) @ self._to_profile.T,
-        )
-        # force balance against the steady pressures: d F = p_s . A p + int f p_s dA
-        indentation = pressure @ self.steady.moments + np.array(profiles) @ (
-            self._weights * self.steady.wear_rate
-        )
-        return self._from_flat(History.in_full_contact(times, pressure, profile, indentation))
+    def _marched(
+        self, times: Array, step: float, advance_by: Callable[[float], Advance], wearing: int
+    ) -> History:
+        states, profiles = take_steps(times, step, advance_by, wearing, self._start)
+        pressure, profile = states @ self._to_pressure.T, profiles @ self._to_profile.T
+        indentation = np.full(len(times), self.indentation or 0.0)
+        if self.indentation is None:
+            # force balance against the steady pressures: d F = p_s . A p + int f p_s dA
+            indentation = pressure @ self.steady.moments
+            indentation += profiles @ (self._weights * self.steady.wear_rate)
+        begun = (times > 0).astype(float)
+        pressure, indentation = begun[:, None] * pressure, begun * indentation
+        forces = pressure @ self.compliance.space.weights
+        history = History.in_full_contact(times, pressure, profile, indentation, forces)
+        return history.press(self.flat, 1 - begun)
 
     def history(self, times: Array, march: str = "modal", step: float | None = None) -> History:
         """The history by the named march."""

@@ -3,21 +3,29 @@
 Non-dimensional.
 """
 
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ...meshes.radial import Array, Indices
-from .unilateral import Interval, Mask
+from .unilateral import Interval, Load, Mask
 
 
 class Start(Protocol):
-    """A press of the unworn punch on functions that suit it better than the pressure space does."""
+    """A press that has not worn yet, on functions that suit it better than the pressure space."""
+
+    @property
+    def pressure(self) -> Array:
+        """Coefficients of the pressure on a space of its own, or of the history."""
 
     @property
     def indentation(self) -> float:
         """How deep it is."""
+
+    @property
+    def force(self) -> float:
+        """The force on it, of which pressures are a multiple where that varies."""
 
     @property
     def intervals(self) -> tuple[Interval, ...]:
@@ -28,6 +36,45 @@ class Start(Protocol):
 
     def ring_forces(self, ring_edges: Array) -> Array:
         """Return the force on each of the N rings between edges (N+1,)."""
+
+
+class Pressed(NamedTuple):
+    """What functions of its own carry of a history.
+
+    Parameters
+    ----------
+    start : by one force
+    force : (T,) that they carry at each time
+    rest : (T, size) pressures beside them
+    """
+
+    start: Start
+    force: Array
+    rest: Array
+
+
+class March(Protocol):
+    """A march of a contact that opens, closes and spreads (`ContactMarch`)."""
+
+    load: Load
+
+    @property
+    def time_of_full_contact(self) -> float:
+        """When all of the face began to carry for good; NaN if it never did."""
+
+    @property
+    def slowest_time(self) -> float:
+        """The slowest relaxation time of the full face."""
+
+    @property
+    def path(self) -> Array:
+        """(S, 4) time, indentation, force, and area of contact over that of the face.
+
+        At the start, and after each step taken.
+        """
+
+    def left(self, times: Array | None = None) -> tuple[Array, Array]:
+        """Return times (T,), and how far the punch is from where wear tends to by each."""
 
 
 @dataclass(frozen=True)
@@ -50,50 +97,71 @@ class History:
 
     Parameters
     ----------
-    times : (T,) array
+    distances : (T,) array
+        What the punch has slid: the times, at constant speed.
     pressure, profile : (T, size) arrays
-        Coefficients of the pressure and of the worn depth. Where the start has functions of its
-        own, its pressure is their projection.
+        Coefficients of the pressure and of the worn depth. Of what is pressed on functions of its
+        own, the pressure is their projection.
     indentation, force : (T,) arrays
     gap : (T, size) array
         Moments of the gap, zero in contact.
     contact : (T, size) array of bool
         Which functions carry.
-    start : Start, optional
-        The press at the first of the times, if that is the start.
+    pressed : Pressed, optional
+        What was put on since the punch last slid, if anything.
     steps : Steps
         Of the march; none if the history is exact in time.
     """
 
-    times: Array
+    distances: Array
     pressure: Array
     profile: Array
     indentation: Array
     force: Array
     gap: Array
     contact: Mask
-    start: Start | None = None
+    pressed: Pressed | None = None
     steps: Steps = Steps()
 
     @classmethod
     def in_full_contact(
-        cls, times: Array, pressure: Array, profile: Array, indentation: Array
+        cls,
+        distances: Array,
+        pressure: Array,
+        profile: Array,
+        indentation: Array,
+        force: Array | float = 1.0,
     ) -> "History":
-        """Return the history of a punch of which all carries, under the force 1."""
+        """Return the history of a punch of which all carries, under the force 1 or another."""
         none = np.broadcast_to(0.0, pressure.shape)
         full = np.broadcast_to(True, pressure.shape)
-        return cls(times, pressure, profile, indentation, np.ones(len(times)), none, full)
+        force = np.broadcast_to(force, distances.shape)
+        return cls(distances, pressure, profile, indentation, force, none, full)
+
+    def press(self, start: Start, forces: Array) -> "History":
+        """Return the history with (T,) forces on a flat punch of the same space added."""
+        if not forces.any():
+            return self
+        return replace(
+            self,
+            pressure=self.pressure + np.outer(forces, start.pressure),
+            indentation=self.indentation + forces * start.indentation,
+            force=self.force + forces,
+            pressed=Pressed(start, forces, self.pressure),
+        )
 
     def __getitem__(self, which: Indices) -> "History":
-        times = self.times[which]
+        pressed = self.pressed
+        if pressed is not None:
+            pressed = pressed._replace(force=pressed.force[which], rest=pressed.rest[which])
         return History(
-            times,
+            self.distances[which],
             self.pressure[which],
             self.profile[which],
             self.indentation[which],
             self.force[which],
             self.gap[which],
             self.contact[which],
-            self.start if (times == 0).any() else None,
+            pressed,
             self.steps,
         )

@@ -17,9 +17,11 @@ from scipy.linalg.blas import dsymv
 from scipy.linalg.lapack import dtbtrs
 from scipy.sparse import csr_matrix, tril
 from scipy.sparse.linalg import eigsh
+from scipy.special import exprel, wofz
 
 from ...meshes.errors import SolverError
-from ...meshes.radial import Array
+from ...meshes.radial import Array, unit_gauss
+from ..problem.loading import Loading, State
 
 # share of the history, and of the slowest relaxation times, that the Krylov space may leave out
 NEGLIGIBLE = 1e-13
@@ -91,12 +93,91 @@ class Modes:
     amplitudes: Array
     exact: int
 
+    def left(self, times: Array) -> Array:
+        """(T,) share of its way from the flat start to the steady state that the approach ``d(t) -
+        w t`` has yet to make, or the force at a fixed indentation.
+
+        It is a sum of decaying exponentials, all positive.
+        """
+        ways = self.amplitudes**2 * self.relaxation
+        return np.asarray(np.exp(-times[:, None] / self.relaxation) @ ways / ways.sum())
+
+    def time_to(self, share: float) -> float:
+        """Time after which the approach, less steady wear, has made a share of its way.
+
+        There is one such time.
+        """
+        # the slowest mode alone would take longest
+        earlier, later = 0.0, float(self.relaxation[0]) * np.log(1 / (1 - share))
+        for _ in range(60):
+            middle = (earlier + later) / 2
+            if self.left(np.array([middle]))[0] > 1 - share:
+                earlier = middle
+            else:
+                later = middle
+        return later
+
+    def excite(self, before: Array | float, state: State) -> Array:
+        """Return what there is of each mode (T, m) at states of a load.
+
+        Every rise dF of the force excites ``amplitudes dF`` more, which decays from then on
+        (Duhamel).
+
+        Parameters
+        ----------
+        before : (T, m), what there was at the last knots
+        """
+        decayed = state.slid[:, None] / self.relaxation
+        after = before * np.exp(-decayed)
+        rises = np.flatnonzero(state.rise)
+        left = mean_decay(decayed[rises], state.bend[rises])
+        after[rises] += self.amplitudes * state.rise[rises, None] * left
+        return np.asarray(after)
+
+    def at_knots(self, loading: Loading) -> Array:
+        """Return what there is of each mode (K, m) at the knots of a loading."""
+        segments = loading.segments
+        first = loading.forces[0] * self.amplitudes
+        excited = np.vstack([first, self.excite(0.0, segments)])
+        for knot, slid in enumerate(segments.slid):
+            excited[knot + 1] += np.exp(-slid / self.relaxation) * excited[knot]
+        return excited
+
+
+def mean_decay(decayed: Array, bend: Array) -> Array:
+    """Return the mean over a time of ``exp(-(tau_1 - tau) / T)``, with the speed linear in it.
+
+    Parameters
+    ----------
+    decayed : (T, m) array
+        The sliding distance in that time, over T.
+    bend : (T,) array
+        Rise of the speed over twice its mean.
+
+    Notes
+    -----
+    With u the part of the time that is left, ``tau_1 - tau = distance u (1 + bend (1 - u))``: the
+    square completed, this is Faddeeva's function, which is Dawson's integral where the speed rises
+    and the error function where it falls. Where little has decayed two of them would cancel, and 8
+    Gauss points give all digits.
+    """
+    mean, bent = exprel(-decayed), np.flatnonzero(bend)
+    decayed, bend = decayed[bent], bend[bent, None]
+    points, weights = unit_gauss(8)
+    near, far = np.minimum(decayed, 1.0)[..., None], np.maximum(decayed, 1.0)
+    smooth = np.exp(-near * points * (1 + bend[..., None] * (1 - points))) @ weights
+    root = np.sqrt(-bend * far + 0j)
+    first, last = (wofz(0.5j * far * (1 + sign * bend) / root) for sign in (-1, 1))
+    closed = np.sqrt(np.pi) / 2 * (last - np.exp(-far) * first) / root
+    mean[bent] = np.where(decayed < 1, smooth, closed.real)
+    return mean
+
 
 def every_mode(
     energy: Array,
     factor: Callable[[], Array],
     mass: BandedCholesky,
-    weights: Array,
+    weights: Array | None,
     moments: Array,
     gentle: bool,
 ) -> Modes:
@@ -107,8 +188,8 @@ def every_mode(
     energy : (n, n) compliance `A` of wear rates
     factor : yields its (m, n) factor, ``A = H^T H``
     mass : (n, n) of weight `k`
-    weights : (n,) force that each wear rate carries
-    moments : (n,) ``A`` times the steady state
+    weights : (n,) force that each wear rate carries, if modes are to carry none; None if they may
+    moments : (n,) by how much less the flat start displaces than the state that wear tends to
     gentle : whether eigenvalues of `A` will do; else singular values of `H`, which keep the fastest
         modes
     """
@@ -120,16 +201,18 @@ def every_mode(
     # or roundoff of the slowest has taken the fastest
     if not gentle or relaxation[0] <= 0:
         scaled = mass.forward(factor().T).T
-        scaled -= 2 * np.outer(scaled @ axis, axis)
-        _, singular, right = svd(scaled[:, 1:], full_matrices=False, check_finite=False)
+        if axis is not None:
+            scaled = (scaled - 2 * np.outer(scaled @ axis, axis))[:, 1:]
+        _, singular, right = svd(scaled, full_matrices=False, check_finite=False)
         relaxation, within = singular[::-1] ** 2, right[::-1].T
-    relaxation, within = relaxation[::-1], within[:, ::-1]
-    shapes = np.concatenate([np.zeros((1, len(relaxation))), within])
-    shapes -= 2 * np.outer(axis, axis @ shapes)
+    relaxation, shapes = relaxation[::-1], within[:, ::-1]
+    if axis is not None:
+        shapes = np.concatenate([np.zeros((1, len(relaxation))), shapes])
+        shapes -= 2 * np.outer(axis, axis @ shapes)
     return modes_of(relaxation, mass.backward(shapes), moments, len(relaxation))
 
 
-def slowest_times(energy: Array, mass: BandedCholesky, weights: Array) -> Array:
+def slowest_times(energy: Array, mass: BandedCholesky, weights: Array | None) -> Array:
     """(m,) the `SHOWN` slowest relaxation times, all of them if there are fewer.
 
     Parameters as for `every_mode`.
@@ -146,21 +229,25 @@ def slowest_times(energy: Array, mass: BandedCholesky, weights: Array) -> Array:
     )
 
 
-def _axis(mass: BandedCholesky, weights: Array) -> Array:
+def _axis(mass: BandedCholesky, weights: Array | None) -> Array | None:
     """Of the reflection that maps the steady state to the first axis, so that the other axes carry
-    no force.
+    no force; None where they may.
     """
+    if weights is None:
+        return None
     axis = mass.forward(weights)
     axis /= np.linalg.norm(axis)
     axis[0] += np.copysign(1.0, axis[0])
     return np.asarray(axis / np.linalg.norm(axis))
 
 
-def _forceless(energy: Array, mass: BandedCholesky, axis: Array) -> Array:
+def _forceless(energy: Array, mass: BandedCholesky, axis: Array | None) -> Array:
     """(n-1, n-1) the compliance in coordinates orthonormal in `K`, reflected, on those that carry
-    no force.
+    no force; (n, n) on all of them without a reflection.
     """
     scaled = mass.forward(mass.forward(energy).T)
+    if axis is None:
+        return scaled
     image = scaled @ axis
     image -= (axis @ image) * axis
     scaled -= 2 * (np.outer(axis, image) + np.outer(image, axis))
@@ -168,7 +255,7 @@ def _forceless(energy: Array, mass: BandedCholesky, axis: Array) -> Array:
 
 
 def excited_modes(
-    energy: Array, mass: BandedCholesky, weights: Array, moments: Array, earliest: float
+    energy: Array, mass: BandedCholesky, weights: Array | None, moments: Array, earliest: float
 ) -> Modes:
     """The modes that the flat start excites, as far as they are felt at `earliest` or later.
 
@@ -179,11 +266,12 @@ def excited_modes(
     earliest : time > 0
     """
     energy = np.asfortranarray(energy)
-    steady = mass.forward(weights)
-    steady /= np.linalg.norm(steady)
-    size = len(weights) - 1
+    steady, size = np.zeros(len(moments)), len(moments)
+    if weights is not None:
+        steady, size = mass.forward(weights), size - 1
+        steady /= np.linalg.norm(steady)
     # rows are touched, and so take memory, only as they are filled
-    basis = np.empty((size, size + 1))
+    basis = np.empty((size, len(moments)))
     diagonal, beside = np.empty(size), np.empty(size)
     vector = mass.forward(moments)
     vector -= steady * (steady @ vector)

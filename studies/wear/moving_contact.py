@@ -11,14 +11,15 @@ the mass matrix K of weight k. At every time
 Two stages of a stiffly accurate diagonally implicit Runge-Kutta method of second order (Alexander,
 SIAM J. Numer. Anal. 14 (1977) 1006), ``gamma = 1 - 1/sqrt(2)``: each is a contact problem with the
 matrix ``A + gamma h K``. Weights add up, so that the worn volume is the force times time to
-roundoff, whatever the steps. The error of a step is that of its quadrature of the wear against the
+roundoff, whatever the steps; where the force varies, the first stage takes as much as makes it so.
+Steps end where the load bends, and where it changes at a stop the punch is pressed anew. The error
+of a step is that of its quadrature of the wear against the
 parabola through the pressures at its start and its stages. Implicit Euler is the method of one
 stage. Steps go by powers of the root of two, so that neighbouring ones share a matrix and its
 factor.
 
-Once all of the face carries, under a force, the rest is linear: ``A p' = d' b - K p``, and modes of
-the pencil (A, K) on the pressures that carry no force give it exactly at any time, as those of a
-flat punch do (`full_contact.py`).
+Once all of the face carries, the rest is linear: ``A p' = d' b - K p``, and modes of the pencil
+(A, K) give it exactly at any time, as those of a flat punch do (`full_contact.py`).
 """
 
 from dataclasses import replace
@@ -30,6 +31,7 @@ import numpy as np
 from ...meshes.compliance import Compliance
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
+from ..problem.loading import Loading
 from ..problem.marching import steps_between
 from .full_contact import RunningIn
 from .history import History, Steps
@@ -42,11 +44,12 @@ MOST_STEPS = 200_000
 
 
 class _Moment(NamedTuple):
-    """The punch at a time, with the time integral of its pressure up to then."""
+    """The punch after a sliding distance, with the integrals of pressure and force over it."""
 
-    time: float
+    distance: float
     press: Press
     integral: Array
+    work: float = 0.0
 
 
 class ContactMarch:
@@ -56,19 +59,26 @@ class ContactMarch:
     ----------
     compliance : Compliance
         On a space of degree 1.
-    wear_coefficients : (N,) array
-        Of the rings of that space.
+    wear_coefficients : (N,) or (2, N) array
+        Of the rings of that space; or at the inner and outer edge of each, linear between.
     moments : (size,) array
         Of the initial profile.
     load : Load
-        Force or indentation.
+        Greatest force, or indentation.
+    loading : Loading, optional
+        Part of that force, and the sliding speed, over time.
     """
 
     def __init__(
-        self, compliance: Compliance, wear_coefficients: Array, moments: Array, load: Load
+        self,
+        compliance: Compliance,
+        wear_coefficients: Array,
+        moments: Array,
+        load: Load,
+        loading: Loading | None = None,
     ) -> None:
         self.compliance, self.wear_coefficients = compliance, wear_coefficients
-        self.moments, self.load = moments, load
+        self.moments, self.load, self.loading = moments, load, loading or Loading()
         space = compliance.space
         self.weights = space.weights
         self.wear = space.mass(wear_coefficients)
@@ -77,10 +87,19 @@ class ContactMarch:
         self._dense_wear = self.wear.toarray()
         self._contacts: dict[float, Contact] = {}
         self._iterations: list[int] = []
+        self._path: list[tuple[float, ...]] = []
+        self._since: _Moment | None = None
 
     def start(self) -> Press:
         """Return the unworn punch, pressed on."""
-        return Contact(self.compliance.matrix, self.weights).press(self.moments, self.load)
+        return self._press(self.moments, self._load(float(self.loading.forces[0])))
+
+    def _press(self, moments: Array, load: Load) -> Press:
+        return Contact(self.compliance.matrix, self.weights).press(moments, load)
+
+    def _load(self, part: float) -> Load:
+        """Return a part of the greatest force; an indentation stays."""
+        return self.load if self.load.force is None else Load(float(part * self.load.force))
 
     def adaptive(self, times: Array, tolerance: float) -> History:
         """March in steps of second order that suit a tolerance, until contact is full.
@@ -95,35 +114,54 @@ class ContactMarch:
         before = now = self._begin()
         # at a fixed indentation, with less force nothing presses any more but roundoff
         spent = 1e-12 * now.press.force if self.load.force is None else 0.0
-        states, relaxing = list[_Moment](), list[_Moment]()
+        states, loading, deepest = list[_Moment](), self.loading, 1e-300
         rejected, errors = 0, list[float]()
-        step = _quantised(1e-6 * float(times[-1])) if times[-1] else 1.0
-        for number, time in enumerate(times):
-            while (left := time - now.time) > 1e-14 * time and now.press.force > spent:
-                if relaxing := self._relaxing(now, times[number:]):
+        events = np.union1d(times, loading.times[loading.times < times[-1]])
+        distances = loading.at(events).distance
+        step = _quantised(1e-6 * float(distances[-1])) if distances[-1] else 1.0
+        for event, until in zip(events, distances, strict=True):
+            knot = max(int(np.searchsorted(loading.times, event)) - 1, 0)
+            target = self._at(float(event))
+            while (left := until - now.distance) > 1e-14 * until:
+                if max(now.press.force, target[0].force or 0.0) <= spent:
                     break
+                if knot == len(loading.times) - 1 and (
+                    relaxing := self._relaxing(now, times[times >= event])
+                ):
+                    steps = Steps(len(errors), rejected, error=sum(errors))
+                    return self._history(loading.at(times).distance, states + relaxing, steps)
                 dt = _shortened(step, left)
-                middle, after, error = self._two_stages(dt, before, now)
-                relative = error / (tolerance * max(abs(after.press.indentation), 1e-300))
+                end = self._at(loading.time_at(now.distance + dt, knot)) if dt < left else target
+                middle, after, error = self._two_stages(dt, before, now, *end)
+                deepest = max(deepest, abs(after.press.indentation))
+                relative = error / (tolerance * deepest)
                 longer = _quantised(dt * min(4.0, 0.8 * max(relative, 1e-12) ** (-1 / 3)))
                 if relative > 1:
                     rejected, step = rejected + 1, longer
                 else:
-                    before, now = middle, after
+                    before, now = middle, self._taken(after)
                     errors.append(error)
                     # a step cut short by an output time says nothing against the longer ones
                     step = max(step, longer) if dt < step else longer
                 if len(errors) + rejected > MOST_STEPS:
                     raise SceneError(
-                        f"the march took more than {MOST_STEPS} steps to t = {now.time:.3g}: give "
-                        "a larger rtol"
+                        f"the march took more than {MOST_STEPS} steps to a sliding distance of "
+                        f"{now.distance:.3g}: give a larger rtol"
                     )
-            if relaxing:
-                break
-            now = now._replace(time=float(time))
-            states.append(now)
+            load, work = target
+            if load.force is not None and now.press.force != load.force:
+                press = self._press(self.moments + self.wear @ now.integral, load)
+                before = now = now._replace(press=press)
+            now = now._replace(distance=float(until), work=work)
+            if event in times:
+                states.append(now)
         steps = Steps(len(errors), rejected, error=sum(errors))
-        return self._history(times, states + relaxing, steps)
+        return self._history(loading.at(times).distance, states, steps)
+
+    def _at(self, time: float) -> tuple[Load, float]:
+        """Return the load at a time, and the integral of the force over the distance until then."""
+        state, greatest = self.loading.at(np.array([time])), self.load.force or 1.0
+        return self._load(float(state.force[0])), greatest * float(state.work[0])
 
     def implicit(self, times: Array, step: float) -> History:
         """March by implicit Euler in equal steps of at most `step` between output times."""
@@ -137,19 +175,29 @@ class ContactMarch:
         for time, count, length in zip(times, counts, np.diff(times, prepend=0.0), strict=True):
             dt = length / max(count, 1)
             for _ in range(count):
-                before, now = now, self._stage(dt, now.time + dt, now.integral, before, now)
-            now = now._replace(time=float(time))
+                distance = now.distance + dt
+                after = self._stage(dt, distance, now.integral, self.load, before, now)
+                before, now = now, self._taken(after)
+            now = now._replace(distance=float(time))
             states.append(now)
         return self._history(times, states, Steps(int(counts.sum())))
 
     def _begin(self) -> _Moment:
         self._iterations.clear()
-        return _Moment(0.0, self.start(), np.zeros(len(self.weights)))
+        self._path.clear()
+        self._since = None
+        return self._taken(_Moment(0.0, self.start(), np.zeros(len(self.weights))))
 
-    def _history(self, times: Array, moments: list[_Moment], steps: Steps) -> History:
+    def _taken(self, now: _Moment) -> _Moment:
+        """Note where a step has come to."""
+        area = float(self.weights @ now.press.contact / self.weights.sum())
+        self._path.append((now.distance, now.press.indentation, now.press.force, area))
+        return now
+
+    def _history(self, distances: Array, moments: list[_Moment], steps: Steps) -> History:
         presses = [moment.press for moment in moments]
         return History(
-            times,
+            distances,
             np.array([press.pressure for press in presses]),
             np.array([moment.integral for moment in moments]) / self._softness,
             np.array([press.indentation for press in presses]),
@@ -162,7 +210,7 @@ class ContactMarch:
     @cached_property
     def _softness(self) -> Array:
         """(size,) the inverse of the wear coefficient at each node."""
-        return self.compliance.space.ring_indicator() @ (1 / self.wear_coefficients)
+        return 1 / self.compliance.space.at_vertices(self.wear_coefficients)
 
     def _contact(self, dt: float) -> Contact:
         """Return the contact problem of a stage, with its factor if a recent one was as long."""
@@ -174,22 +222,28 @@ class ContactMarch:
         return self._contacts[dt]
 
     def _stage(
-        self, dt: float, time: float, integral: Array, before: _Moment, now: _Moment
+        self, dt: float, distance: float, integral: Array, load: Load, before: _Moment, now: _Moment
     ) -> _Moment:
-        """Return the state at a time, from the integral without its own part of length `dt`."""
+        """Return the state at a distance, from the integral without its own part of length `dt`."""
         press = self._contact(dt).press(
-            self.moments + self.wear @ integral, self.load, _predicted(before, now, time)
+            self.moments + self.wear @ integral, load, _predicted(before, now, distance)
         )
         self._iterations.append(press.iterations)
-        return _Moment(time, press, integral + dt * press.pressure)
+        return _Moment(distance, press, integral + dt * press.pressure)
 
     def _two_stages(
-        self, dt: float, before: _Moment, now: _Moment
+        self, dt: float, before: _Moment, now: _Moment, load: Load, work: float
     ) -> tuple[_Moment, _Moment, float]:
         """Return the stage within a step, the state after it, and the error of the worn depth."""
-        middle = self._stage(GAMMA * dt, now.time + GAMMA * dt, now.integral, before, now)
-        part = now.integral + (1 - GAMMA) * dt * middle.press.pressure
-        after = self._stage(GAMMA * dt, now.time + dt, part, now, middle)
+        first, part = load, GAMMA * dt
+        if load.force is not None and load.force != now.press.force:
+            # what both stages wear is the integral of the force
+            rest = work - now.work - part * load.force
+            first = Load(max(rest / (dt - part), 0.0))
+        middle = self._stage(part, now.distance + part, now.integral, first, before, now)
+        integral = now.integral + (dt - part) * middle.press.pressure
+        after = self._stage(part, now.distance + dt, integral, load, now, middle)
+        after = after._replace(work=work)
         pressures = np.array([moment.press.pressure for moment in (now, middle, after)])
         # weights of the parabola through the start and the two stages, less those of the method
         second = 1 / (6 * GAMMA * (1 - GAMMA))
@@ -200,43 +254,102 @@ class ContactMarch:
 
     @cached_property
     def _full(self) -> RunningIn:
-        return RunningIn(self.compliance, self.wear_coefficients, continuous=False)
+        depth = self.load.indentation
+        return RunningIn(
+            self.compliance, self.wear_coefficients, continuous=False, indentation=depth
+        )
+
+    def _relaxed(self, since: _Moment, distances: Array) -> History:
+        """Return the history from full contact on, under the force 1 or the indentation."""
+        force = 1.0 if self.load.force is None else since.press.force
+        unworn, worn = self.moments / force, self.wear @ since.integral / force
+        work = since.work / force
+        return self._full.from_full_contact(distances, since.distance, work, unworn, worn)
+
+    @property
+    def path(self) -> Array:
+        """(S, 4) time, indentation, force, and area of contact over that of the face.
+
+        At the start, and after each step of the last march.
+        """
+        return np.array(self._path)
+
+    @property
+    def time_of_full_contact(self) -> float:
+        """When all of the face began to carry for good in the last march; NaN if it never did.
+
+        Steps end before and after; the area of contact grows in a straight line in between.
+        """
+        if self._since is None:
+            return np.nan
+        times, _, _, areas = self.path.T
+        partial = np.flatnonzero(areas < 1 - 1e-12)
+        if len(partial) < 2 or partial[-1] + 1 == len(times):
+            return self._since.distance
+        last = partial[-1]
+        growth = (areas[last] - areas[last - 1]) / (times[last] - times[last - 1])
+        ahead = (1 - areas[last]) / growth if growth > 0 else np.inf
+        return float(min(times[last] + ahead, times[last + 1]))
+
+    @property
+    def slowest_time(self) -> float:
+        """The slowest relaxation time of the full face."""
+        return float(self._full.slowest_times[0])
+
+    def left(self, times: Array | None = None) -> tuple[Array, Array]:
+        """Return times (T,), and how far the punch is from where wear tends to by each.
+
+        By the approach less steady wear, which may cross that, or by the force at a fixed
+        indentation. It is told at the steps of the last march, or at times after it found the
+        contact full: none if it did not.
+        """
+        force, steady = self.load.force, self._full.steady
+        if times is None:
+            times, depth, carried, _ = self.path.T
+        elif self._since is None:
+            return times[:0], times[:0]
+        else:
+            history = self._relaxed(self._since, times)
+            depth, carried = (force or 1.0) * history.indentation, history.force
+        if force is None:
+            return times, carried
+        limit = steady.pressure @ (force * steady.moments + self.moments)
+        return times, depth - force * steady.wear_rate * times - limit
 
     def _relaxing(self, now: _Moment, times: Array) -> list[_Moment]:
         """Return the states to come if contact stays full from now on, exact in time; else none."""
-        force = self.load.force
-        if force is None or not now.press.contact.all():
+        if not now.press.contact.all():
             return []
+        # modes know the force 1, or the indentation as it is
+        force = 1.0 if self.load.force is None else now.press.force
         fastest = float(self._full.relaxation_times[-1])
-        after = times - now.time
+        distances = self.loading.at(times).distance
+        after = distances - now.distance
         # times to look at, beside those asked for: contact is full while no pressure is negative
         between = np.geomspace(min(fastest, after[0]), after[-1], 64)
-        history = self._full.from_full_contact(
-            np.concatenate([times, now.time + between]),
-            now.time,
-            self.moments / force,
-            self.wear @ now.integral / force,
-        )
+        history = self._relaxed(now, np.concatenate([distances, now.distance + between]))
         if history.pressure.min() < 0:
             return []
-        states = []
-        for number, time in enumerate(times):
+        states, self._since = [], now
+        for number, distance in enumerate(distances):
             pressure = force * history.pressure[number]
             integral = force * history.profile[number] * self._softness
             depth = force * float(history.indentation[number])
             gap = pressure @ self.compliance.matrix + self.moments
             gap += self.wear @ integral - depth * self.weights
-            press = Press(pressure, gap, depth, force, now.press.contact, 0)
-            states.append(_Moment(float(time), press, integral))
+            carried = force * float(history.force[number])
+            press = Press(pressure, gap, depth, carried, now.press.contact, 0)
+            states.append(_Moment(float(distance), press, integral))
         return states
 
 
-def _predicted(before: _Moment, now: _Moment, time: float) -> Mask:
+def _predicted(before: _Moment, now: _Moment, distance: float) -> Mask:
     """Return which nodes will carry if pressures and gaps go on as they went."""
     ahead = 0.0
-    if now.time > before.time > 0:
-        # edges of the contact slow down, even in the logarithm of time
-        ahead = min(np.log(time / now.time) / np.log(now.time / before.time), 1.5)
+    if now.distance > before.distance > 0:
+        # edges of the contact slow down, even in the logarithm of distance
+        further = np.log(distance / now.distance)
+        ahead = min(further / np.log(now.distance / before.distance), 1.5)
     pressure = now.press.pressure + ahead * (now.press.pressure - before.press.pressure)
     gap = now.press.gap + ahead * (now.press.gap - before.press.gap)
     return np.where(now.press.contact, pressure > 0, gap < 0)

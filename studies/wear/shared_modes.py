@@ -102,10 +102,9 @@ class SharedModes:
     @cached_property
     def _rates(self) -> Array:
         """(C, size, r) basis on the rings of each material."""
-        wear = (
-            np.where(self.materials == number, 1.0, np.inf) for number in range(len(self._first))
-        )
-        return np.array([self.compliance.space.joined(of) @ self.basis for of in wear])
+        wear = (np.where(self.materials == number, 1.0, 0.0) for number in range(len(self._first)))
+        space, rates = self.compliance.space, self.compliance.space.joined() @ self.basis
+        return np.array([space.at_vertices(of)[:, None] * rates for of in wear])
 
     @cached_property
     def _moments(self) -> Array:

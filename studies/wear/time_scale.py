@@ -1,16 +1,19 @@
 """The time scale of running-in, before a run: the slowest relaxation time, by a coarse MDR.
 
-The slowest mode is a long wave, for which a few elements in each ring are enough.
+The slowest mode is a long wave, for which a few elements in each ring are enough. A face that is
+not flat first wears until all of it carries, about when its rigid overlap has worn off.
 """
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
 
 from ...mdr.transforms import line_density, panel_quadrature
 from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import graded_breakpoints
-from ..problem.problem import Rings
+from ...meshes.radial import Array, graded_breakpoints
+from ..problem.problem import Problem, Rings
+from ..problem.sections import RUNNING_IN
 from .modes import BandedCholesky, slowest_times
 
 # with more rings it would take longer than many a run
@@ -19,21 +22,63 @@ MOST_RINGS = 64
 COARSE, FINE = (3, 1e-3, 0.3), (6, 1e-6, 0.2)
 
 
-def slowest_relaxation_time(rings: Rings, sizes: tuple[int, float, float] = COARSE) -> float:
+def running_in(problem: Problem, counts: Sequence[float]) -> Array:
+    """Return counts (T,) of the slowest relaxation time of the full face, non-dimensional.
+
+    Those of all of the running-in of a face that is not flat go from when it first spreads.
+    """
+    slowest = slowest_relaxation_time(problem.merged, problem.indentation is not None)
+    if problem.full_contact or list(counts) != RUNNING_IN:
+        return slowest * np.array(counts)
+    first, overlap = spreading(problem)
+    return np.append(0.0, np.geomspace(first, overlap + RUNNING_IN[-1] * slowest, 2 * len(counts)))
+
+
+def spreading(problem: Problem) -> tuple[float, float]:
+    """Return about when contact first spreads, and when all of the face carries, non-dimensional.
+
+    A wear that is a hundredth of the first indentation widens contact; that is about d of ``2 d
+    sqrt(A / pi) = F`` with the area A that the plane at d cuts off. A force F wears off the rigid
+    overlap in a time ``int (max f - f) / k dA / F``: of a sphere, ``a^4 = 4 R k F t / pi``. A fixed
+    indentation has no more to wear than its modes do: 0.
+    """
+    radii, heights = problem.profile.sampled()
+    between, areas = (radii[1:] + radii[:-1]) / 2, np.pi * np.diff(radii**2)
+    means = (heights[1:] + heights[:-1]) / 2
+    order = np.argsort(means)
+    depths, cut = means[order], np.cumsum(areas[order])
+    overlap = 0.0
+    if problem.indentation is None:
+        softness = 1 / problem.merged.at(between)
+        overlap = float((heights.max() - means) * softness @ areas)
+    stiffness = 2 * np.sqrt(cut / np.pi)
+    if problem.indentation is None:
+        at = int(np.searchsorted(depths * stiffness, 1.0))
+    else:
+        at = int(np.searchsorted(depths, problem.indentation)) - 1
+    at = min(max(at, 0), len(cut) - 1)
+    # d over the mean pressure, which is stiffness times d over the area
+    return float(0.01 * cut[at] / stiffness[at]), overlap
+
+
+def slowest_relaxation_time(
+    rings: Rings, fixed: bool, sizes: tuple[int, float, float] = COARSE
+) -> float:
     """Return the slowest relaxation time, non-dimensional, to a few digits.
 
-    NaN for more than `MOST_RINGS`.
+    Of pressures that carry no force, or of all at a fixed indentation. NaN for more than
+    `MOST_RINGS`.
     """
-    rings = rings.merged()
-    if len(rings.wear_coefficients) > MOST_RINGS:
+    if len(rings.widths) > MOST_RINGS:
         return float("nan")
-    return _slowest(tuple(rings.ring_edges), tuple(rings.wear_coefficients), sizes)
+    return _slowest(tuple(rings.ring_edges), tuple(map(tuple, rings.ends)), fixed, sizes)
 
 
 @lru_cache(maxsize=8)  # the anchors of every method ask for it
 def _slowest(
     ring_edges: tuple[float, ...],
-    wear_coefficients: tuple[float, ...],
+    wear_coefficients: tuple[tuple[float, ...], ...],
+    fixed: bool,
     sizes: tuple[int, float, float],
 ) -> float:
     degree, rim, grading = sizes
@@ -46,5 +91,5 @@ def _slowest(
     mass = to_pressure.T @ space.mass(rings.wear_coefficients) @ to_pressure
     positions, lengths = panel_quadrature(space)
     factor = np.sqrt(2 * lengths)[:, None] * (line_density(space, positions) @ to_pressure)
-    weights = to_pressure.T @ space.weights
+    weights = None if fixed else to_pressure.T @ space.weights
     return float(slowest_times(factor.T @ factor, BandedCholesky(mass), weights)[0])

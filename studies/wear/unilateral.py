@@ -116,6 +116,11 @@ class Contact:
         SolverError
             if no contact is found, which roundoff alone can cause
         """
+        if load.force == 0:
+            # it rests on the point nearest to the half-space
+            indentation = float((moments / self.weights).min())
+            gap, none = moments - indentation * self.weights, np.zeros(len(moments))
+            return Press(none, gap, indentation, 0.0, none > 0, 1)
         if start is None:
             start = self._coarse_start(moments, load)
         contact = self._not_empty(start, moments)

@@ -3,6 +3,9 @@
 What they ask for, what is refused, and what results say.
 """
 
+import argparse
+import csv
+
 import numpy as np
 import pytest
 from closed_forms import PowerPunch
@@ -14,6 +17,7 @@ from ringwear.studies.cli import main
 from ringwear.studies.crosscheck.agreement import AT_EDGES, remedy
 from ringwear.studies.methods.spaces import load_of
 from ringwear.studies.problem.defaults import cells_of
+from ringwear.studies.registry import STUDIES
 from ringwear.studies.wear.contact_edges import located
 
 LENGTH, MODULUS, FORCE = 2.0, 5.0, 0.3
@@ -58,7 +62,7 @@ def test_a_sphere_in_units():
     # F v0 t, shared out by the k of the rings that have touched
     assert np.sum(answer["worn_volume"] / WEAR) == pytest.approx(FORCE, rel=1e-12)
     assert answer["force_share"].sum(axis=1) == pytest.approx([1.0, 1.0], rel=1e-8)
-    for name in ("running_in_time", "time_to_90", "time_to_99"):
+    for name in ("time_to_90", "time_to_99"):
         assert np.isnan(answer[name]), name
     assert np.isnan(answer["pressure_max"][0]).all()
 
@@ -122,7 +126,7 @@ def test_files_are_those_of_this_punch(tmp_path):
     assert main(["run", write_scene(scene, tmp_path), "--out", str(out), "--csv"]) in (0, 3)
     files = {file.name for file in out.iterdir()}
     assert {"contact.png", "history.png", "results.nc", "contact_edges.csv"} <= files
-    assert not {"half_space.vtu", "stress.png"} & files
+    assert {"half_space.vtu", "stress.png", "mesh.png"} <= files
     page = (out / "report.html").read_text("utf-8")
     assert "of the unworn face plane" in page
     assert "flat punch</td>" not in page
@@ -134,11 +138,10 @@ def test_a_remedy_is_an_accuracy_to_ask_for(scene):
     assert told.endswith("rtol = 1e-04 would decide it")
 
 
-def test_what_is_of_flat_punches_only_is_refused_before_it_is_computed(
-    tmp_path, monkeypatch, capsys
-):
+def test_what_no_history_has_is_refused_before_it_is_computed(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("ringwear.studies.crosscheck.run.solved_to_accuracy", None)
-    path = write_scene(SPHERE.changed(output__field_times=[0.1]), tmp_path)
+    scene = SPHERE.changed(output__field_times=[0.1], output__quantities=["steady"])
+    path = write_scene(scene, tmp_path)
     assert main(["run", path, "--out", str(tmp_path / "out")]) == 2
     assert "output.field_times" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
@@ -238,10 +241,6 @@ def table(radii, heights):
             },
             "flat_radius",
         ),
-        (
-            {"punch__recess": [0.0, 0.01, 0.0], "wear__times": "running-in"},
-            "known for flat punches",
-        ),
     ],
 )
 def test_what_is_no_punch_is_refused(changes, words):
@@ -253,8 +252,6 @@ def test_what_is_no_punch_is_refused(changes, words):
 def test_heights_that_do_not_fit_are_refused():
     with pytest.raises(SceneError, match="missing, 0 or more"):
         _ = SCENE.with_heights(lambda r: r - 0.5).problem
-    with pytest.raises(SceneError, match="known for flat punches"):
-        SCENE.changed(wear__times={"tau": [0.1, 1.0]}).with_heights(lambda r: r)
 
 
 @pytest.mark.parametrize(
@@ -284,19 +281,52 @@ def test_an_indentation_that_does_not_touch_is_refused():
 @pytest.mark.parametrize(
     ("base", "axes", "keep", "words"),
     [
-        ("sphere", {"accuracy.rtol": [1e-2, 1e-3]}, None, "sweeps are over flat punches"),
-        (
-            SCENE,
-            {"punch.recess": [[0.0, 0.0, 0.0], [0.0, 0.1, 0.0]]},
-            None,
-            "sweeps are over flat punches",
-        ),
-        (SCENE, {"accuracy.rtol": [1e-2, 1e-3]}, ["contact_radius"], "no quantity of a flat punch"),
+        ("sphere", {"accuracy.rtol": [1e-2, 1e-3]}, ["relaxation_time"], "no quantity of such"),
+        ("sphere", {"load.indentation": [-1.0, 0.1]}, None, "load.indentation = -1"),
+        (SCENE, {"accuracy.rtol": [1e-2, 1e-3]}, ["contact_radius"], "no quantity of such"),
     ],
 )
 def test_sweeps_refuse_at_the_door(base, axes, keep, words):
     with pytest.raises(SceneError, match=words):
         sweep(base, axes, keep=keep)
+
+
+def test_a_sweep_over_spheres_is_hertz():
+    axes = {"punch.profile.curvature_radius": [1.0, 2.0], "load.indentation": [0.01, 0.04]}
+    data = sweep(Scene.load("sphere").changed(methods=["mdr"], wear__times=[0.0, 1e-3]), axes)
+    assert data["indentation"].dims == ("indentation",)
+    start = data.sel(solver="mdr", time=0.0)
+    radius, depth = data["curvature_radius"], data["indentation"]
+    force = 4 / 3 * np.sqrt(radius) * depth**1.5
+    np.testing.assert_allclose(start["normal_force"], force, rtol=1e-6)
+    np.testing.assert_allclose(start["contact_radius"], np.sqrt(radius * depth), rtol=1e-6)
+    assert (data["status"] == 1).all()
+
+
+def test_a_sweep_takes_flat_and_recessed_punches():
+    scene = SCENE.changed(methods=["mdr"], wear__times=[0.0, 0.1], accuracy__rtol=1e-3)
+    recesses = [[0.0, 0.0, 0.0], [0.0, 0.1, 0.0]]
+    keep = ["worn_volume", "contact_radius", "relaxation_time", "force_share"]
+    data = sweep(scene, {"punch.recess": recesses}, keep=keep).sel(solver="mdr")
+    # what one lacks is NaN, and the other has it
+    for name, lacks in (("contact_radius", [True, False]), ("relaxation_time", [False, True])):
+        assert data[name][:, 0].isnull().values.tolist() == lacks
+    for recess, worn, share in zip(recesses, data["worn_volume"], data["force_share"], strict=True):
+        alone = run(scene.changed(punch__recess=recess)).answers["mdr"]
+        np.testing.assert_allclose(worn, alone["worn_volume"], rtol=1e-3)
+        np.testing.assert_allclose(share, alone["force_share"], atol=1e-3)
+
+
+def test_the_tradeoff_of_a_sphere(tmp_path):
+    scene = Scene.load("sphere").changed(wear__times=[0.0, 0.1])
+    told = STUDIES["tradeoff"].conduct(scene, tmp_path, argparse.Namespace(quick=True))
+    assert not [line for line in told if "failed" in line]
+    rows = list(csv.DictReader((tmp_path / "tradeoff.csv").open(encoding="utf-8")))
+    promised = [row for row in rows if row["group"].startswith(("indentation", "steady"))]
+    assert {row["method"] for row in promised} == {"mdr", "bem", "fem"}
+    assert len(promised) == len(rows) / 2 == 12
+    for row in promised:
+        assert float(row["error"]) <= float(row["setting"].removeprefix("rtol "))
 
 
 def test_studies_of_flat_punches_refuse(capsys):

@@ -77,6 +77,23 @@ def test_slides_go_from_the_flat_start_to_the_steady_state(result):
     json.dumps(shown, allow_nan=False)
 
 
+def test_slides_of_a_sphere_at_a_given_depth_scale_what_decays():
+    times = [0.0, 0.05, 1.0]
+    scene = Scene.load("sphere").changed(load={"indentation": 0.04}, wear__times=times)
+    shown = slides(run(scene.changed(methods=["mdr"])))
+    # heights of the face from its plane, against the unworn one
+    radii, worn = np.array(shown["radii"]), np.array(shown["profile"])
+    unworn = radii**2 / 2 / (0.5 * 2 * 0.04)
+    np.testing.assert_allclose(shown["beside"], unworn, rtol=1e-3)
+    np.testing.assert_allclose(worn[0], unworn, rtol=1e-3)
+    assert worn[1, 0] > 0.1
+    assert "unworn face" in shown["dotted"]
+    # each state in its own scale, as the last is hundreds of times lower
+    medians = [np.median([p for p in pressure if p > 0]) for pressure in shown["pressure"]]
+    assert (np.array(medians) < shown["highest"]).all()
+    assert shown["highest"][0] > 10 * shown["highest"][-1] > 0
+
+
 @pytest.mark.parametrize(
     ("changes", "states"),
     [

@@ -89,6 +89,9 @@ BAD_CHANGES = [
     ({"wear__tau": [0.1]}, "times = { tau = [...] }"),
     ({"accuracy__fem": {"mesher": "bisection", "degree": 5}}, "accuracy.fem bisection 2 to 4"),
     ({"accuracy__fem": {"mesher": "quads", "degree": 3}}, "accuracy.fem quads 4 to 16"),
+    ({"load__normal_force": {"times": [0.0, 1.0], "values": [1.0]}}, "load.normal_force 1 2 each"),
+    ({"load__sliding_speed": {"times": [0.0], "values": [0.0]}}, "load.sliding_speed all 0 above"),
+    ({"load__normal_force": {"tims": [0.0]}}, "load.normal_force.tims did you mean times"),
     ({"methods": ["direct", "astrology"]}, "methods astrology mdr"),
     ({"methods": ["direct", "direct"]}, "methods twice"),
     ({"output__radii": [0.5, 2.5]}, "output.radii 2.5"),
@@ -176,6 +179,31 @@ def test_two_ways_to_say_one_thing():
     assert GOOD.changed(half_space=young).problem.units.modulus == pytest.approx(1, rel=1e-15)
     mean = {"mean_pressure": 2 / (4 * np.pi)}
     assert GOOD.changed(load=mean).problem.units.force == pytest.approx(2, rel=1e-15)
+    mean["mean_pressure"] = {"times": [1.0, 2.0], "values": [0.0, mean["mean_pressure"]]}
+    varied = GOOD.changed(load=mean).problem
+    assert varied.units.force == pytest.approx(2, rel=1e-15)
+    assert varied.loading.at(np.array([0.5, 1.5, 3.0]) / varied.units.time).force.tolist() == [
+        0,
+        0.5,
+        1,
+    ]
+    # one value is a number
+    same = {"times": [3.0, 5.0], "values": [2.0, 2.0]}
+    assert not GOOD.changed(load__normal_force=same).problem.loading.varies
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"wear__times": "running-in"}, "running-in times as numbers"),
+        ({"wear__march": "implicit", "wear__step": 0.01}, "wear.march 'modal'"),
+        ({"methods": ["mdr-grid"]}, "mdr-grid load.normal_force numbers"),
+    ],
+)
+def test_what_a_load_that_varies_cannot_have(changes, words):
+    load = {"times": [0.0, 1.0], "values": [1.0, 2.0]}
+    changes = {"methods": ["mdr"], "load__normal_force": load} | changes
+    assert_refused(words.split(), lambda: run(GOOD.changed(**changes)))
 
 
 @pytest.mark.parametrize(("ratio", "count"), [(1.0, 1), (0.1, 2), (1.0, 5), (3.0, 4), (0.25, 16)])

@@ -1,0 +1,158 @@
+"""What is answered of punches whose contact opens, closes and spreads."""
+
+import numpy as np
+import pytest
+
+from ringwear import Scene, run
+from ringwear.studies.crosscheck.scope import time_scale
+from ringwear.studies.report.words import Account
+from ringwear.studies.wear.time_scale import spreading
+
+CURVATURE, FORCE = 3.0, 0.1
+
+
+def sphere(times, **changes):
+    """In other units than the natural ones."""
+    table = {
+        "punch": {
+            "radius": 2.0,
+            "rings": 1,
+            "wear_coefficients": [0.5, 0.5],
+            "profile": {"kind": "parabola", "curvature_radius": CURVATURE},
+        },
+        "half_space": {"plane_strain_modulus": 7.0},
+        "load": {"normal_force": FORCE, "sliding_speed": 3.0},
+        "wear": {"times": times},
+        "methods": ["mdr", "fem"],
+    }
+    return Scene.from_table(table).changed(**changes)
+
+
+def test_the_start_of_a_sphere_is_that_of_hertz():
+    result = run(sphere([0.0, 0.1]))
+    radius = (3 * FORCE * CURVATURE / 4 / 7.0) ** (1 / 3)
+    for answers in result.answers.values():
+        assert answers["contact_radius_start"] == pytest.approx(radius, rel=1e-6)
+        peak = 1.5 * FORCE / np.pi / radius**2
+        assert answers["pressure_peak_start"] == pytest.approx(peak, rel=1e-4)
+        assert answers["indentation_start"] == pytest.approx(radius**2 / CURVATURE, rel=1e-6)
+        # of a disc that spreads slowly not all is reached, and said to be so
+        assert np.isnan(answers["time_to_90"])
+        assert "time_to_full_contact" not in answers
+        assert "force_start" not in answers
+    assert "time_to_full_contact" not in result.dataset
+
+
+@pytest.mark.parametrize("name", ["cone", "recessed_binder"])
+def test_infinite_pressures_are_no_answer(name):
+    scene = Scene.load(name).changed(wear__times=[0.0], wear__steady=False)
+    answers = run(scene, methods=["mdr"]).answers["mdr"]
+    assert "pressure_peak_start" not in answers
+    assert "contact_radius_start" in answers
+
+
+@pytest.fixture(scope="module")
+def worn():
+    """A sphere that comes to bear: of 8.6e-3 a in a time of 5."""
+    return run(sphere([0.0, 0.2, 40.0], load__normal_force=20.0, accuracy__rtol=1e-3))
+
+
+def test_running_in_of_a_sphere_that_comes_to_bear(worn):
+    answers = worn.answers["mdr"]
+    early, late, full = (
+        float(answers[name]) for name in ("time_to_90", "time_to_99", "time_to_full_contact")
+    )
+    assert early < late < 40.0
+    # a finer run, by another method, passes there
+    times = np.sort(
+        [*np.linspace(0.0, 1.2 * late, 60), early, late, 0.94 * full, 1.06 * full, 40.0]
+    )
+    finer = run(sphere(times.tolist(), load__normal_force=20.0), methods=["bem"])
+    rate = float(finer.dataset.steady_wear_rate[0])
+    straight = finer.dataset.indentation.values[0] - rate * times
+    left = np.abs(straight - straight[-1])
+    left /= left.max()
+    assert left[np.isin(times, [early, late])] == pytest.approx([0.1, 0.01], rel=1e-2)
+    assert (left[times > late] < 0.01).all()
+    # all of the face carries from there on, to a step of the march
+    contact = finer.dataset.contact.values[0].all(axis=1)
+    assert contact[times > 1.05 * full].all()
+    assert not contact[times < 0.95 * full].any()
+    assert float(answers["running_in_time"]) == pytest.approx(
+        1.0 * 0.4852837728 * 2.0 / 7.0 / 0.5 / 3.0, rel=1e-5
+    )
+
+
+def test_the_words_tell_it(worn):
+    told = " ".join(Account(worn).sentences)
+    assert "All of the face carries after" in told
+    assert "Running-in takes" in told
+
+
+def test_the_force_of_a_given_indentation():
+    # the sphere at the depth that the force presses it to; forces halve where a finer run has half
+    depth = (3 * FORCE * CURVATURE / 4 / 7.0) ** (2 / 3) / CURVATURE
+    scene = sphere([0.0, 0.02, 0.04, 0.2], accuracy__rtol=1e-3, load={"indentation": depth})
+    result = run(scene, methods=["mdr"])
+    answers = result.answers["mdr"]
+    assert answers["force_start"] == pytest.approx(FORCE, rel=1e-6)
+    assert answers["force_end"] == float(result.dataset.normal_force[0, -1])
+    half = float(answers["time_to_half_force"])
+    finer = run(scene.changed(wear__times=[half], accuracy__rtol=1e-4), methods=["fem"])
+    assert float(finer.dataset.normal_force[0, 0]) == pytest.approx(FORCE / 2, rel=2e-3)
+    assert "The force falls from" in " ".join(Account(result).sentences)
+
+
+@pytest.mark.parametrize("name", ["cone", "recessed_binder", "rounded_rim"])
+def test_times_that_show_all_of_the_running_in(name):
+    scene = Scene.load(name).changed(wear__times="running-in", accuracy__rtol=1e-2)
+    assert Scene.from_toml(scene.to_toml()).wear.times == scene.wear.times
+    result = run(scene, methods=["mdr"])
+    answers, times = result.answers["mdr"], scene.wear.times
+    assert times[1] < 0.05 * answers["time_to_90"]
+    assert answers["time_to_99"] <= times[-1] < 10 * answers["time_to_99"]
+    # the first of them still sees the punch as it was
+    depth = result.dataset.indentation.values[0]
+    assert 0 < depth[1] - depth[0] < 0.01 * depth[0]
+    # and at the depth where it began, until it has lost its force
+    fixed = scene.changed(load={"indentation": float(depth[0])})
+    force = run(fixed, methods=["mdr"]).dataset.normal_force.values[0]
+    assert 0.98 * force[0] < force[1] < force[0]
+    assert force[-1] < 0.02 * force[0]
+
+
+def test_a_rigid_sphere_wears_off_its_overlap():
+    problem = sphere([0.0, 1.0]).problem
+    start, end = spreading(problem)
+    # a^4 = 4 R k F v t / pi, at the radius of the punch
+    worn = np.pi * 2.0**4 / (4 * CURVATURE * 0.5 * FORCE * 3.0)
+    assert end * problem.units.time == pytest.approx(worn, rel=1e-4)
+    assert start < 1e-3 * end
+    assert "contact spreads from" in time_scale(sphere([0.0, 1.0]))[0]
+
+
+def test_counts_of_the_slowest_time_of_the_full_face():
+    counts = {"tau": [0.0, 0.5, 2.0]}
+    shaped = sphere(counts).wear.times
+    flat = Scene.load("flat_punch").changed(wear__times=counts).problem.times
+    assert shaped[1] == pytest.approx(flat[1] * 2.0 / 7.0 / 0.5 / 3.0, rel=5e-3)
+    fixed = {"indentation": 0.1, "sliding_speed": 3.0}
+    held = sphere(counts, load=fixed)
+    assert held.wear.times[2] / shaped[2] == pytest.approx(1.7275 / 0.4852837728, rel=1e-2)
+
+
+def test_the_steps_of_the_march_are_stored(worn):
+    assert "step_time" not in worn.dataset
+    scene = worn.scene.changed(output__every_step=True, accuracy__rtol=1e-3)
+    stored = run(scene, methods=["mdr"]).dataset.isel(solver=0)
+    times = stored.step_time.values
+    assert (np.diff(times) > 0).all()
+    # it ends where modes go on, and passes through the start
+    assert times[0] == 0.0
+    assert times[-1] < stored.time[-1]
+    assert stored.step_normal_force.values == pytest.approx(20.0)
+    assert stored.step_contact_area[-1] == 1.0
+    assert (np.diff(stored.step_contact_area) >= 0).all()
+    assert float(stored.step_indentation[0]) == pytest.approx(
+        float(stored.indentation[0]), rel=1e-4
+    )

@@ -1,0 +1,124 @@
+"""A punch held at a fixed indentation: its force decays, and its wear ends."""
+
+import numpy as np
+import pytest
+from wear_reference import Reference
+
+from ringwear import Scene, run
+from ringwear.mdr import energy
+from ringwear.meshes import ContactCells
+from ringwear.studies.crosscheck.anchors import anchors
+from ringwear.studies.problem.profile import InitialProfile
+from ringwear.studies.wear.moments import moments
+from ringwear.studies.wear.moving_contact import ContactMarch
+from ringwear.studies.wear.unilateral import Load
+
+# slowest relaxation time of one ring; later, where an error of it by 1e-4 is one of F by 9e-4
+TAU, LATE = 1.7275, 8.7 * 1.7275
+TIMES = [0.0, 1e-3, 0.1, 1.0, LATE]
+
+
+def held(name="flat_punch", **changes):
+    # in other units than the natural ones: F is 2 a E* d = 2 at the start
+    scene = Scene.load(name).changed(load={"indentation": 1.0}, wear={"times": TIMES})
+    return scene.changed(methods=["mdr", "fem"], **changes)
+
+
+@pytest.fixture(scope="module", params=["flat_punch", "five_rings"])
+def result(request):
+    return run(held(request.param))
+
+
+def force_at(problem, times):
+    """Slowest time, and force (T,) at times > 0, by an independent problem of singular values."""
+    rings = problem.merged
+    punch = Reference(*rings, np.full(len(rings.widths), 1e-9))
+    _, singular, shapes = np.linalg.svd(punch.triangle)
+    carried = (shapes @ punch.weights.ravel()) ** 2 / singular**2
+    force = np.exp(-times[:, None] / singular**2) @ carried * problem.indentation
+    return singular[0] ** 2, force
+
+
+def test_the_force_decays_by_the_modes_of_all_pressures(result):
+    problem, later = result.scene.problem, slice(1, None)
+    slowest, force = force_at(problem, problem.times[later])
+    if len(problem.rings.widths) == 1:
+        assert slowest == pytest.approx(TAU, rel=1e-4)
+    for method in ("mdr", "fem"):
+        table = result.dataset.sel(solver=method)
+        assert table.relaxation_time[0] == pytest.approx(slowest * problem.units.time, rel=1e-8)
+        found = table.normal_force / problem.units.force
+        assert found[0] == pytest.approx(1.0, rel=1e-7)
+        wrong = np.abs(found[later] / force - 1)
+        assert (wrong <= table.normal_force_error[later] + 1e-9).all()
+        assert wrong.max() < 1e-6
+        assert table.ring_force.sum("ring").values == pytest.approx(table.normal_force.values)
+        assert (table.indentation == pytest.approx(1.0, rel=1e-12)).all()
+
+
+def test_the_force_is_the_answer(result):
+    problem, answers = result.scene.problem, result.answers["mdr"]
+    slowest, _ = force_at(problem, problem.times[1:])
+    unit = problem.units.time
+    assert answers["force_start"] == pytest.approx(problem.units.force, rel=1e-7)
+    assert answers["force_end"] == float(result.dataset.normal_force[0, -1])
+    assert answers["running_in_time"] == pytest.approx(slowest * unit, rel=1e-8)
+    half = np.array([float(answers["time_to_half_force"]) / unit])
+    assert force_at(problem, half)[1] == pytest.approx([0.5], rel=1e-6)
+    assert np.isnan(answers["time_to_90"])
+
+
+def test_wear_ends_where_nothing_presses(result):
+    assert result.verdict == "agree"
+    assert all(anchor.holds for anchor in result.anchors)
+    scene = result.scene.changed(wear__times=[1e3 * result.scene.problem.units.time * TAU])
+    end = run(scene, methods=["mdr"]).dataset
+    assert end.ring_worn_volume.sum() == pytest.approx(np.pi, rel=1e-12)
+    assert end.profile.values == pytest.approx(1.0, rel=1e-12)
+    assert "steady state" in result.summary["left_out"]
+
+
+@pytest.mark.parametrize("quantity", ["normal_force", "ring_worn_volume", "ring_force"])
+def test_anchors_feel_what_is_wrong(result, quantity):
+    table = result.reported("mdr")
+    table[quantity] = table[quantity] * np.where(np.arange(len(TIMES)) == 3, 1.002, 1.0).reshape(
+        -1, *[1] * (table[quantity].ndim - 1)
+    )
+    rows = anchors(result.scene, "mdr", table, result.solutions["mdr"])
+    assert any(not row.holds for row in rows)
+
+
+@pytest.mark.parametrize("march", ["implicit", "explicit"])
+def test_steps_of_a_flat_face_at_a_fixed_indentation(march):
+    exact = run(held(), methods=["mdr"]).dataset.normal_force.values[0, 3]
+    wrong = []
+    for step in (2e-3, 1e-3):
+        scene = held(accuracy__rtol=1e-2, accuracy__mdr={"degree": 1, "rim_size": 0.05})
+        scene = scene.changed(wear={"times": [1.0], "march": march, "step": step})
+        coarse = scene.changed(wear={"times": [1.0]})
+        forces = [run(each, methods=["mdr"]).dataset.normal_force[0, 0] for each in (scene, coarse)]
+        assert forces[1] == pytest.approx(exact, rel=1e-2)
+        wrong.append(float(forces[0] - forces[1]))
+    # of first order
+    assert wrong[0] / wrong[1] == pytest.approx(2.0, rel=0.02)
+
+
+def test_a_shaped_face_that_has_come_to_bear_decays_by_modes():
+    """As short implicit steps have it, extrapolated."""
+    rings, depth = np.array([0.0, 1.0]), 0.5
+    space = ContactCells(tuple(rings), 1 / 60, 1e-3).space()
+    profile = InitialProfile(rings, np.zeros(1), (lambda radii: 0.2 * radii**2,))
+    compliance, moved = energy.compliance(space), moments(profile, space)
+    march = ContactMarch(compliance, np.ones(1), moved, Load(None, depth))
+    times = np.array([2.0, 4.0, 8.0])
+    history = march.adaptive(times, 1e-7)
+    assert history.contact.all()
+    assert history.steps.taken < 400
+    coarse, fine = (march.implicit(times, step).force for step in (0.01, 0.005))
+    assert 2 * fine - coarse == pytest.approx(history.force, rel=1e-4)
+    # what is worn, and what the face lacks, fill the indentation but for what still presses
+    unworn = moved.sum()
+    left = np.pi * depth - unworn - history.profile @ space.weights
+    # under a uniform pressure the half-space moves by (4/pi) E(r), from 2 on the axis to 4/pi
+    assert (left >= 4 / np.pi * history.force).all()
+    assert (left <= 2 * history.force).all()

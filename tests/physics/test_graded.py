@@ -1,0 +1,118 @@
+"""Wear coefficients along the radius: the limit of many rings."""
+
+import numpy as np
+import pytest
+
+from ringwear import Scene, run
+from ringwear.mdr import energy
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.methods.norms import differences
+from ringwear.studies.methods.spaces import pressure_spaces
+from ringwear.studies.wear.full_contact import RunningIn
+
+SPHERE = {"profile": {"kind": "parabola", "curvature_radius": 1.0}}
+
+
+def scene(methods="mdr", **punch):
+    return Scene.from_table(
+        {
+            "methods": methods.split(),
+            "punch": {"radius": 1.0, **punch},
+            "half_space": {"plane_strain_modulus": 1.0},
+            "load": {"normal_force": 1.0},
+            "wear": {"times": [0.0, 0.001, 0.01, 0.1, 0.3, 1.0, 4.0, 5.0]},
+        }
+    )
+
+
+def along(*values, radii=(0.0, 1.0)):
+    return {"wear_coefficient": {"radii": list(radii), "values": list(values)}}
+
+
+@pytest.mark.parametrize("shape", [{}, SPHERE])
+def test_a_constant_table_is_the_plain_number(shape):
+    constant = {"rings": 1, "wear_coefficients": [3.0]}
+    table, number = (run(scene(**punch, **shape)).dataset for punch in (along(3.0, 3.0), constant))
+    for name in number.data_vars:
+        np.testing.assert_allclose(table[name], number[name], rtol=1e-13, atol=1e-13)
+
+
+def test_a_slope_of_zero_is_a_constant():
+    problem = scene(rings=3, wear_coefficients=[1.0, 0.2, 0.5]).problem
+    compliance = energy.compliance(pressure_spaces(problem)[0])
+    coefficients = problem.wear_coefficients
+    depths = [
+        RunningIn(compliance, wear).modal(problem.times).indentation
+        for wear in (np.array([coefficients, coefficients]), coefficients)
+    ]
+    np.testing.assert_allclose(*depths, rtol=1e-13)
+
+
+def test_many_rings_tend_to_it_at_second_order():
+    def times_and_depths(**punch):
+        chosen = {"output__quantities": ["indentation", "relaxation_time"]}
+        table = run(scene(**punch).changed(**chosen)).dataset
+        return np.append(table["relaxation_time"][0, 0], table["indentation"][0])
+
+    counts, errors, graded = 2 ** np.arange(1, 8, 2), [], times_and_depths(**along(1.0, 4.0))
+    for count in counts:
+        edges = np.arange(1, count + 1) / count
+        means = 1 + 3 * edges - 1.5 / count
+        rings = {"ring_edges": edges.tolist(), "wear_coefficients": means.tolist()}
+        wrong = np.abs(times_and_depths(**rings) / graded - 1)
+        errors.append([wrong[0], wrong[1:].max()])
+    orders = np.diff(np.log(errors), axis=0) / -np.log(4)
+    assert (np.abs(orders[1:] - 2) < 0.15).all()
+    assert (np.array(errors[-1]) < [3e-5, 2e-5]).all()
+
+
+@pytest.mark.parametrize(
+    "table",
+    [along(1.0, 4.0), along(1.0, 0.01), along(1.0, 2.0, 0.5, 1.0, radii=(0.3, 0.4, 0.4, 1))],
+)
+def test_methods_agree_and_errors_stated_are_above_the_true_ones(table):
+    given = scene("mdr fem bem", **table)
+    result = run(given)
+    assert result.summary["verdict"] == "agree"
+    assert all(anchor.holds for anchor in result.anchors)
+    finer = run(given.changed(accuracy__rtol=1e-7), methods=["bem"]).solutions["bem"].checked
+    for solution in result.solutions.values():
+        for name, error in differences(solution.checked, finer, given.problem.face).items():
+            error, stated = np.atleast_1d(error)[:3], np.atleast_1d(solution.errors[name])[:3]
+            assert (error <= stated).all(), name
+
+
+@pytest.mark.parametrize(("last", "shape"), [(4.0, {}), (0.1, {}), (4.0, SPHERE)])
+def test_steady_pressure_is_the_wear_rate_over_the_coefficient(last, shape):
+    result = run(scene("mdr fem", rings=2, **along(1.0, last), **shape))
+    table, slope = result.dataset, last - 1
+    # F / int dA / k
+    rate = slope / (2 * np.pi * (1 - np.log(last) / slope))
+    np.testing.assert_allclose(table["steady_wear_rate"], rate, rtol=1e-9)
+    for pressures in table["steady_pressure"]:
+        np.testing.assert_allclose(pressures, rate / (1 + slope * table["radius"]), rtol=1e-5)
+    # harmonic means by area
+    forces = rate * np.pi * np.array([0.25, 0.75]) / table["wear_coefficient"]
+    np.testing.assert_allclose(table["force_share"][0, 1], forces, rtol=1e-6)
+    # wear ends in it, from t = 4 to 5
+    np.testing.assert_allclose(table["indentation"].diff("time")[:, -1], rate, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("punch", "remedy"),
+    [
+        (along(1.0), "give a value for each of radii"),
+        (along(1.0, 2.0, radii=(0.5, 0.4)), "that do not decrease"),
+        (along(1.0, 0.0), r"wear_coefficient.values.1 = 0.0.*positive"),
+    ],
+)
+def test_tables_that_make_no_sense_are_refused(punch, remedy):
+    with pytest.raises(SceneError, match=remedy):
+        scene(**punch)
+
+
+def test_methods_that_know_constants_take_steps_of_it():
+    for method in ("direct", "mdr-grid"):
+        with pytest.raises(SceneError, match="many rings"):
+            run(scene(method, **along(1.0, 2.0)))
+        run(scene(method, **along(1.0, 2.0, radii=(0.5, 0.5))))

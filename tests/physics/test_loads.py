@@ -1,0 +1,227 @@
+"""Loads that vary: by superposition, by other marches, by balances, and by the sliding distance."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.linalg import solve
+
+from ringwear import Scene, run
+from ringwear.mdr import energy
+from ringwear.meshes import ContactCells
+from ringwear.studies.problem.loading import Loading
+from ringwear.studies.problem.problem import Rings
+from ringwear.studies.problem.profile import InitialProfile
+from ringwear.studies.wear.full_contact import RunningIn
+from ringwear.studies.wear.modes import mean_decay
+from ringwear.studies.wear.moments import moments
+from ringwear.studies.wear.moving_contact import ContactMarch
+from ringwear.studies.wear.unilateral import Load
+
+FIVE = Rings.alternating(5, 1.0, 10.0)
+STOP_AND_GO = Loading(
+    np.array([0.0, 0.1, 0.2, 0.3, 0.7]), np.ones(5), np.array([0.0, 1.0, 0.0, 0.0, 0.8])
+)
+
+
+def random_loading(count, rising, seed=1):
+    """Forces and speeds at random knots; both are zero now and then."""
+    draw = np.random.default_rng(seed)
+    forces = draw.uniform(0, 1, count + 1)
+    forces[[0, count // 3]] = 0.0
+    speeds = draw.uniform(0, 1, count + 1) * (draw.uniform(0, 1, count + 1) > 0.2)
+    forces = np.sort(forces) if rising else forces
+    return Loading(np.append(0, np.cumsum(draw.uniform(0.1, 1, count))) / count, forces, speeds)
+
+
+def compliance(cells=40, edge=1e-3):
+    return energy.compliance(ContactCells(tuple(FIVE.ring_edges), 1 / cells, edge).space())
+
+
+def wear_by_modes(half_space, loading):
+    wear = FIVE.wear_coefficients
+    return RunningIn(half_space, wear, continuous=False, loading=loading)
+
+
+def march(half_space, loading, tolerance, times, height=None):
+    heights = () if height is None else (height,)
+    moved = moments(InitialProfile(FIVE.ring_edges, np.zeros(5), heights), half_space.space)
+    contact = ContactMarch(half_space, FIVE.wear_coefficients, moved, Load(1.0), loading)
+    return contact.adaptive(times, tolerance)
+
+
+@pytest.mark.parametrize("at", [0.0, 0.31, 0.87])
+def test_integrals_of_a_loading(at):
+    loading = random_loading(7, rising=False)
+    forces, speeds = (
+        lambda time, values=values: np.interp(time, loading.times, values)
+        for values in (loading.forces, loading.speeds)
+    )
+    knots = {"points": loading.times[1:], "epsabs": 1e-15}
+    slid, work = (quad(of, 0, at, **knots)[0] for of in (speeds, lambda t: forces(t) * speeds(t)))
+    state = loading.at(np.array([at]))
+    values = state.force[0], state.distance[0], state.work[0]
+    assert values == pytest.approx((forces(at), slid, work), abs=1e-14)
+    assert loading.time_at(slid, int(state.knot[0])) == pytest.approx(at, abs=1e-12)
+
+
+@pytest.mark.parametrize("bend", [-1.0, -0.3, -1e-9, 0.0, 1e-13, 1e-4, 0.7, 1.0])
+def test_what_is_left_of_a_rise(bend):
+    for decayed in (0.0, 1e-9, 0.3, 0.999, 1.001, 7.0, 40.0):
+        exact = quad(
+            lambda u, x=decayed: np.exp(-x * u * (1 + bend * (1 - u))), 0, 1, epsabs=0, epsrel=1e-13
+        )
+        value = mean_decay(np.array([[decayed]]), np.array([bend]))[0, 0]
+        assert value == pytest.approx(exact[0], rel=1e-11), decayed
+
+
+def check_same(space, history, depths, pressures, profiles):
+    """To roundoff: indentations, and fields in the root mean square."""
+    np.testing.assert_allclose(history.indentation, depths, rtol=1e-12)
+    for values, exact in ((history.pressure, pressures), (history.profile, profiles)):
+        wrong, whole = (
+            np.sqrt(np.sum(field * (space.mass() @ field.T).T, axis=1))
+            for field in (values - exact, exact)
+        )
+        assert (wrong <= 1e-12 * whole).all()
+
+
+def test_wear_goes_by_the_sliding_distance(prepare):
+    punch = prepare("five_rings", "mdr")
+    times = np.linspace(0, 1, 41)
+    varied = RunningIn(punch.compliance, punch.wear.wear_coefficients, loading=STOP_AND_GO)
+    history = varied.modal(times)
+    exact = punch.wear.modal(STOP_AND_GO.at(times).distance)
+    check_same(punch.space, history, exact.indentation, exact.pressure, exact.profile)
+
+
+def test_a_force_put_on_at_a_stop_is_a_second_flat_punch(prepare):
+    punch = prepare("five_rings", "mdr")
+    # half the force, as much again at a stop after a distance of 0.05
+    loading = Loading(
+        np.array([0.0, 0.1, 0.2, 0.3]), np.array([0.5, 0.5, 1.0, 1.0]), np.array([1.0, 0, 0, 1])
+    )
+    history = RunningIn(punch.compliance, punch.wear.wear_coefficients, loading=loading).modal(
+        np.array([0.05, 0.15, 0.2, 0.35, 2.0])
+    )
+    distances = history.distances
+    assert distances[1:3] == pytest.approx([0.05, 0.05], rel=1e-14)
+    first, second = punch.wear.modal(distances), punch.wear.modal(np.maximum(distances - 0.05, 0))
+    later = np.array([0.0, 0.25, 0.5, 0.5, 0.5])
+    exact = (
+        (0.5 * getattr(first, name).T + later * getattr(second, name).T).T
+        for name in ("indentation", "pressure", "profile")
+    )
+    check_same(punch.space, history, *exact)
+
+
+def implicit_euler(half_space, loading, steps):
+    """Pressure and depth at the last knot, by equal steps between knots: d b - A p = K int p."""
+    matrix, weights = half_space.matrix, half_space.space.weights
+    mass = half_space.space.mass(FIVE.wear_coefficients).toarray()
+    worn, start = np.zeros(len(weights)), solve(matrix, weights, assume_a="pos")
+    pressure = start / (weights @ start)
+    for begin, end in zip(loading.times[:-1], loading.times[1:], strict=True):
+        ends = np.linspace(begin, end, steps + 1)
+        lengths = np.diff(loading.at(ends).distance)
+        for length, force in zip(lengths, loading.at(ends[1:]).force, strict=True):
+            both = np.column_stack([weights, mass @ worn])
+            flat, lost = solve(matrix + length * mass, both, assume_a="pos").T
+            depth = (force + weights @ lost) / (weights @ flat)
+            pressure = depth * flat - lost
+            worn += length * pressure
+    return pressure, depth
+
+
+def test_a_thousand_random_rises_against_implicit_steps():
+    half_space, loading = compliance(12, 1e-2), random_loading(1000, rising=True)
+    last = loading.times[-1:]
+    exact = wear_by_modes(half_space, loading).modal(last)
+    errors = []
+    for steps in (2, 4):
+        pressure, depth = implicit_euler(half_space, loading, steps)
+        wrong = np.abs(pressure - exact.pressure[0]).max() / exact.pressure[0].max()
+        errors.append((wrong, abs(depth / exact.indentation[0] - 1)))
+    (coarse, deep), (fine, less_deep) = errors
+    assert coarse < 1e-4
+    assert coarse / fine == pytest.approx(2, rel=0.05)
+    assert deep / less_deep == pytest.approx(2, rel=0.05)
+
+
+def test_a_march_follows_the_modes_while_the_force_rises():
+    half_space, loading, times = compliance(), random_loading(20, True), np.linspace(0.1, 1.5, 8)
+    exact = wear_by_modes(half_space, loading).modal(times)
+    errors = []
+    for tolerance in (1e-5, 1e-7):
+        history = march(half_space, loading, tolerance, times)
+        assert history.force == pytest.approx(exact.force, rel=1e-12)
+        errors.append(np.abs(history.indentation / exact.indentation - 1).max())
+    assert errors[0] < 1e-4
+    # steps go by the third root, errors by their square
+    assert errors[1] < errors[0] / 10
+
+
+@pytest.mark.parametrize("height", [None, lambda radii: 0.5 * radii**2], ids=["flat", "sphere"])
+def test_a_force_taken_off_at_a_stop_and_put_on_again_leaves_no_trace(height):
+    half_space, times = compliance(), np.array([0.1, 0.5, 1.0, 2.0])
+    stop = Loading(
+        np.array([0.0, 0.2, 0.3, 0.4, 0.5, 0.6]),
+        np.array([1.0, 1.0, 1.0, 0.0, 1.0, 1.0]),
+        np.array([1.0, 1.0, 0.0, 0.0, 0.0, 1.0]),
+    )
+    distances = stop.at(times).distance
+    history = march(half_space, stop, 3e-8, times, height)
+    whole = march(half_space, Loading(), 3e-8, distances, height)
+    # and a scene of its own for what comes after the stop
+    assert history.indentation[1:] != pytest.approx(whole.indentation[0], rel=1e-3)
+    assert history.indentation == pytest.approx(whole.indentation, rel=3e-6)
+    assert np.abs(history.profile - whole.profile).max() < 3e-6 * whole.indentation[-1]
+
+
+@pytest.mark.parametrize("height", [None, lambda radii: 0.5 * radii**2], ids=["flat", "sphere"])
+def test_what_is_worn_is_the_integral_of_the_force(height):
+    half_space, loading = compliance(), random_loading(25, rising=False)
+    times = np.union1d(loading.times[1:], np.linspace(0.05, 2, 9))
+    history = march(half_space, loading, 1e-4, times, height)
+    ring = half_space.space.ring_indicator() @ np.arange(5)
+    carried = history.profile / FIVE.wear_coefficients[ring.astype(int)]
+    assert carried @ half_space.space.weights == pytest.approx(loading.at(times).work, rel=1e-10)
+    forces = loading.at(times).force
+    assert history.pressure @ half_space.space.weights == pytest.approx(forces, rel=1e-10)
+    # without force it rests on one point, and does not sink into the half-space
+    gaps = history.gap[forces == 0] / half_space.space.weights
+    assert gaps.min(axis=1) == pytest.approx([0], abs=1e-12)
+    assert history.gap.min() >= -1e-12 * np.abs(history.indentation).max()
+
+
+def test_methods_agree_on_a_force_that_rises():
+    """It rises at a stop, too, where pressures are infinite at the rim once more."""
+    result = run(
+        Scene.load("five_rings").changed(
+            methods=["mdr", "fem"],
+            load__normal_force={"times": [0.0, 0.1, 0.5], "values": [0.0, 1.0, 2.0]},
+            load__sliding_speed={"times": [0.2, 0.3, 0.4], "values": [0.0, 0.0, 2.0]},
+            wear__times=[0.0, 0.25, 0.5, 2.0],
+            accuracy__rtol=1e-3,
+        )
+    )
+    assert result.verdict == "agree"
+    assert all(row.agrees for row in result.agreement)
+    assert result.dataset.normal_force[0].values == pytest.approx([0, 1.375, 2, 2], rel=1e-12)
+
+
+def test_a_duty_cycle():
+    result = run(Scene.load("duty_cycle").changed(accuracy__rtol=1e-3), methods=["mdr", "fem"])
+    for name in ("indentation", "ring_force", "ring_worn_volume", "normal_force"):
+        assert result.quantities[name] == "agree", name
+    assert all(anchor.holds for anchor in result.anchors)
+    # differences are within what both state
+    assert all(row.difference <= row.uncertainty + 1e-12 for row in result.agreement)
+    data, load = result.dataset.sel(solver="mdr"), result.scene.load_.normal_force
+    forces = np.interp(data.time, load.times, load.values)
+    assert data.normal_force.to_numpy() == pytest.approx(forces, rel=1e-12)
+    # nothing touches, and nothing wears, from 4.5 s to 8 s
+    off = np.flatnonzero(forces == 0)[1:]
+    worn = data.ring_worn_volume.sum("ring").to_numpy()
+    assert worn[off[1]] == worn[off[0]] > 0
+    assert (data.contact_radius[off] == 0).all()
+    assert np.isnan(result.answers["mdr"]["time_to_90"])
