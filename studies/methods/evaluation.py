@@ -302,7 +302,12 @@ class MovingContact(Evaluation):
             lost = 0.25 * self._bends * self._per_depth
             least = np.maximum(least, np.where(later | (name != "profile"), lost, 0.0))
         if self._decays(name):
-            return 2 * np.maximum(least, self._unresolved)
+            # of a force in the end, when little of what was pressed in still overlaps, nothing is
+            # known but that it is small
+            force, full = self.marched.force, self.marched.contact.all(axis=1)
+            first = np.where(full, force, force.max())
+            decayed = first / np.maximum(force, np.finfo(float).tiny)
+            return 2 * np.maximum(least, np.minimum(self._unresolved * decayed, 5.0))
         heights = QUANTITIES[name].norm == "indentation" or name == "indentation"
         return np.maximum(least, self._unresolved) if heights else least
 

@@ -122,3 +122,22 @@ def test_a_shaped_face_that_has_come_to_bear_decays_by_modes():
     # under a uniform pressure the half-space moves by (4/pi) E(r), from 2 on the axis to 4/pi
     assert (left >= 4 / np.pi * history.force).all()
     assert (left <= 2 * history.force).all()
+
+
+def test_the_last_of_a_force_is_not_promised():
+    """Where next to nothing overlaps any more, a coarse run errs by all of it, and says so."""
+    scene = Scene.load("sphere").changed(
+        methods=["mdr"],
+        punch={"radius": 1.0, "rings": 3, "wear_coefficients": [0.1, 1.0]},
+        punch__profile={"kind": "parabola", "curvature_radius": 200.0},
+        load={"indentation": 2e-3},
+        wear={"times": [0.0, 10.0, 100.0]},
+    )
+    fine, coarse = (
+        run(scene.changed(accuracy__rtol=rtol)).dataset.isel(solver=0) for rtol in (1e-3, 1e-1)
+    )
+    errors = np.abs(coarse.normal_force / fine.normal_force - 1)
+    stated = coarse.normal_force_error + fine.normal_force_error
+    assert float(fine.normal_force[2]) < 1e-3 * float(fine.normal_force[0])
+    assert float(errors.max()) > 0.1
+    assert (errors <= stated).all()

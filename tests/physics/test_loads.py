@@ -7,7 +7,7 @@ from scipy.linalg import solve
 
 from ringwear import Scene, run
 from ringwear.mdr import energy
-from ringwear.meshes import ContactCells
+from ringwear.meshes import ContactCells, SceneError
 from ringwear.studies.problem.loading import Loading
 from ringwear.studies.problem.problem import Rings
 from ringwear.studies.problem.profile import InitialProfile
@@ -225,3 +225,9 @@ def test_a_duty_cycle():
     assert worn[off[1]] == worn[off[0]] > 0
     assert (data.contact_radius[off] == 0).all()
     assert np.isnan(result.answers["mdr"]["time_to_90"])
+
+
+def test_steps_are_told_of_one_load():
+    scene = Scene.load("duty_cycle").changed(output__every_step=True)
+    with pytest.raises(SceneError, match=r"output\.every_step"):
+        run(scene)
