@@ -24,7 +24,7 @@ from .sections import DEGREES
 TRUNCATION, WIDER_TRUNCATION = 2.5, 5.0
 # of quadrilaterals: a layer is smaller by this than the one outside it; elements between the
 # patches grow by that
-FACTOR, GROWTH = 0.25, 0.8
+FACTOR, GROWTH = 0.25, 0.5
 # smaller elements have too few digits left in their coordinates, which at the rim are distances
 # from 1
 SMALLEST, SMALLEST_RIM = 1e-12, 1e-14
