@@ -131,7 +131,7 @@ class _Reported:
         # differences are relative: nothing is held to while nothing presses
         self.pressing = self.problem.loading.at(times).force > 0
         self.checked, self.times = self.problem.checked[self.pressing], times[self.pressing]
-        self.forces, _, self.work, *_ = self.problem.loading.at(self.times)
+        self.forces, self.distances, self.work, *_ = self.problem.loading.at(self.times)
         self.later = self.work > 0
         self.fixed = self.problem.indentation is not None
         self.graded = self.problem.merged.linear
@@ -202,16 +202,17 @@ class _Reported:
 
     def check_decay(self) -> Rows:
         """Hold the force at a fixed indentation, which decays, to what it wears."""
-        force, passed = (
-            self._take("normal_force"),
-            np.diff(self.problem.loading.at(self.times).distance),
-        )
+        force = self._take("normal_force")
         if self.problem.full_contact and not self.times[0]:
             yield "flat start, F = 2 a E* d", force[0], 1.0, self._tolerate("normal_force")[0]
         if self.graded:
             return
         worn = (self._take("ring_worn_volume") / self.problem.wear_coefficients).sum(axis=1)
         error, lost = self._state("normal_force") * force, self._state("ring_worn_volume") * worn
+        # at a stop nothing changes
+        distances, at = np.unique(self.distances, return_index=True)
+        force, worn, error, lost = (values[at] for values in (force, worn, error, lost))
+        passed = np.diff(distances)
         doubt = EXACT * force[0] + error[1:] + error[:-1] + (lost[1:] + lost[:-1]) / passed
         rates, scale = np.diff(worn) / passed, np.maximum(force[:-1], np.finfo(float).tiny)
         between = np.clip(rates, force[1:], force[:-1])

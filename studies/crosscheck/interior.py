@@ -210,13 +210,13 @@ def held_against(
     modelled = 2 * max(0.0, problem.poisson_ratio - solid.highest_ratio)
     carries = (space.on_elements(np.zeros(1)) @ pressures[0].T > 0).T
     errors, reaches = list[list[float]](), list[float]()
-    for carried, pressure in zip(carries, pressures[0], strict=True):
+    for state, (carried, pressure) in enumerate(zip(carries, pressures[0], strict=True)):
         ends = space.breakpoints[np.diff(carried, prepend=False, append=False)]
         edges = np.union1d(problem.merged.ring_edges, ends)[1:]
-        reaches.append(reach := float(ends.max(initial=0.0)) or 1.0)
+        reach = float(ends.max(initial=0.0)) or 1.0
+        reaches.append(reach)
         force = float(space.weights @ pressure) or 1.0
         far = np.hypot(r - edges[:, None], z).min(axis=0) > NEAR * reach
-        state = len(errors)
         moved, stress = (fine[at][state, far] - coarse[at][state, far] for at in (2, 3))
         mean = 2 * P0 * force / reach**2
         # a norm: that of the difference is at least the difference of two

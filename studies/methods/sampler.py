@@ -122,8 +122,22 @@ class Sampler:
         ring_edges = self.problem.ring_edges
         on_rings = _ring_forces(self.space, ring_edges.tobytes()).T
         return self._of_pressures(
-            history, on_rings.__rmatmul__, lambda start: start.ring_forces(ring_edges)
+            history,
+            lambda pressures: np.asarray(pressures @ on_rings),
+            lambda start: start.ring_forces(ring_edges),
         )
+
+    def worn_volumes(self, history: History) -> Array:
+        """Return what has worn off each ring (T, N)."""
+        if self.problem.full_contact:
+            on_rings = _ring_forces(self.space, self.problem.ring_edges.tobytes())
+            return np.asarray(history.profile @ on_rings.T)
+        # k times the time integral of the pressure, which alone is in the space
+        rings, space = self.problem.merged, self.space
+        integral = history.profile / space.at_vertices(rings.wear_coefficients)
+        worn = integral @ (space.mass(rings.wear_coefficients) @ space.ring_indicator())
+        first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1])
+        return np.asarray(np.add.reduceat(worn, first, axis=1))
 
     def _carries(self, history: History, radii: Array) -> Array:
         """Return whether the punch touches (T, R) at radii."""
@@ -195,9 +209,8 @@ class Sampler:
             "ring_force": lambda: self.ring_forces(history),
         }
         if problem.indentation is not None or not problem.full_contact:
-            on_rings = _ring_forces(self.space, problem.ring_edges.tobytes())
             values["normal_force"] = lambda: self.ring_forces(history).sum(axis=1)
-            values["ring_worn_volume"] = lambda: history.profile @ on_rings.T
+            values["ring_worn_volume"] = lambda: self.worn_volumes(history)
         elif problem.loading.varies:
             values["normal_force"] = lambda: history.force
         if not problem.full_contact:
@@ -223,12 +236,7 @@ class Sampler:
             fitted = [(part.inner, part.outer) for part in history.pressed.start.intervals]
             for row in np.flatnonzero(history.pressed.force):
                 edges[row] = fitted
-        rings, space = self.problem.merged, self.space
-        pressed = history.profile / space.at_vertices(rings.wear_coefficients)
-        worn = pressed @ (space.mass(rings.wear_coefficients) @ space.ring_indicator())
-        first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1])
         values: Values = {
-            "ring_worn_volume": lambda: np.add.reduceat(worn, first, axis=1),
             "contact_radius": lambda: np.array([parts[-1][1] if parts else 0.0 for parts in edges]),
         }
         if not on_face:

@@ -141,3 +141,20 @@ def test_the_last_of_a_force_is_not_promised():
     assert float(fine.normal_force[2]) < 1e-3 * float(fine.normal_force[0])
     assert float(errors.max()) > 0.1
     assert (errors <= stated).all()
+
+
+@pytest.mark.parametrize("name", ["flat_punch", "sphere"])
+def test_a_stop_changes_nothing(name):
+    """The speed falls to zero and rises again, with times asked for in between."""
+    speed = {"times": [0.0, 0.5, 0.6, 1.0, 1.1], "values": [1.0, 1.0, 0.0, 0.0, 1.0]}
+    scene = Scene.load(name).changed(
+        methods=["mdr"],
+        load={"indentation": 0.1, "sliding_speed": speed},
+        wear={"times": [0.0, 0.3, 0.7, 0.9, 2.0]},
+        accuracy__rtol=1e-3,
+    )
+    result = run(scene)
+    assert all(anchor.holds for anchor in result.anchors)
+    forces = result.dataset.normal_force[0].values
+    assert forces[2] == pytest.approx(forces[3], rel=1e-12)
+    assert (np.diff(forces)[[0, 1, 3]] < 0).all()
