@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -78,20 +78,6 @@ class Solution:
         """
         shown = slice(COMPARED_MODES) if "mode" in QUANTITIES[name].dims else ...
         return float(np.max(self.errors[name][shown], initial=0.0))
-
-    def less_certain(self, lost: Mapping[str, Array], cause: str) -> "Solution":
-        """Return the same with further parts of its errors."""
-        errors = {name: _added(error, lost.get(name)) for name, error in self.errors.items()}
-        parts = {**self.parts, cause: float(lost.get("indentation", 0.0))}
-        return replace(self, errors=errors, parts=parts)
-
-
-def _added(error: Array, more: Array | None) -> Array:
-    """Return the sum of two parts of an error; of relaxation times, of those that both know."""
-    if more is None or not np.shape(more):
-        return error + (0.0 if more is None else more)
-    count = min(len(error), len(more))
-    return np.asarray(error[:count] + more[:count])
 
 
 @dataclass(frozen=True, eq=False)

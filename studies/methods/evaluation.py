@@ -28,7 +28,6 @@ from ..wear.full_contact import RunningIn
 from ..wear.history import History, Pressed
 from ..wear.moments import moments, unresolved_height
 from ..wear.moving_contact import ContactMarch
-from ..wear.shared_modes import SharedModes
 from .norms import Results
 from .sampler import Sampler
 from .spaces import load_of
@@ -116,16 +115,9 @@ class FullContact(Evaluation):
     ----------
     problem, compliance : on a space that suits singular pressures at ring edges and rim
     safety : what differences to a coarser one are multiplied by
-    shared : modes of several punches, in place of its own
     """
 
-    def __init__(
-        self,
-        problem: Problem,
-        compliance: Compliance,
-        safety: float = 1.5,
-        shared: SharedModes | None = None,
-    ) -> None:
+    def __init__(self, problem: Problem, compliance: Compliance, safety: float = 1.5) -> None:
         super().__init__(problem, compliance)
         self.safety = safety
         wear_coefficients = problem.merged.wear_coefficients
@@ -133,7 +125,6 @@ class FullContact(Evaluation):
             compliance,
             wear_coefficients,
             problem.earliest,
-            shared,
             indentation=problem.indentation,
             loading=problem.loading,
         )

@@ -28,7 +28,6 @@ from .base import Discretised, Method, Solution, method
 from .evaluation import Evaluation, FullContact, MovingContact
 from .norms import differences, radial_weight
 from .spaces import first_contact, load_at_start, pressure_spaces
-from .together import Together, worn_together
 
 
 class ComplianceMethod(Method):
@@ -127,27 +126,10 @@ def solve_in_full_contact(
     with stages("estimating"):
         compliances = made.compliance, made.coarser()
     with stages("marching" if len(problems[0].times) else "steady state"):
-        together = worn_together(problems, compliances, FullContact) if several else None
-        return [_in_full_contact(made, problem, compliances, together) for problem in problems]
-
-
-def _in_full_contact(
-    made: Discretised,
-    problem: Problem,
-    compliances: tuple[Compliance, Compliance],
-    together: Together | None,
-) -> Solution:
-    """Solve one flat punch, by modes that it shares with others if these lose next to nothing."""
-    if together:
-        fine, coarse = (
-            FullContact(problem, compliance, made.safety, modes)
-            for compliance, modes in zip(compliances, together.modes, strict=True)
-        )
-        lost = together.lost(fine.wear, problem)
-        if together.negligible(lost, problem.rtol):
-            return _solution(made, fine, coarse).less_certain(lost, "shared modes")
-    fine, coarse = (FullContact(problem, compliance, made.safety) for compliance in compliances)
-    return _solution(made, fine, coarse)
+        return [
+            _solution(made, *(FullContact(problem, each, made.safety) for each in compliances))
+            for problem in problems
+        ]
 
 
 def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: Stages) -> Solution:

@@ -205,7 +205,6 @@ def steady_state(
     compliance: Compliance,
     pressure: Array,
     projected: Callable[[Array], Array],
-    softness: Array | None = None,
 ) -> SteadyState:
     """Return the steady state, without any march: the forces of the rings add up to one.
 
@@ -213,13 +212,8 @@ def steady_state(
     ----------
     pressure : (size,) of the wear rate 1
     projected : moments (size,) -> coefficients of the displacement
-    softness : the compliance times the pressures of the wear rate 1, where it is known
     """
     wear_rate = 1 / (compliance.space.weights @ pressure)
     pressure = wear_rate * pressure
-    moments = (
-        compliance.factor.T @ (compliance.factor @ pressure)
-        if softness is None
-        else wear_rate * softness
-    )
+    moments = compliance.factor.T @ (compliance.factor @ pressure)
     return SteadyState(pressure, projected(moments), moments, float(wear_rate))

@@ -25,7 +25,6 @@ from ..problem.marching import Advance, take_steps
 from .flat_contact import FlatPress, FlatStart, SteadyState, flat_start, steady_state
 from .history import History
 from .modes import (
-    SHOWN,
     BandedCholesky,
     Modes,
     TooEarlyError,
@@ -33,7 +32,6 @@ from .modes import (
     excited_modes,
     slowest_times,
 )
-from .shared_modes import SharedModes, steady_rate
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +45,6 @@ class RunningIn:
         edge of each, linear between
     earliest : sliding distance > 0 before which no history is wanted, so that a large punch needs
         few of its modes; 0: all of them
-    shared : the span of the histories of punches that differ in wear alone; its modes stand for
-        those of this one
     continuous : whether the wear rate is, as it is from a flat start on; else it may jump at ring
         edges, on a space of degree 1
     indentation : held fixed in place of the force 1, so that wear tends to no pressure at all
@@ -58,7 +54,6 @@ class RunningIn:
     compliance: Compliance
     wear_coefficients: Array
     earliest: float = 0.0
-    shared: SharedModes | None = None
     continuous: bool = True
     indentation: float | None = None
     loading: Loading = field(default_factory=Loading)
@@ -69,13 +64,12 @@ class RunningIn:
         if self.indentation is not None:
             nothing = np.zeros(self.compliance.space.size)
             return SteadyState(nothing, nothing, nothing, 0.0)
-        of_one = None if self.shared is None else self.shared.moments(self.wear_coefficients)[:, 0]
         if self.wear_coefficients.ndim == 2:
             # 1 / k is no polynomial: the pressure whose product with k is nearest to a constant
             pressure = self._to_pressure @ self._mass_factor.solve(self._weights)
         else:
             pressure = self.compliance.space.ring_indicator() @ (1 / self.wear_coefficients)
-        return steady_state(self.compliance, pressure, self._displacement, of_one)
+        return steady_state(self.compliance, pressure, self._displacement)
 
     def _displacement(self, moments: Array) -> Array:
         """Return the coefficients of a displacement by its moments against each pressure."""
@@ -117,8 +111,6 @@ class RunningIn:
 
     @cached_property
     def _mass(self) -> csr_matrix:
-        if self.shared is not None:
-            return self.shared.mass(self.wear_coefficients)
         return (
             self._to_pressure.T
             @ self.compliance.space.mass(self.wear_coefficients)
@@ -161,8 +153,6 @@ class RunningIn:
     @cached_property
     def modes(self) -> Modes:
         moments = self._moments
-        if self.shared is not None:
-            return self.shared.modes(self.wear_coefficients, moments)
         # singular values would take minutes
         large = len(moments) > 700
         gentle = large or self.gentle
@@ -251,7 +241,7 @@ class RunningIn:
     ) -> History:
         """Return the sum of the steady state of a force, or of no pressure, and of modes."""
         steady = self.steady
-        rates, displaced = self._sums(excited)
+        rates = excited @ self.modes.shapes.T
         pressure = np.outer(forces, steady.pressure) + rates @ self._to_pressure.T
         if self.indentation is None:
             # reciprocity with the steady pressures, int p_s dA = 1: d = p_s . A p + int f p_s dA,
@@ -263,50 +253,10 @@ class RunningIn:
             forces = pressure @ self.compliance.space.weights
         # f = d - u: slopes of small elements would show the roundoff of a sum of what wore
         gap = np.outer(indentation, self._weights) - (
-            (np.outer(forces, steady.moments) + unworn) @ self._to_pressure + displaced
+            (np.outer(forces, steady.moments) + unworn) @ self._to_pressure + rates @ self._energy
         )
         profile = self._mass_factor.solve(gap.T).T @ self._to_profile.T
         return History.in_full_contact(distances, pressure, profile, indentation, forces)
-
-    def _sums(self, shares: Array) -> tuple[Array, Array]:
-        """(T, n) wear rates that are sums of modes by (T, m) shares, and what they displace,
-        against each.
-        """
-        within = shares @ self.modes.shapes.T
-        if self.shared is not None:
-            moments = within @ self.shared.moments(self.wear_coefficients).T @ self._to_pressure
-            return within @ self.shared.basis.T, moments
-        return within, within @ self._energy
-
-    def rates(self, times: Array) -> Array:
-        """(n, T + SHOWN) wear rates, less the steady one, at times, and those of the
-        slowest modes.
-        """
-        modes = self.modes
-        left = np.exp(-times[:, None] / modes.relaxation) * modes.amplitudes
-        return np.column_stack([self._sums(left)[0].T, modes.shapes[:, :SHOWN]])
-
-    def left_out(self, times: Array) -> float:
-        """The greatest share of the wear rate at times > 0 that shared modes leave out, in the root
-        of the mean square.
-
-        It shows in two ways to the profile: what the half-space leaves of the indentation, and the
-        sum of what wore.
-        """
-        modes, steady = self.modes, self.steady.wear_rate * steady_rate(self.compliance)
-        decay = np.exp(-times[:, None] / modes.relaxation)
-        rate = steady + self._sums(decay * modes.amplitudes)[0]
-        worn = (
-            steady * times[:, None]
-            + self._sums((1 - decay) * modes.amplitudes * modes.relaxation)[0]
-        )
-        lost = (self.modal(times).profile - worn @ self._to_profile.T) / times[:, None]
-        mass = self.compliance.space.mass(1 / self.wear_coefficients)
-        squares = [
-            np.sum(field * (mass @ field.T).T, axis=1)
-            for field in (lost, rate @ self._to_profile.T)
-        ]
-        return float(np.sqrt((squares[0] / squares[1]).max()))
 
     @cached_property
     def _start(self) -> Array:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -15,13 +14,10 @@ import xarray
 from ringwear import Scene, run, sweep
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
-from ringwear.studies.methods.base import method
-from ringwear.studies.methods.norms import differences
 from ringwear.studies.paper import gradients
 from ringwear.studies.problem.defaults import sharpness
-from ringwear.studies.problem.quantities import COMPARED_MODES, QUANTITIES, error_name
+from ringwear.studies.problem.quantities import QUANTITIES, error_name
 from ringwear.studies.problem.shared import Shared, groups
-from ringwear.studies.progress import Stages
 from ringwear.studies.sweep.axes import ANSWERS, Sweep
 from ringwear.studies.sweep.store import Store, template
 from ringwear.studies.sweep.summary import draw
@@ -65,33 +61,6 @@ def test_scenes_are_those_of_run(small, ratio, rings, force):
         assert there[name].dims == alone[name].dims
         assert there[name].notnull().any()
         np.testing.assert_allclose(there[name], alone[name], rtol=1e-3, err_msg=name)
-
-
-def test_many_punches_share_their_modes():
-    """Each differs from its own modes by no more than is stated of that, a small part of the
-    accuracy.
-    """
-    scenes = [
-        FIVE.changed(punch__wear_coefficients=[1.0, float(ratio)])
-        for ratio in np.geomspace(0.1, 8.0, 16)
-    ]
-    problems, mdr = [scene.problem for scene in scenes], method("mdr")
-    together = mdr.solve_all(problems, Stages("mdr"))
-    for problem, shared in zip(problems[::4], together[::4], strict=True):
-        assert shared.parts["shared modes"] <= 0.25 * problem.rtol
-        alone = mdr.solve(Shared.of([problem, *problems]), Stages("mdr"))
-        for name, difference in differences(shared.checked, alone.checked, problem.face).items():
-            compared = slice(COMPARED_MODES if name == "relaxation_time" else None)
-            stated, by_itself = (
-                np.atleast_1d(solution.checked_error(problem, name))[compared]
-                for solution in (shared, alone)
-            )
-            assert np.max(np.atleast_1d(difference)[compared]) <= np.max(stated), name
-            assert (stated >= 0.6 * by_itself).all(), name
-    # too few to be worth it, and a march in steps
-    stepped = [replace(problem, march="implicit", step=0.1) for problem in problems]
-    for others in (problems[:5], stepped):
-        assert "shared modes" not in mdr.solve_all(others, Stages("mdr"))[0].parts
 
 
 def test_loads_share_modes(small):
