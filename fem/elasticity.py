@@ -15,7 +15,7 @@ from scipy.sparse.linalg import splu
 from skfem import Element, ElementQuadP, Mesh
 from skfem.assembly import Dofs
 
-from ..meshes.half_space import LOWER, facet_ends, segments
+from ..meshes.half_space import DEEP, LOWER, facet_ends, segments
 from ..meshes.radial import Array, Indices
 from ..meshes.sizes import LOWEST
 from .condensation import symmetric
@@ -75,6 +75,7 @@ class AxisymmetricElasticity:
     own_element : an H1 element of scikit-fem's, or of one's own, of that degree along a side;
         default `element_of_degree`
     highest_ratio : Poisson's ratio that stands for any from there to 1/2
+    spared : how much lower the degree is in the subdomain `meshes.half_space.DEEP`
     """
 
     mesh: Mesh
@@ -82,6 +83,7 @@ class AxisymmetricElasticity:
     given_ratio: float
     own_element: Element | None = None
     highest_ratio: float = 0.49999
+    spared: int = 0
 
     @property
     def poisson_ratio(self) -> float:
@@ -116,10 +118,9 @@ class AxisymmetricElasticity:
         """(m,) degree in each element."""
         out = np.full(self.mesh.nelements, self.degree)
         for name, elements in (self.mesh.subdomains or {}).items():
-            if name.startswith(LOWER):
-                out[elements] = max(
-                    min(self.degree, LOWEST), self.degree - int(name.removeprefix(LOWER))
-                )
+            if name == DEEP or name.startswith(LOWER):
+                lower = self.spared if name == DEEP else int(name.removeprefix(LOWER))
+                out[elements] = max(min(self.degree, LOWEST), self.degree - lower)
         return out
 
     @cached_property

@@ -19,6 +19,8 @@ from .radial import Array, Indices
 # subdomains `degree -1`, `degree -2`, ... of a mesh: where the degree of the displacement may be so
 # much lower
 LOWER = "degree -"
+# where fields are smoothest: away from every edge, and below the surface
+DEEP = "deep"
 
 
 def as_half_space(mesh: Mesh, ring_edges: Array) -> Mesh:

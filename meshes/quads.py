@@ -20,7 +20,7 @@ from skfem import MeshQuad
 from . import gmsh_session
 from .errors import MeshError
 from .gmsh_session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
-from .half_space import LOWER, as_half_space, quality
+from .half_space import DEEP, LOWER, as_half_space, quality
 from .radial import Array, Indices
 from .sizes import LARGEST, Behind, Sharpness, beside, falls, patch_layers, patch_widths
 
@@ -54,7 +54,6 @@ class GradedQuads:
     factor : size of a layer over that of the layer outside it
     between : points (2, n) and quadrilaterals (4, m) outside the patches
     sharpness : where in the patches a lower degree will do
-    spared : how much lower the degree may be outside the patches, below the surface
     """
 
     ring_edges: Array
@@ -63,14 +62,13 @@ class GradedQuads:
     factor: float
     between: tuple[Array, Indices]
     sharpness: Behind
-    spared: int = 0
 
     @cached_property
     def mesh(self) -> MeshQuad:
         """The mesh.
 
         In its subdomains `degree -1`, `degree -2`, ... the degree of the displacement may be so
-        much lower.
+        much lower; what is outside the patches and below the surface is its subdomain `DEEP`.
 
         Raises
         ------
@@ -85,9 +83,8 @@ class GradedQuads:
         same = distance < 1e-6 * scale
         number = np.where(same, nearest, outside.shape[1] + np.cumsum(~same) - 1)
         cells = np.concatenate([number[quadrilaterals], between], axis=1)
-        deep = outside[1, between].min(axis=0) > 0
-        lower = np.append(lower, np.where(deep, self.spared, 0))
         parts = {f"{LOWER}{k}": np.flatnonzero(lower == k) for k in np.unique(lower[lower > 0])}
+        parts[DEEP] = len(lower) + np.flatnonzero(outside[1, between].min(axis=0) > 0)
         mesh = MeshQuad(np.concatenate([outside, points[:, ~same]], axis=1), cells)
         return as_half_space(mesh.with_subdomains(parts), self.ring_edges)
 
@@ -140,7 +137,6 @@ def graded(
     growth: float,
     outer: float,
     sharpness: Behind | None = None,
-    spared: int = 0,
 ) -> GradedQuads:
     """Mesh the quarter disc.
 
@@ -154,7 +150,6 @@ def graded(
     growth : growth of the elements with the distance from the patches
     outer : truncation radius of the half-space, in punch radii
     sharpness : where in the patches a lower degree will do; default as if nothing had been blunted
-    spared : how much lower it may be outside the patches, below the surface
 
     Raises
     ------
@@ -181,7 +176,7 @@ def graded(
     for way in ways:
         try:
             between = _between(ring_edges[1:], widths, growth, outer, way)
-            graded = GradedQuads(ring_edges, widths, layers, factor, between, sharpness, spared)
+            graded = GradedQuads(ring_edges, widths, layers, factor, between, sharpness)
             sine = quality(graded.mesh).min()
         except MeshError as error:
             reason = error

@@ -116,12 +116,12 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     highest = degree if given else max(degree, highest)
     # closer to incompressible, it takes that of the contact
     if not given and problem.poisson_ratio <= 0.499:
-        # estimates on quadrilaterals are 6 / 3^degree
-        degree = max(min(degree, ceil(log(6 / (SHARE * problem.rtol), 3))), 3)
+        # estimates on quadrilaterals are 8 / 3^degree
+        degree = max(min(degree, ceil(log(8 / (SHARE * problem.rtol), 3))), 3)
 
     def refine(degree: int) -> list[HalfSpace]:
         solids = [
-            replace(half_space.solid, degree=lower, highest_ratio=ratio)
+            replace(half_space.solid, degree=lower, highest_ratio=ratio, spared=0)
             for lower in (degree, degree - 1)
         ]
         return [

@@ -70,9 +70,7 @@ def _meshed(problem: Problem, mesher: str) -> Meshed:
 
     if mesher == "quads":
         sizes = defaults.quad_sizes(problem)
-        # the field below is smoother: a fifth of the degree less costs nothing that is reported
-        spared = sizes.degree // 5
-        between = sizes.factor, sizes.growth, sizes.truncation, sizes.sharpness, spared
+        between = sizes.factor, sizes.growth, sizes.truncation, sizes.sharpness
         layered = graded(problem.merged.ring_edges, sizes.ring_sizes, sizes.rim_size, *between)
         return Meshed(layered.mesh, mesher, layered)
     field = defaults.triangle_sizes(problem)
@@ -90,7 +88,8 @@ def half_space_on(problem: Problem, meshed: Meshed) -> "HalfSpace":
         if meshed.graded is None
         else defaults.quad_sizes(problem).degree
     )
-    solid = AxisymmetricElasticity(meshed.mesh, degree, problem.poisson_ratio)
+    # the field below is smoother: a fifth of the degree less costs nothing on the contact
+    solid = AxisymmetricElasticity(meshed.mesh, degree, problem.poisson_ratio, spared=degree // 5)
     poles = defaults.pole_orders(problem, truncation(meshed.mesh))
     return HalfSpace(solid, pressure_space(solid, problem.merged.ring_edges), poles)
 
