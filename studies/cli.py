@@ -14,16 +14,16 @@ from collections.abc import Callable
 from contextlib import suppress
 from enum import IntEnum
 from functools import partial
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..meshes.errors import RingwearError, SceneError
 from .output.folder import Folder, output_folder
 from .output.signals import ending_on_signals
-from .problem.scene import Scene, bundled
+from .problem.scene import Scene, bundled, text_of
 from .progress import show_progress
 from .registry import INTERRUPTED, STUDIES
+from .versions import versions
 
 if TYPE_CHECKING:
     from .figures.style import Picture
@@ -59,17 +59,11 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> Status:
-    from .output.files import INSIDE, TABLES, draw, make, write_numbers
+    from .output.files import run_files, write_numbers
 
     # nearly all that a run makes stays to its end: to search it for garbage takes a tenth of a run
     gc.set_threshold(50_000, 50, 50)
-    scene = Scene.load(options.scene)
-    if options.rtol is not None:
-        scene = scene.changed(accuracy__rtol=options.rtol)
-    if options.methods is not None:
-        scene = scene.changed(methods=_names(options.methods))
-    if options.quantities is not None:
-        scene = scene.changed(output__quantities=_names(options.quantities))
+    scene = Scene.of(options.scene, options.methods, options.rtol, options.quantities)
     from .crosscheck.sizes import beyond_memory, machine_memory, predict_memory
 
     if refusal := beyond_memory(predict_memory(scene), options.memory or machine_memory()):
@@ -79,11 +73,10 @@ def _run(options: argparse.Namespace) -> Status:
         from .figures.catalogue import PICTURES
 
         pictures = PICTURES
-    files = {"results.nc", "summary.json", "report.html", INSIDE, *TABLES.values()}
-    files |= {picture.file for picture in pictures}
     # that the folder can be written to is known before the work
-    with output_folder(_out(options, options.scene), "run", files) as folder:
+    with output_folder(_out(options, options.scene), "run", run_files(pictures)) as folder:
         from .crosscheck.run import run
+        from .report.page import show
         from .report.printed import print_account
         from .report.words import Account
 
@@ -92,22 +85,14 @@ def _run(options: argparse.Namespace) -> Status:
         account = Account(result)
         # nobody waits for the answer until all is drawn
         with suppress(BrokenPipeError):
-            print_account(account)
+            print_account(account, options.verbose)
             sys.stdout.flush()
-        failures = draw(result, pictures, folder.hidden)
-        if not (options.no_figures or options.no_report):
-            from .report.page import write_report
-
-            page = partial(write_report, result, account, pictures)
-            failures += make(folder.hidden / "report.html", page)
+        page = not (options.no_figures or options.no_report)
+        failures = show(result, account, pictures, folder.hidden, page)
     _print_files(folder, failures)
     if failures:
         return Status.FAILED
     return Status.DISAGREE if result.verdict == "disagree" or result.short_of else Status.DONE
-
-
-def _names(listed: str) -> list[str]:
-    return listed.replace(",", " ").split()
 
 
 def _out(options: argparse.Namespace, name: str) -> Path:
@@ -151,11 +136,11 @@ def _mesh(options: argparse.Namespace) -> Status:
     scene = Scene.load(options.scene)
     with output_folder(_out(options, options.scene), "mesh", ["mesh.vtu", "mesh.png"]) as folder:
         from ..meshes.half_space import quality
+        from .figures.mesh import write_mesh
         from .methods.fem import half_space_mesh
-        from .output.files import write_mesh
 
         meshed = half_space_mesh(scene.problem)
-        write_mesh(scene, meshed, folder.hidden)
+        write_mesh(scene, meshed.mesh, meshed.mesher, folder.hidden)
     mesh, shape = meshed.mesh, quality(meshed.mesh)
     kind = "triangles" if len(mesh.t) == 3 else "quadrilaterals"
     print(
@@ -172,16 +157,21 @@ def _mesh(options: argparse.Namespace) -> Status:
 def _compare(options: argparse.Namespace) -> Status:
     files = ("scenes.csv", "answers.csv", "comparison.png")
     with output_folder(_out(options, "compare"), "compare", files) as folder:
+        from .crosscheck.run import run
         from .figures.comparison import draw_comparison
         from .figures.style import save
-        from .report.comparison import answer_rows, both, scene_rows
+        from .output.stored import load
+        from .report.comparison import answer_rows, refuse_other_units, scene_rows
         from .report.printed import print_table
 
-        sides = both(options.A, options.B)
+        given = (options.A, options.B)
+        sources = [load(each) if Path(each).is_dir() else Scene.load(each) for each in given]
+        refuse_other_units(*(each if isinstance(each, Scene) else each.scene for each in sources))
+        sides = [run(each) if isinstance(each, Scene) else each for each in sources]
         tables = scene_rows(*sides), answer_rows(*sides)
         for file, table in zip(files, tables, strict=False):
             table.to_csv(folder.hidden / file, index=False)
-        save(folder.hidden / files[-1], draw_comparison, *zip(*sides, strict=True))
+        save(folder.hidden / files[-1], draw_comparison, *sides)
     print(f"A: {options.A}\nB: {options.B}")
     for table in tables:
         print()
@@ -236,7 +226,10 @@ def _sweep(options: argparse.Namespace) -> Status:
     return Status.DONE if agree else Status.DISAGREE
 
 
-def _scenes(_: argparse.Namespace) -> Status:
+def _scenes(options: argparse.Namespace) -> Status:
+    if options.name is not None:
+        print(text_of(options.name), end="")
+        return Status.DONE
     for name in bundled():
         print(f"{name:<18}{Scene.load(name).title}")
     return Status.DONE
@@ -263,7 +256,7 @@ COMMANDS = {
         _run,
         (
             *("scene", "--out", "--rtol", "--methods", "--quantities", "--no-figures"),
-            *("--no-report", "--csv", "--memory"),
+            *("--no-report", "--csv", "--memory", "--verbose"),
         ),
         "five_rings",
     ),
@@ -287,11 +280,12 @@ COMMANDS = {
             "--retry-failed",
         ),
     ),
-    "scenes": Command("list the bundled scenes", _scenes),
+    "scenes": Command("list the bundled scenes, or print one as TOML", _scenes, ("name",)),
 }
 FLAGS = {
     "--no-figures": "numbers only: neither figures nor the report",
     "--no-report": "figures, but no report.html",
+    "--verbose": "say all: rings, every difference, cost, what is modelled and what is left out",
     "--csv": "the results as CSV tables, too",
     "--check": "also condense it, and report the stability of the multipliers",
     "--quick": "a smaller version of the study",
@@ -302,6 +296,7 @@ FLAGS = {
 ARGUMENTS: dict[str, dict[str, Any]] = {
     **{flag: {"action": "store_true", "help": help} for flag, help in FLAGS.items()},
     "scene": {"help": "a TOML file or a bundled scene"},
+    "name": {"nargs": "?", "help": "a bundled scene, to start one of your own from"},
     "A": {"help": "a folder of `ringwear run`, a TOML file or a bundled scene"},
     "B": {"help": "another one"},
     "file": {"help": "a sweep file (studies/sweep/README.md), or a bundled sweep"},
@@ -336,7 +331,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Wear of a ringed punch on an elastic half-space: finite elements, "
         "dimensionality reduction and direct integration, side by side.",
     )
-    parser.add_argument("--version", action="version", version=f"ringwear {_version()}")
+    parser.add_argument("--version", action="version", version=f"ringwear {versions()['ringwear']}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
     for name, command in COMMANDS.items():
         taker = commands.add_parser(name, help=command.help)
@@ -359,13 +354,6 @@ def _add(parser: argparse.ArgumentParser, names: tuple[str, ...], scene: str | N
             help = f"{settings['help']} (default: {scene})"
             settings = {"nargs": "?", "default": scene, "help": help}
         parser.add_argument(name, **settings)
-
-
-def _version() -> str:
-    try:
-        return version("ringwear")
-    except PackageNotFoundError:
-        return "(not installed)"
 
 
 if __name__ == "__main__":

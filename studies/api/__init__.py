@@ -5,40 +5,56 @@ direct integration.
     what is computed: a TOML file or a bundled name, as ``Scene.load("five_rings")``;
     ``scene.changed(accuracy__rtol=1e-6)``
 `run`
-    compute a scene by every method it names: ``result = run(scene)``, then ``result.dataset``
-    (xarray), ``result.answers``, ``result.verdict_in_words``, ``result.summary``
+    compute a scene by every method it names: ``result = run("five_rings")``, then
+    ``result.dataset`` (xarray), ``result.answers``, ``result.verdict``, ``result.error(name)``,
+    ``result.plot()``, ``result.save(folder)``
+`load`
+    read results that were saved
 `plan`
     what a run will be made of and cost, by a coarse probe of it: lines of text
+`sweep`
+    scenes over axes of scene keys, in one labelled dataset
 
 Examples
 --------
->>> from ringwear import Scene, run
->>> result = run(Scene.load("five_rings").changed(methods=["direct"]))
+>>> from ringwear import run
+>>> result = run("five_rings", methods=["direct"])
 >>> float(result.dataset.steady_wear_rate.sel(solver="direct"))  # doctest: +ELLIPSIS
 0.994718...
 """
 
-from importlib import import_module
+from importlib import import_module as _import_module
 from typing import TYPE_CHECKING
 
 from ringwear.studies.problem.scene import Scene
 
 if TYPE_CHECKING:
     from ringwear.studies.crosscheck.plan import plan
-    from ringwear.studies.crosscheck.run import run
+    from ringwear.studies.results import load, run
     from ringwear.studies.sweep.conduct import sweep
 
-__all__ = ["Scene", "plan", "run", "sweep"]
+    __version__: str
+
+__all__ = ["Scene", "__version__", "load", "plan", "run", "sweep"]
 
 # a scene alone does not need the numerics that these bring in
-LATER = {
-    "run": "ringwear.studies.crosscheck.run",
+_LATER = {
+    "run": "ringwear.studies.results",
+    "load": "ringwear.studies.results",
     "plan": "ringwear.studies.crosscheck.plan",
     "sweep": "ringwear.studies.sweep.conduct",
 }
 
 
+def __dir__() -> list[str]:
+    return __all__
+
+
 def __getattr__(name: str) -> object:
-    if name in LATER:
-        return getattr(import_module(LATER[name]), name)
-    raise AttributeError(f"module 'ringwear' has no attribute {name!r}")
+    if name == "__version__":
+        return _import_module("ringwear.studies.versions").versions()["ringwear"]
+    if name in _LATER:
+        return getattr(_import_module(_LATER[name]), name)
+    raise AttributeError(
+        f"module 'ringwear' has no attribute {name!r}; it has {', '.join(__all__)}"
+    )

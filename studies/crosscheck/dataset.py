@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..methods.base import Method, Solution
 from ..methods.norms import common
@@ -28,7 +29,7 @@ from ..problem.quantities import (
     error_name,
 )
 from ..problem.scene import Scene
-from ..problem.unit_names import UNSTATED, UnitNames
+from ..problem.unit_names import NO_UNIT, UnitNames
 from ..progress import Stages
 from ..versions import versions
 from ..wear.modes import SHOWN
@@ -142,9 +143,14 @@ class Result:
 
     def gives(self, *quantities: str) -> bool:
         """Return whether a method gives all of some quantities that were asked for."""
-        wanted = all(map(self.scene.problem.wants, quantities))
-        given = (solution.results for solution in self.solutions.values())
-        return wanted and any(results.keys() >= set(quantities) for results in given)
+        variables = self.table.variables
+        if not variables.keys() >= set(quantities):
+            return False
+        given = (
+            np.isfinite(variables[name][1]).reshape(len(self.coordinates["solver"]), -1).any(axis=1)
+            for name in quantities
+        )
+        return bool(np.all(list(given), axis=0).any())
 
     def first_answer(self, key: str) -> Array:
         """Return an answer by the first method that gives it; NaN if none does."""
@@ -186,13 +192,13 @@ class Result:
 
     def reported(self, method: str) -> dict[str, Array]:
         """Return what a method reports, and the coordinates, by their names."""
-        row = list(self.solutions).index(method)
+        row = list(self.coordinates["solver"]).index(method)
         variables = self.table.variables.items()
         return self.coordinates | {name: values[row] for name, (_, values, _) in variables}
 
     def by_method(self, quantity: str, times: Any = ...) -> dict[str, Array]:
         """Return a quantity by each method that gives it, at all or at some of the times."""
-        given = zip(self.solutions, self.table.variables[quantity][1], strict=True)
+        given = zip(self.coordinates["solver"], self.table.variables[quantity][1], strict=True)
         chosen = {name: values[times] for name, values in given}
         return {name: values for name, values in chosen.items() if not np.isnan(values).all()}
 
@@ -207,6 +213,19 @@ class Result:
             for name, solution in self.solutions.items()
             for anchor in anchors(self.scene, name, self.reported(name), solution)
         )
+
+    def error(self, quantity: str) -> float:
+        """Return the greatest relative error that a method states of a quantity, at all times.
+
+        Raises
+        ------
+        SceneError
+            if no method states it
+        """
+        stated = self.table.variables.get(error_name(quantity))
+        if stated is None:
+            raise SceneError(f"no error of {quantity!r} is stated; dataset has all that are")
+        return float(np.nanmax(stated[1]))
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -249,7 +268,7 @@ def tabulate(result: Result) -> Table:
     }
 
     def describe(definition: str, kind: str) -> dict[str, str]:
-        return {"long_name": definition, "units": names.name(kind) or scene.units or UNSTATED}
+        return {"long_name": definition, "units": names.name(kind)}
 
     variables: Labelled = {}
     answers = {name: of for name, of in ANSWER.items() if of.always or gives(name)}
@@ -293,7 +312,7 @@ def tabulate(result: Result) -> Table:
             coordinates[dim] = ((dim,), np.arange(1, sizes[dim] + 1), {"long_name": meaning})
     about = {
         "title": scene.title,
-        "units": scene.units or UNSTATED,
+        "units": scene.units or NO_UNIT,
         "definitions": (
             "positive profile: material gone; in contact u_z = d - f; means over the radius "
             "(line) or area"

@@ -16,7 +16,7 @@ from ..methods.spaces import contact_cells, pressure_spaces
 from ..problem import defaults
 from ..problem.marching import steps_between
 from ..problem.problem import Problem
-from ..problem.scene import Scene
+from ..problem.scene import Scene, Source
 from .dataset import Result
 from .run import run
 from .scope import methods_of, refusals
@@ -100,12 +100,12 @@ def predict_seconds(scene: Scene) -> tuple[Result, dict[str, float]]:
     return result, seconds
 
 
-def plan(scene: Scene) -> list[str]:
+def plan(source: Source) -> list[str]:
     """Say how large each method's system will be, and what it will take by one coarse probe.
 
     Parameters
     ----------
-    scene : Scene
+    source : Scene, str, Path or dict
         What would be computed.
 
     Returns
@@ -113,6 +113,7 @@ def plan(scene: Scene) -> list[str]:
     list of str
         Lines of text: sizes, seconds on one thread, GiB, refusals and notes.
     """
+    scene = Scene.of(source)
     if refused := refusals(scene, methods_of(scene.methods)):
         return [f"refused: {reason}" for reason in refused]
     run(coarsen(scene))  # loads libraries, and is not timed

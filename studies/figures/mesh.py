@@ -1,5 +1,6 @@
 """The half-space: its mesh, and the stresses in it."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,12 +9,13 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from ...meshes.half_space import contact_radii, truncation
+from ...meshes.half_space import contact_radii, quality, truncation
 from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
 from ..crosscheck.interior import NEAR
+from ..problem.scene import Scene
 from .scale import Scale
-from .style import PAGE, RED, complete, hide_inner_ticks, new_panels, power_of_ten
+from .style import PAGE, RED, complete, hide_inner_ticks, new_panels, power_of_ten, save
 
 
 def draw_stress(result: Result) -> Figure:
@@ -106,3 +108,18 @@ def _draw_punch(axes: Any, depth: float, ring_edges: Array) -> None:
     axes.plot(ring_edges[[0, -1]], [-0.015 * depth] * 2, color=RED, linewidth=2)
     edges = ring_edges[1:-1]
     axes.plot(edges, np.full(len(edges), -0.03 * depth), "|", color=RED, markersize=3)
+
+
+def write_mesh(scene: Scene, mesh: Any, mesher: str, directory: Path) -> None:
+    """Write a mesh as scikit-fem does, in the scene's units and with its boundaries, and its
+    figure.
+
+    The file can be read back: by `skfem.Mesh.load`, and as a mesh of one's own by `ringwear study
+    refinement --mesh`.
+    """
+    from skfem.io.meshio import to_meshio
+
+    content = to_meshio(mesh.scaled(scene.punch.radius), cell_data={"quality": [quality(mesh)]})
+    content.points = np.column_stack([content.points, np.zeros(len(content.points))])
+    content.write(directory / "mesh.vtu", file_format="vtu")
+    save(directory / "mesh.png", draw_mesh, mesh, mesher, scene.problem.ring_edges)

@@ -79,7 +79,7 @@ class Scale:
         ):
             stored = size * getattr(units, kind)
             unit, name = self.names.readable(stored, kind)
-            self.axes[kind] = Axis(unit, name) if self.names.si else Axis(stored, "", symbol)
+            self.axes[kind] = Axis(unit, name) if self.names.base else Axis(stored, "", symbol)
         later = [time for time in scene.wear.times if time] or [0.0]
         self.axes["time"] = Axis(*self.names.readable(float(np.sqrt(later[0] * later[-1])), "time"))
         # where loads vary, late times have as much to show as early ones
@@ -124,14 +124,14 @@ class Scale:
 
     def worn(self, height: float) -> str:
         """Return a height, for people."""
-        if self.names.si:
+        if self.names.base:
             return self.names.write(height, "displacement", 2)
         return f"{self.shown('profile', height):.2g} d₀"
 
     @property
     def note(self) -> str:
         """What the axes are over."""
-        if self.names.si:
+        if self.names.base:
             return ""
         units, write = self.problem.units, self.names.write
         force = "F" if self.problem.indentation is None else "F = 2aE*d"

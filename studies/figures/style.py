@@ -5,6 +5,7 @@ Drawn without a display, readable in grey and in print, 89 mm or 183 mm wide.
 
 import textwrap
 from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -33,9 +34,14 @@ FAINT: dict[str, Any] = {"color": "0.4", "linewidth": 0.8, "linestyle": (0, (1, 
 PAGE = 183 / 25.4
 
 
+def in_style() -> AbstractContextManager[None]:
+    """Draw in this style, whatever the user's own."""
+    return rc_context(fname=Path(__file__).with_name("ringwear.mplstyle"))
+
+
 def save(path: Path, draw: Callable[..., Figure], *arguments: Any) -> None:
-    """Draw a figure in this style, whatever the user's own, and write it as PNG."""
-    with rc_context(fname=Path(__file__).with_name("ringwear.mplstyle")):
+    """Draw a figure and write it as PNG."""
+    with in_style():
         # little is gained by squeezing it longer
         draw(*arguments).savefig(path, pil_kwargs={"compress_level": 3})
 
@@ -58,6 +64,11 @@ class Picture(NamedTuple):
     caption: str
     draw: Callable[[Any], Figure]
     drawn_for: Callable[[Any], bool]
+
+    def figure(self, result: Any) -> Figure:
+        """Draw it."""
+        with in_style():
+            return self.draw(result)
 
     def write(self, result: Any, path: Path) -> None:
         """Draw it and write it as PNG."""

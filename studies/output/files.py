@@ -1,7 +1,7 @@
 """The files of a run and of a mesh: numbers, then what shows them, which loses no number."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from ..crosscheck.dataset import Result, Table
     from ..figures.style import Picture
-    from ..methods.fem import Meshed
-    from ..problem.scene import Scene
 
 INSIDE = "half_space.vtu"
 TABLES = {
@@ -34,6 +32,12 @@ TABLES = {
     ("step",): "steps.csv",
 }
 """Tables of the results, by the dimensions besides the method."""
+
+
+def run_files(pictures: Iterable["Picture"]) -> set[str]:
+    """Return the names of the files that a run with some pictures may write."""
+    numbers = {"results.nc", "summary.json", "report.html", INSIDE, *TABLES.values()}
+    return numbers | {picture.file for picture in pictures}
 
 
 def write_numbers(result: "Result", directory: Path, tables: bool = False) -> None:
@@ -124,23 +128,3 @@ def make(path: Path, write: Callable[[Path], object]) -> list[str]:
         reason, *_ = str(error).strip().splitlines() or [type(error).__name__]
         return [f"{path.name} could not be made: {reason}"]
     return []
-
-
-def write_mesh(scene: "Scene", meshed: "Meshed", directory: Path) -> None:
-    """Write a mesh as scikit-fem does, in the scene's units and with its boundaries, and its
-    figure.
-
-    The file can be read back: by `skfem.Mesh.load`, and as a mesh of one's own by `ringwear study
-    refinement --mesh`.
-    """
-    from skfem.io.meshio import to_meshio
-
-    from ...meshes.half_space import quality
-    from ..figures.mesh import draw_mesh
-    from ..figures.style import save
-
-    mesh = meshed.mesh
-    content = to_meshio(mesh.scaled(scene.punch.radius), cell_data={"quality": [quality(mesh)]})
-    content.points = np.column_stack([content.points, np.zeros(len(content.points))])
-    content.write(directory / "mesh.vtu", file_format="vtu")
-    save(directory / "mesh.png", draw_mesh, mesh, meshed.mesher, scene.problem.ring_edges)

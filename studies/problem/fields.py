@@ -12,7 +12,6 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    ValidationInfo,
     model_validator,
 )
 
@@ -155,13 +154,13 @@ class HeightTable(ProfileSection):
 
     @model_validator(mode="before")
     @classmethod
-    def _read_file(cls, table: dict[str, Any], info: ValidationInfo) -> dict[str, Any]:
+    def _read_file(cls, table: dict[str, Any]) -> dict[str, Any]:
         """Replace the file by its numbers: the scene is complete without it."""
         if "file" not in table:
             return table
         if "radii" in table or "heights" in table:
             raise ValueError("give either file, or radii and heights, and not both")
-        radii, heights = read_table(Path(info.context or "") / str(table["file"]))
+        radii, heights = read_table(Path(str(table["file"])))
         return {"kind": "table", "radii": radii, "heights": heights}
 
     @model_validator(mode="after")

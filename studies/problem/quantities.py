@@ -141,15 +141,16 @@ ANSWER = {
     "running_in_time": Quantity(
         (),
         "time",
-        "slowest relaxation time of the full face: what is left of running-in falls to 1/e in it",
+        "slowest relaxation time of the full face, in which what is left of running-in falls to "
+        "1/e: to compare punches by; to plan a test take time_to_99",
     ),
     "time_to_90": Quantity(
         (),
         "time",
-        "time by which the approach d(t), less steady wear, has made 90 % of its way to its "
+        "90 % of running-in are over: of the way of the approach d(t), less steady wear, to its "
         "steady value, from the start or where it is farthest from it",
     ),
-    "time_to_99": Quantity((), "time", "as time_to_90, for 99 %"),
+    "time_to_99": Quantity((), "time", "as time_to_90, for 99 %: running-in is over"),
     "pressure_min": Quantity(("state", "ring"), "pressure", "least contact pressure on each ring"),
     "pressure_max": Quantity(
         ("state", "ring"),

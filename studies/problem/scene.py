@@ -5,7 +5,7 @@ A TOML file in, a frozen and validated value out, and the non-dimensional proble
 
 import difflib
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from importlib.resources import files
 from itertools import pairwise
@@ -28,6 +28,7 @@ from .sections import (
     PunchSection,
     WearSection,
 )
+from .unit_names import without_quantities
 
 
 def check_method(method: str) -> str:
@@ -40,21 +41,33 @@ def check_method(method: str) -> str:
 class Scene(Section):
     """A complete, validated scene.
 
-    A frozen value, made by `load`, `from_toml` or `from_table`, varied by `changed`.
+    A frozen value, made by `load`, `from_toml` or `from_table`, or of its tables, varied by
+    `changed`.
 
     The tables `punch`, `half_space` and `load` are needed; the README has all keys. Numbers are in
-    any consistent units.
+    any consistent units, and any may be a quantity with its own, ``"20 mm"``.
 
     Raises
     ------
     SceneError
-        from `load` and `from_toml`, naming the key, the value and the remedy
+        naming the key, the value and the remedy
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     punch={"radius": "5 mm", "rings": 2, "wear_coefficients": [1e-14, "1e-4 mm^3/(N m)"]},
+    ...     half_space={"youngs_modulus": "2 GPa"},
+    ...     load={"normal_force": "100 N", "sliding_speed": 0.1},
+    ... )
+    >>> scene.units, scene.punch.radius, scene.half_space.youngs_modulus
+    ('SI', 0.005, 2000000000.0)
     """
 
     title: str = Field(default="", description="a line of text")
     units: str = Field(
         default="",
-        description="a line of text: the consistent units of the numbers, for labels only",
+        description="'SI', or consistent units of length, force, pressure and time, such as "
+        "'mm, N, MPa, s'",
     )
     methods: list[Annotated[str, AfterValidator(check_method)]] = Field(
         default=["mdr", "direct", "fem"],
@@ -67,6 +80,15 @@ class Scene(Section):
     wear: WearSection = WearSection()
     accuracy: AccuracySection = AccuracySection()
     output: OutputSection = OutputSection()
+
+    def __init__(self, /, **table: Any) -> None:
+        try:
+            super().__init__(**without_quantities(table))
+        except ValidationError as error:
+            raise SceneError(explain(error)) from None
+        if self.wear.tau is not None:
+            self.__dict__["wear"] = self._at_counts(self.wear.tau)
+            self.__dict__.pop("problem")  # it has counts for times
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -87,19 +109,28 @@ class Scene(Section):
     @classmethod
     def load(cls, source: str | Path) -> "Scene":
         """Read a scene from a file, or a bundled one by its name."""
-        path = Path(source)
-        if not path.exists() and str(source) in bundled():
-            path = Path(str(files("ringwear.studies"))) / "scenes" / f"{source}.toml"
-        try:
-            text = path.read_text("utf-8")
-        except UnicodeDecodeError:
-            raise SceneError(f"{source} is not a text file: a scene is TOML in UTF-8") from None
-        except OSError as error:
-            raise SceneError(
-                f"{source}: {str(error.strerror).lower()}; give a scene file, or one of "
-                f"{', '.join(bundled())}"
-            ) from None
-        return cls.from_toml(text, str(source), path.parent)
+        return cls.from_toml(text_of(source), str(source), Path(source).parent)
+
+    @classmethod
+    def of(
+        cls,
+        source: "Source",
+        methods: Sequence[str] | str | None = None,
+        rtol: float | None = None,
+        quantities: Sequence[str] | str | None = None,
+    ) -> "Scene":
+        """Return a scene that is given itself, by a file or a bundled name, or as dictionaries.
+
+        Methods, accuracy and quantities, where given, take the place of its own.
+        """
+        scene = source
+        if not isinstance(scene, Scene):
+            scene = cls.from_table(dict(scene)) if isinstance(scene, Mapping) else cls.load(scene)
+        names = {"methods": methods, "output__quantities": quantities}
+        changes: dict[str, Any] = {key: listed(of) for key, of in names.items() if of is not None}
+        if rtol is not None:
+            changes["accuracy__rtol"] = float(rtol)
+        return scene.changed(**changes) if changes else scene
 
     @classmethod
     def from_toml(cls, text: str, name: str = "scene", folder: Path | None = None) -> "Scene":
@@ -117,17 +148,14 @@ class Scene(Section):
     def from_table(
         cls, table: dict[str, Any], name: str = "scene", folder: Path | None = None
     ) -> "Scene":
-        """Read a scene from nested dictionaries."""
+        """Read a scene from nested dictionaries; files that it names are sought in `folder`."""
         try:
-            scene = cls.model_validate(table, context=folder)
-            return scene if scene.wear.tau is None else scene._with_times_of(scene.wear.tau)
-        except ValidationError as error:
-            raise SceneError(f"{name}: {explain(error)}") from None
+            return cls(**_with_profile_in(folder, table) if folder else table)
         except SceneError as error:
             raise SceneError(f"{name}: {error}") from None
 
-    def _with_times_of(self, counts: list[float]) -> "Scene":
-        """Return the scene at counts of its slowest relaxation time, to three digits."""
+    def _at_counts(self, counts: list[float]) -> WearSection:
+        """Return the times at counts of the slowest relaxation time, to three digits."""
         from ..wear.time_scale import running_in
 
         if self.problem.loading.varies:
@@ -143,7 +171,7 @@ class Scene(Section):
         times = [float(f"{time:.3g}") for time in exact]
         if any(after <= before for before, after in pairwise(times)):
             times = exact
-        return self._updated(wear=self.wear.model_copy(update={"times": times}))
+        return self.wear.model_copy(update={"times": times})
 
     def _updated(self, **sections: Section) -> "Scene":
         """Return the scene with other tables, which have been checked."""
@@ -181,7 +209,9 @@ class Scene(Section):
         if not heights:
             return self
         scene = self._updated(punch=self.punch.model_copy(update={"heights": heights}))
-        return scene if self.wear.tau is None else scene._with_times_of(self.wear.tau)
+        return (
+            scene if self.wear.tau is None else scene._updated(wear=scene._at_counts(self.wear.tau))
+        )
 
     @cached_property
     def problem(self) -> Problem:
@@ -189,6 +219,42 @@ class Scene(Section):
         return Problem.posed(
             self.punch, self.half_space, self.load_, self.wear, self.accuracy, self.output
         )
+
+
+Source = Scene | str | Path | Mapping[str, Any]
+
+
+def listed(names: Sequence[Any] | str) -> list[Any]:
+    """Return names as a list; in a text they may be separated by commas."""
+    return names.replace(",", " ").split() if isinstance(names, str) else list(names)
+
+
+def text_of(source: str | Path) -> str:
+    """Return the TOML of a scene file, or of a bundled scene by its name."""
+    path = Path(source)
+    if not path.exists() and str(source) in bundled():
+        path = Path(str(files("ringwear.studies"))) / "scenes" / f"{source}.toml"
+    try:
+        return path.read_text("utf-8-sig")
+    except UnicodeDecodeError:
+        raise SceneError(f"{source} is not a text file: a scene is TOML in UTF-8") from None
+    except OSError as error:
+        alike = difflib.get_close_matches(str(source), bundled(), 1)
+        meant = f"did you mean {alike[0]}? Else " if alike else ""
+        raise SceneError(
+            f"{source}: {str(error.strerror).lower()}; {meant}give a scene file, or one of "
+            f"{', '.join(bundled())}"
+        ) from None
+
+
+def _with_profile_in(folder: Path, table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a scene's table in which the file of a profile is sought in a folder."""
+    punch = table.get("punch", {})
+    profile = punch.get("profile") if isinstance(punch, Mapping) else None
+    if not isinstance(profile, Mapping) or not isinstance(profile.get("file"), str):
+        return dict(table)
+    there = {**profile, "file": str(folder / profile["file"])}
+    return {**table, "punch": {**punch, "profile": there}}
 
 
 def set_key(table: dict[str, Any], path: Sequence[str], value: Any) -> None:

@@ -1,15 +1,20 @@
-"""Names of the units of a scene's numbers, and those that people read best.
+"""Units of a scene: those of its numbers, those that people write, and those that they read best.
 
-SI prefixes where the scene says SI.
-
-A scene may state its units as ``SI``, or as those of length, force, pressure and time: ``mm, N,
-MPa, s``. Any other text is repeated as it stands.
+A scene states its units as ``SI``, or as those of length, force, pressure and time: ``mm, N, MPa,
+s``, which must be consistent, a pressure being a force over the square of a length. Without, its
+numbers have none. Any number may be a quantity instead, ``"20 mm"``: it is converted to them, to SI
+by default. pint knows the units, and is loaded only where some are written that are not SI's own.
 """
 
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Self
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
+
+from ...meshes.errors import SceneError
 
 YEAR = 365.25 * 86400.0
 # units that people read a kind of quantity in, with their sizes in SI units, ascending
@@ -36,26 +41,39 @@ SI: dict[str, dict[str, float]] = {
         "m/s": 1.0,
     },
     "volume": {"µm³": 1e-18, "mm³": 1e-9, "cm³": 1e-6, "m³": 1.0},
+    "wear_coefficient": {"mm³/(N m)": 1e-9},
 }
 SI["displacement"] = SI["length"]
 BASE = ("m", "N", "Pa", "s")
-UNSTATED = "the scene's own consistent units"
+# of numbers without units
+NO_UNIT = "1"
 # kinds of scene keys that have a unit
 KINDS = {
     "punch.radius": "length",
     "punch.ring_edges": "length",
+    "punch.recess": "length",
     "punch.profile.curvature_radius": "length",
     "punch.profile.flat_radius": "length",
     "punch.profile.coefficient": "length",
+    "punch.profile.radii": "length",
+    "punch.profile.heights": "length",
     "load.indentation": "length",
     "output.radii": "length",
     "punch.wear_coefficient": "wear_coefficient",
     "punch.wear_coefficients": "wear_coefficient",
+    "punch.wear_coefficient.radii": "length",
+    "punch.wear_coefficient.values": "wear_coefficient",
     "half_space.plane_strain_modulus": "pressure",
     "half_space.youngs_modulus": "pressure",
     "load.normal_force": "force",
+    "load.normal_force.times": "time",
+    "load.normal_force.values": "force",
     "load.mean_pressure": "pressure",
+    "load.mean_pressure.times": "time",
+    "load.mean_pressure.values": "pressure",
     "load.sliding_speed": "wear_rate",
+    "load.sliding_speed.times": "time",
+    "load.sliding_speed.values": "wear_rate",
     "wear.times": "time",
     "wear.step": "time",
     "accuracy.mdr.step": "time",
@@ -69,32 +87,55 @@ class UnitNames:
 
     Parameters
     ----------
-    stated : by the scene
-    base : units of length, force, pressure and time; None if the scene does not name them one by
-        one
+    base : units of length, force, pressure and time; None of numbers without units
+    sizes : of these, in SI units
     """
 
-    stated: str
     base: tuple[str, ...] | None = None
+    sizes: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0)
 
     @classmethod
-    def of(cls, stated: str) -> Self:
-        """Return the names that a scene's `units` stand for."""
-        parts = tuple(part.strip() for part in stated.split(","))
-        if stated.strip().upper().startswith("SI"):
-            parts = BASE
-        return cls(stated, parts if len(parts) == 4 and all(parts) else None)
+    @lru_cache(maxsize=64)
+    def of(cls, stated: str) -> "UnitNames":
+        """Return the names that a scene's `units` stand for.
 
-    @property
-    def si(self) -> bool:
-        return self.base == BASE
+        Raises
+        ------
+        SceneError
+            if they are no units, or not consistent
+        """
+        if stated.strip() in ("", NO_UNIT):
+            return cls()
+        parts = tuple(part.strip() for part in stated.split(","))
+        if parts == BASE or re.match(r"SI\b", stated.strip()):
+            return cls(BASE)
+        if len(parts) != len(BASE):
+            raise SceneError(
+                f"units = {stated!r}: give 'SI', or units of length, force, pressure and time that "
+                "are consistent, such as 'mm, N, MPa, s', or leave it out for numbers without units"
+            )
+        kinds = ("length", "force", "pressure", "time")
+        sizes = tuple(map(_size_in_si, parts, BASE, kinds))
+        length, force, pressure, _ = parts
+        ratio = sizes[1] / sizes[0] ** 2 / sizes[2]
+        if abs(ratio - 1) > 1e-9:
+            raise SceneError(
+                f"units = {stated!r} are not consistent: {force}/{length}^2 is {ratio:.6g} "
+                f"{pressure}; 'SI', 'mm, N, MPa, s' and 'um, uN, MPa, s' are"
+            )
+        return cls(parts, sizes)
+
+    def size(self, kind: str) -> float:
+        """Return the unit that a kind of quantity is stored in, in SI units."""
+        length, force, pressure, time = self.sizes
+        sizes = {"length": length, "displacement": length, "force": force, "pressure": pressure}
+        sizes |= {"time": time, "wear_rate": length / time, "volume": length**3}
+        return (sizes | {"wear_coefficient": 1 / pressure}).get(kind, 1.0)
 
     def name(self, kind: str) -> str:
-        """Return the unit that a kind of quantity is stored in; empty if nobody has named it."""
-        if kind in ("slope", "share", "number"):
-            return "1"
-        if self.base is None:
-            return ""
+        """Return the unit that a kind of quantity is stored in; 1 if it has none."""
+        if self.base is None or kind in ("slope", "share", "number"):
+            return NO_UNIT
         length, force, pressure, time = self.base
         names = {"length": length, "displacement": length, "force": force, "pressure": pressure}
         names |= {"time": time, "wear_rate": f"{length}/{time}", "volume": f"{length}^3"}
@@ -105,18 +146,20 @@ class UnitNames:
 
         How much of the stored unit it is, and its name.
         """
-        choices = SI.get(kind) if self.si else None
+        choices = SI.get(kind) if self.base else None
         if choices is None or not np.isfinite(size) or size == 0:
             name = self.name(kind)
-            return 1.0, "" if name == "1" else name.replace("^3", "³")
+            return 1.0, "" if name == NO_UNIT else name.replace("^3", "³")
+        stored = self.size(kind)
         name, unit = next(iter(choices.items()))
         # so much smaller than the smallest that a power of ten is plainer
-        if abs(size) < 1e-3 * unit:
+        if abs(size) * stored < 1e-3 * unit and len(choices) > 1:
             return 1.0, self.name(kind)
         for larger, its_size in choices.items():
-            if abs(size) >= 0.9995 * its_size:
+            # 0.39 mm³, not 3.9e8 µm³
+            if abs(size) * stored >= 0.9995 * min(its_size, 1e6 * unit):
                 name, unit = larger, its_size
-        return unit, name
+        return unit / stored, name
 
     def write(self, value: float, kind: str, digits: int = 4) -> str:
         """Return a value with its unit, for people."""
@@ -128,3 +171,71 @@ class UnitNames:
         if 1 <= abs(value / unit) < 1e4:
             number = f"{float(number):g}"
         return f"{number} {name}".rstrip()
+
+
+def without_quantities(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a scene's table with a number in place of each quantity, in the scene's units.
+
+    Raises
+    ------
+    SceneError
+        if the units are none, or not consistent, or something is no quantity of its key's kind
+    """
+    stated, written = table.get("units", "SI"), list[str]()
+    names = UnitNames.of(stated) if isinstance(stated, str) else UnitNames()
+
+    def convert(value: Any, key: str) -> Any:
+        if isinstance(value, Mapping):
+            return {name: convert(of, f"{key}.{name}") for name, of in value.items()}
+        if isinstance(value, list | tuple):
+            return [convert(of, key) for of in value]
+        # 'running-in' is a text
+        if isinstance(value, str) and key in KINDS and re.match(r"[-+.\s]*\d", value):
+            written.append(key)
+            return _number(value, key, names)
+        return value
+
+    converted = {key: convert(value, key) for key, value in table.items()}
+    return {"units": "SI"} | converted if written else converted
+
+
+def _number(quantity: str, key: str, names: UnitNames) -> float:
+    """Return a quantity in the units of a scene."""
+    kind = KINDS[key]
+    if names.base is None:
+        raise SceneError(
+            f"{key} = {quantity!r} has a unit, and the scene says that its numbers have none: give "
+            "units = 'SI', or leave units out"
+        )
+    si = UnitNames(BASE).name(kind)
+    examples = ", ".join(list(SI[kind])[-3:])
+    named = "speed" if kind == "wear_rate" else kind.replace("_", " ")
+    try:
+        value = _registry().Quantity(quantity).to(si).magnitude
+    # text that is no expression fails in many ways
+    except Exception as error:
+        reason = str(error).splitlines()[0] if str(error) else "it is no quantity"
+        raise SceneError(
+            f"{key} = {quantity!r}: {reason}; give a number and a unit of {named}, such as "
+            f"{examples}, or a number alone"
+        ) from None
+    return float(value) / names.size(kind)
+
+
+def _size_in_si(unit: str, si: str, kind: str) -> float:
+    """Return how much of an SI unit a unit is."""
+    try:
+        return float(_registry().Quantity(1.0, unit).to(si).magnitude)
+    # text that is no unit fails in many ways
+    except Exception:
+        raise SceneError(
+            f"units: {unit!r} is no unit of {kind}; give 'SI', or units of length, force, pressure "
+            "and time that are consistent, such as 'mm, N, MPa, s'"
+        ) from None
+
+
+@lru_cache(maxsize=1)
+def _registry() -> Any:
+    from pint import UnitRegistry
+
+    return UnitRegistry()

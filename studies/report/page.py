@@ -5,7 +5,8 @@ One file that opens from disk, without a network, and prints on A4.
 
 import base64
 import csv
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -14,10 +15,22 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ..crosscheck.dataset import Result
 from ..figures.style import Picture
+from ..output.files import draw, make
 from ..problem.scene import Scene
 from ..versions import versions
 from .slides import slides
 from .words import Account, shorten
+
+
+def show(
+    result: Result, account: Account, pictures: Sequence[Picture], directory: Path, page: bool
+) -> list[str]:
+    """Draw pictures of a run, and if wanted a page with them; return what could not be made."""
+    failures = draw(result, pictures, directory)
+    if page:
+        write = partial(write_report, result, account, pictures)
+        failures += make(directory / "report.html", write)
+    return failures
 
 
 def write_report(result: Result, account: Account, pictures: Iterable[Picture], path: Path) -> None:

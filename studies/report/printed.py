@@ -1,37 +1,30 @@
-"""What the commands print: the answer first, then the verdict in a line, then accuracy and cost."""
+"""What the commands print: the answer first, then the verdict in a line, then whatever else."""
 
-from collections.abc import Sequence
-
-from .words import Account, Rows, shorten
+from .words import Account, Rows, columns, shorten
 
 
-def print_account(account: Account) -> None:
-    """Print all that is told of a run."""
-    print(f"\n{account.title}", *account.defaults, sep="\n")
-    print(f"\nAnswer, by {account.answered_by} (every method's: summary.json)")
-    print_lines(account.answers)
-    print()
+def print_account(account: Account, verbose: bool) -> None:
+    """Print the answer, the verdict, and what bears on it; or all that is told of a run."""
+    title, *answers, verdict = account.brief
+    print(f"\n{title}", *account.defaults, "", *answers, f"\n{verdict}", sep="\n")
+    if not verbose:
+        print(*account.remarks, sep="\n")
+        print(f"By {account.answered_by}; all else: --verbose, report.html, summary.json")
+        return
+    print(f"\nAll answers, by {account.answered_by}", *columns(account.answers), "", sep="\n")
     print_table(shorten(account.rings, 16))
-    print(f"\n{account.verdict_line}\n\nAccuracy and cost")
+    print("\nAccuracy and cost")
     print_table(account.methods)
     if account.agreement:
         print("\nDifferences, relative; of each quantity the pair that differs most")
         print_table(account.agreement)
-    print(*account.remarks, "", sep="\n")
+    print(*account.comparisons, *account.remarks, "", sep="\n")
     print_scope(account.modelled, account.left_out)
 
 
 def print_table(table: Rows) -> None:
     """Print a table with its heads."""
-    print_lines([*map(list, table[:1]), *(list(row.values()) for row in table)])
-
-
-def print_lines(lines: Sequence[Sequence[str]]) -> None:
-    """Print lines in columns."""
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    for line in lines:
-        cells = (f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True))
-        print("  " + "   ".join(cells).rstrip())
+    print(*columns([*map(list, table[:1]), *(list(row.values()) for row in table)]), sep="\n")
 
 
 def print_scope(modelled: list[str], left_out: dict[str, str]) -> None:

@@ -91,15 +91,16 @@ def _select_times(result: Result) -> dict[str, Array]:
     """Return some of the times asked for, and the steady state, by the first method that gives most
     of it.
     """
-    solver = max(result.solutions, key=lambda name: _gives(result, name))
+    solver = max(result.coordinates["solver"], key=lambda name: _gives(result, name))
     states, chosen = result.reported(solver), shown_times(result.scene.problem, COUNT)
     chosen = chosen[~np.isnan(states["profile"][chosen]).all(axis=1)]
     return states | {name: states[name][chosen] for name in ("time", "profile", "pressure")}
 
 
 def _gives(result: Result, solver: str) -> tuple[bool, ...]:
-    results = result.solutions[solver].results
-    return "profile" in results, "steady_profile" in results
+    reported = result.reported(solver)
+    names = ("profile", "steady_profile")
+    return tuple(name in reported and bool(np.isfinite(reported[name]).any()) for name in names)
 
 
 def _round(values: Array) -> Any:

@@ -1,5 +1,7 @@
 """A run in words: the same lines and tables on the terminal and on the page."""
 
+import textwrap
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -8,6 +10,7 @@ from ...meshes.radial import Array, ring_areas
 from ..crosscheck.agreement import AGREE, DISAGREE, UNDECIDED
 from ..crosscheck.dataset import Result
 from ..crosscheck.scope import left_out, modelled, outside
+from ..problem.problem import D0
 from ..problem.quantities import ANSWER, QUANTITIES, STATES
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
@@ -57,11 +60,13 @@ class Account:
 
     @property
     def answers(self) -> list[tuple[str, str, str]]:
-        """What, how much, and what that means."""
-        of_punch = [name for name, quantity in ANSWER.items() if not quantity.dims]
-        # times first
-        of_punch.sort(key=lambda name: ANSWER[name].unit != "time")
-        keys = (*of_punch, "steady_wear_rate", "steady_rms_slope")
+        """What, how much, and what that means; first what most people ask for."""
+        keys = (
+            *("force_start", "force_end", "time_to_half_force"),
+            *("contact_radius_start", "pressure_peak_start", "time_to_full_contact"),
+            *("time_to_90", "time_to_99", "indentation_start", "indentation_steady"),
+            *("steady_wear_rate", "steady_rms_slope", "running_in_time"),
+        )
         return [
             (
                 key.replace("_", " ").replace("rms", "RMS"),
@@ -71,6 +76,15 @@ class Account:
             for key in keys
             if self.answer(key) is not None
         ]
+
+    @property
+    def brief(self) -> list[str]:
+        """The answer in up to six lines, and the verdict in a sentence."""
+        first = [
+            (what, value, textwrap.shorten(meaning, 76, placeholder=" ..."))
+            for what, value, meaning in self.answers[:6]
+        ]
+        return [self.title, *columns(first), self.verdict_line]
 
     @cached_property
     def rings(self) -> Rows:
@@ -205,16 +219,20 @@ class Account:
         ]
 
     @property
-    def remarks(self) -> list[str]:
-        """What else bears on the accuracy."""
-        result, rtol = self.result, self.scene.accuracy.rtol
-        lines = [
+    def comparisons(self) -> list[str]:
+        """How far methods differ for every pressure at once."""
+        return [
             f"As operators, {' and '.join(both.methods)} differ by {both.rings:.1e} over all "
             f"steady states and {both.history:.1e} along this history; stability "
             f"{both.stability:.2f}."
-            for both in result.operators
+            for both in self.result.operators
         ]
-        lines += [
+
+    @property
+    def remarks(self) -> list[str]:
+        """What else bears on the accuracy."""
+        result, rtol = self.result, self.scene.accuracy.rtol
+        lines = beyond_the_model(self.scene) + [
             f"{anchor.method} does not hold to {anchor.name}: off by {anchor.difference:.1e}, more "
             f"than {anchor.tolerance:.1e}."
             for anchor in result.anchors
@@ -250,6 +268,26 @@ def _write_range(least: float, most: float) -> str:
     return f"{least:.4g}" if same else f"{least:.4g} to {most:.4g}"
 
 
+def beyond_the_model(scene: Scene) -> list[str]:
+    """Return warnings where the strains of a scene with units are no longer small."""
+    problem, lines = scene.problem, list[str]()
+    if UnitNames.of(scene.units).base is None:
+        return lines
+    units, fixed = problem.units, problem.indentation
+    depth = D0 * units.displacement / units.length * (fixed or 1.0)
+    pressure = units.force / units.length**2 / np.pi / units.modulus * (fixed or 1.0)
+    for what, size, limit in (
+        ("the indentation of the flat punch is {:.2g} of its radius", depth, 0.1),
+        ("the mean pressure is {:.2g} of the plane strain modulus", pressure, 0.01),
+    ):
+        if size > limit:
+            lines.append(
+                f"warning: {what.format(size)}, more than {limit:g}: strains are not small, and "
+                "linear elasticity, which all methods here take, does not hold"
+            )
+    return lines
+
+
 def defaults_taken(scene: Scene) -> list[str]:
     """Tell which keys that bear on the numbers a scene leaves out."""
     lines = []
@@ -262,6 +300,13 @@ def defaults_taken(scene: Scene) -> list[str]:
             "times are sliding distances"
         )
     return lines
+
+
+def columns(lines: Sequence[Sequence[str]]) -> list[str]:
+    """Return lines of text, their cells below each other."""
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    padded = (map(str.ljust, line, widths) for line in lines)
+    return [f"  {'   '.join(line)}".rstrip() for line in padded]
 
 
 def shorten(table: Rows, most: int) -> Rows:

@@ -24,7 +24,7 @@ import zarr
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.quantities import ERROR, NORMS, STATES, error_name
-from ..problem.unit_names import KINDS, UNSTATED, UnitNames
+from ..problem.unit_names import KINDS, UnitNames
 from ..versions import fingerprint
 from ..wear.modes import SHOWN
 from .axes import ANSWERS, JUDGED, KEEPABLE, Sweep
@@ -48,7 +48,7 @@ def template(sweep: Sweep) -> xarray.Dataset:
     def described(text: str, kind: str) -> dict[str, Any]:
         return {
             "long_name": text,
-            "units": UnitNames.of(stated).name(kind) or stated or UNSTATED,
+            "units": UnitNames.of(stated).name(kind),
         }
 
     coordinates: dict[str, tuple[str, Any, dict[str, Any]]] = {

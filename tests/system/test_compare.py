@@ -39,7 +39,7 @@ def test_compare_tells_what_differs(folder, tmp_path, capsys):
     [
         ("units.toml", "units"),
         ("absent", "no such file"),
-        ("empty", "results.nc"),
+        ("empty", "summary.json"),
         ("broken", "cannot be read"),
     ],
 )

@@ -30,7 +30,7 @@ COMMANDS = [
     ("plan", "scene"),
     ("mesh five_rings --out there/file", "--out directory"),
     ("compare five_rings", "B"),
-    ("compare there five_rings --out new", "results.nc ringwear run"),
+    ("compare there five_rings --out new", "summary.json ringwear run"),
     ("study everything", "everything paper"),
     ("study refinement --mesh none.msh --out new", "--mesh none.msh"),
     ("study refinement --mesh there/file --out new", "--mesh file"),

@@ -24,8 +24,8 @@ ROOMS = (
     {"studies.methods"},
     {"studies.crosscheck"},
     {"studies.figures"},
-    {"studies.report"},
     {"studies.output"},
+    {"studies.report"},
     {"studies"},  # the studies themselves and the command line
 )
 FILES = {

@@ -36,7 +36,7 @@ INF, NAN = float("inf"), float("nan")
 BAD_VALUES = {
     "title": [3],
     "methods": ["direct", []],
-    "punch__radius": [0.0, -1.0, INF, NAN, "1 m", True, [2.0], None],
+    "punch__radius": [0.0, -1.0, INF, NAN, "one", True, [2.0], None],
     "punch__rings": [0, 3.0, 10**9],
     "punch__width_ratio": [1e-300, INF],
     "punch__ring_edges": [[0.0, 1.0, 2.0]],
@@ -82,6 +82,8 @@ BAD_CHANGES = [
     ({"punch": RINGS | {"ring_edges": [1.0, 1.0, 2.0]}}, "ring_edges repeats"),
     ({"punch": RINGS | {"ring_edges": [1.0, 2.1]}}, "ring_edges punch.radius"),
     ({"punch": RINGS | {"ring_edges": [2.0], "width_ratio": 2.0}}, "width_ratio"),
+    ({"punch__radius": "1 MPa"}, "punch.radius length mm number alone"),
+    ({"punch__radius": "1 mmm"}, "punch.radius mmm length"),
     ({"wear__times": [0.1, 0.05]}, "times increase"),
     ({"wear__times": [], "wear__steady": False}, "times steady"),
     ({"wear__march": "implicit"}, "march step"),

@@ -1,0 +1,89 @@
+"""Results read back from the folder that they were written to."""
+
+import json
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...meshes.errors import SceneError
+from ...meshes.radial import Array
+from ..crosscheck.agreement import Agreement
+from ..crosscheck.anchor import Anchor
+from ..crosscheck.dataset import Result, Table
+from ..crosscheck.scope import methods_of
+from ..problem.scene import Scene
+from ..registry import METHODS
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Stored(Result):
+    """Results that were written: all numbers, and the figures that need no more.
+
+    Parameters
+    ----------
+    written : the table in `results.nc`
+    told : the content of `summary.json`
+    """
+
+    written: Table
+    told: dict[str, Any]
+
+    @cached_property
+    def table(self) -> Table:
+        return self.written
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        return self.told
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        return tuple(self.told["notes"])
+
+    @cached_property
+    def answers(self) -> dict[str, dict[str, Array]]:
+        return {
+            name: {key: np.array(value, dtype=float) for key, value in given.items()}
+            for name, given in self.told["answer"].items()
+        }
+
+    @cached_property
+    def anchors(self) -> tuple[Anchor, ...]:
+        names = [field.name for field in fields(Anchor)]
+        return tuple(Anchor(*(row[name] for name in names)) for row in self.told["anchors"])
+
+
+def load(folder: str | Path) -> Stored:
+    """Read the results that ``ringwear run --out folder``, or `Result.save`, has written.
+
+    Raises
+    ------
+    SceneError
+        if the folder holds none that can be read
+    """
+    import xarray
+
+    path, names = Path(folder), [field.name for field in fields(Agreement)]
+    try:
+        told = json.loads((path / "summary.json").read_text("utf-8"))
+        data = xarray.load_dataset(path / "results.nc", engine="netcdf4")
+        scene = Scene.from_toml(data.attrs["scene"], str(path))
+        rows = [Agreement(*(row[name] for name in names)) for row in told["agreement"]]
+    except (OSError, KeyError, ValueError) as error:
+        raise SceneError(
+            f"{path} cannot be read as results of ringwear: {error}; give a folder that `ringwear "
+            "run` has written"
+        ) from None
+    variables, coordinates = (
+        {
+            str(name): (tuple(map(str, of.dims)), of.values, dict(of.attrs))
+            for name, of in part.items()
+        }
+        for part in (data.data_vars, data.coords)
+    )
+    methods = methods_of([name for name in told["methods"] if name in METHODS])
+    table = Table(variables, coordinates, dict(data.attrs))
+    return Stored(scene, methods, {}, {}, tuple(rows), (), table, told)

@@ -1,0 +1,142 @@
+"""What a script works with: runs of scenes, and results that show, save and load themselves."""
+
+from base64 import b64encode
+from collections.abc import Sequence
+from dataclasses import fields
+from html import escape
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+from ..meshes.errors import RingwearError, SceneError
+from .crosscheck import dataset
+from .crosscheck.run import run as compute
+from .methods.base import Method
+from .output import stored
+from .output.files import run_files, write_numbers
+from .output.folder import output_folder
+from .problem.scene import Scene, Source, listed
+from .report.words import Account
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Shown = TypeVar("Shown", bound="Result")
+
+
+def run(
+    scene: Source,
+    methods: Sequence[str | Method] | str | None = None,
+    rtol: float | None = None,
+    quantities: Sequence[str] | str | None = None,
+) -> "Result":
+    """Compute everything that a scene asks for, by every method it names, and compare them.
+
+    Progress goes to the logger `ringwear`.
+
+    Parameters
+    ----------
+    scene : a Scene, the name of a bundled one, a file, or nested dictionaries
+    methods : names of methods, and methods of one's own, in place of the scene's
+    rtol : relative accuracy wanted, in place of the scene's
+    quantities : names of those wanted, or groups of them, in place of the scene's
+
+    Raises
+    ------
+    SceneError
+        if the scene is none, or a method cannot solve it; the message names the remedy
+    RingwearError
+        if a mesh or a system fails
+
+    Examples
+    --------
+    >>> result = run("five_rings", methods=["mdr", "direct"], rtol=1e-3)
+    >>> result.verdict
+    'agree'
+    >>> depth = result.dataset.indentation.sel(solver="mdr", time=0.0)
+    >>> float(abs(depth - 1.0)) <= result.error("indentation")  # F / (2 a E*)
+    True
+    """
+    entries = listed(methods or ())
+    named = all(isinstance(entry, str) for entry in entries)
+    names = [str(entry) for entry in entries] if named and methods is not None else None
+    return _as(Result, compute(Scene.of(scene, names, rtol, quantities), entries or None))
+
+
+class Result(dataset.Result):
+    """Everything that a run computed.
+
+    `dataset` (xarray, in the scene's units), `answers` by method, `verdict`, `error(name)`,
+    `agreement`, `anchors`, `summary`, `plot(kind)` and `save(folder)`.
+    """
+
+    def __repr__(self) -> str:
+        return "\n".join(Account(self).brief)
+
+    def _repr_html_(self) -> str:
+        """Answer, verdict and one figure, for notebooks."""
+        image = BytesIO()
+        self.plot().savefig(image, dpi=100)
+        picture = b64encode(image.getvalue()).decode()
+        return f'<pre>{escape(repr(self))}</pre><img src="data:image/png;base64,{picture}">'
+
+    def plot(self, kind: str = "") -> "Figure":
+        """Draw a figure.
+
+        Parameters
+        ----------
+        kind : ``"profiles_and_pressures"``, ``"history"``, ``"contact"``, ``"steady_state"``,
+            ``"operator_difference"``, ``"stress"`` or ``"mesh"``; by default the first of them
+            that the results have
+
+        Raises
+        ------
+        SceneError
+            if the results have no such figure, naming those that they have
+        """
+        from .figures.catalogue import PICTURES
+
+        drawn = {Path(of.file).stem: of for of in PICTURES if of.drawn_for(self)}
+        kind = kind or next(iter(drawn), "")
+        if kind not in drawn:
+            raise SceneError(f"no figure {kind!r} of these results: give one of {', '.join(drawn)}")
+        return drawn[kind].figure(self)
+
+    def save(self, folder: str | Path) -> list[str]:
+        """Write what ``ringwear run --out folder`` does; return the names of the files.
+
+        Raises
+        ------
+        SceneError
+            if the folder cannot be written to, or holds files of others with these names
+        RingwearError
+            if a figure cannot be drawn
+        """
+        from .figures.catalogue import PICTURES
+        from .report.page import show
+
+        with output_folder(Path(folder), "run", run_files(PICTURES)) as out:
+            write_numbers(self, out.hidden)
+            if failures := show(self, Account(self), PICTURES, out.hidden, page=True):
+                raise RingwearError("; ".join(failures))
+        return out.written
+
+
+class Stored(Result, stored.Stored):
+    """Results that were written: all numbers, and the figures that need no more."""
+
+
+def load(folder: str | Path) -> Stored:
+    """Read the results that ``ringwear run --out folder``, or `Result.save`, has written.
+
+    Raises
+    ------
+    SceneError
+        if the folder holds none that can be read
+    """
+    return _as(Stored, stored.load(folder))
+
+
+def _as(kind: type[Shown], result: dataset.Result) -> Shown:
+    """Return results that show themselves."""
+    return kind(*(getattr(result, field.name) for field in fields(result)))

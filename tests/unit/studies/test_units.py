@@ -1,0 +1,123 @@
+"""Units of scenes: refused where not consistent, and quantities with units of their own."""
+
+import numpy as np
+import pytest
+
+from ringwear import Scene
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.problem.unit_names import UnitNames
+
+SI = {
+    "punch": {
+        "radius": 0.02,
+        "ring_edges": [0.005, 0.02],
+        "wear_coefficients": [1e-15, 1e-13],
+        "recess": [0.0, 3e-6],
+        "profile": {"kind": "parabola", "curvature_radius": 25.0},
+    },
+    "half_space": {"youngs_modulus": 2e9},
+    "load": {
+        "normal_force": {"times": [0.0, 3600.0], "values": [500.0, 2000.0]},
+        "sliding_speed": 0.1,
+    },
+    "wear": {"times": [0.0, 60.0, 7200.0]},
+    "output": {"radii": [0.001, 0.01]},
+}
+WRITTEN = {
+    "punch": {
+        "radius": "20 mm",
+        "ring_edges": ["0.5 cm", "20000 µm"],
+        "wear_coefficients": ["1e-15 m^2/N", "1e-4 mm^3/(N m)"],
+        "recess": [0.0, "3 um"],
+        "profile": {"kind": "parabola", "curvature_radius": "25 m"},
+    },
+    "half_space": {"youngs_modulus": "2 GPa"},
+    "load": {
+        "normal_force": {"times": ["0 s", "1 h"], "values": ["0.5 kN", "2 kN"]},
+        "sliding_speed": "360 m/h",
+    },
+    "wear": {"times": ["0 s", "1 min", "2 h"]},
+    "output": {"radii": ["1 mm", "1 cm"]},
+}
+
+
+def numbers(table):
+    for value in table.values() if isinstance(table, dict) else table:
+        if isinstance(value, dict | list):
+            yield from numbers(value)
+        elif isinstance(value, float):
+            yield value
+
+
+@pytest.mark.parametrize(
+    ("units", "sizes"),
+    [("SI", (1.0, 1.0, 1.0, 1.0)), ("mm, N, MPa, s", (1e-3, 1.0, 1e6, 1.0))],
+)
+def test_quantities_are_the_same_numbers(units, sizes):
+    """Within 1e-14; in units of another system by its sizes."""
+    table = Scene.from_table(WRITTEN | {"units": units}).table()
+    expected = Scene.from_table(SI).table()
+    assert table.pop("units") == units
+    if units == "SI":
+        np.testing.assert_allclose(
+            list(numbers(table)), list(numbers(expected)), rtol=1e-14, atol=0
+        )
+    length, force, pressure, time = sizes
+    assert table["punch"]["radius"] == pytest.approx(0.02 / length, rel=1e-14)
+    assert table["punch"]["wear_coefficients"][1] == pytest.approx(1e-13 * pressure, rel=1e-14)
+    assert table["half_space"]["youngs_modulus"] == pytest.approx(2e9 / pressure, rel=1e-14)
+    assert table["load"]["normal_force"]["values"][1] == pytest.approx(2e3 / force, rel=1e-14)
+    assert table["load"]["sliding_speed"] == pytest.approx(0.1 / length * time, rel=1e-14)
+
+
+def test_results_do_not_depend_on_the_units():
+    one, other = (
+        Scene.from_table(WRITTEN | {"units": of}).problem for of in ("SI", "mm, N, MPa, s")
+    )
+    np.testing.assert_allclose(one.times, other.times, rtol=1e-13)
+    assert one.units.displacement == pytest.approx(1e-3 * other.units.displacement, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    "units",
+    [
+        "bananas",
+        "mm, N, GPa, s",
+        "mm, kN, MPa, s",
+        "m, N, MPa, s",
+        "m, kg, Pa, s",
+        "m, N, Pa, Hz",
+        "m, N, degC, s",
+        "N, m, Pa, s",
+        "mm, N, MPa",
+        "m, N, , s",
+        "m; N; Pa; s",
+        "2 mm, N, MPa, s",
+        "metric",
+    ],
+)
+def test_units_that_are_not_consistent_are_refused(units):
+    with pytest.raises(SceneError, match="units") as refused:
+        Scene.load("flat_punch").changed(units=units)
+    assert "such as 'mm, N, MPa, s'" in str(refused.value) or "not consistent" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("stated", "value", "kind", "told"),
+    [
+        ("mm, N, MPa, s", 12.0, "length", "12 mm"),
+        ("mm, N, MPa, s", 3e-3, "pressure", "3 kPa"),
+        ("um, uN, MPa, s", 3.927e8, "volume", "0.3927 mm³"),
+        ("mm, N, MPa, h", 48.0, "time", "2 days"),
+        ("mm, N, MPa, s", 1e-9, "wear_coefficient", "1e-06 mm³/(N m)"),
+        ("", 12.0, "length", "12"),
+        ("1", 12.0, "pressure", "12"),
+    ],
+)
+def test_numbers_are_told_in_units_that_people_read(stated, value, kind, told):
+    assert UnitNames.of(stated).write(value, kind) == told
+
+
+def test_a_scene_without_units_takes_no_quantities():
+    with pytest.raises(SceneError, match=r"punch\.radius.*units = 'SI'"):
+        Scene.from_table(WRITTEN | {"units": "1"})
