@@ -1,5 +1,7 @@
 """The examples of the README run as they stand, and show what they say."""
 
+import ast
+import json
 import re
 from itertools import pairwise
 from pathlib import Path
@@ -44,3 +46,18 @@ def test_a_mesh_of_ones_own(show):
     # of order one in the size at the rim, which halves each time
     ratios = [coarse / fine for coarse, fine in pairwise(errors)]
     assert 1.7 < min(ratios) <= max(ratios) < 2.3
+
+
+def test_the_notebook_shows_what_it_shows(capsys):
+    """What its cells print, and the last value of each, are the outputs that it holds."""
+    notebook = json.loads((EXAMPLES / "first_steps.ipynb").read_text("utf-8"))
+    cells, names = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"], {}
+    for cell in cells:
+        code = ast.parse("".join(cell["source"]))
+        last = code.body.pop() if isinstance(code.body[-1], ast.Expr) else None
+        exec(compile(code, "cell", "exec"), names)
+        value = last and eval(compile(ast.Expression(last.value), "cell", "eval"), names)
+        shown = capsys.readouterr().out + ("" if value is None else repr(value))
+        parts = (out.get("text") or out["data"]["text/plain"] for out in cell["outputs"])
+        assert shown == "".join(line for part in parts for line in part)
+    assert sum(bool(cell["outputs"]) for cell in cells) == len(cells)

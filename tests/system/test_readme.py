@@ -6,7 +6,8 @@ from textwrap import dedent
 
 import pytest
 
-from ringwear.studies.cli import COMMANDS
+from ringwear import Scene
+from ringwear.studies.cli import COMMANDS, main
 
 ROOT = Path(__file__).parents[2]
 FLOORS = ("fem", "mdr", "meshes", "studies")
@@ -36,6 +37,54 @@ def test_what_a_page_points_to_is_there(floor):
     sources = re.findall(r"(?m)^\[(\d)\]", page)
     assert sources
     assert all(page.count(f"[{number}]") >= 2 for number in sources)
+
+
+def snippet(start):
+    """An indented block of the README, from a line that begins so."""
+    text = (ROOT / "README.md").read_text("utf-8")
+    block = re.search(rf"(?m)^    {re.escape(start)}.*\n(?:    .*\n|\n)*", text)[0]
+    return dedent(block)
+
+
+def test_the_scene_and_the_script_of_the_readme(tmp_path, monkeypatch):
+    """The promise in its last line holds."""
+    monkeypatch.chdir(tmp_path)
+    Path("punch.toml").write_text(snippet('units = "SI"'), "utf-8")
+    assert main(["run", "punch.toml", "--no-figures", "--rtol", "1e-3"]) == 0
+    script = snippet("from ringwear import run")
+    assert "assert" in script.splitlines()[4]
+    exec("\n".join(script.splitlines()[:5]), {})
+
+
+def test_the_output_in_the_readme(tmp_path, capsys):
+    assert main(["run", "--no-figures", "--out", str(tmp_path / "out")]) == 0
+    told = capsys.readouterr().out
+    shown = [line.strip() for line in snippet("Five rings, k2").splitlines() if line.strip()]
+    assert len(shown) >= 8
+    assert all(line in told for line in shown)
+
+
+def test_the_keys_in_the_readme():
+    """Each line of its scene is a key that is known, and the whole but for what excludes is one."""
+    text = snippet('title = "Five rings')
+    given = {line.split(" =")[0] for line in text.splitlines() if re.match(r"[a-z_]+ =", line)}
+    sections = (Scene, *(field.annotation for field in Scene.model_fields.values()))
+    names = {
+        field.alias or name
+        for section in sections
+        if hasattr(section, "model_fields")
+        for name, field in section.model_fields.items()
+    }
+    assert given <= names
+    assert given | {"punch", "half_space", "load", "wear", "accuracy", "output"} >= names - {
+        *("ring_edges", "wear_coefficient", "wear_ratio", "plane_strain_modulus", "mean_pressure"),
+        *("youngs_modulus", "indentation", "tau", "step", "fem", "mdr", "heights"),
+    }
+
+
+def test_the_readme_is_read_in_minutes():
+    text = (ROOT / "README.md").read_text("utf-8")
+    assert len(text[: text.index("## Commands")].split()) <= 900
 
 
 def test_the_readme_names_every_command_and_flag():
