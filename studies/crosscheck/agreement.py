@@ -48,7 +48,7 @@ class Agreement:
     quantity, methods : what is compared
     difference, uncertainty : relative, in the norm of the quantity, where they decide the verdict
     verdict : `agree`, `disagree` or `undecided`
-    remark : of what is undecided, when, by whose fault, and what would decide it
+    when, remark : of what is undecided: the times, and by whose fault, and what would decide it
     promised : whether the verdict on the run waits for it; where edges of a contact move, not for
         what is local to them, nor for fields of a flat punch that cannot be resolved
     """
@@ -60,6 +60,7 @@ class Agreement:
     verdict: str
     remark: str = ""
     promised: bool = True
+    when: str = ""
 
     @property
     def agrees(self) -> bool:
@@ -111,15 +112,15 @@ def agreements(
         doubtful = (uncertainty > A_FEW * rtol) | (size > np.maximum(uncertainty, rtol))
         # where many are as uncertain, the one that differs most
         worst = int(np.lexsort((size, uncertainty, doubtful))[-1])
-        verdict, remark, promised = AGREE, "", not unresolved(problem, quantity, "")
+        verdict, remark, when, promised = AGREE, "", "", not unresolved(problem, quantity, "")
         if (over > 1).any():
             worst, verdict, promised = int(np.argmax(over)), DISAGREE, True
         elif doubtful.any():
             loser, verdict = names[int(second[worst] > first[worst])], UNDECIDED
-            what = remedy(problem, quantity, loser, float(uncertainty[worst]))
-            remark = f"{_when(problem, quantity, doubtful)}{what}"
+            remark = remedy(problem, quantity, loser, float(uncertainty[worst]))
+            when = _when(problem, quantity, doubtful)
         numbers = float(size[worst]), float(uncertainty[worst])
-        rows.append(Agreement(quantity, names, *numbers, verdict, remark, promised))
+        rows.append(Agreement(quantity, names, *numbers, verdict, remark, promised, when))
     return rows
 
 
@@ -181,8 +182,8 @@ def _when(problem: Problem, quantity: str, undecided: NDArray[np.bool_]) -> str:
     times = problem.times[problem.checked] * problem.units.time
     last = int(np.flatnonzero(undecided)[-1])
     if not undecided[: last + 1].all():
-        return f"at {undecided.sum()} of {len(times)} times: "
-    return f"{'up to' if last else 'at'} t = {times[last]:.3g}: "
+        return f"at {undecided.sum()} of {len(times)} times"
+    return f"{'up to' if last else 'at'} t = {times[last]:.3g}"
 
 
 def remedy(problem: Problem, quantity: str, blamed: str, error: float) -> str:

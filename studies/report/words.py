@@ -229,29 +229,40 @@ class Account:
         ]
 
     @property
-    def remarks(self) -> list[str]:
-        """What else bears on the accuracy."""
-        result, rtol = self.result, self.scene.accuracy.rtol
-        lines = beyond_the_model(self.scene) + [
-            f"{anchor.method} does not hold to {anchor.name}: off by {anchor.difference:.1e}, more "
-            f"than {anchor.tolerance:.1e}."
-            for anchor in result.anchors
-            if not anchor.holds
-        ]
-        for name, solution in result.solutions.items():
+    def own_errors(self) -> list[str]:
+        """What methods say of themselves that is more than was asked for."""
+        rtol, lines = self.scene.accuracy.rtol, list[str]()
+        for name, solution in self.result.solutions.items():
             if beyond := solution.beyond(rtol):
                 listed = ", ".join(f"{quantity} {error:.1e}" for quantity, error in beyond.items())
                 lines.append(
                     f"{name} says of itself that it errs by more than the {rtol:.0e} asked for in: "
                     f"{listed}"
                 )
-        undecided = [row for row in result.agreement if row.remark]
-        for quantity in dict.fromkeys(row.quantity for row in undecided):
-            rows = [row for row in undecided if row.quantity == quantity]
-            worst = max(rows, key=lambda row: row.uncertainty)
-            others = f" (and {len(rows) - 1} other pairs)" if len(rows) > 1 else ""
-            pair = " and ".join(worst.methods)
-            lines.append(f"{quantity} is undecided between {pair}{others}: {worst.remark}")
+        return lines
+
+    @property
+    def remarks(self) -> list[str]:
+        """What else a user has to know."""
+        result = self.result
+        lines = beyond_the_model(self.scene) + [
+            f"{anchor.method} does not hold to {anchor.name}: off by {anchor.difference:.1e}, more "
+            f"than {anchor.tolerance:.1e}."
+            for anchor in result.anchors
+            if not anchor.holds
+        ]
+        undecided = sorted(
+            (row for row in result.agreement if row.remark), key=lambda row: row.uncertainty
+        )
+        worst = {row.quantity: row for row in undecided}
+        for remark in dict.fromkeys(row.remark for row in worst.values()):
+            rows = [worst[name] for name in QUANTITIES if name in worst]
+            listed = ", ".join(
+                f"{row.quantity} ({row.when})" if row.when else row.quantity
+                for row in rows
+                if row.remark == remark
+            )
+            lines.append(f"undecided: {listed}: {remark}")
         slowest = self.answer("running_in_time")
         # contact that spreads has a time scale of its own
         if slowest is not None and self.problem.earliest and self.problem.full_contact:

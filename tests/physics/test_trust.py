@@ -157,7 +157,7 @@ def test_the_default_scene_reaches_its_accuracy_by_its_own_word():
     result = run(FIVE)
     assert result.verdict == "agree"
     assert not any(method["beyond_rtol"] for method in result.summary["methods"].values())
-    assert not any("says of itself" in line for line in Account(result).remarks)
+    assert not any("says of itself" in line for line in Account(result).own_errors)
 
 
 @pytest.mark.parametrize(
@@ -196,5 +196,6 @@ def test_an_annulus_that_is_only_pressed_on_does_not_disagree():
     result = run(scene, methods=["mdr", "bem", "fem"])
     assert result.verdict == "agree"
     lines = [line for line in Account(result).remarks if "undecided" in line]
-    assert len(lines) == len({row.quantity for row in result.agreement if row.remark})
+    undecided = {row.quantity for row in result.agreement if row.remark}
+    assert all(any(quantity in line for line in lines) for quantity in undecided)
     assert not any("worn" in line for line in lines)
