@@ -14,7 +14,8 @@ import numpy as np
 
 from ...meshes.radial import Array
 from ..methods.base import Method, Solution
-from ..methods.norms import common
+from ..methods.norms import Results, common
+from ..problem.problem import Problem
 from ..problem.quantities import (
     ANSWER,
     ERROR,
@@ -134,10 +135,7 @@ class Result:
         for name, solution in self.solutions.items():
             given = answer(problem, solution)
             given |= {key: np.asarray(solution.results.get(key, np.nan)) for key in ALSO}
-            answers[name] = {
-                key: value * getattr(problem.units, (ANSWER | QUANTITIES)[key].unit)
-                for key, value in given.items()
-            }
+            answers[name] = in_units(problem, given)
         return answers
 
     def gives(self, *quantities: str) -> bool:
@@ -197,6 +195,19 @@ class Result:
         return {name: values for name, values in chosen.items() if not np.isnan(values).all()}
 
     @cached_property
+    def between(self) -> tuple[str, dict[str, Array]]:
+        """The first method that knows more than the times asked for, and what it reports at these;
+        else the method that gives most.
+        """
+        for name, solution in self.solutions.items():
+            if solution.between is not None:
+                values, problem = solution.between(), self.scene.problem
+                times = {"time": values["time"] * problem.units.time}
+                return name, self.reported(name) | in_units(problem, values) | times
+        name = max(self.solutions, key=lambda name: len(self.solutions[name].results))
+        return name, self.reported(name)
+
+    @cached_property
     def anchors(self) -> tuple[Anchor, ...]:
         """What no method can move, for each method.
 
@@ -220,11 +231,7 @@ def tabulate(result: Result) -> Table:
     units, names = problem.units, UnitNames.of(scene.units)
     reported, table = [], dict[str, Quantity]()
     for name, solution in result.solutions.items():
-        given = {
-            key: value * getattr(units, QUANTITIES[key].unit)
-            for key, value in solution.results.items()
-            if key in QUANTITIES
-        }
+        given = in_units(problem, solution.results)
         errors = {error_name(key): error for key, error in solution.errors.items()}
         reported.append(given | errors | result.answers[name])
 
@@ -305,13 +312,22 @@ def tabulate(result: Result) -> Table:
     return Table(variables, coordinates, about)
 
 
+def in_units(problem: Problem, results: Results) -> dict[str, Array]:
+    """Return the quantities of non-dimensional results in the units of the scene."""
+    described = QUANTITIES | ANSWER | STEPS
+    return {
+        name: value * getattr(problem.units, described[name].unit)
+        for name, value in results.items()
+        if name in described
+    }
+
+
 def _of_steps(result: Result) -> dict[str, dict[str, Array]]:
     """Return what is told at each step, by method: nothing of what has no steps."""
-    units, standoff = result.scene.problem.units, result.scene.problem.profile.standoff
-    offsets = np.array([0.0, standoff, 0.0, 0.0])
-    scales = [getattr(units, quantity.unit) for quantity in STEPS.values()]
+    problem = result.scene.problem
+    offsets = np.array([0.0, problem.profile.standoff, 0.0, 0.0])
     return {
-        name: dict(zip(STEPS, ((solution.march.path + offsets) * scales).T, strict=True))
+        name: in_units(problem, dict(zip(STEPS, (solution.march.path + offsets).T, strict=True)))
         for name, solution in result.solutions.items()
         if solution.march is not None
     }

@@ -68,6 +68,7 @@ class Scale:
     def __init__(self, scene: Scene) -> None:
         self.names, self.problem = UnitNames.of(scene.units), scene.problem
         units = scene.problem.units
+        slid = max(scene.problem.distances, default=0.0) or 1.0
         self.axes = {}
         for kind, size, symbol in (
             ("length", 1.0, "a"),
@@ -78,10 +79,13 @@ class Scale:
             ("volume", 1.0, "(Fa/E*)"),
         ):
             stored = size * getattr(units, kind)
-            unit, name = self.names.readable(stored, kind)
+            # units of volume are far apart
+            typical = 100 * slid * stored if kind == "volume" else stored
+            unit, name = self.names.readable(typical, kind)
             self.axes[kind] = Axis(unit, name) if self.names.si else Axis(stored, "", symbol)
         later = [time for time in scene.wear.times if time] or [0.0]
         self.axes["time"] = Axis(*self.names.readable(float(np.sqrt(later[0] * later[-1])), "time"))
+        self._first = later[0]
         # where loads vary, late times have as much to show as early ones
         self.logarithmic = later[-1] > 30 * later[0] and not scene.problem.loading.varies
 
@@ -101,7 +105,8 @@ class Scale:
         """Draw a quantity over the `radius`, broken where pressures jump, or over `time`."""
         if over == "time" and self.logarithmic:
             set_logarithmic(axes, "x")
-            places, heights = places[places > 0], heights[places > 0]
+            drawn = places >= self._first
+            places, heights = places[drawn], heights[drawn]
         if "pressure" in name:
             edges = self.problem.merged.ring_edges * self.problem.units.length
             places, heights = broken_at(edges, places, heights)
@@ -163,10 +168,8 @@ def panel_tops(heights: Sequence[float]) -> Array:
     return np.where(tops.max() > 10 * tops.min(), tops, tops.max())
 
 
-def shown_times(problem: Problem, most: int) -> Indices:
+def shown_times(times: Array, most: int) -> Indices:
     """Choose some of the times, first and last among them; of few, none is spent on the start."""
-    times = np.arange(len(problem.times))
-    if problem.earliest and most < 4:
-        times = np.flatnonzero(problem.times > 0)
-    places = np.linspace(0, len(times) - 1, min(len(times), most)).round().astype(np.int64)
-    return times[np.unique(places)]
+    chosen = np.flatnonzero((times > 0) | (most > 3) | ~times.any())
+    places = np.linspace(0, len(chosen) - 1, min(len(chosen), most)).round().astype(np.int64)
+    return chosen[np.unique(places)]

@@ -24,7 +24,7 @@ def draw_states(result: Result) -> Figure:
     """
     scale, many = Scale(result.scene), has_many_rings(result)
     problem, shaped = scale.problem, not scale.problem.full_contact
-    states = shown_times(problem, 3 if many else 5 if shaped else 6)
+    states = shown_times(problem.times, 3 if many else 5 if shaped else 6)
     radii = result.coordinates["radius"]
     if many:
         figure, panels = new_panels(PAGE, 0.7 + 2.5 * len(states), 2 * len(states))
