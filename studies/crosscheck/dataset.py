@@ -5,7 +5,7 @@ the scene's units.
 import json
 import tomllib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -15,6 +15,7 @@ import numpy as np
 from ...meshes.radial import Array
 from ..methods.base import Method, Solution
 from ..methods.norms import Results, common
+from ..methods.sampler import Sampler
 from ..problem.problem import Problem
 from ..problem.quantities import (
     ANSWER,
@@ -32,6 +33,7 @@ from ..problem.scene import Scene
 from ..problem.unit_names import UNSTATED, UnitNames
 from ..progress import Stages
 from ..versions import versions
+from ..wear.full_contact import RunningIn
 from ..wear.modes import SHOWN
 from .agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
 from .anchor import Anchor
@@ -196,16 +198,26 @@ class Result:
 
     @cached_property
     def between(self) -> tuple[str, dict[str, Array]]:
-        """The first method that knows more than the times asked for, and what it reports at these;
-        else the method that gives most.
+        """The first method that knows more than the times asked for, and what it says between them;
+        else none, and what the method reports that gives most.
         """
+        problem = self.scene.problem
+        later = problem.times[problem.distances > 0]
         for name, solution in self.solutions.items():
-            if solution.between is not None:
-                values, problem = solution.between(), self.scene.problem
-                times = {"time": values["time"] * problem.units.time}
-                return name, self.reported(name) | in_units(problem, values) | times
-        name = max(self.solutions, key=lambda name: len(self.solutions[name].results))
-        return name, self.reported(name)
+            wear = solution.wear or solution.march
+            if wear is None or problem.march != "modal" or not len(later):
+                continue
+            if isinstance(wear, RunningIn):
+                # close enough, whether times are drawn in a logarithmic scale or not
+                times = np.linspace(later[0] ** 0.25, later[-1] ** 0.25, 200) ** 4
+                history = replace(wear.modal(times), distances=times)
+            else:
+                history = wear.between
+            values = Sampler(problem, wear.compliance.space).history(history)
+            at = {"time": values["time"] * problem.units.time}
+            return name, self.reported(name) | in_units(problem, values) | at
+        most = max(self.solutions, key=lambda name: len(self.solutions[name].results))
+        return "", self.reported(most)
 
     @cached_property
     def anchors(self) -> tuple[Anchor, ...]:

@@ -31,7 +31,7 @@ def draw_history(result: Result) -> Figure:
     for (name, methods), (values, *below) in zip(curves.items(), panels.T, strict=True):
         for method, heights in methods.items():
             look, times = method_curve(method), worn_times
-            if result.solutions[first].between is not None:
+            if first:
                 if method == first:
                     times, heights = between["time"], between[name]
                     look["marker"] = ""
@@ -76,5 +76,4 @@ def _mark_running_in(axes: Any, result: Result, scale: Scale) -> None:
         if first < time < last:
             axes.axvline(time, color="0.6", linewidth=0.6, zorder=0)
             place = {"transform": axes.get_xaxis_transform(), "rotation": 90, "ha": "right"}
-            under = {"facecolor": "white", "linewidth": 0, "pad": 0.4, "alpha": 0.8}
-            axes.text(time, 0.02, part, **place, fontsize=6, color="0.35", bbox=under)
+            axes.text(time, 0.02, part, **place, fontsize=6, color="0.35")

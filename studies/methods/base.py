@@ -34,7 +34,6 @@ class Solution:
     errors : relative, of each quantity in its norm, by the method's own estimate
     parts : of the indentation, by what causes it
     unknowns, settings, notes : of what was solved
-    between : () -> its quantities at as many times as a curve needs, if it knows them
     wear : the running-in on the method's compliance, if it has one
     half_space : the finite-element half-space, if there is one
     march : of a contact that opens, closes and spreads
@@ -50,7 +49,6 @@ class Solution:
     unknowns: int = 0
     settings: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
-    between: Callable[[], Results] | None = None
     wear: RunningIn | None = None
     half_space: "HalfSpace | None" = None
     march: March | None = None

@@ -57,11 +57,6 @@ class Evaluation(ABC):
 
     @property
     @abstractmethod
-    def between(self) -> History:
-        """The history at so many times that it is drawn as a curve."""
-
-    @property
-    @abstractmethod
     def for_estimate(self) -> Results:
         """The quantities that errors are estimated by, on the face of the punch."""
 
@@ -146,12 +141,6 @@ class FullContact(Evaluation):
     @property
     def exact_in_time(self) -> History:
         return self.wear.modal(self.problem.times)
-
-    @property
-    def between(self) -> History:
-        first, last = self.problem.times[self.problem.distances > 0][[0, -1]]
-        times = np.union1d(np.linspace(first, last, 80), np.geomspace(first, last, 80))
-        return replace(self.wear.modal(times), distances=times)
 
     @cached_property
     def for_estimate(self) -> Results:
@@ -269,10 +258,6 @@ class MovingContact(Evaluation):
 
     def at(self, which: Indices) -> History:
         return self.marched[which]
-
-    @property
-    def between(self) -> History:
-        return self._started(self.march.between)
 
     @cached_property
     def for_estimate(self) -> Results:

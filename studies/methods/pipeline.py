@@ -181,7 +181,6 @@ def _march(problem: Problem, compliance: Compliance, times: Array, looser: float
 def _solution(made: Discretised, fine: Evaluation, coarse: Evaluation) -> Solution:
     errors, parts = estimate_errors(fine, coarse)
     unknowns = made.unknowns or made.compliance.space.size
-    curves = fine.problem.march == "modal" and fine.problem.earliest
     return Solution(
         fine.results,
         fine.checked,
@@ -190,7 +189,6 @@ def _solution(made: Discretised, fine: Evaluation, coarse: Evaluation) -> Soluti
         unknowns,
         made.settings,
         made.notes,
-        (lambda: fine.sampler.history(fine.between)) if curves else None,
         fine.wear,
         made.half_space,
     )

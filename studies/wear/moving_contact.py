@@ -87,8 +87,8 @@ class ContactMarch:
         self._dense_wear = self.wear.toarray()
         self._contacts: dict[float, Contact] = {}
         self._iterations: list[int] = []
-        self._steps: list[tuple[float, _Moment]] = []
-        self._after: list[tuple[float, _Moment]] = []
+        self._path: list[tuple[float, ...]] = []
+        self._moments: list[tuple[float, _Moment]] = []
         self._since: _Moment | None = None
 
     def start(self) -> Press:
@@ -154,7 +154,7 @@ class ContactMarch:
                 press = self._press(self.moments + self.wear @ now.integral, load)
                 before = now = now._replace(press=press)
             now = now._replace(distance=float(until), work=work)
-            if event > self._steps[-1][0]:
+            if event > self._path[-1][0]:
                 self._taken(now, float(event))
             if event in times:
                 states.append(now)
@@ -180,27 +180,29 @@ class ContactMarch:
             for _ in range(count):
                 distance = now.distance + dt
                 after = self._stage(dt, distance, now.integral, self.load, before, now)
-                before, now = now, self._taken(after, distance)
+                before, now = now, after
             now = now._replace(distance=float(time))
             states.append(now)
         return self._history(times, states, Steps(int(counts.sum())))
 
     def _begin(self) -> _Moment:
         self._iterations.clear()
-        self._steps.clear()
-        self._after.clear()
+        self._path.clear()
+        self._moments.clear()
         self._since = None
         return self._taken(_Moment(0.0, self.start(), np.zeros(len(self.weights))), 0.0)
 
     def _taken(self, now: _Moment, time: float) -> _Moment:
         """Note where a step has come to."""
-        self._steps.append((time, now))
+        area = float(self.weights @ now.press.contact / self.weights.sum())
+        self._path.append((time, now.press.indentation, now.press.force, area))
+        self._moments.append((time, now))
         return now
 
     @property
     def between(self) -> History:
         """The last march at its steps, and in full contact after them, at times for distances."""
-        times, moments = zip(*self._steps, *self._after, strict=True)
+        times, moments = zip(*self._moments, strict=True)
         return self._history(np.array(times), list(moments), Steps())
 
     def _history(self, distances: Array, moments: list[_Moment], steps: Steps) -> History:
@@ -281,18 +283,7 @@ class ContactMarch:
 
         At the start, and after each step of the last march.
         """
-        face = self.weights.sum()
-        return np.array(
-            [
-                (
-                    time,
-                    now.press.indentation,
-                    now.press.force,
-                    self.weights @ now.press.contact / face,
-                )
-                for time, now in self._steps
-            ]
-        )
+        return np.array(self._path)
 
     @property
     def time_of_full_contact(self) -> float:
@@ -361,7 +352,7 @@ class ContactMarch:
             press = Press(pressure, gap, depth, carried, now.press.contact, 0)
             states.append(_Moment(float(distance), press, integral))
         last, later = len(self.loading.times) - 1, states[len(times) :]
-        self._after = [(self.loading.time_at(state.distance, last), state) for state in later]
+        self._moments += [(self.loading.time_at(state.distance, last), state) for state in later]
         return states[: len(times)]
 
 
