@@ -209,13 +209,16 @@ class Result:
                 continue
             if isinstance(wear, RunningIn):
                 # close enough, whether times are drawn in a logarithmic scale or not
-                times = np.linspace(later[0] ** 0.25, later[-1] ** 0.25, 200) ** 4
-                history = replace(wear.modal(times), distances=times)
+                at = np.linspace(later[0] ** 0.25, later[-1] ** 0.25, 200) ** 4
+                history = replace(wear.modal(at), distances=at)
             else:
                 history = wear.between
+                # before the first of the times there is little to see
+                at = history.distances
+                history = history[(at == 0) | (at >= later[0])]
             values = Sampler(problem, wear.compliance.space).history(history)
-            at = {"time": values["time"] * problem.units.time}
-            return name, self.reported(name) | in_units(problem, values) | at
+            times = {"time": values["time"] * problem.units.time}
+            return name, self.reported(name) | in_units(problem, values) | times
         most = max(self.solutions, key=lambda name: len(self.solutions[name].results))
         return "", self.reported(most)
 

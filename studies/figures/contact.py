@@ -28,7 +28,6 @@ def draw_contact(result: Result) -> Figure:
     for height in scale.shown("radius", first["ring_outer_radius"][:-1]):
         where.axhline(height, color="0.75", linewidth=0.6, zorder=0, label="ring edge")
     times, radii = (scale.shown(name, between[name]) for name in ("time", "radius"))
-    where.set_xlim(where.get_xlim())
     where.pcolormesh(
         times, radii, between["contact"].T, cmap="Greys", vmax=5, shading="gouraud", zorder=-1
     )

@@ -85,7 +85,6 @@ class Scale:
             self.axes[kind] = Axis(unit, name) if self.names.si else Axis(stored, "", symbol)
         later = [time for time in scene.wear.times if time] or [0.0]
         self.axes["time"] = Axis(*self.names.readable(float(np.sqrt(later[0] * later[-1])), "time"))
-        self._first = later[0]
         # where loads vary, late times have as much to show as early ones
         self.logarithmic = later[-1] > 30 * later[0] and not scene.problem.loading.varies
 
@@ -105,8 +104,7 @@ class Scale:
         """Draw a quantity over the `radius`, broken where pressures jump, or over `time`."""
         if over == "time" and self.logarithmic:
             set_logarithmic(axes, "x")
-            drawn = places >= self._first
-            places, heights = places[drawn], heights[drawn]
+            places, heights = places[places > 0], heights[places > 0]
         if "pressure" in name:
             edges = self.problem.merged.ring_edges * self.problem.units.length
             places, heights = broken_at(edges, places, heights)

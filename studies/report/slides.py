@@ -94,10 +94,8 @@ def _sample_times(result: Result, wear: RunningIn) -> tuple[dict[str, Array], li
 def _select_times(result: Result) -> dict[str, Array]:
     """Return some of the states of a curve, and the steady state."""
     _, states = result.between
-    times, asked_for = states["time"], result.coordinates["time"]
-    shown = (times == 0) | (times >= min(asked_for[asked_for > 0], default=0.0))
-    chosen = np.flatnonzero(shown & ~np.isnan(states["profile"]).all(axis=1))
-    chosen = chosen[shown_times(times[chosen], COUNT)]
+    chosen = np.flatnonzero(~np.isnan(states["profile"]).all(axis=1))
+    chosen = chosen[shown_times(states["time"][chosen], COUNT)]
     return states | {name: states[name][chosen] for name in ("time", "profile", "pressure")}
 
 
