@@ -43,14 +43,14 @@ def fitted_half_space(
 
 
 def even_half_space(
-    cells: ContactCells, poisson_ratio: float, growth: float = TRIANGLE_GROWTH
+    cells: ContactCells, poisson_ratio: float, growth: float = TRIANGLE_GROWTH, degree: int = 3
 ) -> HalfSpace:
-    """Triangles of degree 3 whose facets on the contact are no larger than the cells, with linear
+    """Triangles of one degree whose facets on the contact are no larger than the cells, with linear
     pressures on these.
     """
     edges, size = cells.ring_edges, cells.edge_size
     field = SizeField(edges, size, size, growth, 5.0, cells.largest, 0.125, cells)
-    solid = AxisymmetricElasticity(bisection.mesh(field), 3, poisson_ratio)
+    solid = AxisymmetricElasticity(bisection.mesh(field), degree, poisson_ratio)
     half_space = _half_space(solid, np.array(edges))
     space = half_space.space
     return replace(half_space, space=replace(space, degrees=np.ones_like(space.degrees)))

@@ -186,12 +186,13 @@ def _study(options: argparse.Namespace) -> Status:
     scene, study = Scene.load(options.scene), STUDIES[options.study]
     problem = scene.problem
     flat = problem.full_contact and problem.indentation is None
-    if problem.merged.linear or not (study.of_any_punch or flat):
+    shaped = study.of_shaped_punches and not problem.full_contact
+    if problem.merged.linear or not (study.of_any_punch or flat or shaped):
         raise SceneError(
             f"study {options.study} is about flat punches under a force, whose edges stay, with "
             "wear constant on rings: leave out punch.recess, punch.profile and "
             "punch.wear_coefficient along the radius, and give load.normal_force; study tradeoff "
-            "takes any punch"
+            "takes any punch, and study convergence shaped ones, too"
         )
     out = _out(options, options.study)
     with output_folder(out, f"study {options.study}", ["report.html"]) as folder:

@@ -28,7 +28,7 @@ INTERRUPTED = "INTERRUPTED: tables and figures hold the rows that were finished.
 @dataclass(frozen=True)
 class Study:
     """A study: its file, its purpose, its scene by default, its own options, and whether it is
-    about any punch, not flat ones under a force alone.
+    about any punch, or shaped ones, too, not flat ones under a force alone.
     """
 
     module: str
@@ -36,6 +36,7 @@ class Study:
     scene: str = "five_rings"
     options: tuple[tuple[str, dict[str, Any]], ...] = ()
     of_any_punch: bool = False
+    of_shaped_punches: bool = False
 
     @property
     def conduct(self) -> Callable[..., list[str]]:
@@ -60,6 +61,7 @@ STUDIES: dict[str, Study] = {
     "convergence": Study(
         "numerics.convergence",
         "orders of convergence in element size and degree, graded and uniform",
+        of_shaped_punches=True,
     ),
     "truncation": Study(
         "numerics.truncation",

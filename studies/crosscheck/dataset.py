@@ -5,7 +5,7 @@ the scene's units.
 import json
 import tomllib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -15,7 +15,9 @@ import numpy as np
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..methods.base import Method, Solution
-from ..methods.norms import common
+from ..methods.norms import Results, common
+from ..methods.sampler import Sampler
+from ..problem.problem import Problem
 from ..problem.quantities import (
     ANSWER,
     ERROR,
@@ -32,6 +34,7 @@ from ..problem.scene import Scene
 from ..problem.unit_names import NO_UNIT, UnitNames
 from ..progress import Stages
 from ..versions import versions
+from ..wear.full_contact import RunningIn
 from ..wear.modes import SHOWN
 from .agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
 from .anchor import Anchor
@@ -135,10 +138,7 @@ class Result:
         for name, solution in self.solutions.items():
             given = answer(problem, solution)
             given |= {key: np.asarray(solution.results.get(key, np.nan)) for key in ALSO}
-            answers[name] = {
-                key: value * getattr(problem.units, (ANSWER | QUANTITIES)[key].unit)
-                for key, value in given.items()
-            }
+            answers[name] = in_units(problem, given)
         return answers
 
     def gives(self, *quantities: str) -> bool:
@@ -203,6 +203,36 @@ class Result:
         return {name: values for name, values in chosen.items() if not np.isnan(values).all()}
 
     @cached_property
+    def between(self) -> tuple[str, dict[str, Array]]:
+        """The first method that knows more than the times asked for, and what it says between them;
+        else none, and what the method reports that gives most.
+        """
+        problem = self.scene.problem
+        later = problem.times[problem.distances > 0]
+        for name, solution in self.solutions.items():
+            wear = solution.wear or solution.march
+            if wear is None or problem.march != "modal" or not len(later):
+                continue
+            if isinstance(wear, RunningIn):
+                # close enough, whether times are drawn in a logarithmic scale or not
+                at = np.linspace(later[0] ** 0.25, later[-1] ** 0.25, 200) ** 4
+                history = replace(wear.modal(at), distances=at)
+            else:
+                history = wear.between
+                # before the first of the times there is little to see
+                at = history.distances
+                history = history[(at == 0) | (at >= later[0])]
+            values = Sampler(problem, wear.compliance.space).history(history)
+            times = {"time": values["time"] * problem.units.time}
+            return name, self.reported(name) | in_units(problem, values) | times
+
+        def given(name: str) -> int:
+            values = self.reported(name).values()
+            return sum(bool(np.isfinite(of).any()) for of in values if of.dtype.kind == "f")
+
+        return "", self.reported(max(self.coordinates["solver"], key=given))
+
+    @cached_property
     def anchors(self) -> tuple[Anchor, ...]:
         """What no method can move, for each method.
 
@@ -239,11 +269,7 @@ def tabulate(result: Result) -> Table:
     units, names = problem.units, UnitNames.of(scene.units)
     reported, table = [], dict[str, Quantity]()
     for name, solution in result.solutions.items():
-        given = {
-            key: value * getattr(units, QUANTITIES[key].unit)
-            for key, value in solution.results.items()
-            if key in QUANTITIES
-        }
+        given = in_units(problem, solution.results)
         errors = {error_name(key): error for key, error in solution.errors.items()}
         reported.append(given | errors | result.answers[name])
 
@@ -324,13 +350,22 @@ def tabulate(result: Result) -> Table:
     return Table(variables, coordinates, about)
 
 
+def in_units(problem: Problem, results: Results) -> dict[str, Array]:
+    """Return the quantities of non-dimensional results in the units of the scene."""
+    described = QUANTITIES | ANSWER | STEPS
+    return {
+        name: value * getattr(problem.units, described[name].unit)
+        for name, value in results.items()
+        if name in described
+    }
+
+
 def _of_steps(result: Result) -> dict[str, dict[str, Array]]:
     """Return what is told at each step, by method: nothing of what has no steps."""
-    units, standoff = result.scene.problem.units, result.scene.problem.profile.standoff
-    offsets = np.array([0.0, standoff, 0.0, 0.0])
-    scales = [getattr(units, quantity.unit) for quantity in STEPS.values()]
+    problem = result.scene.problem
+    offsets = np.array([0.0, problem.profile.standoff, 0.0, 0.0])
     return {
-        name: dict(zip(STEPS, ((solution.march.path + offsets) * scales).T, strict=True))
+        name: in_units(problem, dict(zip(STEPS, (solution.march.path + offsets).T, strict=True)))
         for name, solution in result.solutions.items()
         if solution.march is not None
     }

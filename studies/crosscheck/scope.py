@@ -112,10 +112,6 @@ def refusals(scene: Scene, methods: Methods) -> list[str]:
             "output.field_times asks for the inside of the half-space under a contact that "
             "changes: give wear.times, and ask for some of its history"
         )
-    if scene.output.every_step and problem.loading.varies:
-        refused.append(
-            "output.every_step tells the steps of one load: leave it out where the load varies"
-        )
     return [reason for reason in refused if reason]
 
 

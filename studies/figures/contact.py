@@ -14,6 +14,7 @@ def draw_contact(result: Result) -> Figure:
     """
     scale, edges = Scale(result.scene), result.by_method("contact_edge")
     first = result.reported(next(iter(edges)))
+    _, between = result.between
     all_times = first["time"]
     figure, panels = new_panels(PAGE, 2.9, columns=3)
     where, force, volume = panels.flat
@@ -26,20 +27,23 @@ def draw_contact(result: Result) -> Figure:
         )
     for height in scale.shown("radius", first["ring_outer_radius"][:-1]):
         where.axhline(height, color="0.75", linewidth=0.6, zorder=0, label="ring edge")
-    times, radii = (scale.shown(name, first[name]) for name in ("time", "radius"))
-    later, carries = times[times > 0], first["contact"][all_times > 0].T > 0
-    # each time after the start to half the ratio to its neighbours
-    at = [0.0, *np.sqrt(later[1:] * later[:-1]), later[-1]]
-    borders = [0.0, *(radii[1:] + radii[:-1]) / 2, radii[-1]]
-    where.pcolormesh(at, borders, carries, cmap="Greys", vmax=5, zorder=-1)
+    times, radii = (scale.shown(name, between[name]) for name in ("time", "radius"))
+    where.pcolormesh(
+        times, radii, between["contact"].T, cmap="Greys", vmax=5, shading="gouraud", zorder=-1
+    )
     count = len(first["ring"])
     for number, ring in enumerate(np.unique(np.linspace(0, count - 1, min(count, 5)).round())):
         look = curve(number) | {"markersize": 2.5, "label": f"ring {ring + 1:g}"}
         for axes, name in ((force, "ring_force"), (volume, "ring_worn_volume")):
-            scale.plot(axes, name, "time", all_times, first[name][:, int(ring)], **look)
+            for values, part in (
+                (between, {"marker": "", "label": ""}),
+                (first, {"linestyle": ""}),
+            ):
+                of_ring = values[name][:, int(ring)]
+                scale.plot(axes, name, "time", values["time"], of_ring, **look | part)
     look = {"color": "black", "label": "all rings"}
-    total = first["normal_force"]
-    scale.plot(force, "normal_force", "time", all_times, total, linewidth=0.8, **look)
+    total = between["normal_force"]
+    scale.plot(force, "normal_force", "time", between["time"], total, linewidth=0.8, **look)
     for axes in panels.flat:
         axes.set_ylim(0, 1.04 * axes.dataLim.y1)
     titles = result.scene.title, "contact over time"

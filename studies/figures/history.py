@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 
 from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
-from .modal import modal_method, sample_modes
 from .scale import Scale
 from .style import FAINT, PAGE, complete, curve, method_curve, new_panels, set_logarithmic
 
@@ -25,21 +24,16 @@ def draw_history(result: Result) -> Figure:
     worn_times = result.coordinates["time"][worn]
     names = ("displacement_max" if problem.indentation is None else "normal_force", "rms_slope")
     curves = {name: result.by_method(name, worn) for name in names}
-    modal, smooth = modal_method(result.solutions), None
-    if modal is not None and problem.march == "modal":
-        space = np.geomspace if scale.logarithmic else np.linspace
-        later = problem.times[problem.distances > 0]
-        times = space(float(later[0]), float(later[-1]), 80)
-        smooth = sample_modes(problem, modal[1], times)
+    first, between = result.between
     rows = min(2, len(curves["rms_slope"]))
     ratios = [2.2, 1][:rows]
     figure, panels = new_panels(PAGE, 2.6 + 0.6 * rows, rows, 2, sharex=True, height_ratios=ratios)
     for (name, methods), (values, *below) in zip(curves.items(), panels.T, strict=True):
         for method, heights in methods.items():
             look, times = method_curve(method), worn_times
-            if smooth is not None and modal is not None:
-                if method == modal[0]:
-                    times, heights = smooth["time"], smooth[name]
+            if first:
+                if method == first:
+                    times, heights = between["time"], between[name]
                     look["marker"] = ""
                 else:
                     look = {"marker": "."} | look | {"linestyle": "none"}
@@ -47,7 +41,7 @@ def draw_history(result: Result) -> Figure:
         if result.gives(f"steady_{name}"):
             steady = next(iter(result.by_method(f"steady_{name}").values()))
             values.axhline(scale.shown(name, steady), **FAINT, label="steady state")
-        values.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
+        values.ticklabel_format(axis="y", style="sci", scilimits=(-2, 4))
         _mark_running_in(values, result, scale)
         for axes in below:
             _draw_differences(axes, worn_times, methods, scale)

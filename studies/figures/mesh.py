@@ -26,8 +26,9 @@ def draw_stress(result: Result) -> Figure:
     ratios = [1.0] * count + [0.05]
     figure, panels = new_panels(width, height, columns=count + 1, width_ratios=ratios)
     *views, bar = panels[0]
-    r, z = fields.points
-    depth = float(fields.reach.max())
+    radius = scale.shown("radius", result.scene.problem.units.length)
+    r, z = fields.points * radius
+    depth = float(fields.reach.max()) * radius
     beneath = (r < 1.3 * depth) & (z > 0.04 * depth) & (z < depth)
     stress = scale.shown("von_mises", fields.von_mises * result.scene.problem.units.pressure)
     highest = 1.2 * stress[:, beneath].max(axis=1)
@@ -51,12 +52,13 @@ def draw_stress(result: Result) -> Figure:
             cmap="viridis",
             extend="both" if norm else "max",
         )
-        _draw_punch(axes, depth, result.scene.problem.ring_edges)
-        axes.set(xlim=(0, 1.3 * depth), ylim=(depth, -0.08 * depth), aspect="equal", xlabel="r/a")
+        _draw_punch(axes, depth, result.scene.problem.ring_edges * radius)
+        axes.set(xlim=(0, 1.3 * depth), ylim=(depth, -0.08 * depth), aspect="equal")
+        axes.set_xlabel(scale.label("radius"))
         state = "steady state" if label == "steady" else scale.when(float(label.removeprefix("t=")))
         axes.set_title(f"{state}\nerrors up to {error:.0e} pₘ")
         hide_inner_ticks(axes)
-    views[0].set_ylabel("depth z/a")
+    views[0].set_ylabel(scale.label("depth"))
     figure.colorbar(filled, cax=bar, label=scale.label("von_mises"))
     note = (
         f"errors: estimates, over pₘ = F/(πc²), c the radius of the contact, beyond {NEAR:g} c "

@@ -18,10 +18,11 @@ from .style import broken_at, method_curve, set_logarithmic, shade_rings
 
 LABELS = {
     "radius": ("radius", "r", "length"),
+    "depth": ("depth", "z", "length"),
     "time": ("time", "t", "time"),
-    "profile": ("profile", "Δf", "displacement"),
+    "profile": ("profile", "Δf", "height"),
     "pressure": ("pressure", "p", "pressure"),
-    "steady_profile": ("limiting profile", "fₛₜₐₜ", "displacement"),
+    "steady_profile": ("limiting profile", "fₛₜₐₜ", "height"),
     "steady_pressure": ("steady pressure", "p", "pressure"),
     "displacement_max": ("greatest displacement", "uₘₐₓ", "displacement"),
     "rms_slope": ("RMS slope", "s", "slope"),
@@ -68,17 +69,23 @@ class Scale:
     def __init__(self, scene: Scene) -> None:
         self.names, self.problem = UnitNames.of(scene.units), scene.problem
         units = scene.problem.units
+        slid = max(scene.problem.distances, default=0.0) or 1.0
+        unworn = scene.problem.profile(scene.problem.radii)
         self.axes = {}
         for kind, size, symbol in (
             ("length", 1.0, "a"),
             ("displacement", D0, "d₀"),
+            ("height", D0, "d₀"),
             ("pressure", P0, "p₀"),
             ("slope", D0, "(d₀/a)"),
             ("force", 1.0, "F"),
             ("volume", 1.0, "(Fa/E*)"),
         ):
-            stored = size * getattr(units, kind)
-            unit, name = self.names.readable(stored, kind)
+            of = "displacement" if kind == "height" else kind
+            stored = size * getattr(units, of)
+            # units of volume are far apart, and a face is higher than it is pressed in
+            taller = {"volume": 100 * slid, "height": max(unworn.max(), 1.0)}
+            unit, name = self.names.readable(stored * taller.get(kind, 1.0), of)
             self.axes[kind] = Axis(unit, name) if self.names.base else Axis(stored, "", symbol)
         later = [time for time in scene.wear.times if time] or [0.0]
         self.axes["time"] = Axis(*self.names.readable(float(np.sqrt(later[0] * later[-1])), "time"))
@@ -163,10 +170,8 @@ def panel_tops(heights: Sequence[float]) -> Array:
     return np.where(tops.max() > 10 * tops.min(), tops, tops.max())
 
 
-def shown_times(problem: Problem, most: int) -> Indices:
+def shown_times(times: Array, most: int) -> Indices:
     """Choose some of the times, first and last among them; of few, none is spent on the start."""
-    times = np.arange(len(problem.times))
-    if problem.earliest and most < 4:
-        times = np.flatnonzero(problem.times > 0)
-    places = np.linspace(0, len(times) - 1, min(len(times), most)).round().astype(np.int64)
-    return times[np.unique(places)]
+    chosen = np.flatnonzero((times > 0) | (most > 3) | ~times.any())
+    places = np.linspace(0, len(chosen) - 1, min(len(chosen), most)).round().astype(np.int64)
+    return chosen[np.unique(places)]

@@ -24,13 +24,13 @@ def draw_states(result: Result) -> Figure:
     """
     scale, many = Scale(result.scene), has_many_rings(result)
     problem, shaped = scale.problem, not scale.problem.full_contact
-    states = shown_times(problem, 3 if many else 5 if shaped else 6)
+    states = shown_times(problem.times, 3 if many else 5 if shaped else 6)
     radii = result.coordinates["radius"]
     if many:
         figure, panels = new_panels(PAGE, 0.7 + 2.5 * len(states), 2 * len(states))
         pairs = panels.reshape(-1, 2)
     else:
-        width = 0.6 + (1.32 if shaped else 1.1) * max(len(states), 3)
+        width = min(PAGE, 0.6 + (1.32 if shaped else 1.1) * max(len(states), 3))
         figure, panels = new_panels(width, 4.0, 2, len(states))
         pairs = panels.T
     deep, high = [], []
@@ -52,14 +52,16 @@ def draw_states(result: Result) -> Figure:
         when = scale.when(float(result.coordinates["time"][state]))
         less = f" − {scale.worn(worn)}" if worn > 1e-6 * problem.units.displacement else ""
         upper.set_title((": " if many else "\n").join([when, f"Δf = f{less}"]))
+    differ = False
     for name, row, heights in (("profile", pairs[:, 0], deep), ("pressure", pairs[:, 1], high)):
         tops = scale.shown(name, panel_tops(heights))
         for axes, top in zip(row, tops, strict=True):
             # worn down: what is missing below
             axes.set_ylim((1.08 * top, -0.06 * top) if name == "profile" else (0, 1.25 * top))
-            axes.yaxis.set_major_formatter("{x:.3g}")
+            axes.yaxis.set_major_formatter("{x:g}")
             hide_inner_ticks(axes, values_differ=len(set(tops)) > 1)
-    gaps = {"down": 0.3} if many else {"across": 0.42 if shaped else 0.24}
+        differ |= len(set(tops)) > 1
+    gaps = {"down": 0.3} if many else {"across": 0.42 if differ else 0.24}
     return _complete(figure, result, "profiles and pressures", pairs[0], scale, **gaps)
 
 

@@ -206,8 +206,8 @@ def study_orders(families: Iterable[Family], out: Path, name: str, ylabel: str) 
     )
     verdicts = [sequence.verdict for sequence in sequences if sequence.verdict]
     conclusions[:0] = [
-        f"{verdicts.count('yes')} of {len(verdicts)} orders are within {WITHIN} of theory, "
-        "fitted and between the last levels.",
+        f"{verdicts.count('yes')} of {len(verdicts)} orders that theory tells are within {WITHIN} "
+        "of it, fitted and between the last levels.",
         *(f"{sequence.label}, finest error {sequence.errors[-1]:.1e}" for sequence in sequences),
     ]
     panels: dict[str, Curves] = {}

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from ...meshes.radial import Array, ring_of
-from ..crosscheck.dataset import Result
-from ..figures.modal import modal_method, sample_modes
+from ..crosscheck.dataset import Result, in_units
 from ..figures.scale import Scale, high_pressure, least_wear, panel_tops, shown_times
+from ..methods.sampler import Sampler
 from ..wear.full_contact import RunningIn
 
 COUNT = 48
@@ -25,13 +25,13 @@ def slides(result: Result) -> dict[str, Any] | None:
     if not {"profile", "pressure"} <= set(result.table.variables):
         return None
     scale, rings = Scale(result.scene), result.scene.problem.rings
-    modal = modal_method(result.solutions)
-    problem = result.scene.problem
-    if modal is None or problem.loading.varies or not len(problem.times):
+    wears = (solution.wear for solution in result.solutions.values())
+    wear, problem = next(filter(None, wears), None), result.scene.problem
+    if wear is None or problem.loading.varies or not len(problem.times):
         states = _select_times(result)
         labels = [scale.when(time) for time in states["time"]]
     else:
-        states, labels = _sample_times(result, modal[1])
+        states, labels = _sample_times(result, wear)
     radii, profiles, pressures = (states[name] for name in ("radius", "profile", "pressure"))
     if not np.isnan(states.get("steady_profile", np.nan)).any():
         labels.append("steady state")
@@ -49,7 +49,7 @@ def slides(result: Result) -> dict[str, Any] | None:
         unworn = "the unworn face, and the pressure at "
         beside = problem.profile(problem.radii) * problem.units.displacement
     radii, pressures, heights = radii[::step], pressures[:, ::step], heights[:, ::step]
-    deepest = float(heights.max()) or scale.axes["displacement"].unit
+    deepest = float(heights.max()) or scale.axes["height"].unit
     # part of the radius that the greatest difference of heights is drawn as, in 3-D
     drawn, edges = 0.3, rings.ring_edges * result.scene.punch.radius
     order = np.log(rings.wear_coefficients)
@@ -84,23 +84,19 @@ def _sample_times(result: Result, wear: RunningIn) -> tuple[dict[str, Array], li
         f"{scale.when(time * problem.units.time)}, {100 * (1 - left):.3g} % run in"
         for time, left in zip(times, wear.modes.left(times), strict=True)
     ]
-    return sample_modes(problem, wear, times), labels
+    sampler, units = Sampler(problem, wear.compliance.space), problem.units
+    states = sampler.history(wear.modal(times))
+    if problem.steady:
+        states |= sampler.steady(wear.steady)
+    return in_units(problem, states) | {"radius": problem.radii * units.length}, labels
 
 
 def _select_times(result: Result) -> dict[str, Array]:
-    """Return some of the times asked for, and the steady state, by the first method that gives most
-    of it.
-    """
-    solver = max(result.coordinates["solver"], key=lambda name: _gives(result, name))
-    states, chosen = result.reported(solver), shown_times(result.scene.problem, COUNT)
-    chosen = chosen[~np.isnan(states["profile"][chosen]).all(axis=1)]
+    """Return some of the states of a curve, and the steady state."""
+    _, states = result.between
+    chosen = np.flatnonzero(~np.isnan(states["profile"]).all(axis=1))
+    chosen = chosen[shown_times(states["time"][chosen], COUNT)]
     return states | {name: states[name][chosen] for name in ("time", "profile", "pressure")}
-
-
-def _gives(result: Result, solver: str) -> tuple[bool, ...]:
-    reported = result.reported(solver)
-    names = ("profile", "steady_profile")
-    return tuple(name in reported and bool(np.isfinite(reported[name]).any()) for name in names)
 
 
 def _round(values: Array) -> Any:

@@ -8,6 +8,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from ...meshes.compliance import Compliance
 from ...meshes.radial import Array, Indices
 from .unilateral import Interval, Load, Mask
 
@@ -57,6 +58,11 @@ class March(Protocol):
     """A march of a contact that opens, closes and spreads (`ContactMarch`)."""
 
     load: Load
+    compliance: Compliance
+
+    @property
+    def between(self) -> "History":
+        """It at its steps, and in full contact after them, at times for distances."""
 
     @property
     def time_of_full_contact(self) -> float:

@@ -88,6 +88,7 @@ class ContactMarch:
         self._contacts: dict[float, Contact] = {}
         self._iterations: list[int] = []
         self._path: list[tuple[float, ...]] = []
+        self._moments: list[tuple[float, _Moment]] = []
         self._since: _Moment | None = None
 
     def start(self) -> Press:
@@ -131,15 +132,15 @@ class ContactMarch:
                     steps = Steps(len(errors), rejected, error=sum(errors))
                     return self._history(loading.at(times).distance, states + relaxing, steps)
                 dt = _shortened(step, left)
-                end = self._at(loading.time_at(now.distance + dt, knot)) if dt < left else target
-                middle, after, error = self._two_stages(dt, before, now, *end)
+                time = loading.time_at(now.distance + dt, knot) if dt < left else float(event)
+                middle, after, error = self._two_stages(dt, before, now, *self._at(time))
                 deepest = max(deepest, abs(after.press.indentation))
                 relative = error / (tolerance * deepest)
                 longer = _quantised(dt * min(4.0, 0.8 * max(relative, 1e-12) ** (-1 / 3)))
                 if relative > 1:
                     rejected, step = rejected + 1, longer
                 else:
-                    before, now = middle, self._taken(after)
+                    before, now = middle, self._taken(after, time)
                     errors.append(error)
                     # a step cut short by an output time says nothing against the longer ones
                     step = max(step, longer) if dt < step else longer
@@ -153,6 +154,8 @@ class ContactMarch:
                 press = self._press(self.moments + self.wear @ now.integral, load)
                 before = now = now._replace(press=press)
             now = now._replace(distance=float(until), work=work)
+            if event > self._path[-1][0]:
+                self._taken(now, float(event))
             if event in times:
                 states.append(now)
         steps = Steps(len(errors), rejected, error=sum(errors))
@@ -177,7 +180,7 @@ class ContactMarch:
             for _ in range(count):
                 distance = now.distance + dt
                 after = self._stage(dt, distance, now.integral, self.load, before, now)
-                before, now = now, self._taken(after)
+                before, now = now, after
             now = now._replace(distance=float(time))
             states.append(now)
         return self._history(times, states, Steps(int(counts.sum())))
@@ -185,14 +188,22 @@ class ContactMarch:
     def _begin(self) -> _Moment:
         self._iterations.clear()
         self._path.clear()
+        self._moments.clear()
         self._since = None
-        return self._taken(_Moment(0.0, self.start(), np.zeros(len(self.weights))))
+        return self._taken(_Moment(0.0, self.start(), np.zeros(len(self.weights))), 0.0)
 
-    def _taken(self, now: _Moment) -> _Moment:
+    def _taken(self, now: _Moment, time: float) -> _Moment:
         """Note where a step has come to."""
         area = float(self.weights @ now.press.contact / self.weights.sum())
-        self._path.append((now.distance, now.press.indentation, now.press.force, area))
+        self._path.append((time, now.press.indentation, now.press.force, area))
+        self._moments.append((time, now))
         return now
+
+    @property
+    def between(self) -> History:
+        """The last march at its steps, and in full contact after them, at times for distances."""
+        times, moments = zip(*self._moments, strict=True)
+        return self._history(np.array(times), list(moments), Steps())
 
     def _history(self, distances: Array, moments: list[_Moment], steps: Steps) -> History:
         presses = [moment.press for moment in moments]
@@ -331,7 +342,7 @@ class ContactMarch:
         if history.pressure.min() < 0:
             return []
         states, self._since = [], now
-        for number, distance in enumerate(distances):
+        for number, distance in enumerate(history.distances):
             pressure = force * history.pressure[number]
             integral = force * history.profile[number] * self._softness
             depth = force * float(history.indentation[number])
@@ -340,7 +351,9 @@ class ContactMarch:
             carried = force * float(history.force[number])
             press = Press(pressure, gap, depth, carried, now.press.contact, 0)
             states.append(_Moment(float(distance), press, integral))
-        return states
+        last, later = len(self.loading.times) - 1, states[len(times) :]
+        self._moments += [(self.loading.time_at(state.distance, last), state) for state in later]
+        return states[: len(times)]
 
 
 def _predicted(before: _Moment, now: _Moment, distance: float) -> Mask:

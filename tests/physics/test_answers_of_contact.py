@@ -5,6 +5,7 @@ import pytest
 
 from ringwear import Scene, run
 from ringwear.studies.crosscheck.scope import time_scale
+from ringwear.studies.methods.sampler import Sampler
 from ringwear.studies.report.words import Account
 from ringwear.studies.wear.time_scale import spreading
 
@@ -139,6 +140,24 @@ def test_counts_of_the_slowest_time_of_the_full_face():
     fixed = {"indentation": 0.1, "sliding_speed": 3.0}
     held = sphere(counts, load=fixed)
     assert held.wear.times[2] / shaped[2] == pytest.approx(1.7275 / 0.4852837728, rel=1e-2)
+
+
+def test_curves_go_on_from_steps_to_full_contact(worn):
+    for solution in worn.solutions.values():
+        march = solution.march
+        between = Sampler(worn.scene.problem, march.compliance.space).history(march.between)
+        times = between["time"]
+        assert (np.diff(times) > 0).all()
+        # Archard: of one material, under one load
+        volumes = between["ring_worn_volume"].sum(axis=1)
+        assert volumes == pytest.approx(times, rel=1e-10)
+        assert times[-1] == pytest.approx(worn.scene.problem.times[-1], rel=1e-12)
+        edge, full = between["contact_edge"][:, 1], march.time_of_full_contact
+        # it spreads, and is known to a cell of the mesh
+        cells = march.compliance.space.breakpoints
+        assert (np.diff(edge) > -np.diff(cells).max()).all()
+        assert (edge[times > 1.01 * full] == 1.0).all()
+        assert (times > full).sum() > 30
 
 
 def test_the_steps_of_the_march_are_stored(worn):

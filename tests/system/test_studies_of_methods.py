@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ringwear import Scene
+from ringwear.studies.cli import main
 from ringwear.studies.numerics.march import LIMIT
 from ringwear.studies.registry import STUDIES
 
@@ -55,6 +56,31 @@ def test_orders_are_those_of_theory(name, tmp_path):
     assert expected == ORDERS[name]
     for row in tables.get("march", ()):
         assert abs(float(row[LIMIT] or 0)) <= 0.15
+
+
+@pytest.mark.parametrize(
+    ("scene", "load", "quantity"),
+    [
+        ("cone", {"normal_force": 1.0}, "indentation"),
+        ("sphere", {"indentation": 0.1}, "normal_force"),
+    ],
+)
+def test_cells_of_shaped_punches(scene, load, quantity, tmp_path):
+    shaped = Scene.load(scene).changed(load=load, wear__times=[0.0, 0.03, 0.3])
+    (tmp_path / "scene.toml").write_text(shaped.to_toml(), "utf-8")
+    out = tmp_path / "out"
+    arguments = [str(tmp_path / "scene.toml"), "--quick", "--out", str(out)]
+    assert main(["study", "convergence", *arguments]) == 0
+    rows = list(csv.DictReader((out / "convergence.csv").read_text("utf-8").splitlines()))
+    assert [row["family"] for row in rows[::2]] == ["MDR", "FEM P2", "FEM P3", "FEM P4"]
+    for coarse, fine in zip(rows[::2], rows[1::2], strict=True):
+        assert int(coarse["unknowns"]) < int(fine["unknowns"])
+        # triangles of degree 2 err more below the surface than smaller cells gain
+        least = 1.5 if coarse["family"] != "FEM P2" else 1.0
+        assert float(coarse[quantity]) > least * float(fine[quantity]) > 0
+        assert float(coarse["profile"]) > float(fine["profile"])
+        assert float(fine[quantity]) < 1e-3
+    assert main(["study", "refinement", *arguments]) == 2
 
 
 @pytest.mark.gmsh
