@@ -195,6 +195,8 @@ def _study(options: argparse.Namespace) -> Status:
             "takes any punch, and study convergence shaped ones, too"
         )
     out = _out(options, options.study)
+    if options.quick:
+        print(f"about {study.seconds} s on a machine of two cores", flush=True)
     with output_folder(out, f"study {options.study}", ["report.html"]) as folder:
         conclusions, failures = list[str](), list[str]()
         with keeping_rows(conclusions):

@@ -27,12 +27,13 @@ INTERRUPTED = "INTERRUPTED: tables and figures hold the rows that were finished.
 
 @dataclass(frozen=True)
 class Study:
-    """A study: its file, its purpose, its scene by default, its own options, and whether it is
-    about any punch, or shaped ones, too, not flat ones under a force alone.
+    """A study: its file, its purpose, the seconds that `--quick` takes, its scene by default, its
+    own options, and whether it is about any punch, or shaped ones, too, not flat ones under a force alone.
     """
 
     module: str
     purpose: str
+    seconds: int
     scene: str = "five_rings"
     options: tuple[tuple[str, dict[str, Any]], ...] = ()
     of_any_punch: bool = False
@@ -47,6 +48,7 @@ STUDIES: dict[str, Study] = {
     "paper": Study(
         "paper.study",
         "the whole paper again: Figs. 4 to 7 redrawn, every claim checked, and what it leaves open",
+        20,
         options=(
             (
                 "--fig",
@@ -61,19 +63,22 @@ STUDIES: dict[str, Study] = {
     "convergence": Study(
         "numerics.convergence",
         "orders of convergence in element size and degree, graded and uniform",
+        10,
         of_shaped_punches=True,
     ),
     "truncation": Study(
         "numerics.truncation",
         "what the outer boundary costs, for every far field and Poisson's ratio",
+        3,
     ),
     "march": Study(
-        "numerics.march", "orders of the time marches, and where the explicit one blows up"
+        "numerics.march", "orders of the time marches, and where the explicit one blows up", 2
     ),
     "refinement": Study(
         "numerics.refinement",
         "uniform, graded and self-refining meshes, and a mesh file of your own, against what is "
         "known",
+        7,
         options=(
             (
                 "--mesh",
@@ -88,10 +93,12 @@ STUDIES: dict[str, Study] = {
     "extremes": Study(
         "numerics.extremes",
         "a map of the limits: every method at extreme parameters against closed forms",
+        46,
     ),
     "tradeoff": Study(
         "numerics.tradeoff",
         "error of groups of quantities against seconds, for every method",
+        18,
         of_any_punch=True,
     ),
 }

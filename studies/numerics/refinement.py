@@ -98,7 +98,7 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     ]
     panels: dict[str, Curves] = {}
     for (case, way), of_way in rows.groupby(["case", "family"], sort=False):
-        panels.setdefault(f"unknowns, {case}", {})[way] = of_way.unknowns, of_way.greatest
+        panels.setdefault(f"unknowns, {case}", {})[way] = of_way.unknowns, of_way.greatest, np.nan
         if way in (ADAPTIVE, OWN):
             path = out / f"{way} of {case}.png".replace(" ", "_")
             edges = next(each for each in cases if each.name == case).problem.merged.ring_edges

@@ -20,7 +20,7 @@ from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import RingwearError
 from ...meshes.radial import Array
-from ..figures.style import curve, legend_below, new_figure
+from ..figures.style import LOOKS, curve, legend_below, new_figure
 from ..progress import LOG
 from ..tables import Row, Table, keeping_rows
 
@@ -28,8 +28,8 @@ WITHIN = 0.15
 """How far an observed order may be from theory's, by least squares and between the last levels."""
 
 
-Curves = dict[str, tuple[Any, Any]]
-"""Sizes (n,) and errors (n,) of each curve, by its label."""
+Curves = dict[str, tuple[Any, Any, float]]
+"""Sizes (n,), errors (n,) and the order in theory, NaN without, of each curve, by its label."""
 
 
 class Theory(NamedTuple):
@@ -214,19 +214,27 @@ def study_orders(families: Iterable[Family], out: Path, name: str, ylabel: str) 
     xlabels = {family.name: family.xlabel for family in families}
     for sequence in sequences:
         curves = panels.setdefault(xlabels[sequence.name], {})
-        curves[sequence.label] = sequence.sizes, sequence.errors
+        curves[sequence.label] = sequence.sizes, sequence.errors, sequence.theory.order
     draw_errors(out / f"{name}.png", panels, ylabel)
     return conclusions
 
 
 def draw_errors(path: Path, panels: Mapping[str, Curves], ylabel: str) -> None:
-    """Draw errors over sizes, unknowns or seconds, logarithmic: a panel for each label of these."""
+    """Draw errors over sizes or unknowns, logarithmic: a panel for each label of these.
+
+    Curves are in the colours of their methods, with orders in theory as triangles beside them.
+    """
     longest = max(map(len, panels.values()), default=0)
     figure = new_figure(4.4 * max(len(panels), 1), 5 + 0.2 * longest)
     row = figure.subplots(1, max(len(panels), 1), sharey=True, squeeze=False)[0]
     for axes, (xlabel, curves) in zip(row, panels.items(), strict=False):
-        for number, (label, (places, errors)) in enumerate(curves.items()):
-            axes.loglog(places, np.where(errors > 0, errors, np.nan), label=label, **curve(number))
+        for number, (label, (places, errors, order)) in enumerate(curves.items()):
+            colors = [look["color"] for look in LOOKS.values()]
+            of_method = LOOKS.get(label.split()[0].lower(), {}).get("color")
+            look = curve(number) | {"color": of_method or colors[number % len(colors)]}
+            axes.loglog(places, np.where(errors > 0, errors, np.nan), label=label, **look)
+            if np.isfinite(order):
+                _draw_triangle(axes, np.asarray(places), np.asarray(errors), order, look["color"])
         axes.set(xlabel=xlabel, ylabel=ylabel)
         low, high = axes.get_xlim()
         ticks = LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,))
@@ -235,3 +243,13 @@ def draw_errors(path: Path, panels: Mapping[str, Curves], ylabel: str) -> None:
         axes.label_outer()
         legend_below(axes)
     figure.savefig(path)
+
+
+def _draw_triangle(axes: Any, places: Array, errors: Array, order: float, color: str) -> None:
+    """Draw a slope below the first step of a curve, and say which it is."""
+    right, left = places[0], np.sqrt(places[0] * places[1])
+    high = errors[0] / 2
+    low = high * (left / right) ** order
+    axes.plot([left, right, right, left], [low, low, high, low], color=color, linewidth=0.6)
+    place = {"textcoords": "offset points", "xytext": (2, 0), "va": "center"}
+    axes.annotate(f"{order:.2g}", (right, np.sqrt(low * high)), fontsize=6, color=color, **place)
