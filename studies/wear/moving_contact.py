@@ -67,7 +67,14 @@ class ContactMarch:
         Greatest force, or indentation.
     loading : Loading, optional
         Part of that force, and the sliding speed, over time.
+
+    Attributes
+    ----------
+    times, watched : of the last march, the times asked for and some between, and the history then
     """
+
+    times: Array
+    watched: History
 
     def __init__(
         self,
@@ -114,7 +121,8 @@ class ContactMarch:
         before = now = self._begin()
         # at a fixed indentation, with less force nothing presses any more but roundoff
         spent = 1e-12 * now.press.force if self.load.force is None else 0.0
-        states, loading, deepest = list[_Moment](), self.loading, 1e-300
+        # at the times asked for, and after some steps between, for estimates of errors
+        states, loading, deepest = list[tuple[float, _Moment]](), self.loading, 1e-300
         rejected, errors = 0, list[float]()
         events = np.union1d(times, loading.times[loading.times < times[-1]])
         distances = loading.at(events).distance
@@ -128,11 +136,11 @@ class ContactMarch:
                 if knot == len(loading.times) - 1 and (
                     relaxing := self._relaxing(now, times[times >= event])
                 ):
-                    steps = Steps(len(errors), rejected, error=sum(errors))
-                    return self._history(loading.at(times).distance, states + relaxing, steps)
+                    states += zip(times[times >= event].tolist(), relaxing, strict=True)
+                    return self._among(times, states, errors, rejected)
                 dt = _shortened(step, left)
-                end = self._at(loading.time_at(now.distance + dt, knot)) if dt < left else target
-                middle, after, error = self._two_stages(dt, before, now, *end)
+                time = loading.time_at(now.distance + dt, knot) if dt < left else float(event)
+                middle, after, error = self._two_stages(dt, before, now, *self._at(time))
                 deepest = max(deepest, abs(after.press.indentation))
                 relative = error / (tolerance * deepest)
                 longer = _quantised(dt * min(4.0, 0.8 * max(relative, 1e-12) ** (-1 / 3)))
@@ -141,6 +149,8 @@ class ContactMarch:
                 else:
                     before, now = middle, self._taken(after)
                     errors.append(error)
+                    if dt < left and (not states or time > 2 * states[-1][0]):
+                        states.append((time, now))
                     # a step cut short by an output time says nothing against the longer ones
                     step = max(step, longer) if dt < step else longer
                 if len(errors) + rejected > MOST_STEPS:
@@ -154,9 +164,21 @@ class ContactMarch:
                 before = now = now._replace(press=press)
             now = now._replace(distance=float(until), work=work)
             if event in times:
-                states.append(now)
+                states.append((float(event), now))
+        return self._among(times, states, errors, rejected)
+
+    def _among(
+        self,
+        times: Array,
+        states: list[tuple[float, _Moment]],
+        errors: list[float],
+        rejected: int,
+    ) -> History:
+        """Return the history at the times asked for, and note that at all states."""
+        self.times = np.array([time for time, _ in states])
         steps = Steps(len(errors), rejected, error=sum(errors))
-        return self._history(loading.at(times).distance, states, steps)
+        self.watched = self._history([moment for _, moment in states], steps)
+        return self.watched[np.flatnonzero(np.isin(self.times, times))]
 
     def _at(self, time: float) -> tuple[Load, float]:
         """Return the load at a time, and the integral of the force over the distance until then."""
@@ -180,7 +202,8 @@ class ContactMarch:
                 before, now = now, self._taken(after)
             now = now._replace(distance=float(time))
             states.append(now)
-        return self._history(times, states, Steps(int(counts.sum())))
+        self.times, self.watched = times, self._history(states, Steps(int(counts.sum())))
+        return self.watched
 
     def _begin(self) -> _Moment:
         self._iterations.clear()
@@ -194,10 +217,10 @@ class ContactMarch:
         self._path.append((now.distance, now.press.indentation, now.press.force, area))
         return now
 
-    def _history(self, distances: Array, moments: list[_Moment], steps: Steps) -> History:
+    def _history(self, moments: list[_Moment], steps: Steps) -> History:
         presses = [moment.press for moment in moments]
         return History(
-            distances,
+            np.array([moment.distance for moment in moments]),
             np.array([press.pressure for press in presses]),
             np.array([moment.integral for moment in moments]) / self._softness,
             np.array([press.indentation for press in presses]),

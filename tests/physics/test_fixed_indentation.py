@@ -135,7 +135,7 @@ def test_the_last_of_a_force_is_not_promised():
         wear={"times": [0.0, 10.0, 100.0]},
     )
     fine, coarse = (
-        run(scene.changed(accuracy__rtol=rtol)).dataset.isel(solver=0) for rtol in (1e-3, 1e-1)
+        run(scene.changed(accuracy__rtol=rtol)).dataset.isel(solver=0) for rtol in (1e-4, 1e-1)
     )
     errors = np.abs(coarse.normal_force / fine.normal_force - 1)
     stated = coarse.normal_force_error + fine.normal_force_error
