@@ -95,3 +95,33 @@ def worn_sphere(curvature_radius, wear_coefficient, force, contact):
         wear_coefficient * force
     )
     return float(time), float(c**2 / (2 * curvature_radius) + 4 * force / (np.pi**2 * c))
+
+
+@dataclass(frozen=True)
+class FrettedSphere:
+    """A sphere at a fixed indentation d, worn outside a radius c of stick until none there presses.
+
+    V. L. Popov, Analytic solution for the limiting shape of profiles due to fretting wear, Sci.
+    Rep. 4 (2014) 3749, doi 10.1038/srep03749: the one-dimensional profile ``x^2 / R`` stays inside
+    c and carries alone, ``F = 2 E* int_0^c (d - x^2 / R) dx``; the face outside is where the
+    half-space is under it, or unworn beyond.
+    """
+
+    curvature_radius: float
+    indentation: float
+    stick: float
+
+    @property
+    def force(self):
+        c = self.stick
+        return 2 * (self.indentation * c - c**3 / (3 * self.curvature_radius))
+
+    def heights(self, radii):
+        """Of the face, from its foremost point."""
+        c, unworn = self.stick, radii**2 / (2 * self.curvature_radius)
+        outside = np.maximum(radii, c)
+        tail = c * np.sqrt((outside - c) * (outside + c)) / (2 * self.curvature_radius)
+        beyond = outside**2 / (2 * self.curvature_radius)
+        half_space = (self.indentation - beyond) * np.arcsin(c / outside) + tail
+        worn = self.indentation - 2 / np.pi * half_space
+        return np.where(radii > c, np.maximum(worn, unworn), unworn)

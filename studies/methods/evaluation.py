@@ -215,9 +215,10 @@ class MovingContact(Evaluation):
         looser: float = 1.0,
     ) -> None:
         super().__init__(problem, compliance)
-        self.start = start
-        # of the accuracy asked for, that each step may add to the worn depth
-        self._tolerance = 0.05 * looser * problem.rtol
+        self.start, self.looser = start, looser
+        # of the accuracy asked for, that each step may add to the worn depth: cells do not get
+        # coarser than 1e-3 asks for, and steps, too few to tell their error by, would save nothing
+        self._tolerance = 0.05 * looser * min(problem.rtol, 1e-3)
         if np.ptp(problem.loading.forces):
             # measured: while a force rises from zero, little has worn for how deep the punch is
             self._tolerance *= 0.02
@@ -261,15 +262,20 @@ class MovingContact(Evaluation):
 
     @cached_property
     def for_estimate(self) -> Results:
-        return self.sampler.history(self.marched, on_face=True)
+        history = self.marched
+        if self.looser == 1:
+            # the coarser one is asked for all of these times
+            history = self._started(self.march.watched)
+        return self.sampler.history(history, on_face=True)
 
     def near(self, name: str, error: Array) -> Array:
-        later = self.problem.times > 0
+        times = self.march.times
+        later = times > 0
         if later.any():
-            among = np.pad(error[later], 2)
+            among = np.pad(error[later], 3)
             error = error.copy()
-            error[later] = np.lib.stride_tricks.sliding_window_view(among, 5).max(axis=1)
-        return error
+            error[later] = np.lib.stride_tricks.sliding_window_view(among, 7).max(axis=1)
+        return error[np.isin(times, self.problem.times)]
 
     def safety_of(self, name: str) -> float:
         # forces at a given indentation go as no more than the square of the depth, and their errors

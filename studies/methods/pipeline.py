@@ -159,7 +159,8 @@ def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: 
         fine = MovingContact(problem, made.compliance, presses[0])
         _ = fine.results
     with stages("estimating"):
-        coarse = MovingContact(problem, made.coarser(), presses[1], looser=4.0)
+        watched = replace(problem, times=fine.march.times)
+        coarse = MovingContact(watched, made.coarser(), presses[1], looser=4.0)
         solution = _solution(made, fine, coarse)
     solution = replace(
         solution,

@@ -67,7 +67,14 @@ class ContactMarch:
         Greatest force, or indentation.
     loading : Loading, optional
         Part of that force, and the sliding speed, over time.
+
+    Attributes
+    ----------
+    times, watched : of the last march, the times asked for and some between, and the history then
     """
+
+    times: Array
+    watched: History
 
     def __init__(
         self,
@@ -115,7 +122,8 @@ class ContactMarch:
         before = now = self._begin()
         # at a fixed indentation, with less force nothing presses any more but roundoff
         spent = 1e-12 * now.press.force if self.load.force is None else 0.0
-        states, loading, deepest = list[_Moment](), self.loading, 1e-300
+        # at the times asked for, and after some steps between, for estimates of errors
+        states, loading, deepest = list[tuple[float, _Moment]](), self.loading, 1e-300
         rejected, errors = 0, list[float]()
         events = np.union1d(times, loading.times[loading.times < times[-1]])
         distances = loading.at(events).distance
@@ -129,8 +137,8 @@ class ContactMarch:
                 if knot == len(loading.times) - 1 and (
                     relaxing := self._relaxing(now, times[times >= event])
                 ):
-                    steps = Steps(len(errors), rejected, error=sum(errors))
-                    return self._history(loading.at(times).distance, states + relaxing, steps)
+                    states += zip(times[times >= event].tolist(), relaxing, strict=True)
+                    return self._among(times, states, errors, rejected)
                 dt = _shortened(step, left)
                 time = loading.time_at(now.distance + dt, knot) if dt < left else float(event)
                 middle, after, error = self._two_stages(dt, before, now, *self._at(time))
@@ -142,6 +150,8 @@ class ContactMarch:
                 else:
                     before, now = middle, self._taken(after, time)
                     errors.append(error)
+                    if dt < left and (not states or time > 2 * states[-1][0]):
+                        states.append((time, now))
                     # a step cut short by an output time says nothing against the longer ones
                     step = max(step, longer) if dt < step else longer
                 if len(errors) + rejected > MOST_STEPS:
@@ -157,9 +167,21 @@ class ContactMarch:
             if event > self._path[-1][0]:
                 self._taken(now, float(event))
             if event in times:
-                states.append(now)
+                states.append((float(event), now))
+        return self._among(times, states, errors, rejected)
+
+    def _among(
+        self,
+        times: Array,
+        states: list[tuple[float, _Moment]],
+        errors: list[float],
+        rejected: int,
+    ) -> History:
+        """Return the history at the times asked for, and note that at all states."""
+        self.times = np.array([time for time, _ in states])
         steps = Steps(len(errors), rejected, error=sum(errors))
-        return self._history(loading.at(times).distance, states, steps)
+        self.watched = self._history([moment for _, moment in states], steps)
+        return self.watched[np.flatnonzero(np.isin(self.times, times))]
 
     def _at(self, time: float) -> tuple[Load, float]:
         """Return the load at a time, and the integral of the force over the distance until then."""
@@ -183,7 +205,8 @@ class ContactMarch:
                 before, now = now, after
             now = now._replace(distance=float(time))
             states.append(now)
-        return self._history(times, states, Steps(int(counts.sum())))
+        self.times, self.watched = times, self._history(states, Steps(int(counts.sum())))
+        return self.watched
 
     def _begin(self) -> _Moment:
         self._iterations.clear()
@@ -203,12 +226,12 @@ class ContactMarch:
     def between(self) -> History:
         """The last march at its steps, and in full contact after them, at times for distances."""
         times, moments = zip(*self._moments, strict=True)
-        return self._history(np.array(times), list(moments), Steps())
+        return replace(self._history(list(moments), Steps()), distances=np.array(times))
 
-    def _history(self, distances: Array, moments: list[_Moment], steps: Steps) -> History:
+    def _history(self, moments: list[_Moment], steps: Steps) -> History:
         presses = [moment.press for moment in moments]
         return History(
-            distances,
+            np.array([moment.distance for moment in moments]),
             np.array([press.pressure for press in presses]),
             np.array([moment.integral for moment in moments]) / self._softness,
             np.array([press.indentation for press in presses]),

@@ -118,6 +118,29 @@ def test_errors_of_a_worn_sphere_are_not_below_the_truth(monkeypatch, rtol):
         assert (greatest / truth.indentation <= result[f"{name}_error"]).all(), name
 
 
+@pytest.mark.parametrize("name", ["contact_radius", "profile", "indentation"])
+def test_errors_of_a_time_asked_for_alone(single_time, name):
+    """Where two meshes chance to agree then, the times before tell of their errors."""
+    result, truth = single_time
+    wrong = np.abs(result[name] - truth[name])
+    scale = 1.0 if name == "contact_radius" else truth.indentation
+    assert float((wrong / scale).max()) <= float(result[f"{name}_error"].max())
+
+
+@pytest.fixture(scope="module")
+def single_time():
+    radius, force = 1.58, 0.107
+    scene = Scene.load("sphere").changed(
+        methods=["mdr"],
+        punch={"radius": 1.0, "rings": 1, "wear_coefficients": [1.0, 1.0]},
+        punch__profile={"kind": "parabola", "curvature_radius": radius},
+        load__normal_force=force,
+        wear={"times": [0.3], "steady": False},
+    )
+    runs = (run(scene.changed(accuracy__rtol=rtol)).dataset for rtol in (1e-3, 1e-5))
+    return [data.isel(solver=0) for data in runs]
+
+
 def test_a_face_finer_than_the_cells_is_said(monkeypatch):
     """The truth touches the highest of many peaks; cells see their mean."""
     heights = np.random.default_rng(0).uniform(0, 1e-3, 2000).tolist()
