@@ -28,7 +28,8 @@ INTERRUPTED = "INTERRUPTED: tables and figures hold the rows that were finished.
 @dataclass(frozen=True)
 class Study:
     """A study: its file, its purpose, the seconds that `--quick` takes, its scene by default, its
-    own options, and whether it is about any punch, or shaped ones, too, not flat ones under a force alone.
+    own options, and whether it is about any punch, or shaped ones, too, not flat ones under a
+    force alone.
     """
 
     module: str

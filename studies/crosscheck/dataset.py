@@ -2,63 +2,41 @@
 the scene's units.
 """
 
-import json
 import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..methods.base import Method, Solution
-from ..methods.norms import Results, common
+from ..methods.interior import Interior, interior
 from ..methods.sampler import Sampler
-from ..problem.problem import Problem
 from ..problem.quantities import (
     ANSWER,
-    ERROR,
     FIELDS,
     NORMS,
-    OF_PROFILES,
     QUANTITIES,
-    STATES,
-    STEPS,
-    Quantity,
     error_name,
 )
 from ..problem.scene import Scene
-from ..problem.unit_names import NO_UNIT, UnitNames
 from ..progress import Stages
 from ..versions import versions
 from ..wear.full_contact import RunningIn
-from ..wear.modes import SHOWN
 from .agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
 from .anchor import Anchor
 from .anchors import anchors
 from .answer import ALSO, answer
-from .interior import Interior, interior
 from .operators import OperatorDifference
 from .scope import left_out, modelled
+from .table import Table, in_units, tabulate
 
 if TYPE_CHECKING:
     import xarray
-
-Labelled = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]
-
-
-class Table(NamedTuple):
-    """Results as `xarray.Dataset` takes them: by name, dimensions, values and attributes of each.
-
-    Most runs need no more, and xarray with all that it loads takes as long as some of them.
-    """
-
-    variables: Labelled
-    coordinates: Labelled
-    attributes: dict[str, str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +154,7 @@ class Result:
     @cached_property
     def table(self) -> Table:
         """All results over dimensions solver, time, radius, ring and mode, in the scene's units."""
-        return tabulate(self)
+        return tabulate(self.scene, self.solutions, self.answers)
 
     @cached_property
     def dataset(self) -> "xarray.Dataset":
@@ -261,114 +239,6 @@ class Result:
     def summary(self) -> dict[str, Any]:
         """What was done, at what cost, how accurately, and what was left out."""
         return summary(self)
-
-
-def tabulate(result: Result) -> Table:
-    """Return all results, NaN where a method does not give a quantity."""
-    scene, problem = result.scene, result.scene.problem
-    units, names = problem.units, UnitNames.of(scene.units)
-    reported, table = [], dict[str, Quantity]()
-    for name, solution in result.solutions.items():
-        given = in_units(problem, solution.results)
-        errors = {error_name(key): error for key, error in solution.errors.items()}
-        reported.append(given | errors | result.answers[name])
-
-    def gives(name: str) -> bool:
-        return any(name in given for given in reported)
-
-    for name, quantity in QUANTITIES.items():
-        # a flat punch has no more to say
-        if (name not in OF_PROFILES or gives(name)) and problem.wants(name):
-            table[name] = quantity
-            if name not in ("contact", "contact_edge"):
-                definition = ERROR.format(name, NORMS[quantity.norm])
-                table[error_name(name)] = Quantity(quantity.error_dims, "number", definition)
-    edges = [given["contact_edge"].shape[1] for given in reported if "contact_edge" in given]
-    sizes = {
-        "time": len(problem.times),
-        "radius": len(problem.radii),
-        "ring": len(problem.wear_coefficients),
-        "mode": SHOWN,
-        "state": len(STATES),
-        "edge": max(edges, default=0),
-    }
-
-    def describe(definition: str, kind: str) -> dict[str, str]:
-        return {"long_name": definition, "units": names.name(kind)}
-
-    variables: Labelled = {}
-    answers = {name: of for name, of in ANSWER.items() if of.always or gives(name)}
-    steps = _of_steps(result) if scene.output.every_step else {}
-    sizes["step"] = max((len(given["step_time"]) for given in steps.values()), default=0)
-    if steps:
-        for row, name in enumerate(result.solutions):
-            reported[row] |= steps.get(name, {})
-        table |= STEPS
-    for name, quantity in (table | answers).items():
-        gathered = np.full((len(reported), *(sizes[dim] for dim in quantity.dims)), np.nan)
-        for row, given in enumerate(reported):
-            if name in given:
-                shared = common(given[name].shape, gathered.shape[1:])
-                gathered[row, ...][shared] = given[name][shared]
-        attributes = describe(quantity.definition, quantity.unit)
-        variables[name] = (("solver", *quantity.dims), gathered, attributes)
-    # as they were asked for: by way of the non-dimensional ones they would differ in the last digit
-    radius = problem.radii * units.length if scene.output.radii is None else scene.output.radii
-    inner, outer = problem.ring_edges[:-1] * units.length, problem.ring_edges[1:] * units.length
-    coefficients = problem.wear_coefficients * units.wear_coefficient
-    about_coefficients = describe(
-        "k of df/dt = k p v0 on the ring, its harmonic mean by area", "wear_coefficient"
-    )
-    times = np.array(scene.wear.times[: sizes["time"]], dtype=float)
-    coordinates: Labelled = {
-        "solver": (("solver",), np.array(list(result.solutions)), {}),
-        "state": (("state",), np.array(STATES), {}),
-        "time": (("time",), times, describe("time of sliding", "time")),
-        "radius": (("radius",), np.asarray(radius), describe("distance from the axis", "length")),
-        "ring_inner_radius": (("ring",), inner, describe("inner edge of the ring", "length")),
-        "ring_outer_radius": (("ring",), outer, describe("outer edge of the ring", "length")),
-        "wear_coefficient": (("ring",), coefficients, about_coefficients),
-    }
-    for dim, meaning in (
-        ("ring", "ring, counted from the centre"),
-        ("mode", "wear mode, slowest first"),
-        ("edge", "edge of the contact: inner and outer of each part in turn, from the centre"),
-    ):
-        if sizes[dim]:
-            coordinates[dim] = ((dim,), np.arange(1, sizes[dim] + 1), {"long_name": meaning})
-    about = {
-        "title": scene.title,
-        "units": scene.units or NO_UNIT,
-        "definitions": (
-            "positive profile: material gone; in contact u_z = d - f; means over the radius "
-            "(line) or area"
-        ),
-        "gradient_average": scene.output.gradient_average,
-        "versions": json.dumps(versions()),
-        "scene": scene.to_toml(),
-    }
-    return Table(variables, coordinates, about)
-
-
-def in_units(problem: Problem, results: Results) -> dict[str, Array]:
-    """Return the quantities of non-dimensional results in the units of the scene."""
-    described = QUANTITIES | ANSWER | STEPS
-    return {
-        name: value * getattr(problem.units, described[name].unit)
-        for name, value in results.items()
-        if name in described
-    }
-
-
-def _of_steps(result: Result) -> dict[str, dict[str, Array]]:
-    """Return what is told at each step, by method: nothing of what has no steps."""
-    problem = result.scene.problem
-    offsets = np.array([0.0, problem.profile.standoff, 0.0, 0.0])
-    return {
-        name: in_units(problem, dict(zip(STEPS, (solution.march.path + offsets).T, strict=True)))
-        for name, solution in result.solutions.items()
-        if solution.march is not None
-    }
 
 
 def summary(result: Result) -> dict[str, Any]:

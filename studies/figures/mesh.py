@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from ...meshes.half_space import contact_radii, quality, truncation
 from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
-from ..crosscheck.interior import NEAR
+from ..methods.interior import NEAR
 from ..problem.scene import Scene
 from .scale import Scale
 from .style import PAGE, RED, complete, hide_inner_ticks, new_panels, power_of_ten, save

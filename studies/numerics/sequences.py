@@ -233,7 +233,7 @@ def draw_errors(path: Path, panels: Mapping[str, Curves], ylabel: str) -> None:
             of_method = LOOKS.get(label.split()[0].lower(), {}).get("color")
             look = curve(number) | {"color": of_method or colors[number % len(colors)]}
             axes.loglog(places, np.where(errors > 0, errors, np.nan), label=label, **look)
-            if np.isfinite(order):
+            if np.isfinite(order) and len(places) > 1:
                 _draw_triangle(axes, np.asarray(places), np.asarray(errors), order, look["color"])
         axes.set(xlabel=xlabel, ylabel=ylabel)
         low, high = axes.get_xlim()

@@ -15,7 +15,8 @@ from .signals import STOPPED
 if TYPE_CHECKING:
     import xarray
 
-    from ..crosscheck.dataset import Result, Table
+    from ..crosscheck.dataset import Result
+    from ..crosscheck.table import Table
     from ..figures.style import Picture
 
 INSIDE = "half_space.vtu"
@@ -97,7 +98,7 @@ def draw(result: "Result", pictures: Sequence["Picture"], directory: Path) -> li
     The inside of the half-space takes as long as the contact: without pictures it is left out
     unless the scene asks for it.
     """
-    from ..crosscheck.interior import write_half_space
+    from ..methods.interior import write_half_space
 
     LOG.info("  output  drawing ...")
     failures = []

@@ -12,8 +12,9 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..crosscheck.agreement import Agreement
 from ..crosscheck.anchor import Anchor
-from ..crosscheck.dataset import Result, Table
+from ..crosscheck.dataset import Result
 from ..crosscheck.scope import methods_of
+from ..crosscheck.table import Table
 from ..problem.scene import Scene
 from ..registry import METHODS
 

@@ -8,8 +8,8 @@ from skfem import MeshTri
 from ringwear import Scene
 from ringwear.fem import von_mises
 from ringwear.meshes import areas
-from ringwear.studies.crosscheck.interior import NEAR, interior
 from ringwear.studies.methods.base import method as named
+from ringwear.studies.methods.interior import NEAR, interior
 from ringwear.studies.problem.problem import D0, P0
 from ringwear.studies.progress import Stages
 

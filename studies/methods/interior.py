@@ -25,10 +25,10 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ...meshes.radial import Array, Indices
-from ..methods.base import Solution
 from ..problem.problem import D0, P0, Problem, Units
 from ..problem.scene import Scene
 from ..wear.full_contact import RunningIn
+from .base import Solution
 
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace
