@@ -300,7 +300,10 @@ class MovingContact(Evaluation):
             decayed = first / np.maximum(force, np.finfo(float).tiny)
             return 2 * np.maximum(least, np.minimum(self._unresolved * decayed, 5.0))
         heights = QUANTITIES[name].norm == "indentation" or name == "indentation"
-        return np.maximum(least, self._unresolved) if heights else least
+        # the unworn face is given, and a press that is fitted to its edges integrates all of it
+        exact = name == "profile" or (name == "indentation" and self.start is not None)
+        felt = heights & (later | (not exact))
+        return np.where(felt, np.maximum(least, self._unresolved), least)
 
     @cached_property
     def _unresolved(self) -> Array:
