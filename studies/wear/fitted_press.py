@@ -160,24 +160,30 @@ class FittedContact:
         free = _free(start)
         if not free:
             return self._solved(start, None)[0]
-        edges = np.array([getattr(start[n], side) for n, side in free])
+        in_turn = np.array(
+            [0.0, *(edge for part in start for edge in (part.inner, part.outer)), 1.0]
+        )
+        at = np.array([2 * n + 1 + (side == "outer") for n, side in free])
 
         def moved(edges: Array) -> tuple[Interval, ...]:
-            parts = list(start)
-            for (n, side), edge in zip(free, edges, strict=True):
-                parts[n] = replace(parts[n], **{side: float(edge)})
-            return tuple(parts)
+            in_turn[at] = edges
+            ends = in_turn[1:-1].reshape(-1, 2).tolist()
+            return tuple(
+                replace(part, inner=inner, outer=outer)
+                for part, (inner, outer) in zip(start, ends, strict=True)
+            )
 
         def room(edges: Array) -> Array:
-            """Return the distance of free edges to whatever edge is nearest."""
-            parts = moved(edges)
-            fixed = {part.inner for part in parts} | {part.outer for part in parts} | {0.0, 1.0}
-            return np.array([min(abs(edge - other) for other in fixed - {edge}) for edge in edges])
+            """Return the distance of free edges to the nearer of the edges beside them."""
+            in_turn[at] = edges
+            gaps = np.diff(in_turn)
+            return np.minimum(gaps[at - 1], gaps[at])
 
         def residual(edges: Array) -> Array:
             return self._solved(moved(edges), free[-1])[1]
 
-        if not room(edges).all():
+        edges = in_turn[at]
+        if min(room(edges)) <= 0:
             raise SolverError("the edges of the contact cross each other or leave the punch")
         wrong = residual(edges)
         if self.inverse is None:
