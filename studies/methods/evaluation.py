@@ -362,7 +362,8 @@ class MovingContact(Evaluation):
         if missed > problem.rtol:
             notes.append(
                 f"the face is finer than the {len(self.compliance.space.degrees)} cells resolve: "
-                f"heights differ from what they hold by up to {missed:.1e} of the indentation"
+                f"heights differ from what they hold by up to {missed:.1e} of the indentation; a "
+                "smaller rtol makes more cells"
             )
         edges = self.results.get("contact_edge", np.empty(0))
         if edges.size:
