@@ -72,10 +72,7 @@ def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solutio
     if reported.times.size and reported.fixed:
         groups += [
             ("normal_force ring_worn_volume", reported.check_decay),
-            (
-                "normal_force pressure profile displacement ring_worn_volume",
-                reported.check_balance,
-            ),
+            (f"{forces} pressure profile displacement ring_worn_volume", reported.check_balance),
         ]
     if scene.problem.full_contact:
         groups.append(("relaxation_time", reported.check_modes))
@@ -188,11 +185,9 @@ class _Reported:
         doubt = DOUBT * self.face.integral_doubt(parts)
         # contact may lie between the radii of the face
         doubt[(parts > 0).sum(axis=1) < POINTS] = np.inf
-        tolerance = (self._tolerate("pressure") * np.maximum(whole, np.finfo(float).tiny) + doubt)[
-            :, None
-        ]
+        doubt += self._tolerate("pressure") * np.maximum(whole, np.finfo(float).tiny)
         sums = self.face.ring_sums(parts)
-        yield "ring forces are integrals of the pressure", sums, forces, tolerance, 1.0
+        yield "ring forces are integrals of the pressure", sums, forces, doubt[:, None], 1.0
 
     def check_volume(self) -> Rows:
         """Hold what is worn where contact opens, closes and spreads."""
@@ -228,12 +223,10 @@ class _Reported:
         """Hold what is worn, and what is still pressed in, to what the face overlaps."""
         depth, unworn = self._take("indentation"), self.problem.profile
         uniform = direct.displacement(np.array([0.0, 1.0]), np.ones(1), self.face.radii)
-        pressure = self._take("pressure")
-        heights = pressure * uniform + unworn(self.face.radii) + unworn.standoff
+        heights = self._take("pressure") * uniform + unworn(self.face.radii) + unworn.standoff
         gap = self._take("displacement") + self._take("profile") - depth[:, None]
         parts, doubt = self._integrate(heights - gap, 1.0)
-        # contact may lie between the radii of the face
-        unseen = self._take("normal_force") - self._integrate(pressure, 1.0)[0]
+        unseen = self._take("normal_force") - self._integrate(self._take("pressure"), 1.0)[0]
         doubt += np.abs(unseen) * uniform.max()
         tolerance = self.rtol + self._state("pressure", "profile", "displacement") + doubt / depth
         value = self._take("ring_worn_volume").sum(axis=1) + parts
