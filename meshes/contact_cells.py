@@ -74,7 +74,7 @@ class ContactCells:
 
 
 def fitted_space(
-    edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int
+    edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int, smallest: float = 1e-7
 ) -> PressureSpace:
     """Pressures of high degree, graded to the axis and to every edge.
 
@@ -83,9 +83,10 @@ def fitted_space(
     edges : from 0 to 1; the space is broken at each
     infinite : at which of them the pressure is infinite
     degree : highest; at edges it is 2
+    smallest : size at edges where the pressure is finite
     """
     # infinite as a root, or falling to zero as one; at the axis a cone's is infinite as a logarithm
-    sizes = np.where(infinite, 1e-10, 1e-7)[1:]
+    sizes = smallest * np.where(infinite, 1e-3, 1.0)[1:]
     breakpoints = graded_breakpoints(edges, sizes[:-1], float(sizes[-1]), 0.2, axis_size=1e-5)
     degrees = layer_degrees(breakpoints, edges, degree, rise=1.0, lowest=2)
     return PressureSpace(breakpoints, degrees, np.array(edges))

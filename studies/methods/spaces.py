@@ -11,6 +11,7 @@ import numpy as np
 
 from ...mdr import energy
 from ...meshes.contact_cells import ContactCells
+from ...meshes.errors import SceneError
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, Indices, graded_breakpoints, ring_of
 from ...meshes.sizes import spared_degrees
@@ -49,7 +50,10 @@ def first_contact(
     It decides on the cells only: any method's compliance will do, and this one is quick.
     """
     cells = cells_of(problem, finer)
-    return located(energy.compliance, problem.profile, load_at_start(problem), cells)
+    intervals, cells = located(energy.compliance, problem.profile, load_at_start(problem), cells)
+    if not intervals:
+        raise SceneError("load.indentation presses on less than cells can be made for: give more")
+    return intervals, cells
 
 
 def contact_cells(problem: Problem) -> tuple[ContactCells, ContactCells]:

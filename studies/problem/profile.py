@@ -69,9 +69,9 @@ class InitialProfile:
         """(N-1,) step of the height at each ring edge between centre and rim, outwards."""
         return np.diff(self.recess)
 
-    def sampled(self) -> tuple[Array, Array]:
-        """Radii, many in every ring, its edges and kinks, and heights there."""
-        within, kinks = np.linspace(0.0, 1.0, 501), np.array(self.kinks)
+    def sampled(self, *more: float) -> tuple[Array, Array]:
+        """Radii, many in every ring, its edges and kinks and `more`, and heights there."""
+        within, kinks = np.linspace(0.0, 1.0, 501), np.array([*self.kinks, *more])
         parts = [
             np.union1d(a + (b - a) * within, kinks[(kinks > a) & (kinks < b)])
             for a, b in pairwise(self.ring_edges)

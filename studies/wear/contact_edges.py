@@ -95,7 +95,9 @@ def located(
             space, splu(space.mass().tocsc()).solve(matrix @ press.pressure), press, profile
         )
         narrow = [(part.inner, part.outer) for part in spreading] + unfelt
-        spotted = _with_spots(cells, narrow, most)
+        while not (spotted := _with_spots(cells, narrow, most)) and len(narrow) > len(spreading):
+            # the deepest first: where they carry, others may not touch
+            del narrow[(len(narrow) + len(spreading)) // 2 :]
         if spotted is None:
             # rough: more parts, or narrower ones, than cells can be made for
             return intervals, cells
@@ -141,14 +143,18 @@ def _same_spots(cells: ContactCells, other: ContactCells) -> bool:
 def _unfelt(
     space: PressureSpace, displacement: Array, press: Press, profile: InitialProfile
 ) -> list[tuple[float, float]]:
-    """Where the face is in the half-space between nodes that do not carry: on less than a cell."""
+    """Where the face is in the half-space between nodes that do not carry: on less than a cell.
+
+    The deepest first.
+    """
     # part of the indentation by which that is not felt
     deep = 1e-3 * press.indentation
-    radii, heights = profile.sampled()
+    radii, heights = profile.sampled(*space.breakpoints)
     carries = space.matrix(radii) @ press.contact > 0
-    inside = (space.matrix(radii) @ displacement + heights - press.indentation < -deep) & ~carries
+    gap = space.matrix(radii) @ displacement + heights - press.indentation
     last = len(radii) - 1
-    runs = contact_runs(inside, np.zeros(last, dtype=bool))
+    runs = contact_runs((gap < -deep) & ~carries, np.zeros(last, dtype=bool))
+    runs.sort(key=lambda run: gap[run[0] : run[1] + 1].min())
     return [(float(radii[max(a - 1, 0)]), float(radii[min(b + 1, last)])) for a, b in runs]
 
 

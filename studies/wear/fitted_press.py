@@ -15,12 +15,13 @@ compliance serves every radius. Non-dimensional.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from ...mdr import energy
 from ...meshes.compliance import Compliance
+from ...meshes.contact_cells import fitted_space
 from ...meshes.errors import SolverError
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, Indices
@@ -113,19 +114,35 @@ def fit_presses(
         if the edges of the contact are not found
     """
     presses: list[FittedPress] = []
+    contact = FittedContact(profile, load, _roughly)
+    intervals = contact.press(intervals).intervals
     for on_edges in reversed(compliances):
-        press = FittedContact(profile, load, cache(on_edges)).press(intervals)
+        contact = FittedContact(profile, load, on_edges, contact.inverse)
+        press = contact.press(intervals)
         press.check()
         presses.append(press)
         intervals = press.intervals
     return presses[1], presses[0]
 
 
+def _roughly(edges: tuple[float, ...], infinite: tuple[bool, ...]) -> Compliance:
+    """Return a compliance that takes no time, by which edges are sought first."""
+    return energy.compliance(fitted_space(edges, infinite, 4, 1e-2 * min(np.diff(edges))))
+
+
 class FittedContact:
     """A punch and a half-space whose contact edges are sought."""
 
-    def __init__(self, profile: InitialProfile, load: Load, compliances: CompliancesOn) -> None:
+    def __init__(
+        self,
+        profile: InitialProfile,
+        load: Load,
+        compliances: CompliancesOn,
+        inverse: Array | None = None,
+    ) -> None:
         self.profile, self.load, self.compliances = profile, load, compliances
+        # of the derivatives of the residuals by the edges, where they are about the same
+        self.inverse = inverse
         self.evaluations = 0
 
     def press(self, start: tuple[Interval, ...]) -> FittedPress:
@@ -143,25 +160,51 @@ class FittedContact:
         free = _free(start)
         if not free:
             return self._solved(start, None)[0]
-        guess = np.array([getattr(start[n], side) for n, side in free])
+        in_turn = np.array(
+            [0.0, *(edge for part in start for edge in (part.inner, part.outer)), 1.0]
+        )
+        at = np.array([2 * n + 1 + (side == "outer") for n, side in free])
 
         def moved(edges: Array) -> tuple[Interval, ...]:
-            parts = list(start)
-            for (n, side), edge in zip(free, edges, strict=True):
-                inner, outer = parts[n].inner, parts[n].outer
-                inner, outer = (float(edge), outer) if side == "inner" else (inner, float(edge))
-                parts[n] = replace(parts[n], inner=inner, outer=outer)
-            in_turn = [edge for part in parts for edge in (part.inner, part.outer)]
-            if min(np.diff(in_turn)) <= 0 or in_turn[-1] > 1 + 1e-12:
-                raise SolverError("the edges of the contact cross each other or leave the punch")
-            return tuple(parts)
+            in_turn[at] = edges
+            ends = in_turn[1:-1].reshape(-1, 2).tolist()
+            return tuple(
+                replace(part, inner=inner, outer=outer)
+                for part, (inner, outer) in zip(start, ends, strict=True)
+            )
+
+        def room(edges: Array) -> Array:
+            """Return the distance of free edges to the nearer of the edges beside them."""
+            in_turn[at] = edges
+            gaps = np.diff(in_turn)
+            return np.minimum(gaps[at - 1], gaps[at])
 
         def residual(edges: Array) -> Array:
             return self._solved(moved(edges), free[-1])[1]
 
-        edges = _secant(residual, guess) if len(guess) == 1 else _broyden(residual, guess)
-        # d by the load, of which an edge a little off takes nothing in the first order
-        return self._solved(moved(edges), None)[0]
+        edges = in_turn[at]
+        if min(room(edges)) <= 0:
+            raise SolverError("the edges of the contact cross each other or leave the punch")
+        wrong = residual(edges)
+        if self.inverse is None:
+            steps = np.diag(-1e-3 * room(edges))
+            changes = [(residual(edges + step) - wrong) / step.sum() for step in steps]
+            self.inverse = np.linalg.pinv(np.transpose(changes))
+        for _ in range(30):
+            step = -self.inverse @ wrong
+            step *= min(1.0, float(np.min(0.5 * room(edges) / np.maximum(np.abs(step), 1e-300))))
+            edges = edges + step
+            # it converges faster than linearly: the error is far below the last step
+            if (np.abs(step) <= 1e-7 * room(edges) + 1e-12).all():
+                # d by the load, of which an edge a little off takes nothing in the first order
+                return self._solved(moved(edges), None)[0]
+            before, wrong = wrong, residual(edges)
+            # Broyden's formula
+            felt = self.inverse @ (wrong - before)
+            if not step @ felt:
+                break
+            self.inverse += np.outer(step - felt, step @ self.inverse) / (step @ felt)
+        raise SolverError("the edges of the contact were not found")
 
     def _solved(
         self, intervals: tuple[Interval, ...], sets: tuple[int, str] | None
@@ -290,36 +333,3 @@ def _dof(space: PressureSpace, intervals: tuple[Interval, ...], key: tuple[int, 
 def _size_at(space: PressureSpace, intervals: tuple[Interval, ...], key: tuple[int, str]) -> float:
     element = _element(space, intervals, key)
     return float(space.breakpoints[element + 1] - space.breakpoints[element])
-
-
-def _secant(residual: Callable[[Array], Array], guess: Array) -> Array:
-    """One edge: the load grows with it."""
-    before, now = guess, guess * (1 - 1e-3)
-    wrong_before, wrong = residual(before), residual(now)
-    for _ in range(40):
-        if wrong == wrong_before:
-            break
-        step = -wrong * (now - before) / (wrong - wrong_before)
-        step = np.clip(step, -0.5 * now, np.minimum(now, np.maximum(1 - now, 0.0)))
-        before, wrong_before = now, wrong
-        now = now + step
-        # it converges faster than linearly: the error is far below the last step
-        if abs(step) <= 1e-8 * now:
-            return now
-        wrong = residual(now)
-    raise SolverError("the edge of the contact was not found")
-
-
-def _broyden(residual: Callable[[Array], Array], guess: Array) -> Array:
-    """Several edges: Powell's hybrid method, whose Jacobian is updated by Broyden's formula."""
-    from scipy.optimize import root
-
-    solution = root(
-        residual,
-        guess,
-        method="hybr",
-        options={"xtol": 1e-10, "eps": 1e-6, "maxfev": 60},
-    )
-    if not solution.success and np.abs(solution.fun).max() > 1e-7:
-        raise SolverError("the edges of the contact were not found")
-    return np.asarray(solution.x)

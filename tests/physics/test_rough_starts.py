@@ -1,0 +1,85 @@
+"""Starts that are hard to find: rough faces, many parts, next to no load, against physics alone."""
+
+import time
+
+import numpy as np
+import pytest
+
+from ringwear import Scene, run
+from ringwear.mdr import energy
+from ringwear.studies.methods.spaces import first_contact, load_at_start
+from ringwear.studies.wear.moments import moments
+from ringwear.studies.wear.unilateral import Contact
+
+FLAT = Scene.load("flat_punch").changed(
+    methods=["mdr"], wear__times=[0.0, 0.1], wear__steady=False, accuracy__rtol=1e-3
+)
+
+
+def scene(radii, heights, **load):
+    table = {
+        "kind": "table",
+        "radii": list(map(float, radii)),
+        "heights": list(map(float, heights)),
+    }
+    return FLAT.changed(punch__profile=table, load=load)
+
+
+def rough(count, **load):
+    heights = np.random.default_rng(count).uniform(0, 0.5, count)
+    return scene(np.linspace(0, 1, count), heights, **load)
+
+
+RADII = np.linspace(0, 1, 601)
+STARTS = {
+    "50 heights, next to no force": rough(50, normal_force=1e-9),
+    "200 heights": rough(200, normal_force=1e-2),
+    "200 heights, next to no force": rough(200, normal_force=1e-9),
+    "30 dimples": scene(RADII, 0.01 * np.sin(30 * np.pi * RADII) ** 2, normal_force=5e-4),
+    "off-centre ring": scene([0, 0.5, 1], [0.1, 0, 0.1], normal_force=1e-6),
+    "hardly pressed in": scene([0, 0.5, 1], [0.1, 0, 0.1], indentation=1e-9),
+    "huge force": scene([0, 0.5, 1], [0.1, 0, 0.1], normal_force=1e6),
+}
+
+
+@pytest.mark.parametrize("name", STARTS)
+def test_contact_begins_where_the_face_is_lowest(name):
+    problem = STARTS[name].problem
+    began = time.process_time()
+    intervals, cells = first_contact(problem)
+    assert time.process_time() - began < 3
+    space, load = cells.space(), load_at_start(problem)
+    matrix, of_profile = energy.compliance(space).matrix, moments(problem.profile, space)
+    press = Contact(matrix, space.weights).press(of_profile, load)
+    gap = matrix @ press.pressure + of_profile - press.indentation * space.weights
+    assert press.pressure.min() >= 0
+    depths = np.abs(of_profile) + press.indentation * space.weights
+    assert gap.min() >= -1e-14 * depths.max()
+    assert space.weights @ press.pressure == pytest.approx(press.force, rel=1e-12)
+    # to the cell there, where the contact is narrower
+    radii, heights = problem.profile.sampled()
+    lowest = radii[heights.argmin()]
+    cell = float(cells(lowest))
+    assert any(part.inner - cell <= lowest <= part.outer + cell for part in intervals)
+    assert cell < 0.02
+    assert press.indentation > heights.min()
+
+
+@pytest.mark.parametrize("depth", [1e-12, 1e-9, 1e-3])
+def test_a_sphere_under_any_indentation(depth):
+    """Hertz: ``F = 4/3 sqrt(R) d^1.5``."""
+    sphere = {"kind": "parabola", "curvature_radius": 1.0}
+    hertz = scene([0, 1], [0, 1], indentation=depth).changed(punch__profile=sphere)
+    result = run(hertz)
+    assert float(result.dataset.normal_force[0, 0]) == pytest.approx(4 / 3 * depth**1.5, rel=1e-7)
+    assert result.verdict != "disagree"
+
+
+def test_a_press_of_many_parts_is_fitted_at_no_great_cost():
+    began = time.process_time()
+    result = run(rough(20, normal_force=0.1))
+    assert time.process_time() - began < 10
+    method = result.summary["methods"]["mdr"]
+    assert not any("not fitted" in note for note in method.get("notes", ()))
+    assert method["settings"]["start_evaluations"] <= 4
+    assert float(result.dataset.ring_force[0, 0].sum()) == pytest.approx(0.1, rel=1e-9)
