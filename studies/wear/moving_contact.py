@@ -138,7 +138,8 @@ class ContactMarch:
                     relaxing := self._relaxing(now, times[times >= event])
                 ):
                     states += zip(times[times >= event].tolist(), relaxing, strict=True)
-                    return self._among(times, states, errors, rejected)
+                    steps = Steps(len(errors), rejected, error=sum(errors))
+                    return self._among(times, states, steps)
                 dt = _shortened(step, left)
                 time = loading.time_at(now.distance + dt, knot) if dt < left else float(event)
                 middle, after, error = self._two_stages(dt, before, now, *self._at(time))
@@ -168,18 +169,11 @@ class ContactMarch:
                 self._taken(now, float(event))
             if event in times:
                 states.append((float(event), now))
-        return self._among(times, states, errors, rejected)
+        return self._among(times, states, Steps(len(errors), rejected, error=sum(errors)))
 
-    def _among(
-        self,
-        times: Array,
-        states: list[tuple[float, _Moment]],
-        errors: list[float],
-        rejected: int,
-    ) -> History:
+    def _among(self, times: Array, states: list[tuple[float, _Moment]], steps: Steps) -> History:
         """Return the history at the times asked for, and note that at all states."""
         self.times = np.array([time for time, _ in states])
-        steps = Steps(len(errors), rejected, error=sum(errors))
         self.watched = self._history([moment for _, moment in states], steps)
         return self.watched[np.flatnonzero(np.isin(self.times, times))]
 
