@@ -43,7 +43,7 @@ class Table(NamedTuple):
 def tabulate(
     scene: Scene,
     solutions: Mapping[str, Solution],
-    given_answers: Mapping[str, Mapping[str, Array]],
+    given_answers: Mapping[str, dict[str, Array]],
 ) -> Table:
     """Return all results of methods, with their answers, NaN where one does not give a quantity."""
     problem = scene.problem
