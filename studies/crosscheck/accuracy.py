@@ -6,12 +6,14 @@ Where a method's own estimates fall short of it, again with finer sizes.
 from collections.abc import Sequence
 from dataclasses import replace
 
+from ...meshes.errors import RingwearError
 from ..methods.base import Method, Solution
-from ..problem.defaults import at_smallest, field_accuracy
+from ..problem.defaults import at_smallest, field_accuracy, followed
 from ..problem.problem import Problem
-from ..problem.quantities import ENERGIES, FINEST
+from ..problem.quantities import A_FEW, ENERGIES
 from ..problem.sections import DEGREES
 from ..progress import LOG, Stages
+from .agreement import AT_EDGES
 
 
 def solved_to_accuracy(
@@ -25,20 +27,29 @@ def solved_to_accuracy(
     """
     solutions = method.solve_all(problems, stages)
     errors = [error_of_sizes(*pair) for pair in zip(problems, solutions, strict=True)]
-    working = [problem.rtol for problem in problems]
+    limits = [followed(problem) for problem in problems]
+    working = [min(problem.rtol, most) for problem, (_, most) in zip(problems, limits, strict=True)]
     short = [at for at, problem in enumerate(problems) if not problem.sizes_given(method.name)]
     for _ in range(4):
-        short = [at for at in short if working[at] > FINEST and errors[at] > problems[at].rtol]
+        short = [
+            at for at in short if working[at] > limits[at][0] and errors[at] > problems[at].rtol
+        ]
         if not short:
             break
         for at in short:
             rtol = problems[at].rtol
-            working[at] = max(FINEST, working[at] * max(0.5 * rtol / errors[at], 0.1))
+            working[at] = max(limits[at][0], working[at] * max(0.5 * rtol / errors[at], 0.1))
             LOG.info(
                 "%8s  its estimate %.1e is above %.1e: refining ...", method.name, errors[at], rtol
             )
         finer = [replace(problems[at], rtol=working[at]) for at in short]
-        for at, solution in zip(short[:], method.solve_all(finer, stages), strict=True):
+        try:
+            refined = method.solve_all(finer, stages)
+        except RingwearError as failure:
+            # what is there is as good as it says
+            LOG.info("%8s  cannot be refined: %s", method.name, failure)
+            break
+        for at, solution in zip(short[:], refined, strict=True):
             error = error_of_sizes(problems[at], solution)
             if 2 * error > errors[at]:
                 short.remove(at)
@@ -55,8 +66,11 @@ def solved_to_accuracy(
 def error_of_sizes(problem: Problem, solution: Solution) -> float:
     """Return the greatest error estimate of all quantities that finer sizes would mend."""
     if not problem.full_contact:
-        # the cells of a march go by what was asked for
-        return 0.0
+        # of what is not local to edges, half of the uncertainty that two methods may have; cells do
+        # not mend what is far above, such as the last of a force that decays
+        promised = [name for name in solution.errors if name not in AT_EDGES]
+        error = max((solution.greatest_error(name) for name in promised), default=0.0)
+        return 2 * error / A_FEW if error < 40 * problem.rtol else 0.0
     # closed forms and the uniform grid have no sizes that go by the accuracy asked for
     discretisation = solution.parts.get("discretisation", solution.parts.get("force"))
     if problem.march != "modal" or discretisation is None:

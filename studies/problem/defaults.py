@@ -16,7 +16,7 @@ from ...meshes.contact_cells import ContactCells
 from ...meshes.radial import Array
 from ...meshes.sizes import Sharpness, SizeField, convergence
 from .problem import Problem
-from .quantities import COMPARED_MODES
+from .quantities import COMPARED_MODES, FINEST
 from .sections import DEGREES
 
 # of the half-space: quadrilaterals with Boussinesq's far field, and anything else (`ringwear study
@@ -265,6 +265,17 @@ def grid_step(problem: Problem, stability_limit: float) -> float:
     if problem.mdr.step:
         return problem.mdr.step / problem.units.time
     return problem.step if problem.step and problem.march == "explicit" else 0.5 * stability_limit
+
+
+def followed(problem: Problem) -> tuple[float, float]:
+    """Return the least and the greatest accuracy that sizes follow."""
+    if problem.full_contact:
+        return FINEST, 1.0
+    least, greatest = (1e-4 * (150 / count) ** 2 for count in (300, 80))
+    if problem.loading.varies:
+        # at each change of the load steps begin anew, and more than twice the cells take minutes
+        least = max(least, min(problem.rtol, greatest) / 4)
+    return least, greatest
 
 
 def cells_of(problem: Problem, finer: float = 1.0) -> ContactCells:

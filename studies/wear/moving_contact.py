@@ -151,7 +151,9 @@ class ContactMarch:
                 else:
                     before, now = middle, self._taken(after, time)
                     errors.append(error)
-                    if dt < left and (not states or time > 2 * states[-1][0]):
+                    later = not states or time > 2 * states[-1][0]
+                    # where loads vary, late times have as much to show as early ones
+                    if dt < left and (later or (loading.varies and len(errors) % 12 == 0)):
                         states.append((time, now))
                     # a step cut short by an output time says nothing against the longer ones
                     step = max(step, longer) if dt < step else longer
