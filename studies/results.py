@@ -21,6 +21,8 @@ from .report.words import Account
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from .figures.style import Picture
+
 Shown = TypeVar("Shown", bound="Result")
 
 
@@ -75,10 +77,20 @@ class Result(dataset.Result):
 
     def _repr_html_(self) -> str:
         """Answer, verdict and one figure, for notebooks."""
+        told = f"<pre>{escape(repr(self))}</pre>"
+        if not self._pictures:
+            return told
         image = BytesIO()
         self.plot().savefig(image, dpi=100)
         picture = b64encode(image.getvalue()).decode()
-        return f'<pre>{escape(repr(self))}</pre><img src="data:image/png;base64,{picture}">'
+        return f'{told}<img src="data:image/png;base64,{picture}">'
+
+    @property
+    def _pictures(self) -> "dict[str, Picture]":
+        """The figures that the results have, by their names."""
+        from .figures.catalogue import PICTURES
+
+        return {Path(of.file).stem: of for of in PICTURES if of.drawn_for(self)}
 
     def plot(self, kind: str = "") -> "Figure":
         """Draw a figure.
@@ -94,12 +106,11 @@ class Result(dataset.Result):
         SceneError
             if the results have no such figure, naming those that they have
         """
-        from .figures.catalogue import PICTURES
-
-        drawn = {Path(of.file).stem: of for of in PICTURES if of.drawn_for(self)}
+        drawn = self._pictures
         kind = kind or next(iter(drawn), "")
         if kind not in drawn:
-            raise SceneError(f"no figure {kind!r} of these results: give one of {', '.join(drawn)}")
+            there = ", ".join(drawn) or "none: all quantities asked for are numbers"
+            raise SceneError(f"no figure {kind!r} of these results: give one of {there}")
         return drawn[kind].figure(self)
 
     def save(self, folder: str | Path) -> list[str]:
