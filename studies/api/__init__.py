@@ -43,6 +43,8 @@ _LATER = {
     "load": "ringwear.studies.results",
     "plan": "ringwear.studies.crosscheck.plan",
     "sweep": "ringwear.studies.sweep.conduct",
+    "RingwearError": "ringwear.meshes.errors",
+    "SceneError": "ringwear.meshes.errors",
 }
 
 
