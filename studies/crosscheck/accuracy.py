@@ -27,7 +27,10 @@ def solved_to_accuracy(
     """
     solutions = method.solve_all(problems, stages)
     errors = [error_of_sizes(*pair) for pair in zip(problems, solutions, strict=True)]
-    limits = [followed(problem) for problem in problems]
+    limits = [
+        followed(problem, solution.settings.get("pressures", 0))
+        for problem, solution in zip(problems, solutions, strict=True)
+    ]
     working = [min(problem.rtol, most) for problem, (_, most) in zip(problems, limits, strict=True)]
     short = [at for at, problem in enumerate(problems) if not problem.sizes_given(method.name)]
     for _ in range(4):

@@ -267,15 +267,17 @@ def grid_step(problem: Problem, stability_limit: float) -> float:
     return problem.step if problem.step and problem.march == "explicit" else 0.5 * stability_limit
 
 
-def followed(problem: Problem) -> tuple[float, float]:
-    """Return the least and the greatest accuracy that sizes follow."""
+def followed(problem: Problem, pressures: int) -> tuple[float, float]:
+    """Return the least and the greatest accuracy that sizes follow, if at first there were so many
+    pressures.
+    """
     if problem.full_contact:
         return FINEST, 1.0
     least, greatest = (1e-4 * (150 / count) ** 2 for count in (300, 80))
-    if problem.loading.varies:
-        # at each change of the load steps begin anew, and more than twice the cells take minutes
-        least = max(least, min(problem.rtol, greatest) / 4)
-    return least, greatest
+    # more than 800 pressures take half a minute; so do, where the load varies and steps begin anew
+    # at each change of it, twice as many as at first
+    ratio = max(pressures / 800, 0.5 * problem.loading.varies)
+    return max(least, min(problem.rtol, greatest) * ratio**2), greatest
 
 
 def cells_of(problem: Problem, finer: float = 1.0) -> ContactCells:
