@@ -6,6 +6,7 @@ is the confidence in it.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -61,7 +62,7 @@ def diagnose(comparison: Comparison, least: float = 0.6) -> list[Diagnosis]:
     case = Case(**vars(comparison))
     if np.linalg.norm(case.relative(case.theirs, case.ours)) <= case.scene.accuracy.rtol:
         return []
-    faults = [*case.of_model(), *case.of_numbers(), *case.of_history(), *case.of_pressure()]
+    faults = chain(case.of_model(), case.of_numbers(), case.of_history(), case.of_pressure())
     likely = [fault for fault in faults if fault.confidence > least]
     return sorted(likely, key=lambda fault: -fault.confidence)
 
@@ -94,7 +95,7 @@ class Case(Comparison):
         """Return our results, to a thousandth, of a problem that is changed."""
         problem = replace(self.scene.problem, rtol=1e-3, **changes)
         units = problem.units
-        radii = self.radii / units.length if len(self.radii) else None
+        radii = np.minimum(self.radii / units.length, 1) if len(self.radii) else None
         problem = replace(problem, times=self.times / units.time, output_radii=radii)
         results = METHOD.solve(problem, Stages("mdr")).results
         names = self.ours.keys() & results.keys()
@@ -159,7 +160,8 @@ class Case(Comparison):
 
     def of_history(self) -> Iterator[Diagnosis]:
         """Return faults that displacements show over time."""
-        depths = {name: self.ours[name] for name in self.ours.keys() & {"indentation", "displacement"}}
+        names = self.ours.keys() & {"indentation", "displacement"}
+        depths = {name: self.ours[name] for name in names}
         if len(self.times) < 2 or not depths:
             return
         problem, last = self.scene.problem, float(self.times[-1])
@@ -175,9 +177,10 @@ class Case(Comparison):
             f"displacements too low by one length: a half-space cut off at about {reach:.3g} a",
             "a half-space twice as large has half the error",
         )
-        step, size = last, 0.005
-        for _ in range(3):
-            step = float(np.clip(abs(step * size), last / 1000, last))
+        # steps end at the times that are given
+        step, size, longest = last, 0.005, np.diff(self.times).max()
+        for _ in range(4):
+            step = np.clip(abs(step * size), longest / 1000, longest)
             stepped = self.solve(march="implicit", step=step / problem.units.time)
             size, part = self.fit({name: stepped[name] for name in depths})
         yield Diagnosis(
