@@ -56,13 +56,13 @@ def diagnose(comparison: Comparison, least: float = 0.6) -> list[Diagnosis]:
 
     Notes
     -----
-    A fault that the scene cannot have, such as another radius of a punch with a profile that is
-    given up to the rim, is passed over.
+    Radius and modulus are changed by their units, which is exact of flat punches under one load;
+    of others these two faults may stay unnamed.
     """
     case = Case(**vars(comparison))
     if np.linalg.norm(case.relative(case.theirs, case.ours)) <= case.scene.accuracy.rtol:
         return []
-    faults = chain(case.of_model(), case.of_numbers(), case.of_history(), case.of_pressure())
+    faults = chain(case.of_model(), case.of_history(), case.of_pressure())
     likely = [fault for fault in faults if fault.confidence > least]
     return sorted(likely, key=lambda fault: -fault.confidence)
 
@@ -92,8 +92,8 @@ class Case(Comparison):
         return size, float((whole - left) / (whole or 1.0))
 
     def solve(self, **changes: Any) -> Results:
-        """Return our results, to a thousandth, of a problem that is changed."""
-        problem = replace(self.scene.problem, rtol=1e-3, **changes)
+        """Return our results, to a hundredth, of a problem that is changed."""
+        problem = replace(self.scene.problem, rtol=1e-2, steady=False, **changes)
         units = problem.units
         radii = np.minimum(self.radii / units.length, 1) if len(self.radii) else None
         problem = replace(problem, times=self.times / units.time, output_radii=radii)
@@ -101,60 +101,51 @@ class Case(Comparison):
         names = self.ours.keys() & results.keys()
         return {name: results[name] * getattr(units, QUANTITIES[name].unit) for name in names}
 
-    def of_change(
-        self, name: str, size: float, words: str, confirm: str, **changes: Any
-    ) -> Diagnosis:
-        """Return the fault of a problem that is changed; a fraction of it explains nothing."""
-        times, part = self.fit(self.solve(**changes))
-        return Diagnosis(name, size, part * (abs(times - 1) < 0.1), words, confirm)
+    def explain(self, predicted: Results) -> float:
+        """Return the part of the error that a fault explains, which is there wholly or not."""
+        size, part = self.fit(predicted)
+        return part * (abs(size - 1) < 0.1)
 
     def of_model(self) -> Iterator[Diagnosis]:
         """Return faults of what was modelled."""
         rings, units = self.scene.problem.rings, self.scene.problem.units
         wear, plane = rings.wear_coefficients, 1 - self.scene.problem.poisson_ratio**2
-        yield self.of_change(
+        swapped = rings._replace(wear_coefficients=wear.min() + wear.max() - wear)
+        yield Diagnosis(
             "swapped materials",
             1.0,
+            self.explain(self.solve(rings=swapped)),
             "the wear coefficients of two materials are swapped",
             "late pressures are greatest where wear is least",
-            rings=rings._replace(wear_coefficients=wear.min() + wear.max() - wear),
         )
         for size in (2.0, 0.5):
-            yield self.of_change(
+            wide = replace(units, length=size * units.length, time=size * units.time)
+            yield Diagnosis(
                 "radius for diameter",
                 size,
+                self.explain(self.solve(units=wide)),
                 f"a punch of {size} times the radius: a diameter for a radius, or the reverse",
                 "the radius in the model where pressures end",
-                units=replace(units, length=size * units.length, time=size * units.time),
             )
         for size in (plane, 1 / plane):
-            yield self.of_change(
+            stiff = replace(units, modulus=size * units.modulus, time=units.time / size)
+            yield Diagnosis(
                 "Poisson's ratio",
                 size,
+                self.explain(self.solve(units=stiff)),
                 f"a half-space {size:.4g} times as stiff: E for E/(1 - nu^2), or the reverse",
                 "with a Poisson's ratio of 0 the error is gone",
-                units=replace(units, modulus=size * units.modulus, time=units.time / size),
             )
-
-    def of_numbers(self) -> Iterator[Diagnosis]:
-        """Return the fault of numbers that are off by factors, each quantity by its own."""
         ratios = {name: 1 + self.fit({name: 2 * values})[0] for name, values in self.ours.items()}
         size = max(ratios.values(), key=lambda ratio: abs(np.log(abs(ratio) or 1.0)))
-        known = dict.fromkeys((1e3, 1e6, 1e9), "units") | {
-            2 * np.pi: "2 pi missing",
-            1 - self.scene.problem.poisson_ratio**2: "Poisson's ratio",
-        }
-        names = [
-            name
-            for factor, name in known.items()
-            if np.isclose(abs(size), (factor, 1 / factor), 0.01).any()
-        ]
+        known = {1e3: "units", 1e6: "units", 2 * np.pi: "2 pi missing", plane: "Poisson's ratio"}
+        names = [known[of] for of in known if np.isclose(abs(size), (of, 1 / of), 0.01, 0).any()]
+        factors = ", ".join(f"{name} {ratio:.4g}" for name, ratio in ratios.items())
         yield Diagnosis(
             [*names, "constant factor"][0],
             size,
-            self.fit({name: self.ours[name] * ratios[name] for name in ratios})[1],
-            "over ours, at all times and radii: "
-            + ", ".join(f"{name} {ratio:.4g}" for name, ratio in ratios.items()),
+            self.explain({name: self.ours[name] * ratios[name] for name in ratios}),
+            f"over ours, at all times and radii: {factors}",
             "units; the sum of 2 pi r p dr beside the load; results with a Poisson's ratio of 0",
         )
 
@@ -177,12 +168,14 @@ class Case(Comparison):
             f"displacements too low by one length: a half-space cut off at about {reach:.3g} a",
             "a half-space twice as large has half the error",
         )
-        # steps end at the times that are given
+        # equal steps end at the times that are given
         step, size, longest = last, 0.005, np.diff(self.times).max()
         for _ in range(4):
-            step = np.clip(abs(step * size), longest / 1000, longest)
+            step = longest / np.clip(np.round(longest / abs(step * size)), 1, 1000)
             stepped = self.solve(march="implicit", step=step / problem.units.time)
             size, part = self.fit({name: stepped[name] for name in depths})
+            if part < 0.1:
+                break
         yield Diagnosis(
             "first-order time step",
             step * size,
@@ -191,11 +184,12 @@ class Case(Comparison):
             "half the time step has half the error",
         )
         histories = {name: interp1d(self.times, depths[name], axis=0) for name in depths}
-        fits = []
-        for late in np.geomspace(last / 300, last, 150):
+
+        def delay(late: float) -> tuple[float, float]:
             times = np.maximum(self.times - late, self.times[0])
-            fits.append((self.fit({name: histories[name](times) for name in depths})[1], late))
-        part, late = max(fits)
+            return self.explain({name: histories[name](times) for name in depths}), late
+
+        part, late = max(map(delay, np.geomspace(last / 300, last, 150)))
         yield Diagnosis(
             "late start",
             late,
