@@ -77,7 +77,7 @@ class Case(Comparison):
         """
         with np.errstate(all="ignore"):
             parts = [(results[name] / self.ours[name] - 1).ravel() for name in names]
-        row = np.hstack([part / np.sqrt(part.size) for part in parts])
+        row = np.hstack([[], *(part / np.sqrt(part.size) for part in parts)])
         return np.where(np.isfinite(row), row, 0.0)
 
     def fit(self, predicted: Results) -> tuple[float, float]:
@@ -89,7 +89,9 @@ class Case(Comparison):
         change = self.relative(predicted, predicted) * (error != 0)
         size = change @ error / (change @ change or 1.0)
         whole, left = np.linalg.norm(error), np.linalg.norm(error - size * change)
-        return size, float((whole - left) / (whole or 1.0))
+        part = float((whole - left) / (whole or 1.0))
+        # one number is explained by anything that can be fitted
+        return size, part * (1 - 1 / (np.count_nonzero(error) or 1))
 
     def solve(self, **changes: Any) -> Results:
         """Return our results, to a hundredth, of a problem that is changed."""
@@ -184,16 +186,15 @@ class Case(Comparison):
             "half the time step has half the error",
         )
         histories = {name: interp1d(self.times, depths[name], axis=0) for name in depths}
-
-        def delay(late: float) -> tuple[float, float]:
+        parts = {}
+        for late in np.geomspace(last / 300, last, 150):
             times = np.maximum(self.times - late, self.times[0])
-            return self.explain({name: histories[name](times) for name in depths}), late
-
-        part, late = max(map(delay, np.geomspace(last / 300, last, 150)))
+            parts[late] = self.explain({name: histories[name](times) for name in depths})
+        late = max(parts, key=lambda late: parts[late])
         yield Diagnosis(
             "late start",
             late,
-            part,
+            parts[late],
             f"a history that starts about {late:.3g} too late",
             "with this taken off the times the error is gone",
         )

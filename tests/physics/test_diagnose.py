@@ -109,7 +109,7 @@ def test_faults_of_the_mesh():
 
 def test_an_incompressible_half_space_that_is_cut_off():
     """By 6/pi a/R of d0 it errs, as a point force in an incompressible ball does."""
-    theirs = solve(SCENES["five"], half_space__poisson_ratio=0.5, **CLAMPED)
+    theirs = solve(SCENES["five"], half_space__poisson_ratio=0.5, accuracy__rtol=1e-2, **CLAMPED)
     low = ours("five")["indentation"][0] - theirs["indentation"][0]
     assert low == pytest.approx(6 / np.pi / 20, rel=0.03)
     first = look("five", theirs, half_space__poisson_ratio=0.5)[0]
