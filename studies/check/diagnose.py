@@ -40,7 +40,7 @@ class Diagnosis:
     confirm: str
 
 
-def diagnose(comparison: Comparison, least: float = 0.6) -> list[Diagnosis]:
+def diagnose(comparison: Comparison, least: float = 0.7) -> list[Diagnosis]:
     """Return what the error of their results looks like, the most confident first.
 
     Parameters
@@ -140,8 +140,8 @@ class Case(Comparison):
             )
         ratios = {name: 1 + self.fit({name: 2 * values})[0] for name, values in self.ours.items()}
         size = max(ratios.values(), key=lambda ratio: abs(np.log(abs(ratio) or 1.0)))
-        known = {1e3: "units", 1e6: "units", 2 * np.pi: "2 pi missing", plane: "Poisson's ratio"}
-        names = [known[of] for of in known if np.isclose(abs(size), (of, 1 / of), 0.01, 0).any()]
+        labels = {1e3: "units", 1e6: "units", 2 * np.pi: "2 pi missing", plane: "Poisson's ratio"}
+        names = [labels[of] for of in labels if np.isclose(abs(size), (of, 1 / of), 0.01, 0).any()]
         factors = ", ".join(f"{name} {ratio:.4g}" for name, ratio in ratios.items())
         yield Diagnosis(
             [*names, "constant factor"][0],
