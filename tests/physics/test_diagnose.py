@@ -1,0 +1,129 @@
+"""Faults put into results are named first, with their number; clean and noisy results are not."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from ringwear import Scene, run
+from ringwear.studies.check.comparison import Comparison
+from ringwear.studies.check.diagnose import diagnose
+
+SCENES = {
+    "five": Scene.load("five_rings"),
+    "two": Scene(
+        units="SI",
+        punch={"radius": 0.01, "ring_edges": [0.004, 0.01], "wear_coefficients": [5e-15, 1e-15]},
+        half_space={"youngs_modulus": 2e9},
+        load={"normal_force": 100.0, "sliding_speed": 0.1},
+        wear={"times": [0.0, 1e3, 3e3, 1e4, 2e4, 3e4, 4e4, 5e4]},
+    ),
+}
+LENGTHS = {"indentation", "displacement", "profile"}
+CLAMPED = {"method": "fem", "accuracy__fem__far_field": "fixed", "accuracy__fem__truncation": 20.0}
+
+
+def radii_of(scene):
+    return np.linspace(0.004, 0.996, 125) * scene.punch.radius
+
+
+def solve(scene, method="mdr", late=0.0, **changes):
+    """Return results at the times and radii of a scene, of this scene with changes."""
+    times, order = np.unique(np.maximum(np.array(scene.wear.times) - late, 0), return_inverse=True)
+    changes |= {"output__radii": radii_of(scene).tolist(), "wear__times": times.tolist()}
+    dataset = run(scene.changed(**changes), methods=[method]).dataset
+    return {name: dataset[name].values[0][order] for name in (*LENGTHS, "pressure")}
+
+
+@cache
+def ours(name):
+    return solve(SCENES[name])
+
+
+def look(name, theirs, **changes):
+    """Return what results of others look like."""
+    scene = SCENES[name].changed(**changes)
+    return diagnose(
+        Comparison(np.array(scene.wear.times), radii_of(scene), theirs, ours(name), scene)
+    )
+
+
+def faults_of(scene):
+    """Return faults of what is modelled: their size, and the change of the scene."""
+    punch, last, plane = scene.punch, scene.wear.times[-1], 1 - 0.3**2
+    edges = punch.ring_edges and [2 * edge for edge in punch.ring_edges]
+    stiff = scene.problem.units.modulus / plane
+    half_space = {"plane_strain_modulus": stiff, "poisson_ratio": 0.3}
+    return {
+        "truncated half-space": (20, CLAMPED),
+        "first-order time step": (
+            last / 40,
+            {"wear__march": "implicit", "wear__step": last / 40},
+        ),
+        "late start": (last / 6, {"late": last / 6}),
+        "swapped materials": (1, {"punch__wear_coefficients": punch.coefficients[::-1]}),
+        "radius for diameter": (
+            2,
+            {"punch__radius": 2 * punch.radius, "punch__ring_edges": edges},
+        ),
+        "Poisson's ratio": (1 / plane, {"half_space": half_space}),
+    }
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_faults_of_the_model(scene):
+    for name, (size, change) in faults_of(SCENES[scene]).items():
+        first = look(scene, solve(SCENES[scene], **change))[0]
+        assert (first.name, first.size) == (name, pytest.approx(size, rel=0.2))
+        assert 0.8 < first.confidence <= 1
+    assert f"{first.size:.4g}" in first.words
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize(
+    ("name", "factor", "of"),
+    [
+        ("2 pi missing", 1 / (2 * np.pi), {"pressure"}),
+        ("units", 1e-6, {"pressure"}),
+        ("constant factor", 1.3, {*LENGTHS, "pressure"}),
+        ("Poisson's ratio", 1 - 0.3**2, LENGTHS),
+    ],
+)
+def test_factors_of_numbers(scene, name, factor, of):
+    theirs = {key: right * (factor if key in of else 1) for key, right in ours(scene).items()}
+    first = look(scene, theirs)[0]
+    assert (first.name, first.size) == (name, pytest.approx(factor))
+    assert f"{factor:.4g}" in first.words
+
+
+def test_faults_of_the_mesh():
+    coarse = {"accuracy__fem__rim_size": 0.1, "accuracy__fem__degree": 4}
+    assert look("five", solve(SCENES["five"], "fem", **coarse))[0].name == "coarse rim"
+    # beside a half-space that is cut off, which displacements show
+    theirs = solve(SCENES["five"], **CLAMPED)
+    theirs["pressure"] = theirs["pressure"] * (1 + 0.05 * (-1.0) ** np.arange(125))
+    sizes = {fault.name: fault.size for fault in look("five", theirs)}
+    assert sizes["truncated half-space"] == pytest.approx(20, rel=0.2)
+    assert sizes["checkerboard"] == pytest.approx(0.05, rel=0.01)
+
+
+def test_an_incompressible_half_space_that_is_cut_off():
+    """By 6/pi a/R of d0 it errs, as a point force in an incompressible ball does."""
+    theirs = solve(SCENES["five"], half_space__poisson_ratio=0.5, accuracy__rtol=1e-2, **CLAMPED)
+    low = ours("five")["indentation"][0] - theirs["indentation"][0]
+    assert low == pytest.approx(6 / np.pi / 20, rel=0.03)
+    first = look("five", theirs, half_space__poisson_ratio=0.5)[0]
+    assert (first.name, first.size) == ("truncated half-space", pytest.approx(20, rel=0.05))
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_noise_is_no_fault(scene):
+    for seed in range(5):
+        draw = np.random.default_rng(seed).standard_normal
+        theirs = {name: of * (1 + 1e-3 * draw(of.shape)) for name, of in ours(scene).items()}
+        assert look(scene, theirs) == []
+
+
+def test_what_is_right_is_no_fault():
+    assert look("five", ours("five")) == []
+    assert look("five", solve(SCENES["five"], "fem")) == []
