@@ -17,11 +17,12 @@ def sample(scene: Scene, method: str, rtol: float) -> pd.Series:
     """Return values of a method by time, radius (NaN where of none) and quantity."""
     wanted = ["pressure", "profile", "displacement", "indentation", "normal_force"]
     dataset = run(Scene.of(scene, [method], rtol, wanted)).dataset
-    values = dataset[[name for name in wanted if name in dataset]].sel(solver=method, drop=True)
-    histories = values.drop_dims("radius")
-    parts = values.drop_vars(histories), histories.expand_dims(radius=[np.nan])
-    frames = (part.to_dataframe(["time", "radius"]) for part in parts)
-    return pd.concat(frame.rename_axis(columns="quantity").stack() for frame in frames)
+    tables = (
+        dataset[name].to_dataframe("value").reset_index().assign(quantity=name)
+        for name in wanted
+        if name in dataset
+    )
+    return pd.concat(tables).set_index(["time", "radius", "quantity"])["value"]
 
 
 def certify(scene: Scene) -> pd.DataFrame:
