@@ -49,7 +49,7 @@ if __name__ == "__main__":
             for quantity, axis, errors in zip(("d", "p"), column, curves, strict=True):
                 looks = {"marker": "."} | LOOKS.get(program, {})
                 axis.loglog(seconds, errors, label=program, **looks)
-                axis.set(title=f"problem {number}", xlabel="seconds", ylabel=f"error of {quantity}")
+                axis.set(xlabel="seconds", ylabel=f"error of {quantity}")
                 print(number, program, quantity, *map("{:.2g} s: {:.1e}".format, seconds, errors))
-        column[0].legend()
+        column[0].legend(title=f"problem {number}", loc=(0.2, 1.02))
     figure.savefig(folder / "errors.png", dpi=110)
