@@ -1,0 +1,47 @@
+"""Starts of the flat punch and the sphere (problems 1 and 7) by two programs that put a half-space
+on a square grid of points, ContactMechanics and tamaas, on three grids.
+"""
+
+from time import perf_counter
+
+import numpy as np
+import tamaas as tm
+from ContactMechanics import FreeFFTElasticHalfSpace, make_system
+from SurfaceTopography import Topography
+
+
+def contact_mechanics(heights, size, force):
+    half_space = FreeFFTElasticHalfSpace(heights.shape, 1, (size, size))
+    system = make_system(substrate=half_space, surface=Topography(-heights, (size, size)))
+    system.minimize_proxy(external_force=force, pentol=1e-8)
+    return system.force * heights.size / size**2, system.disp
+
+
+def tamaas(heights, size, force):
+    kind = tm.model_type.basic_2d
+    model = tm.ModelFactory.createModel(kind, [size, size], heights.shape)
+    model.E, model.nu = 1, 0
+    tm.ModelFactory.registerNonPeriodic(model, "free")
+    solver = tm.PolonskyKeerRey(model, -heights, 1e-10)
+    solver.setIntegralOperator("free")
+    solver.solve(force / size**2)
+    model.operators["free"](model.traction, model.displacement)
+    return model.traction, model.displacement
+
+
+for points in 64, 128, 256:
+    for problem, size, force in ("01", 2, 2), ("07", 0.5, 0.01):
+        x = ((np.arange(points) + 0.5) / points - 0.5) * size
+        radii = np.hypot(*np.meshgrid(x, x))
+        heights = (radii > 1) * 1e3 if problem == "01" else radii**2 / 2
+        along = points // 2, slice(points // 2, points)
+        for solve in contact_mechanics, tamaas:
+            start = perf_counter()
+            pressure, displacement = (of[along] for of in solve(heights, size, force))
+            head = (
+                f"# {perf_counter() - start:.2f} s\ntime,radius,pressure,displacement,indentation"
+            )
+            depth = displacement[0] + heights[along][0]
+            rows = np.broadcast_arrays(0, radii[along], pressure, displacement, depth)
+            name = f"{problem}_{solve.__name__}_{points:03}.csv"
+            np.savetxt(name, np.transpose(rows), "%.6g", ",", header=head, comments="")

@@ -1,0 +1,89 @@
+"""The certified numbers of the challenge against what no method has a part in, and runs of it."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from closed_forms import PowerPunch, worn_sphere
+from scipy.optimize import brentq
+from test_fixed_indentation import force_at
+from wear_reference import Reference
+
+from ringwear import Scene
+from ringwear.studies import challenge
+from ringwear.studies.challenge.certify import sample
+
+FOLDER = Path(challenge.__file__).parent
+INDEX = ["problem", "time", "radius", "quantity"]
+CERTIFIED = pd.read_csv(FOLDER / "certified.csv").set_index(INDEX)
+PROBLEMS = dict(enumerate(sorted(FOLDER.glob("[0-9]*.toml")), 1))
+
+
+def assert_certified(number, quantity, time, exact):
+    """Assert that values are within a unit of their last digit of exact ones, by radii."""
+    rows = CERTIFIED.xs((PROBLEMS[number].stem, time, quantity), level=[0, 1, 3])
+    unit = 10 ** (np.floor(np.log10(rows.value)) - rows.digits + 1)
+    wrong = np.abs(rows.value - (exact(rows.index.to_numpy()) if callable(exact) else exact)) / unit
+    assert wrong.max() <= 1, f"{quantity} at {time}: {wrong.max():.1f} units of the last digit"
+
+
+@pytest.mark.parametrize("number", [1, 2, 3, 4, 5, 6, 10, 11])
+def test_flat_starts_are_those_of_boussinesq(number):
+    assert_certified(number, "indentation", 0.0, 1.0)
+    assert_certified(number, "pressure", 0.0, lambda radii: 1 / np.pi / np.sqrt(1 - radii**2))
+
+
+@pytest.mark.parametrize("number", [2, pytest.param(3, marks=pytest.mark.slow), 4, 5, 6])
+def test_histories_against_an_independent_solution(number):
+    problem = Scene.load(PROBLEMS[number]).problem
+    rings, unit, later = problem.merged, problem.units, problem.times[1:]
+    punch = Reference(*rings, np.full(len(rings.widths), 1e-11), degree=20)
+    for time, pressure, worn, depth in zip(later, *punch.at(later), strict=True):
+        exact = {
+            "pressure": lambda radii, of=pressure: punch.values(of[None], radii)[0] * unit.pressure,
+            "profile": lambda radii, of=worn: punch.worn(of[None], radii)[0] * unit.displacement,
+            "indentation": depth * unit.displacement,
+        }
+        for quantity, values in exact.items():
+            assert_certified(number, quantity, round(time * unit.time, 12), values)
+
+
+@pytest.mark.parametrize(("row", "rtol"), [(1, 3e-5), (3, 2e-6), (5, 2e-6), (7, 2e-6)])
+def test_five_rings_against_numbers_from_elsewhere(reference, row, rtol):
+    state = reference["states"][row]
+    for quantity, error in (("indentation", 1e-9), ("pressure", rtol), ("profile", rtol)):
+        rows = CERTIFIED.xs(("03_five_rings", state["time"], quantity), level=[0, 1, 3])
+        np.testing.assert_allclose(rows.value, np.ravel(state[quantity]), rtol=error)
+
+
+def test_the_force_of_a_fixed_indentation():
+    problem = Scene.load(PROBLEMS[10]).problem
+    later = problem.times[1:]
+    for time, force in zip(later * problem.units.time, force_at(problem, later)[1], strict=True):
+        assert_certified(10, "normal_force", round(time, 12), force * problem.units.force)
+
+
+def test_the_sphere_starts_as_hertz_and_ends_by_a_law():
+    hertz, force = PowerPunch(0.5, 2), 0.01
+    contact = hertz.contact_radius(force)
+    assert_certified(7, "indentation", 0.0, hertz.indentation(contact))
+    assert_certified(7, "pressure", 0.0, lambda radii: hertz.pressure(contact, radii))
+    late = brentq(lambda radius: worn_sphere(1.0, 1.0, force, radius)[0] - 30.0, 0.3, 1.0)
+    assert_certified(7, "indentation", 30.0, worn_sphere(1.0, 1.0, force, late)[1])
+
+
+@pytest.mark.parametrize("number", [*range(1, 11), 12, pytest.param(11, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("method", ["mdr", "fem"])
+def test_coarse_runs_reach_the_certified_numbers(number, method):
+    """At an accuracy of 1e-3; pressures near an edge of the contact that moves are worse."""
+    certified = CERTIFIED.loc[PROBLEMS[number].stem].value
+    wrong = (sample(Scene.load(PROBLEMS[number]), method, 1e-3) - certified).abs().dropna()
+    assert len(wrong) == len(certified)
+    errors, sizes = (
+        of.groupby(["time", "quantity"]).max().unstack().fillna(0) for of in (wrong, certified)
+    )
+    for quantity in errors:
+        over = quantity if quantity in ("pressure", "normal_force") else "indentation"
+        allowed = 2e-2 if quantity == "pressure" else 2e-3
+        assert (errors[quantity] <= allowed * sizes[over]).all(), quantity
