@@ -76,13 +76,18 @@ def test_the_sphere_starts_as_hertz_and_ends_by_a_law():
 @pytest.mark.parametrize("number", [*range(1, 11), 12, pytest.param(11, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("method", ["mdr", "fem"])
 def test_coarse_runs_reach_the_certified_numbers(number, method):
-    """At an accuracy of 1e-3; pressures near an edge of the contact that moves are worse."""
+    """At an accuracy of 1e-3; pressures, in the root mean square, are worse near an edge of the
+    contact that moves.
+    """
     certified = CERTIFIED.loc[PROBLEMS[number].stem].value
     wrong = (sample(Scene.load(PROBLEMS[number]), method, 1e-3) - certified).abs().dropna()
     assert len(wrong) == len(certified)
     errors, sizes = (
         of.groupby(["time", "quantity"]).max().unstack().fillna(0) for of in (wrong, certified)
     )
+    for values, of in ((errors, wrong), (sizes, certified)):
+        squares = of.xs("pressure", level="quantity") ** 2
+        values["pressure"] = np.sqrt(squares.groupby("time").mean()).reindex(values.index).fillna(0)
     for quantity in errors:
         over = quantity if quantity in ("pressure", "normal_force") else "indentation"
         allowed = 2e-2 if quantity == "pressure" else 2e-3
