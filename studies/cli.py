@@ -1,7 +1,8 @@
-"""The command line: `ringwear run | plan | mesh | compare | study | sweep | scenes`.
+"""The command line: `ringwear run | check | plan | mesh | compare | study | sweep | scenes`.
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree,
-or one cannot reach the accuracy asked for; 2 bad input; 1 anything else, such as a figure that
+or one cannot reach the accuracy asked for, or results that are checked are off by more than they
+may; 2 bad input; 1 anything else, such as a figure that
 could not be drawn or scenes of a sweep that failed, and when stopped by Ctrl-C or SIGTERM (finished
 rows of a study and scenes of a sweep are kept).
 """
@@ -22,7 +23,7 @@ from .output.folder import Folder, output_folder
 from .output.signals import ending_on_signals
 from .problem.scene import Scene, bundled, text_of
 from .progress import show_progress
-from .registry import INTERRUPTED, STUDIES
+from .registry import INTERRUPTED, METHODS, STUDIES
 from .versions import versions
 
 if TYPE_CHECKING:
@@ -109,6 +110,38 @@ def _print_files(folder: Folder, failures: list[str]) -> None:
         )
     for failure in failures:
         print(f"ringwear: {failure}", file=sys.stderr)
+
+
+def _check(options: argparse.Namespace) -> Status:
+    from .figures.catalogue import PICTURES
+    from .output.files import run_files, write_numbers
+
+    scene, stems = Scene.load(options.scene), [Path(file).stem for file in options.files]
+    if not stems:
+        raise SceneError("check holds results of other programs against ours: give their files")
+    given = {
+        file if stem in METHODS or stems.count(stem) > 1 else stem: file
+        for stem, file in zip(stems, options.files, strict=True)
+    }
+    out = _out(options, f"check_{Path(options.scene).stem}")
+    with output_folder(out, "check", run_files(PICTURES) | {"check.csv"}) as folder:
+        from .check.check import check
+        from .report.page import show
+        from .report.words import Account
+
+        result = check(
+            scene, given, within=options.within, columns=options.columns, units=options.units
+        )
+        write_numbers(result, folder.hidden)
+        result.table_of_verdicts.to_csv(folder.hidden / "check.csv", index=False)
+        account = Account(result)
+        print(f"\n{account.title}", "", *result.lines, *result.read, sep="\n")
+        print(f"Ours: {account.verdict_line}", flush=True)
+        failures = show(result, account, PICTURES, folder.hidden, page=True)
+    _print_files(folder, failures)
+    if failures:
+        return Status.FAILED
+    return Status.DONE if result.passes else Status.DISAGREE
 
 
 def _plan(options: argparse.Namespace) -> Status:
@@ -244,6 +277,13 @@ def _directory(text: str) -> Path:
     return Path(text)
 
 
+def _pairs(text: str) -> dict[str, str]:
+    pairs = dict(pair.partition("=")[::2] for pair in text.split(","))
+    if not all(name and ours for name, ours in pairs.items()):
+        raise argparse.ArgumentTypeError(f"{text!r}: give theirs=ours, such as p=pressure,r=radius")
+    return pairs
+
+
 class Command(NamedTuple):
     """A command: what it does in a line, what does it, what it takes, and its scene by default."""
 
@@ -262,6 +302,11 @@ COMMANDS = {
             *("--no-report", "--csv", "--memory", "--verbose"),
         ),
         "five_rings",
+    ),
+    "check": Command(
+        "hold results of other programs against ours: by how much theirs err, and where",
+        _check,
+        ("scene", "files", "--out", "--within", "--columns", "--units"),
     ),
     "plan": Command(
         "say what a scene will take, without computing it", _plan, ("scene", "--check")
@@ -303,6 +348,22 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
     "A": {"help": "a folder of `ringwear run`, a TOML file or a bundled scene"},
     "B": {"help": "another one"},
     "file": {"help": "a sweep file (studies/sweep/README.md), or a bundled sweep"},
+    "files": {
+        "nargs": "*",
+        "metavar": "FILE",
+        "help": "CSV (columns time, radius, pressure, displacement, profile, or time, indentation, "
+        "normal_force) or netCDF of another program",
+    },
+    "--within": {
+        "type": float,
+        "default": 0.01,
+        "help": "relative error that theirs may have, in the norm of each quantity (default: 0.01)",
+    },
+    "--columns": {"type": _pairs, "metavar": "THEIRS=OURS,...", "help": "names of their columns"},
+    "--units": {
+        "default": "",
+        "help": "units of theirs, such as 'mm, N, MPa, s' (default: those of the scene)",
+    },
     "--out": {
         "type": _directory,
         "help": "directory (default: results/ and the name of scene, study or file)",

@@ -122,7 +122,8 @@ class Scale:
             look = method_curve(method, len(curve))
             if len(rings.wear_coefficients) > MANY:
                 look |= {"marker": "", "linewidth": 0.5 * look["linewidth"]}
-            self.plot(axes, name, "radius", radii, curve, **look)
+            given = ~np.isnan(curve)
+            self.plot(axes, name, "radius", radii[given], curve[given], **look)
         shade_rings(axes, *rings, self.shown("radius", self.problem.units.length))
 
     def when(self, time: float) -> str:
@@ -154,7 +155,7 @@ def least_wear(problem: Problem, profiles: Array) -> Any:
     scene's units.
     """
     unworn = problem.profile(problem.radii) * problem.units.displacement
-    return (profiles - unworn).min(axis=-1)
+    return np.nanmin(profiles - unworn, axis=-1)
 
 
 def high_pressure(pressure: Array) -> float:
