@@ -119,10 +119,10 @@ def _check(options: argparse.Namespace) -> Status:
     scene, stems = Scene.load(options.scene), [Path(file).stem for file in options.files]
     if not stems:
         raise SceneError("check holds results of other programs against ours: give their files")
-    given = {
-        file if stem in METHODS or stems.count(stem) > 1 else stem: file
-        for stem, file in zip(stems, options.files, strict=True)
-    }
+    named = [f"their {stem}" if stem in METHODS else stem for stem in stems]
+    if len(set(named)) < len(named):
+        named = options.files
+    given = dict(zip(named, options.files, strict=True))
     out = _out(options, f"check_{Path(options.scene).stem}")
     with output_folder(out, "check", run_files(PICTURES) | {"check.csv"}) as folder:
         from .check.check import check
@@ -135,7 +135,7 @@ def _check(options: argparse.Namespace) -> Status:
         write_numbers(result, folder.hidden)
         result.table_of_verdicts.to_csv(folder.hidden / "check.csv", index=False)
         account = Account(result)
-        print(f"\n{account.title}", "", *result.lines, *result.read, sep="\n")
+        print(f"\n{account.title}", "", *result.lines, sep="\n")
         print(f"Ours: {account.verdict_line}", flush=True)
         failures = show(result, account, PICTURES, folder.hidden, page=True)
     _print_files(folder, failures)

@@ -15,17 +15,15 @@ import pandas as pd
 from ...meshes.errors import SceneError
 from ..crosscheck.dataset import Result
 from ..crosscheck.run import run
-from ..crosscheck.table import in_units
 from ..methods.base import Method
-from ..problem.quantities import FIELDS
 from ..problem.scene import Scene, Source, listed
 from ..problem.unit_names import UnitNames
 from ..registry import METHODS
-from . import tables
 from .comparison import Comparison
 from .diagnose import Diagnosis, diagnose
 from .given import Given
-from .verdict import Verdict, in_words, reference, verdicts
+from .tables import read
+from .verdict import Verdict, best, in_words, verdicts
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,12 +34,10 @@ class Checked(Result):
     ----------
     given : names of these
     within : relative error that they are allowed
-    read : what the user should know of their reading
     """
 
     given: tuple[str, ...]
     within: float
-    read: tuple[str, ...]
 
     @cached_property
     def verdicts(self) -> tuple[Verdict, ...]:
@@ -55,17 +51,17 @@ class Checked(Result):
 
     def compare(self, name: str) -> Comparison:
         """Return what a program gives, and ours at its times and radii."""
-        theirs, problem = self.solutions[name].results, self.scene.problem
-        ours = {key: reference(self, key)[0].get(key, np.nan * theirs[key]) for key in theirs}
-        given = [np.isfinite(values) for values in theirs.values()]
-        times = np.any([values.any(axis=tuple(range(1, values.ndim))) for values in given], axis=0)
-        radii = np.any([values.any(axis=0) for values in given if values.ndim > 1], axis=0)
-        chosen = (
-            {key: values[times][:, radii] if key in FIELDS else values[times] for key, values in of}
-            for of in (in_units(problem, each).items() for each in (theirs, ours))
-        )
-        time, radius = self.coordinates["time"][times], self.coordinates["radius"]
-        return Comparison(time, radius[radii] if radii.ndim else radius[:0], *chosen, self.scene)
+        theirs = self.dataset[list(self.solutions[name].results)].sel(solver=name)
+        for dim in list(theirs.dims):
+            theirs = theirs.dropna(dim, how="all")
+        ours = {
+            key: self.dataset[key].sel(solver=best(self, key)).reindex_like(of).values
+            for key, of in theirs.items()
+            if best(self, key)
+        }
+        times, radii = theirs["time"].values, theirs.get("radius", np.empty(0))
+        given = {str(key): of.values for key, of in theirs.items()}
+        return Comparison(times, np.asarray(radii), given, ours, self.scene)
 
     @cached_property
     def diagnoses(self) -> dict[str, list[Diagnosis]]:
@@ -87,7 +83,7 @@ class Checked(Result):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        return (*self.lines, *self.read, *super().notes)
+        return (*self.lines, *super().notes)
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -126,21 +122,25 @@ def check(
     scene = Scene.of(scene)
     if taken := [name for name in given if name in METHODS]:
         raise SceneError(f"{taken[0]} is a method of ours: give theirs another name")
-    read = {name: tables.read(of, name, scene, columns or {}, units) for name, of in given.items()}
-    whole = pd.concat([of.table for of in read.values()])
-    default = scene.problem.radii * scene.problem.units.length
+    theirs = {name: read(of, name, scene, columns or {}, units) for name, of in given.items()}
+    whole = pd.concat(theirs.values())
+    radii = scene.problem.radii * scene.problem.units.length
     changes = {
         "wear__times": np.unique(whole["time"]).tolist(),
-        "output__radii": np.union1d(default, whole.get("radius", default).dropna()).tolist(),
+        "output__radii": np.union1d(radii, whole.get("radius", pd.Series()).dropna()).tolist(),
         "output__quantities": ["all"],
         "output__field_times": None,
     }
     scene = scene.changed(**changes)
     # the paper's own algorithm is of first order
     ours = [name for name in scene.methods if name != "mdr-grid"] or ["mdr", "fem"]
-    times, radii = np.array(scene.wear.times), np.array(scene.output.radii)
-    theirs = [Given.tabled(name, of.table, times, radii) for name, of in read.items()]
-    result = run(scene, [*(listed(methods) if methods else ours), *theirs])
-    notes = tuple(note for of in read.values() for note in of.notes)
+    tables = [Given.tabled(name, table, scene) for name, table in theirs.items()]
+    result = run(scene, [*(listed(methods) if methods else ours), *tables])
+    problem = scene.problem
+    for name, solution in result.solutions.items():
+        if name not in given and problem.indentation is None:
+            # of a force that is given no method makes an error
+            solution.results.setdefault("normal_force", problem.loading.at(problem.times).force)
+            solution.errors.setdefault("normal_force", np.zeros(len(problem.times)))
     values = (getattr(result, field.name) for field in fields(Result))
-    return Checked(*values, tuple(given), within, notes)
+    return Checked(*values, tuple(given), within)

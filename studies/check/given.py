@@ -4,14 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
 import pandas as pd
 
-from ...meshes.radial import Array
 from ..methods.base import Method, Solution
 from ..methods.norms import Results
 from ..problem.problem import Problem
 from ..problem.quantities import FIELDS, QUANTITIES
+from ..problem.scene import Scene
 from ..progress import Stages
 
 
@@ -32,29 +31,27 @@ class Given(Method):
     lacks: ClassVar[dict[str, str]] = {"steady state": "its results are over time"}
 
     @classmethod
-    def tabled(cls, name: str, table: pd.DataFrame, times: Array, radii: Array) -> "Given":
-        """Return what a table gives (`tables.read`), on the times and radii of a scene."""
-        given = {}
-        for quantity in table.columns.intersection(list(QUANTITIES)):
+    def tabled(cls, name: str, table: pd.DataFrame, scene: Scene) -> "Given":
+        """Return what a table gives (`tables.read`), at the times and radii of a scene."""
+        given, radii = {}, scene.output.radii
+        for quantity in table.columns.difference(["time", "radius"], sort=False):
             rows = table.dropna(subset=[quantity])
             if quantity in FIELDS:
-                grid = rows.pivot(index="time", columns="radius", values=quantity)
-                given[quantity] = grid.reindex(index=times, columns=radii).to_numpy()
+                values = rows.pivot(index="time", columns="radius", values=quantity)
+                values = values.reindex(columns=radii)
             else:
-                numbers = rows.drop_duplicates("time").set_index("time")[quantity]
-                given[quantity] = numbers.reindex(times).to_numpy()
+                values = rows.groupby("time")[quantity].first()
+            given[quantity] = values.reindex(scene.wear.times).to_numpy()
         return cls(name, given)
 
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         """Return what is given, non-dimensional."""
-
-        def results(problem: Problem) -> Results:
-            return {
-                name: np.asarray(values) / getattr(problem.units, QUANTITIES[name].unit)
-                for name, values in self.given.items()
-            }
-
-        return [Solution(results(problem), {}, {}, {}) for problem in problems]
+        (problem,) = problems
+        results = {
+            name: values / getattr(problem.units, QUANTITIES[name].unit)
+            for name, values in self.given.items()
+        }
+        return [Solution(results, {}, {}, {})]
 
     def refusal(self, problem: Problem) -> str:
         """It has solved the problem already."""

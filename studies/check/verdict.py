@@ -2,15 +2,14 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
-from ..methods.norms import Results, differences
+from ..methods.norms import differences
 from ..problem.face import Face
-from ..problem.problem import Problem
 from ..problem.quantities import FIELDS
 from ..problem.unit_names import UnitNames
 
@@ -43,7 +42,7 @@ class Verdict:
 
 
 class SampledFace(Face):
-    """The face by the radii that somebody gives, which are its breakpoints.
+    """The face by radii that somebody gives, its breakpoints.
 
     Each stands for the area from half-way to its neighbours, as in the rule of trapezoids.
     """
@@ -54,81 +53,53 @@ class SampledFace(Face):
 
     @cached_property
     def areas(self) -> Array:
-        middles = (self.radii[1:] + self.radii[:-1]) / 2
-        between = np.concatenate([self.radii[:1], middles, self.radii[-1:]])
-        return np.pi * np.diff(between**2) if len(middles) else np.ones(1)
+        inner, outer = self.radii[:-1], self.radii[1:]
+        between = np.concatenate([self.radii[:1], (inner + outer) / 2, self.radii[-1:]])
+        return np.pi * np.diff(between**2) if len(inner) else np.ones(1)
 
 
 def best(result: Result, quantity: str) -> str:
-    """Return which of our methods states the least error of a quantity; empty if none gives it."""
+    """Return which method states the least error of a quantity; empty if none does."""
     errors = {
         name: solution.greatest_error(quantity)
         for name, solution in result.solutions.items()
-        if quantity in solution.errors and quantity in solution.results
+        if quantity in solution.errors
     }
     return min(errors, key=errors.__getitem__, default="")
-
-
-def reference(result: Result, quantity: str) -> tuple[Results, Array]:
-    """Return what we say of a problem, by the method that knows a quantity best, and the error (T,)
-    that it states of that; a force that is given has none.
-    """
-    problem, name = result.scene.problem, best(result, quantity)
-    if not name and quantity == "normal_force":
-        force = problem.loading.at(problem.times).force
-        return {quantity: force, "indentation": force}, np.zeros(len(force))
-    if not name:
-        return {}, np.empty(0)
-    return result.solutions[name].results, result.solutions[name].errors[quantity]
 
 
 def verdicts(result: Result, name: str, limit: float) -> Iterator[Verdict]:
     """Yield the error of every quantity that a program gives, at each of its times."""
     problem, given = result.scene.problem, result.solutions[name].results
-    times, radii = (result.coordinates[dim] for dim in ("time", "radius"))
-    for quantity, theirs in given.items():
-        ours, stated = reference(result, quantity)
-        if not ours:
-            continue
-        gap = theirs - ours[quantity]
-        if quantity not in FIELDS:
-            errors = differences({quantity: theirs}, ours, problem.face)[quantity]
-            signed = np.copysign(errors, gap)
-            for row in np.flatnonzero(np.isfinite(gap)):
-                error = float(signed[row])
-                numbers = float(times[row]), error, float(stated[row]), np.nan, error
-                yield Verdict(name, quantity, *numbers, bool(errors[row] <= limit))
-            continue
-        # pressures jump where wear does, and have no value there
-        inner = problem.merged.ring_edges[1:-1] if quantity == "pressure" else np.empty(0)
-        off_edges = (np.abs(problem.radii[:, None] - inner) > 1e-9).all(axis=1)
-        for row, compared in enumerate(np.isfinite(gap) & off_edges):
-            if compared.any():
-                error, at = _of_field(problem, quantity, theirs, ours, row, compared)
-                there = np.copysign(error, gap[row, at])
-                if quantity == "pressure":
-                    there = np.divide(gap[row, at], ours[quantity][row, at] or np.nan)
-                else:
-                    error = there
-                numbers = map(float, (times[row], error, stated[row], radii[at], there))
-                yield Verdict(name, quantity, *numbers, bool(abs(error) <= limit))
-
-
-def _of_field(
-    problem: Problem, quantity: str, theirs: Array, ours: Results, row: int, compared: Array
-) -> tuple[float, int]:
-    """Return the error of a field at a time, and the number of the radius where it is worst."""
-    rings, standoff = problem.merged, problem.profile.standoff
-    face = SampledFace(problem.radii[compared], rings.ring_edges, rings.at, standoff)
-    part = slice(row, row + 1)
-    against = {key: ours[key][part] for key in ("time", "pressed")}
-    against["indentation"] = np.maximum.accumulate(ours["indentation"])[part]
-    against[quantity] = ours[quantity][part, compared]
-    values = {quantity: theirs[part, compared]}
-    (error,) = differences(values, against, face)[quantity]
-    gap = np.abs(values[quantity] - against[quantity])[0]
-    worst = np.argmax(gap**2 * face.weights if quantity == "pressure" else gap)
-    return float(error), int(np.flatnonzero(compared)[worst])
+    rings, times = problem.merged, result.coordinates["time"]
+    for quantity in filter(partial(best, result), given):
+        ours = result.solutions[best(result, quantity)]
+        field, exact = quantity in FIELDS, ours.results[quantity]
+        compared = np.isfinite(given[quantity] - exact)
+        if quantity == "pressure":
+            # it jumps at ring edges, and has no value there
+            jumps = np.isclose(problem.radii[:, None], rings.ring_edges[1:-1], 0, 1e-9)
+            compared &= ~jumps.any(axis=1)
+        at = compared.any(axis=0) if field else np.zeros(1, dtype=int)
+        radii = problem.radii[at]
+        face = SampledFace(radii, rings.ring_edges, rings.at, problem.profile.standoff)
+        theirs, right = (
+            np.where(compared, values, 0.0)[:, at] if field else np.where(compared, values, 0.0)
+            for values in (given[quantity], exact)
+        )
+        errors = differences({quantity: theirs}, ours.results | {quantity: right}, face)[quantity]
+        gaps = (theirs - right).reshape(len(times), -1)
+        sizes = np.abs(gaps) * (np.sqrt(face.weights) if quantity == "pressure" else 1.0)
+        worst = np.arange(len(times)), sizes.argmax(axis=1)
+        local = np.copysign(errors, gaps[worst])
+        signed = local
+        if quantity == "pressure":
+            signed, local = errors, gaps[worst] / np.where(right[worst], right[worst], np.nan)
+        for row in np.flatnonzero(compared.reshape(len(times), -1).any(axis=1)):
+            place = radii[worst[1][row]] * problem.units.length if field else np.nan
+            stated = ours.errors[quantity][row]
+            numbers = map(float, (times[row], signed[row], stated, place, local[row]))
+            yield Verdict(name, quantity, *numbers, within=bool(errors[row] <= limit))
 
 
 def in_words(rows: Sequence[Verdict], names: UnitNames) -> str:
