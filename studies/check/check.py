@@ -54,13 +54,13 @@ class Checked(Result):
         theirs = self.dataset[list(self.solutions[name].results)].sel(solver=name)
         for dim in list(theirs.dims):
             theirs = theirs.dropna(dim, how="all")
+        given = {str(key): of.values for key, of in theirs.items()}
         ours = {
-            key: self.dataset[key].sel(solver=best(self, key)).reindex_like(of).values
-            for key, of in theirs.items()
+            key: self.dataset[key].sel(solver=best(self, key)).reindex_like(theirs[key]).values
+            for key in given
             if best(self, key)
         }
         times, radii = theirs["time"].values, theirs.get("radius", np.empty(0))
-        given = {str(key): of.values for key, of in theirs.items()}
         return Comparison(times, np.asarray(radii), given, ours, self.scene)
 
     @cached_property
@@ -142,5 +142,5 @@ def check(
             # of a force that is given no method makes an error
             solution.results.setdefault("normal_force", problem.loading.at(problem.times).force)
             solution.errors.setdefault("normal_force", np.zeros(len(problem.times)))
-    values = (getattr(result, field.name) for field in fields(Result))
-    return Checked(*values, tuple(given), within)
+    values = {field.name: getattr(result, field.name) for field in fields(Result)}
+    return Checked(**values, given=tuple(given), within=within)

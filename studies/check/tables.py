@@ -60,18 +60,18 @@ def read(
         raise SceneError(f"--units {units}: the scene's numbers have none: give its units")
     for key in table:
         table[key] *= UnitNames.of(units or scene.units).size(kinds[key]) / stated.size(kinds[key])
-    # what roundoff of units has moved beyond it
-    beyond = table.get("radius", table["time"] < 0) > scene.punch.radius * (1 + 1e-9)
-    if beyond.all():
-        raise SceneError(
-            f"{name}: all radii lie beyond punch.radius = {scene.punch.radius:g}: give distances "
-            "from the axis, and --units if theirs are not the scene's"
-        )
-    if beyond.any():
-        LOG.warning("%s: %d rows beyond the punch are left out", name, beyond.sum())
-    table = table[~beyond]
     if "radius" in table:
-        table["radius"] = table["radius"].clip(upper=scene.punch.radius)
+        radius, rim = table["radius"], scene.punch.radius
+        # what roundoff of units has moved beyond the rim is on it
+        beyond = radius > rim * (1 + 1e-9)
+        if beyond.any() and not ((radius > 0) & ~beyond).any():
+            raise SceneError(
+                f"{name}: all radii lie beyond punch.radius = {rim:g}: give distances from the "
+                "axis, and --units if theirs are not the scene's"
+            )
+        if beyond.any():
+            LOG.warning("%s: %d rows beyond the punch are left out", name, beyond.sum())
+        table = table.assign(radius=radius.clip(upper=rim))[~beyond]
     return table
 
 
@@ -106,16 +106,16 @@ def _open(path: Path) -> Any:
 
 
 def _named(
-    frame: pd.DataFrame, name: str, columns: Mapping[str, str], known: list[str]
+    frame: pd.DataFrame, name: str, columns: Mapping[str, str], ours: list[str]
 ) -> pd.DataFrame:
-    """Return the columns that are known, by our names."""
+    """Return the columns that we have, by our names."""
     heads, absent = (
         ", ".join(map(str, frame)),
         [theirs for theirs in columns if theirs not in frame],
     )
     frame = frame.rename(columns=columns)
-    left = [str(key) for key in frame if key not in known]
-    frame = frame[[key for key in frame if key in known]]
+    left = [str(key) for key in frame if key not in ours]
+    frame = frame[[key for key in frame if key in ours]]
     needed = ["time", "radius"] if FIELDS.intersection(frame) else ["time"]
     absent += [key for key in needed if key not in frame]
     if not frame.columns.difference(["time", "radius"]).size:

@@ -22,23 +22,24 @@ class Verdict:
 
     Parameters
     ----------
-    solver, quantity, time : whose, of what, and when, in the units of the scene
+    solver, quantity : whose, and of what
+    within : whether it is within what is allowed
+    time : when, in the units of the scene
     error : relative, in the norm of the quantity; above zero where theirs is too high, but of
         pressures a root mean square
     stated : relative error of ours, by its own estimate
     radius : where a field is worst; NaN of other quantities
     there : signed error at that radius, of pressures over the pressure there
-    within : whether it is within what is allowed
     """
 
     solver: str
     quantity: str
+    within: bool
     time: float
     error: float
     stated: float
     radius: float
     there: float
-    within: bool
 
 
 class SampledFace(Face):
@@ -89,7 +90,7 @@ def verdicts(result: Result, name: str, limit: float) -> Iterator[Verdict]:
         )
         errors = differences({quantity: theirs}, ours.results | {quantity: right}, face)[quantity]
         gaps = (theirs - right).reshape(len(times), -1)
-        sizes = np.abs(gaps) * (np.sqrt(face.weights) if quantity == "pressure" else 1.0)
+        sizes = np.abs(gaps) * (np.sqrt(face.wear) if quantity == "pressure" else 1.0)
         worst = np.arange(len(times)), sizes.argmax(axis=1)
         local = np.copysign(errors, gaps[worst])
         signed = local
@@ -99,7 +100,7 @@ def verdicts(result: Result, name: str, limit: float) -> Iterator[Verdict]:
             place = radii[worst[1][row]] * problem.units.length if field else np.nan
             stated = ours.errors[quantity][row]
             numbers = map(float, (times[row], signed[row], stated, place, local[row]))
-            yield Verdict(name, quantity, *numbers, within=bool(errors[row] <= limit))
+            yield Verdict(name, quantity, bool(errors[row] <= limit), *numbers)
 
 
 def in_words(rows: Sequence[Verdict], names: UnitNames) -> str:
