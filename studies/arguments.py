@@ -12,6 +12,10 @@ def _directory(text: str) -> Path:
     return Path(text)
 
 
+def _sizes(text: str) -> list[float]:
+    return [float(size) for size in text.split(",")]
+
+
 def _pairs(text: str) -> dict[str, str]:
     pairs = dict(pair.partition("=")[::2] for pair in text.split(","))
     if not all(name and ours for name, ours in pairs.items()):
@@ -49,6 +53,12 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "help": "relative error that theirs may have, in the norm of each quantity (default: 0.01)",
     },
     "--columns": {"type": _pairs, "metavar": "THEIRS=OURS,...", "help": "names of their columns"},
+    "--sizes": {
+        "type": _sizes,
+        "metavar": "H,...",
+        "help": "of elements or steps, where several files are a refinement from coarse to fine "
+        "(default: each half of the one before)",
+    },
     "--units": {
         "default": "",
         "help": "units of theirs, such as 'mm, N, MPa, s' (default: those of the scene)",

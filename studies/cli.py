@@ -123,17 +123,20 @@ def _check(options: argparse.Namespace) -> Status:
     if len(set(named)) < len(named):
         named = options.files
     given = dict(zip(named, options.files, strict=True))
+    # each half as coarse as the one before it, unless it is said otherwise
+    halved = [0.5**level for level in range(len(given))]
+    sizes = options.sizes or (halved if len(given) > 1 else [])
     out = _out(options, f"check_{Path(options.scene).stem}")
-    with output_folder(out, "check", run_files(PICTURES) | {"check.csv"}) as folder:
-        from .check.check import check
+    files = run_files(PICTURES) | {"check.csv", "refinement.csv", "refinement.png"}
+    with output_folder(out, "check", files) as folder:
+        from .check.check import check, write_check
         from .report.page import show
         from .report.words import Account
 
-        result = check(
-            scene, given, within=options.within, columns=options.columns, units=options.units
-        )
+        how = {name: getattr(options, name) for name in ("within", "columns", "units")}
+        result = check(scene, given, sizes=sizes, **how)
         write_numbers(result, folder.hidden)
-        result.table_of_verdicts.to_csv(folder.hidden / "check.csv", index=False)
+        write_check(result, folder.hidden)
         account = Account(result)
         print(f"\n{account.title}", "", *result.lines, sep="\n")
         print(f"Ours: {account.verdict_line}", flush=True)
@@ -293,7 +296,7 @@ COMMANDS = {
     "check": Command(
         "hold results of other programs against ours: by how much theirs err, and where",
         _check,
-        ("scene", "files", "--out", "--within", "--columns", "--units"),
+        ("scene", "files", "--out", "--within", "--columns", "--units", "--sizes"),
     ),
     "plan": Command(
         "say what a scene will take, without computing it", _plan, ("scene", "--check")

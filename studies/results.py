@@ -153,7 +153,8 @@ def check(scene: Source, given: Mapping[str, Any], **how: Any) -> Checked:
     given : CSV or netCDF files, DataFrames or xarray Datasets, by the names of their programs
     how : `methods` of ours, in place of the scene's; `within`, the relative error that theirs are
         allowed, 0.01; `columns`, names of ours by theirs, ``{"p": "pressure"}``; `units` of theirs,
-        such as ``"mm, N, MPa, s"``, if not the scene's
+        such as ``"mm, N, MPa, s"``, if not the scene's; `sizes`, decreasing, if they are of one
+        program from coarse to fine
 
     Raises
     ------

@@ -105,7 +105,7 @@ def verdicts(result: Result, name: str, limit: float) -> Iterator[Verdict]:
 
 def in_words(rows: Sequence[Verdict], names: UnitNames) -> str:
     """Return a line on one quantity of a program, from its errors at all times."""
-    worst = max(rows, key=lambda row: abs(row.error))
+    worst = max(rows, key=lambda row: abs(row.error) - row.stated)
     quantity, when = worst.quantity, f"t = {names.write(worst.time, 'time', 3)}"
     said = f"{quantity.replace('_', ' ')}: "
     stated = f"(ours is known to {worst.stated:.0e})" if worst.stated else "(as the scene gives it)"

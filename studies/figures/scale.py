@@ -119,10 +119,10 @@ class Scale:
         """Draw a quantity over the radius by every method that gives it, and shade the rings."""
         rings = self.problem.rings
         for method, curve in values.items():
-            look = method_curve(method, len(curve))
+            given = ~np.isnan(curve)
+            look = method_curve(method, int(given.sum()))
             if len(rings.wear_coefficients) > MANY:
                 look |= {"marker": "", "linewidth": 0.5 * look["linewidth"]}
-            given = ~np.isnan(curve)
             self.plot(axes, name, "radius", radii[given], curve[given], **look)
         shade_rings(axes, *rings, self.shown("radius", self.problem.units.length))
 

@@ -108,6 +108,52 @@ def test_columns_and_units_of_theirs(tmp_path):
     assert main(call) == 2  # radii in mm lie beyond a punch in m
 
 
+@pytest.mark.parametrize(
+    ("sizes", "order", "off", "honest"),
+    [
+        ((0.2, 0.1, 0.05), 2.0, 0.0, True),
+        ((0.3, 0.2, 0.07), 1.5, 0.0, True),  # not in one ratio
+        ((0.2, 0.1, 0.05), 2.0, -0.03, False),  # they converge to what is wrong
+    ],
+)
+def test_a_refinement_of_known_order(sizes, order, off, honest):
+    """Of v (1 + off + h^p) Richardson's limit is v (1 + off), and the index 1.25 h^p of it."""
+    scene = Scene.load("flat_punch").changed(methods=["mdr"])
+    files = {
+        f"h = {size}": flat_start(scene)[["time", "indentation"]].mul([1, 1 + off + size**order])
+        for size in sizes
+    }
+    checked = check(scene, files, sizes=sizes)
+    (row,) = checked.refinements
+    limit, index = row.estimate
+    finest = sizes[-1] ** order
+    assert limit == pytest.approx(off, abs=1e-6)
+    assert index == pytest.approx(1.25 * finest / (1 + off + finest), rel=1e-4)
+    assert (index >= row.sequence.errors[-1]) == honest
+    if honest:
+        np.testing.assert_allclose(row.sequence.orders, order, rtol=1e-4)
+    assert ("TOO SMALL" in checked.lines[-1]) != honest
+    assert checked.passes == (abs(off + finest) <= 0.01)
+
+
+def test_a_refinement_that_stalls(tmp_path, capsys):
+    files = []
+    for size in (0.2, 0.1, 0.05, 0.025):
+        table = flat_start(Scene.load("flat_punch"))
+        table["pressure"] *= 1 + np.hypot(size**2, 0.002)
+        files.append(str(tmp_path / f"{size}.csv"))
+        table.to_csv(files[-1], index=False)
+    call = ["check", "flat_punch", *files, "--out", str(tmp_path / "out"), "--sizes"]
+    assert main([*call, "0.2,0.1,0.05,0.025"]) == 0
+    told = capsys.readouterr().out
+    assert "pressure at t = 0: order" in told
+    assert "stalls from size 0.05 on" in told
+    assert (tmp_path / "out" / "refinement.png").exists()
+    row = pd.read_csv(tmp_path / "out" / "refinement.csv").iloc[0]
+    assert row.stalled_from == 0.05
+    assert main([*call, "0.1,0.2,0.3,0.4"]) == 2
+
+
 MALFORMED = [
     ("", "has no rows: give names of columns"),
     ("time,radius,pressure\n", "has no rows: give names of columns"),
