@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..meshes.errors import RingwearError, SceneError
-from .check import check as checking
+from .check import checked
 from .crosscheck import dataset
 from .crosscheck.run import run as compute
 from .methods.base import Method
@@ -138,7 +138,7 @@ def load(folder: str | Path) -> Stored:
     return _as(Stored, stored.load(folder))
 
 
-class Checked(Result, checking.Checked):
+class Checked(Result, checked.Checked):
     """A run beside which results of other programs stand: `verdicts`, `diagnoses` and `passes`
     tell of theirs.
     """
@@ -169,7 +169,9 @@ def check(scene: Source, given: Mapping[str, Any], **how: Any) -> Checked:
     >>> round(checked.verdicts[0].error, 4), checked.passes
     (-0.03, False)
     """
-    return _as(Checked, checking.check(scene, given, **how))
+    from .check.check import check as hold_against
+
+    return _as(Checked, hold_against(scene, given, **how))
 
 
 def _as(kind: type[Shown], result: dataset.Result) -> Shown:

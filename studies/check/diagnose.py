@@ -9,7 +9,11 @@ from .comparison import Comparison
 class Diagnosis:
     """What an error looks like, and what would confirm it."""
 
-    what: str
+    name: str
+    size: float
+    confidence: float
+    words: str
+    confirm: str
 
 
 def diagnose(comparison: Comparison) -> list[Diagnosis]:

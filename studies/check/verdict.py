@@ -1,17 +1,20 @@
 """By how much results of another program err, in our norms and in words."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
 
 from ...meshes.radial import Array
-from ..crosscheck.dataset import Result
+from ..methods.base import Solution
 from ..methods.norms import differences
 from ..problem.face import Face
 from ..problem.quantities import FIELDS
+from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
+
+Solutions = Mapping[str, Solution]
 
 
 @dataclass(frozen=True)
@@ -59,22 +62,22 @@ class SampledFace(Face):
         return np.pi * np.diff(between**2) if len(inner) else np.ones(1)
 
 
-def best(result: Result, quantity: str) -> str:
+def best(solutions: Solutions, quantity: str) -> str:
     """Return which method states the least error of a quantity; empty if none does."""
     errors = {
         name: solution.greatest_error(quantity)
-        for name, solution in result.solutions.items()
+        for name, solution in solutions.items()
         if quantity in solution.errors
     }
     return min(errors, key=errors.__getitem__, default="")
 
 
-def verdicts(result: Result, name: str, limit: float) -> Iterator[Verdict]:
+def verdicts(scene: Scene, solutions: Solutions, name: str, limit: float) -> Iterator[Verdict]:
     """Yield the error of every quantity that a program gives, at each of its times."""
-    problem, given = result.scene.problem, result.solutions[name].results
-    rings, times = problem.merged, result.coordinates["time"]
-    for quantity in filter(partial(best, result), given):
-        ours = result.solutions[best(result, quantity)]
+    problem, given, times = scene.problem, solutions[name].results, scene.wear.times
+    rings = problem.merged
+    for quantity in filter(partial(best, solutions), given):
+        ours = solutions[best(solutions, quantity)]
         field, exact = quantity in FIELDS, ours.results[quantity]
         compared = np.isfinite(given[quantity] - exact)
         if quantity == "pressure":
