@@ -59,6 +59,12 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "help": "of elements or steps, where several files are a refinement from coarse to fine "
         "(default: each half of the one before)",
     },
+    "--template": {
+        "type": _directory,
+        "metavar": "DIR",
+        "help": "write what another program has to model and to sample: a table, a mesh, "
+        "and the scene in words",
+    },
     "--units": {
         "default": "",
         "help": "units of theirs, such as 'mm, N, MPa, s' (default: those of the scene)",

@@ -117,8 +117,19 @@ def _check(options: argparse.Namespace) -> Status:
     from .output.files import run_files, write_numbers
 
     scene, stems = Scene.load(options.scene), [Path(file).stem for file in options.files]
+    if options.template:
+        from .check.template import write_template
+
+        made = ("template.csv", "scene.txt", "unworn.csv", "mesh.msh", "mesh.inp")
+        with output_folder(options.template, "template", made) as folder:
+            print(*write_template(scene, options.units, folder.hidden), sep="\n")
+        _print_files(folder, [])
+        return Status.DONE
     if not stems:
-        raise SceneError("check holds results of other programs against ours: give their files")
+        raise SceneError(
+            "check holds results of other programs against ours: give their files, or --template "
+            "DIR for what they have to model and to sample"
+        )
     named = [f"their {stem}" if stem in METHODS else stem for stem in stems]
     if len(set(named)) < len(named):
         named = options.files
@@ -296,7 +307,7 @@ COMMANDS = {
     "check": Command(
         "hold results of other programs against ours: by how much theirs err, and where",
         _check,
-        ("scene", "files", "--out", "--within", "--columns", "--units", "--sizes"),
+        ("scene", "files", "--out", "--within", "--columns", "--units", "--sizes", "--template"),
     ),
     "plan": Command(
         "say what a scene will take, without computing it", _plan, ("scene", "--check")

@@ -157,4 +157,4 @@ def _checked(frame: pd.DataFrame, place: str) -> pd.DataFrame:
             raise SceneError(f"{place} {line}, column {key!r}: {frame[key][line]!r}; {remedy}")
     if table.drop(columns=["time", "radius"], errors="ignore").isna().all(axis=None):
         raise SceneError(f"{place.rpartition(',')[0]} has no number but times and radii: give some")
-    return table
+    return table.dropna(axis="columns", how="all")

@@ -13,6 +13,7 @@ from ..problem.face import Face
 from ..problem.quantities import FIELDS
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
+from ..progress import LOG
 
 Solutions = Mapping[str, Solution]
 
@@ -84,6 +85,9 @@ def verdicts(scene: Scene, solutions: Solutions, name: str, limit: float) -> Ite
             # it jumps at ring edges, and has no value there
             jumps = np.isclose(problem.radii[:, None], rings.ring_edges[1:-1], 0, 1e-9)
             compared &= ~jumps.any(axis=1)
+        if not compared.any():
+            LOG.warning("%s: no %s where there is one of ours", name, quantity)
+            continue
         at = compared.any(axis=0) if field else np.zeros(1, dtype=int)
         radii = problem.radii[at]
         face = SampledFace(radii, rings.ring_edges, rings.at, problem.profile.standoff)
