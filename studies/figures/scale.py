@@ -25,6 +25,7 @@ LABELS = {
     "steady_profile": ("limiting profile", "fₛₜₐₜ", "height"),
     "steady_pressure": ("steady pressure", "p", "pressure"),
     "displacement_max": ("greatest displacement", "uₘₐₓ", "displacement"),
+    "indentation": ("indentation", "d", "displacement"),
     "rms_slope": ("RMS slope", "s", "slope"),
     "contact_edge": ("contact (shaded), its edges", "r", "length"),
     "ring_force": ("force", "Fₙ", "force"),
