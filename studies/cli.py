@@ -138,7 +138,7 @@ def _check(options: argparse.Namespace) -> Status:
     halved = [0.5**level for level in range(len(given))]
     sizes = options.sizes or (halved if len(given) > 1 else [])
     out = _out(options, f"check_{Path(options.scene).stem}")
-    files = run_files(PICTURES) | {"check.csv", "refinement.csv", "refinement.png"}
+    files = run_files(PICTURES) | {"check.csv", "refinement.png"}
     with output_folder(out, "check", files) as folder:
         from .check.check import check, write_check
         from .report.page import show

@@ -26,13 +26,9 @@ from .tables import read
 
 
 def write_check(result: Checked, directory: Path) -> None:
-    """Write the errors of theirs, and of a refinement its orders and a figure."""
+    """Write the errors of theirs, and a figure of them over the size of a refinement."""
     rows = pd.DataFrame(asdict(row) for row in result.verdicts)
     rows.to_csv(directory / "check.csv", index=False)
-    refined = result.refinements
-    if not refined:
-        return
-    pd.DataFrame(row.summary() for row in refined).to_csv(directory / "refinement.csv", index=False)
     names = UnitNames.of(result.scene.units)
     curves = {
         f"{row.at(names)}, order {row.sequence.order:.2g}": (
@@ -40,10 +36,11 @@ def write_check(result: Checked, directory: Path) -> None:
             row.sequence.errors,
             np.nan,
         )
-        for row in refined
+        for row in result.refinements
     }
-    with in_style():
-        draw_errors(directory / "refinement.png", {"size": curves}, "error, relative to ours")
+    if curves:
+        with in_style():
+            draw_errors(directory / "refinement.png", {"size": curves}, "error, relative to ours")
 
 
 def check(

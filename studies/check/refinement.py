@@ -8,7 +8,6 @@ say of its error without knowing the truth.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -56,24 +55,11 @@ class Refinement:
 
     @property
     def stalled(self) -> float:
-        """Size from which on errors fall at less than half the highest rate; NaN if none is."""
-        orders = np.where(self.sequence.counted[1:], self.sequence.orders, np.inf)
-        slow = orders < 0.5 * np.nanmax(self.sequence.orders, initial=0.0)
+        """Size from which on errors fall at less than half the rate before; NaN if they do not."""
+        orders = self.sequence.orders
+        slow = orders < 0.5 * np.fmax.accumulate(orders)
+        slow &= self.sequence.counted[1:]
         return float(self.sequence.sizes[:-1][slow][0]) if slow.any() else np.nan
-
-    def summary(self) -> dict[str, Any]:
-        """Return a row of a table."""
-        limit, index = self.estimate
-        return {
-            "quantity": self.sequence.quantity,
-            "time": self.time,
-            "order": self.sequence.order,
-            "orders_between": " ".join(f"{order:.3g}" for order in self.sequence.orders),
-            "errors": " ".join(f"{error:.3e}" for error in self.sequence.signed),
-            "stalled_from": self.stalled,
-            "limit_error": limit,
-            "grid_convergence_index": index,
-        }
 
     def at(self, names: UnitNames) -> str:
         """Return what this is about."""
@@ -88,6 +74,8 @@ class Refinement:
             f"{self.at(names)}: order {sequence.order:.2g} ({between}), errors "
             f"{sequence.errors[0]:.1e} to {sequence.errors[-1]:.1e}"
         )
+        if not sequence.counted.all():
+            line += f", some below what ours is known to ({sequence.theory.floor:.0e})"
         if np.isfinite(self.stalled):
             line += f", stalls from size {self.stalled:.3g} on"
         if np.isnan(index):

@@ -91,7 +91,7 @@ def _open(path: Path) -> Any:
     rows = {
         number: re.split(r"\s*[,;\t]\s*", line.strip())
         for number, line in enumerate(lines, 1)
-        if line.strip()
+        if line.partition("#")[0].strip()
     }
     if len(rows) < 2:
         raise SceneError(f"{path} has no rows: give names of columns, and numbers below them")
