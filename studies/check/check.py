@@ -72,10 +72,11 @@ def check(
     scene = Scene.of(scene)
     if taken := [name for name in given if name in METHODS]:
         raise SceneError(f"{taken[0]} is a method of ours: give theirs another name")
-    if len(sizes) and (len(sizes) != len(given) or not (np.diff([*sizes, 0.0]) < 0).all()):
+    falling = len(sizes) > 1 and (np.diff([*sizes, 0.0]) < 0).all()
+    if len(sizes) and not (falling and len(sizes) == len(given)):
         raise SceneError(
             f"sizes {', '.join(f'{size:g}' for size in sizes)} of {len(given)} results: give one "
-            "for each, above 0 and decreasing"
+            "for each of two or more, above 0 and decreasing"
         )
     theirs = {name: read(of, name, scene, columns or {}, units) for name, of in given.items()}
     whole = pd.concat(theirs.values())

@@ -102,9 +102,12 @@ class Checked(Result):
 
     @property
     def summary(self) -> dict[str, Any]:
-        # JSON has null for what is not given
+        # JSON has null for what is infinite or not given
         rows = [
-            {key: None if value != value else value for key, value in asdict(row).items()}
+            {
+                key: of if isinstance(of, str) or np.isfinite(of) else None
+                for key, of in asdict(row).items()
+            }
             for row in self.verdicts
         ]
         looks = {name: [asdict(of) for of in self.diagnoses[name]] for name in self.judged}

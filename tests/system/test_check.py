@@ -71,6 +71,14 @@ def test_errors_of_pressure_are_weighted_by_wear_and_area():
     assert row.there == pytest.approx(0.5, abs=1e-3)
 
 
+def test_what_presses_while_nothing_does_is_seen():
+    """At the start of this scene there is no force."""
+    table = pd.DataFrame({"time": 0.0, "radius": [0.002, 0.004], "pressure": [1e6, 0.0]})
+    checked = check(Scene.load("duty_cycle").changed(methods=["mdr"]), {"theirs": table})
+    assert not checked.passes
+    assert checked.summary["verdicts"][0]["error"] is None
+
+
 def test_our_own_results_read_back_err_by_roundoff(tmp_path):
     result = run("five_rings", methods=["mdr"], rtol=1e-3)
     result.save(tmp_path / "out")
@@ -229,6 +237,8 @@ def test_a_template_is_filled_in_and_passes(tmp_path, capsys):
         (["{}", "--columns", "pressure"], "theirs=ours"),
         (["{}", "--units", "mm, N, MPa, s"], "the scene's numbers have none"),
         (["{}.nc"], "cannot be read"),
+        (["{}", "--sizes", "0.1"], "two or more"),
+        (["{}", "{}", "--sizes", "0.1,0.2"], "decreasing"),
     ],
 )
 def test_malformed_options(flags, told, tmp_path, capsys):
