@@ -102,13 +102,12 @@ class Checked(Result):
 
     @property
     def summary(self) -> dict[str, Any]:
-        # JSON has null for what is infinite or not given
-        rows = [
-            {
-                key: of if isinstance(of, str) or np.isfinite(of) else None
-                for key, of in asdict(row).items()
-            }
-            for row in self.verdicts
-        ]
-        looks = {name: [asdict(of) for of in self.diagnoses[name]] for name in self.judged}
+        rows = [_plain(row) for row in self.verdicts]
+        looks = {name: [_plain(of) for of in self.diagnoses[name]] for name in self.judged}
         return super().summary | {"verdicts": rows, "diagnoses": looks}
+
+
+def _plain(row: Any) -> dict[str, Any]:
+    """Return a row for JSON, which has null for what is infinite or not given."""
+    values = asdict(row).items()
+    return {key: of if isinstance(of, str) or np.isfinite(of) else None for key, of in values}
