@@ -1,28 +1,29 @@
-"""The command line: `ringwear run | plan | mesh | compare | study | sweep | scenes`.
+"""The command line: `ringwear run | check | plan | mesh | compare | study | sweep | scenes`.
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree,
-or one cannot reach the accuracy asked for; 2 bad input; 1 anything else, such as a figure that
+or one cannot reach the accuracy asked for, or results that are checked are off by more than they
+may; 2 bad input; 1 anything else, such as a figure that
 could not be drawn or scenes of a sweep that failed, and when stopped by Ctrl-C or SIGTERM (finished
 rows of a study and scenes of a sweep are kept).
 """
 
 import argparse
 import gc
-import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
 from enum import IntEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from ..meshes.errors import RingwearError, SceneError
+from .arguments import ARGUMENTS
 from .output.folder import Folder, output_folder
 from .output.signals import ending_on_signals
 from .problem.scene import Scene, bundled, text_of
 from .progress import show_progress
-from .registry import INTERRUPTED, STUDIES
+from .registry import INTERRUPTED, METHODS, STUDIES
 from .versions import versions
 
 if TYPE_CHECKING:
@@ -109,6 +110,52 @@ def _print_files(folder: Folder, failures: list[str]) -> None:
         )
     for failure in failures:
         print(f"ringwear: {failure}", file=sys.stderr)
+
+
+def _check(options: argparse.Namespace) -> Status:
+    from .figures.catalogue import PICTURES
+    from .output.files import run_files, write_numbers
+
+    scene, stems = Scene.load(options.scene), [Path(file).stem for file in options.files]
+    if options.template:
+        from .check.template import write_template
+
+        made = ("template.csv", "scene.txt", "unworn.csv", "mesh.msh", "mesh.inp")
+        with output_folder(options.template, "template", made) as folder:
+            print(*write_template(scene, options.units, folder.hidden), sep="\n")
+        _print_files(folder, [])
+        return Status.DONE
+    if not stems:
+        raise SceneError(
+            "check holds results of other programs against ours: give their files, or --template "
+            "DIR for what they have to model and to sample"
+        )
+    named = [f"their {stem}" if stem in METHODS else stem for stem in stems]
+    if len(set(named)) < len(named):
+        named = options.files
+    given = dict(zip(named, options.files, strict=True))
+    # each half as coarse as the one before it, unless it is said otherwise
+    halved = [0.5**level for level in range(len(given))]
+    sizes = options.sizes or (halved if len(given) > 1 else [])
+    out = _out(options, f"check_{Path(options.scene).stem}")
+    files = run_files(PICTURES) | {"check.csv", "refinement.png"}
+    with output_folder(out, "check", files) as folder:
+        from .check.check import check, write_check
+        from .report.page import show
+        from .report.words import Account
+
+        how = {name: getattr(options, name) for name in ("within", "columns", "units")}
+        result = check(scene, given, sizes=sizes, **how)
+        write_numbers(result, folder.hidden)
+        write_check(result, folder.hidden)
+        account = Account(result)
+        print(f"\n{account.title}", "", *result.lines, sep="\n")
+        print(f"Ours: {account.verdict_line}", flush=True)
+        failures = show(result, account, PICTURES, folder.hidden, page=True)
+    _print_files(folder, failures)
+    if failures:
+        return Status.FAILED
+    return Status.DONE if result.passes else Status.DISAGREE
 
 
 def _plan(options: argparse.Namespace) -> Status:
@@ -238,12 +285,6 @@ def _scenes(options: argparse.Namespace) -> Status:
     return Status.DONE
 
 
-def _directory(text: str) -> Path:
-    if not text.strip():
-        raise argparse.ArgumentTypeError("is empty: give a directory")
-    return Path(text)
-
-
 class Command(NamedTuple):
     """A command: what it does in a line, what does it, what it takes, and its scene by default."""
 
@@ -262,6 +303,11 @@ COMMANDS = {
             *("--no-report", "--csv", "--memory", "--verbose"),
         ),
         "five_rings",
+    ),
+    "check": Command(
+        "hold results of other programs against ours: by how much theirs err, and where",
+        _check,
+        ("scene", "files", "--out", "--within", "--columns", "--units", "--sizes", "--template"),
     ),
     "plan": Command(
         "say what a scene will take, without computing it", _plan, ("scene", "--check")
@@ -284,47 +330,6 @@ COMMANDS = {
         ),
     ),
     "scenes": Command("list the bundled scenes, or print one as TOML", _scenes, ("name",)),
-}
-FLAGS = {
-    "--no-figures": "numbers only: neither figures nor the report",
-    "--no-report": "figures, but no report.html",
-    "--verbose": "say all: rings, every difference, cost, what is modelled and what is left out",
-    "--csv": "the results as CSV tables, too",
-    "--check": "also condense it, and report the stability of the multipliers",
-    "--quick": "a smaller version of the study",
-    "--dry-run": "say what it will take, without computing",
-    "--resume": "go on with what is in the directory",
-    "--retry-failed": "with --resume: try again the scenes that failed",
-}
-ARGUMENTS: dict[str, dict[str, Any]] = {
-    **{flag: {"action": "store_true", "help": help} for flag, help in FLAGS.items()},
-    "scene": {"help": "a TOML file or a bundled scene"},
-    "name": {"nargs": "?", "help": "a bundled scene, to start one of your own from"},
-    "A": {"help": "a folder of `ringwear run`, a TOML file or a bundled scene"},
-    "B": {"help": "another one"},
-    "file": {"help": "a sweep file (studies/sweep/README.md), or a bundled sweep"},
-    "--out": {
-        "type": _directory,
-        "help": "directory (default: results/ and the name of scene, study or file)",
-    },
-    "--rtol": {"type": float, "help": "relative accuracy, in place of the scene's"},
-    "--methods": {"help": "methods, comma-separated, in place of the scene's"},
-    "--quantities": {
-        "help": "quantities, or history, fields, steady or all, comma-separated: only these are "
-        "computed and judged, to the accuracy asked for"
-    },
-    "--memory": {
-        "type": float,
-        "metavar": "GIB",
-        "help": "most memory in GiB; what would need more is refused before it starts (default: "
-        "what the machine has)",
-    },
-    "--scheduler": {"metavar": "ADDRESS", "help": "a Dask scheduler, to compute on its workers"},
-    "--workers": {
-        "type": int,
-        "default": os.cpu_count() or 1,
-        "help": "processes on this machine (default: its cores)",
-    },
 }
 
 

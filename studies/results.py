@@ -1,14 +1,15 @@
 """What a script works with: runs of scenes, and results that show, save and load themselves."""
 
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from html import escape
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..meshes.errors import RingwearError, SceneError
+from .check import checked
 from .crosscheck import dataset
 from .crosscheck.run import run as compute
 from .methods.base import Method
@@ -146,6 +147,42 @@ def load(folder: str | Path) -> Stored:
         if the folder holds none that can be read
     """
     return _as(Stored, stored.load(folder))
+
+
+class Checked(Result, checked.Checked):
+    """A run beside which results of other programs stand: `verdicts`, `diagnoses` and `passes`
+    tell of theirs.
+    """
+
+
+def check(scene: Source, given: Mapping[str, Any], **how: Any) -> Checked:
+    """Hold results of other programs against ours, at their times and radii.
+
+    Parameters
+    ----------
+    scene : a Scene, the name of a bundled one, a file, or nested dictionaries
+    given : CSV or netCDF files, DataFrames or xarray Datasets, by the names of their programs
+    how : `methods` of ours, in place of the scene's; `within`, the relative error that theirs are
+        allowed, 0.01; `columns`, names of ours by theirs, ``{"p": "pressure"}``; `units` of theirs,
+        such as ``"mm, N, MPa, s"``, if not the scene's; `sizes`, decreasing, if they are of one
+        program from coarse to fine
+
+    Raises
+    ------
+    SceneError
+        if a table cannot be read, naming the file, the line, the column and the remedy
+
+    Examples
+    --------
+    >>> from pandas import DataFrame
+    >>> table = DataFrame({"time": [0.0], "indentation": [0.97]})
+    >>> checked = check("flat_punch", {"abaqus": table}, methods=["mdr"])
+    >>> round(checked.verdicts[0].error, 4), checked.passes
+    (-0.03, False)
+    """
+    from .check.check import check as hold_against
+
+    return _as(Checked, hold_against(scene, given, **how))
 
 
 def _as(kind: type[Shown], result: dataset.Result) -> Shown:

@@ -8,6 +8,9 @@ direct integration.
     compute a scene by every method it names: ``result = run("five_rings")``, then
     ``result.dataset`` (xarray), ``result.answers``, ``result.verdict``, ``result.error(name)``,
     ``result.plot()``, ``result.save(folder)``
+`check`
+    results of another program against ours: ``check("five_rings", {"abaqus": "abaqus.csv"})``, then
+    ``result.verdicts``, ``result.diagnoses`` and all that a run has
 `load`
     read results that were saved
 `plan`
@@ -30,16 +33,17 @@ from ringwear.studies.problem.scene import Scene
 
 if TYPE_CHECKING:
     from ringwear.studies.crosscheck.plan import plan
-    from ringwear.studies.results import load, run
+    from ringwear.studies.results import check, load, run
     from ringwear.studies.sweep.conduct import sweep
 
     __version__: str
 
-__all__ = ["Scene", "__version__", "load", "plan", "run", "sweep"]
+__all__ = ["Scene", "__version__", "check", "load", "plan", "run", "sweep"]
 
 # a scene alone does not need the numerics that these bring in
 _LATER = {
     "run": "ringwear.studies.results",
+    "check": "ringwear.studies.results",
     "load": "ringwear.studies.results",
     "plan": "ringwear.studies.crosscheck.plan",
     "sweep": "ringwear.studies.sweep.conduct",

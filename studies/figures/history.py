@@ -22,7 +22,13 @@ def draw_history(result: Result) -> Figure:
     scale, problem = Scale(result.scene), result.scene.problem
     worn = result.coordinates["time"] > 0
     worn_times = result.coordinates["time"][worn]
-    names = ("displacement_max" if problem.indentation is None else "normal_force", "rms_slope")
+    rising = "displacement_max" if problem.indentation is None else "normal_force"
+    # results of others may tell no more than how deep the punch is
+    if result.gives("indentation") and len(result.by_method("indentation")) > len(
+        result.by_method(rising)
+    ):
+        rising = "indentation"
+    names = (rising, "rms_slope")
     curves = {name: result.by_method(name, worn) for name in names}
     first, between = result.between
     rows = min(2, len(curves["rms_slope"]))

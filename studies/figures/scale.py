@@ -25,6 +25,7 @@ LABELS = {
     "steady_profile": ("limiting profile", "fₛₜₐₜ", "height"),
     "steady_pressure": ("steady pressure", "p", "pressure"),
     "displacement_max": ("greatest displacement", "uₘₐₓ", "displacement"),
+    "indentation": ("indentation", "d", "displacement"),
     "rms_slope": ("RMS slope", "s", "slope"),
     "contact_edge": ("contact (shaded), its edges", "r", "length"),
     "ring_force": ("force", "Fₙ", "force"),
@@ -119,10 +120,11 @@ class Scale:
         """Draw a quantity over the radius by every method that gives it, and shade the rings."""
         rings = self.problem.rings
         for method, curve in values.items():
-            look = method_curve(method, len(curve))
+            given = ~np.isnan(curve)
+            look = method_curve(method, int(given.sum()))
             if len(rings.wear_coefficients) > MANY:
                 look |= {"marker": "", "linewidth": 0.5 * look["linewidth"]}
-            self.plot(axes, name, "radius", radii, curve, **look)
+            self.plot(axes, name, "radius", radii[given], curve[given], **look)
         shade_rings(axes, *rings, self.shown("radius", self.problem.units.length))
 
     def when(self, time: float) -> str:
@@ -154,7 +156,7 @@ def least_wear(problem: Problem, profiles: Array) -> Any:
     scene's units.
     """
     unworn = problem.profile(problem.radii) * problem.units.displacement
-    return (profiles - unworn).min(axis=-1)
+    return np.nanmin(profiles - unworn, axis=-1)
 
 
 def high_pressure(pressure: Array) -> float:

@@ -45,7 +45,7 @@ def draw_states(result: Result) -> Figure:
         length = problem.units.length
         reach = min(1.25 * radii[touching].max(initial=0.0), length) or length
         near = radii <= reach
-        deep += [max(np.max(heights[near]) for heights in [*profiles.values(), unworn])]
+        deep += [max(np.fmax.reduce(heights[near]) for heights in [*profiles.values(), unworn])]
         high += [max(high_pressure(values) for values in pressures.values())]
         upper.set_xlim(0, scale.shown("radius", reach))
         lower.set_xlim(upper.get_xlim())

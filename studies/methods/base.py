@@ -126,8 +126,8 @@ class Method(ABC):
     lacks : `history` or `steady state`, if it does not give that, and why
     """
 
-    name: ClassVar[str]
-    what: ClassVar[str] = ""
+    name: str
+    what: str = ""
     lacks: ClassVar[dict[str, str]] = {}
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:

@@ -15,7 +15,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 from ...meshes.errors import SceneError
-from .signals import STOPPED, signals_wait
+from .signals import signals_wait
 
 MARKER = ".ringwear.json"
 
@@ -133,9 +133,6 @@ def output_folder(out: Path, command: str, names: Iterable[str] = ()) -> Iterato
             folder.hidden.mkdir()
             folder.refuse_to_replace(names)
             yield folder
-            if STOPPED.is_set():
-                # a library has taken the exception for a failure of its own
-                raise KeyboardInterrupt
             with signals_wait():
                 folder.publish()
         finally:

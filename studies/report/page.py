@@ -16,6 +16,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from ..crosscheck.dataset import Result
 from ..figures.style import Picture
 from ..output.files import draw, make
+from ..output.signals import STOPPED
 from ..problem.scene import Scene
 from ..versions import versions
 from .slides import slides
@@ -30,6 +31,9 @@ def show(
     if page:
         write = partial(write_report, result, account, pictures)
         failures += make(directory / "report.html", write)
+    if STOPPED.is_set():
+        # a library has taken the exception for a failure of its own
+        raise KeyboardInterrupt
     return failures
 
 

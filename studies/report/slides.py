@@ -41,7 +41,8 @@ def slides(result: Result) -> dict[str, Any] | None:
         return None
     # so that a page of hundreds of rings stays small
     step = -(-len(radii) // 1100)
-    problem, heights = scale.problem, profiles - least_wear(scale.problem, profiles)[:, None]
+    problem = replace(scale.problem, output_radii=radii / scale.problem.units.length)
+    heights = profiles - least_wear(problem, profiles)[:, None]
     high = [high_pressure(pressure) for pressure in pressures]
     # what states are seen against: the unworn face, or the last of a flat punch
     beside, unworn = heights[-1], ""

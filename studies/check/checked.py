@@ -1,0 +1,113 @@
+"""A run beside which results of other programs stand: the verdict is on theirs."""
+
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from itertools import groupby
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..crosscheck.dataset import Result
+from ..problem.unit_names import UnitNames
+from .comparison import Comparison
+from .diagnose import Diagnosis, diagnose
+from .verdict import Verdict, best, in_words, verdicts
+
+if TYPE_CHECKING:
+    from .refinement import Refinement
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Checked(Result):
+    """A run beside which results of other programs stand.
+
+    Parameters
+    ----------
+    given : names of these
+    within : relative error that they are allowed
+    sizes : if they are of one program, from coarse to fine: the verdict is on the last; else empty
+    """
+
+    given: tuple[str, ...]
+    within: float
+    sizes: tuple[float, ...]
+
+    @cached_property
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """Errors of theirs, by program, quantity and time."""
+        return tuple(
+            row
+            for name in self.given
+            for row in verdicts(self.scene, self.solutions, name, self.within)
+        )
+
+    @property
+    def passes(self) -> bool:
+        """Whether theirs is within what is allowed, by methods of ours that do not disagree."""
+        judged = all(row.within for row in self.verdicts if row.solver in self.judged)
+        return judged and self.verdict != "disagree"
+
+    @property
+    def judged(self) -> tuple[str, ...]:
+        """Names of those that are judged."""
+        return self.given[-1:] if self.sizes else self.given
+
+    @cached_property
+    def refinements(self) -> "tuple[Refinement, ...]":
+        """How theirs converges, by quantity."""
+        from .refinement import refinements
+
+        return tuple(refinements(self.verdicts, self.given, self.sizes)) if self.sizes else ()
+
+    def compare(self, name: str) -> Comparison:
+        """Return what a program gives, and ours at its times and radii."""
+        theirs = self.dataset[list(self.solutions[name].results)].sel(solver=name)
+        for dim in list(theirs.dims):
+            theirs = theirs.dropna(dim, how="all")
+        given = {str(key): of.values for key, of in theirs.items()}
+        ours = {
+            key: self.dataset[key]
+            .sel(solver=best(self.solutions, key))
+            .reindex_like(theirs[key])
+            .values
+            for key in given
+            if best(self.solutions, key)
+        }
+        times, radii = theirs["time"].values, theirs.get("radius", np.empty(0))
+        return Comparison(times, np.asarray(radii), given, ours, self.scene)
+
+    @cached_property
+    def diagnoses(self) -> dict[str, list[Diagnosis]]:
+        """What the errors of each program look like."""
+        return {name: diagnose(self.compare(name)) for name in self.judged}
+
+    @property
+    def lines(self) -> list[str]:
+        """The verdict on theirs, for people."""
+        names, lines = UnitNames.of(self.scene.units), list[str]()
+        for name in self.judged:
+            judged = [row for row in self.verdicts if row.solver == name]
+            for _, rows in groupby(judged, lambda row: row.quantity):
+                lines.append(f"{name}: {in_words(list(rows), names)}")
+            lines += [
+                f"{name} looks like this: {fault.words} (it explains {fault.confidence:.0%} of the "
+                f"error; to be sure: {fault.confirm})"
+                for fault in self.diagnoses[name]
+            ]
+        return lines + [f"refinement: {row.in_words(names)}" for row in self.refinements]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        return (*self.lines, *super().notes)
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        rows = [_plain(row) for row in self.verdicts]
+        looks = {name: [_plain(of) for of in self.diagnoses[name]] for name in self.judged}
+        return super().summary | {"verdicts": rows, "diagnoses": looks}
+
+
+def _plain(row: Any) -> dict[str, Any]:
+    """Return a row for JSON, which has null for what is infinite or not given."""
+    values = asdict(row).items()
+    return {key: of if isinstance(of, str) or np.isfinite(of) else None for key, of in values}

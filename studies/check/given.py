@@ -1,0 +1,58 @@
+"""Results of another program as a method, which stand beside ours in tables and figures."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import pandas as pd
+
+from ..methods.base import Method, Solution
+from ..methods.norms import Results
+from ..problem.problem import Problem
+from ..problem.quantities import FIELDS, QUANTITIES
+from ..problem.scene import Scene
+from ..progress import Stages
+
+
+@dataclass(frozen=True, eq=False)
+class Given(Method):
+    """What another program says of a scene; it states no error of its own.
+
+    Parameters
+    ----------
+    name : as figures and tables call it
+    given : its quantities at the times and radii of the scene, NaN where it gives none; in the
+        units of the scene
+    """
+
+    name: str
+    given: Results
+    what: str = "results of another program"
+    lacks: ClassVar[dict[str, str]] = {"steady state": "its results are over time"}
+
+    @classmethod
+    def tabled(cls, name: str, table: pd.DataFrame, scene: Scene) -> "Given":
+        """Return what a table gives (`tables.read`), at the times and radii of a scene."""
+        given, radii = {}, scene.output.radii
+        for quantity in table.columns.difference(["time", "radius"], sort=False):
+            rows = table.dropna(subset=[quantity])
+            if quantity in FIELDS:
+                values = rows.pivot(index="time", columns="radius", values=quantity)
+                values = values.reindex(columns=radii)
+            else:
+                values = rows.groupby("time")[quantity].first()
+            given[quantity] = values.reindex(scene.wear.times).to_numpy()
+        return cls(name, given)
+
+    def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+        """Return what is given, non-dimensional."""
+        (problem,) = problems
+        results = {
+            name: values / getattr(problem.units, QUANTITIES[name].unit)
+            for name, values in self.given.items()
+        }
+        return [Solution(results, {}, {}, {})]
+
+    def refusal(self, problem: Problem) -> str:
+        """It has solved the problem already."""
+        return ""

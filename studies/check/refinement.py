@@ -1,0 +1,105 @@
+"""Several results of one program, coarse to fine: does it converge, and is its own estimate honest?
+
+Signed errors are what theirs and ours differ by, so that differences of theirs are differences of
+errors. Where values follow ``v + c h^p``, three of them give p, Richardson's limit v, and Roache's
+grid convergence index, 1.25 times the distance of the finest from that limit: what a program can
+say of its error without knowing the truth.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ..numerics import sequences
+from ..problem.quantities import FIELDS
+from ..problem.unit_names import UnitNames
+from .verdict import Verdict
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """One quantity on results from coarse to fine.
+
+    Parameters
+    ----------
+    sequence : their sizes, and signed errors at a time; what we state of ours is the floor
+    time : at which the finest is worst; in the units of the scene
+    """
+
+    sequence: sequences.Sequence
+    time: float
+
+    @property
+    def estimate(self) -> tuple[float, float]:
+        """Signed error of Richardson's limit, and the grid convergence index, both relative; NaN of
+        fields, of fewer than three results, and where these do not converge in one direction.
+        """
+        nothing = np.nan, np.nan
+        if self.sequence.quantity in FIELDS or len(self.sequence.sizes) < 3:
+            return nothing
+        sizes, errors = self.sequence.sizes[-3:], self.sequence.signed[-3:]
+        before, last = errors[:-1] - errors[1:]
+
+        def misfit(order: float) -> float:
+            powers = sizes**order
+            return float((powers[0] - powers[1]) * last - (powers[1] - powers[2]) * before)
+
+        lowest, highest = 0.05, 20.0
+        if misfit(lowest) * misfit(highest) >= 0:
+            return nothing
+        order = brentq(misfit, lowest, highest)
+        left = last / ((sizes[1] / sizes[2]) ** order - 1)
+        return float(errors[2] - left), float(1.25 * abs(left) / (1 + errors[2]))
+
+    @property
+    def stalled(self) -> float:
+        """Size from which on errors fall at less than half the rate before; NaN if they do not."""
+        orders = self.sequence.orders
+        slow = orders < 0.5 * np.fmax.accumulate(orders)
+        slow &= self.sequence.counted[1:]
+        return float(self.sequence.sizes[:-1][slow][0]) if slow.any() else np.nan
+
+    def at(self, names: UnitNames) -> str:
+        """Return what this is about."""
+        quantity = self.sequence.quantity.replace("_", " ")
+        return f"{quantity} at t = {names.write(self.time, 'time', 3)}"
+
+    def in_words(self, names: UnitNames) -> str:
+        """Return what there is to say, in a line."""
+        sequence, (limit, index) = self.sequence, self.estimate
+        between = ", ".join(f"{order:.2g}" for order in sequence.orders)
+        line = (
+            f"{self.at(names)}: order {sequence.order:.2g} ({between}), errors "
+            f"{sequence.errors[0]:.1e} to {sequence.errors[-1]:.1e}"
+        )
+        if not sequence.counted.all():
+            line += f", some below what ours is known to ({sequence.theory.floor:.0e})"
+        if np.isfinite(self.stalled):
+            line += f", stalls from size {self.stalled:.3g} on"
+        if np.isnan(index):
+            return line
+        honest = "honest" if index >= sequence.errors[-1] else "TOO SMALL"
+        return (
+            f"{line}; Richardson's limit errs by {abs(limit):.1e}; grid convergence index "
+            f"{index:.1e} of an error of {sequence.errors[-1]:.1e}: {honest}"
+        )
+
+
+def refinements(
+    rows: Sequence[Verdict], names: Sequence[str], sizes: Sequence[float]
+) -> Iterator[Refinement]:
+    """Yield each quantity that all results give, at the time at which the finest is worst."""
+    for quantity in dict.fromkeys(row.quantity for row in rows):
+        errors = [
+            {row.time: row for row in rows if (row.solver, row.quantity) == (name, quantity)}
+            for name in names
+        ]
+        if times := set.intersection(*map(set, errors)):
+            time = max(times, key=lambda time: abs(errors[-1][time].error))
+            at = [of[time] for of in errors]
+            theory = sequences.Theory(floor=max(row.stated for row in at))
+            signed = np.array([row.error for row in at])
+            sequence = sequences.Sequence("theirs", quantity, theory, np.array(sizes), signed)
+            yield Refinement(sequence, time)

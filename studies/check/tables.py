@@ -1,0 +1,160 @@
+"""Results of other programs as tables: read, checked, and brought to a scene's units.
+
+A table has a row for each time and radius (`time, radius, pressure, ...`), or for each time (`time,
+indentation, normal_force`), or both: what goes by time alone may be repeated at every radius, or
+stand in rows whose radius is empty. What is wrong is refused in a line that names the file, the
+line, the column and the remedy.
+"""
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ...meshes.errors import SceneError
+from ..problem.quantities import FIELDS, QUANTITIES
+from ..problem.scene import Scene
+from ..problem.unit_names import UnitNames
+from ..progress import LOG
+
+
+def read(
+    source: Any, name: str, scene: Scene, columns: Mapping[str, str], units: str
+) -> pd.DataFrame:
+    """Return results of another program, checked and in the units of a scene.
+
+    Parameters
+    ----------
+    source : a CSV or netCDF file, a DataFrame, or an xarray Dataset, of several solvers the first
+    name : what messages call a table that is no file
+    columns : names of ours by theirs
+    units : of theirs, as a scene states them; those of the scene if empty
+
+    Raises
+    ------
+    SceneError
+        naming the file, the line, the column and the remedy
+    """
+    place = "row"
+    kinds = {"time": "time", "radius": "length"}
+    kinds |= {
+        key: of.unit
+        for key, of in QUANTITIES.items()
+        if {"time"} <= {*of.dims} <= {"time", "radius"} and key != "contact"
+    }
+    if isinstance(source, str | Path):
+        name, place, source = str(source), "line", _open(Path(source))
+    if hasattr(source, "to_dataframe"):
+        source = source.isel(solver=0) if "solver" in source.dims else source
+        given = [key for key in source if columns.get(key, key) in kinds]
+        source = source[given].reset_coords(drop=True).to_dataframe()
+    if source.index.names != [None]:
+        source = source.reset_index()
+    frame = _named(source, name, columns, list(kinds))
+    table = _checked(frame, f"{name}, {place}")
+    stated = UnitNames.of(scene.units)
+    if units and stated.base is None:
+        raise SceneError(f"--units {units}: the scene's numbers have none: give its units")
+    for key in table:
+        table[key] *= UnitNames.of(units or scene.units).size(kinds[key]) / stated.size(kinds[key])
+    if "radius" in table:
+        radius, rim = table["radius"], scene.punch.radius
+        # what roundoff of units has moved beyond the rim is on it
+        beyond = radius > rim * (1 + 1e-9)
+        if beyond.any() and not ((radius > 0) & ~beyond).any():
+            raise SceneError(
+                f"{name}: all radii lie beyond punch.radius = {rim:g}: give distances from the "
+                "axis, and --units if theirs are not the scene's"
+            )
+        if beyond.any():
+            LOG.warning("%s: %d rows beyond the punch are left out", name, beyond.sum())
+        table = table.assign(radius=radius.clip(upper=rim))[~beyond]
+    return table
+
+
+def _open(path: Path) -> Any:
+    """Return a dataset of a netCDF file, or a CSV table of text by the numbers of its lines."""
+    try:
+        if path.suffix == ".nc":
+            import xarray
+
+            return xarray.load_dataset(path)
+        lines = path.read_text("utf-8-sig").replace('"', "").splitlines()
+    except (OSError, ValueError) as error:
+        raise SceneError(
+            f"{path} cannot be read: {getattr(error, 'strerror', None) or error}; give CSV in "
+            "UTF-8, or netCDF in a file that ends in .nc"
+        ) from None
+    rows = {
+        number: re.split(r"\s*[,;\t]\s*", line.strip())
+        for number, line in enumerate(lines, 1)
+        if line.partition("#")[0].strip()
+    }
+    if len(rows) < 2:
+        raise SceneError(f"{path} has no rows: give names of columns, and numbers below them")
+    first, *others = rows
+    for number in others:
+        if len(rows[number]) != len(rows[first]):
+            raise SceneError(
+                f"{path}, line {number}: {len(rows[number])} cells under {len(rows[first])} "
+                "columns; give as many, with points for decimals"
+            )
+    return pd.DataFrame([rows[number] for number in others], others, rows[first])
+
+
+def _named(
+    frame: pd.DataFrame, name: str, columns: Mapping[str, str], ours: list[str]
+) -> pd.DataFrame:
+    """Return the columns that we have, by our names."""
+    heads, absent = (
+        ", ".join(map(str, frame)),
+        [theirs for theirs in columns if theirs not in frame],
+    )
+    frame = frame.rename(columns=columns)
+    left = [str(key) for key in frame if key not in ours]
+    frame = frame[[key for key in frame if key in ours]]
+    needed = ["time", "radius"] if FIELDS.intersection(frame) else ["time"]
+    absent += [key for key in needed if key not in frame]
+    if not frame.columns.difference(["time", "radius"]).size:
+        absent.append("pressure")
+    if absent or not frame.columns.is_unique:
+        what = f"no column {absent[0]!r}" if absent else "a column twice"
+        raise SceneError(
+            f"{name} has {what}: of {heads} give each of time, radius, pressure, displacement, "
+            "profile, indentation, normal_force once, by --columns theirs=ours if need be"
+        )
+    if left:
+        LOG.warning("%s: not read: %s", name, ", ".join(left))
+    return frame
+
+
+def _checked(frame: pd.DataFrame, place: str) -> pd.DataFrame:
+    """Return numbers, each time and radius once."""
+    table = frame.apply(pd.to_numeric, errors="coerce").astype(float)
+    blank = frame.isna() | frame.isin(["", "nan", "NaN"])
+    time, fields = table["time"], table[[key for key in table if key in FIELDS]]
+    given, radius = fields.notna().any(axis=1), table.get("radius", 0 * time)
+    again = given & pd.DataFrame({"time": time, "radius": radius}).mask(~given).duplicated()
+    checks = [
+        ("time", blank["time"], "give the time of each row"),
+        ("time", time < 0, "give the time since sliding began, 0 or more"),
+        ("radius", radius < 0, "give the distance from the axis, 0 or more"),
+        ("radius", radius.isna() & given, "give the radius of each row of a field"),
+        ("radius", again, "give each radius once in a time, beside an edge where pressure jumps"),
+    ]
+    for key in table:
+        checks.insert(0, (key, np.isinf(table[key]), "leave it empty where it is infinite"))
+        checks.insert(0, (key, table[key].isna() & ~blank[key], "give a number, as 0.5"))
+        if key not in ("time", "radius", *fields):
+            differs = table.groupby(time)[key].transform("nunique") > 1
+            checks.append((key, differs, "give one number for each time"))
+    for key, wrong, remedy in checks:
+        if wrong.any():
+            line = wrong.idxmax()
+            raise SceneError(f"{place} {line}, column {key!r}: {frame[key][line]!r}; {remedy}")
+    if table.drop(columns=["time", "radius"], errors="ignore").isna().all(axis=None):
+        raise SceneError(f"{place.rpartition(',')[0]} has no number but times and radii: give some")
+    return table.dropna(axis="columns", how="all")

@@ -1,0 +1,143 @@
+"""By how much results of another program err, in our norms and in words."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+
+from ...meshes.radial import Array
+from ..methods.base import Solution
+from ..methods.norms import differences
+from ..problem.face import Face
+from ..problem.quantities import FIELDS
+from ..problem.scene import Scene
+from ..problem.unit_names import UnitNames
+from ..progress import LOG
+
+Solutions = Mapping[str, Solution]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The error of one quantity at one time.
+
+    It is in the norm of the quantity, over what we know.
+
+    Parameters
+    ----------
+    solver, quantity : whose, and of what
+    within : whether it is within what is allowed, or within what ours is known to
+    time : when, in the units of the scene
+    error : relative, in the norm of the quantity; above zero where theirs is too high, but of
+        pressures a root mean square
+    stated : relative error of ours, by its own estimate
+    radius : where a field is worst; NaN of other quantities
+    there : signed error at that radius, of pressures over the pressure there
+    """
+
+    solver: str
+    quantity: str
+    within: bool
+    time: float
+    error: float
+    stated: float
+    radius: float
+    there: float
+
+
+class SampledFace(Face):
+    """The face by radii that somebody gives, its breakpoints.
+
+    Each stands for the area from half-way to its neighbours, as in the rule of trapezoids.
+    """
+
+    @cached_property
+    def radii(self) -> Array:
+        return self.breakpoints
+
+    @cached_property
+    def areas(self) -> Array:
+        inner, outer = self.radii[:-1], self.radii[1:]
+        between = np.concatenate([self.radii[:1], (inner + outer) / 2, self.radii[-1:]])
+        return np.pi * np.diff(between**2) if len(inner) else np.ones(1)
+
+
+def best(solutions: Solutions, quantity: str) -> str:
+    """Return which method states the least error of a quantity; empty if none does."""
+    errors = {
+        name: solution.greatest_error(quantity)
+        for name, solution in solutions.items()
+        if quantity in solution.errors
+    }
+    return min(errors, key=errors.__getitem__, default="")
+
+
+def verdicts(scene: Scene, solutions: Solutions, name: str, limit: float) -> Iterator[Verdict]:
+    """Yield the error of every quantity that a program gives, at each of its times."""
+    problem, given, times = scene.problem, solutions[name].results, scene.wear.times
+    rings = problem.merged
+    for quantity in filter(partial(best, solutions), given):
+        ours = solutions[best(solutions, quantity)]
+        field, exact = quantity in FIELDS, ours.results[quantity]
+        compared = np.isfinite(given[quantity] - exact)
+        if quantity == "pressure":
+            # it jumps at ring edges, and has no value there
+            jumps = np.isclose(problem.radii[:, None], rings.ring_edges[1:-1], 0, 1e-9)
+            compared &= ~jumps.any(axis=1)
+        if not compared.any():
+            LOG.warning("%s: no %s where there is one of ours", name, quantity)
+            continue
+        at = compared.any(axis=0) if field else np.zeros(1, dtype=int)
+        radii = problem.radii[at]
+        face = SampledFace(radii, rings.ring_edges, rings.at, problem.profile.standoff)
+        theirs, right = (
+            np.where(compared, values, 0.0)[:, at] if field else np.where(compared, values, 0.0)
+            for values in (given[quantity], exact)
+        )
+        errors = differences({quantity: theirs}, ours.results | {quantity: right}, face)[quantity]
+        gaps = (theirs - right).reshape(len(times), -1)
+        # where nothing presses there is nothing that errors could be relative to
+        wrong = (errors == 0) & (np.abs(gaps) > 1e-9 * np.abs(right).max()).any(axis=1)
+        errors = np.where(wrong, np.inf, errors)
+        sizes = np.abs(gaps) * (np.sqrt(face.wear) if quantity == "pressure" else 1.0)
+        worst = np.arange(len(times)), sizes.argmax(axis=1)
+        local = np.copysign(errors, gaps[worst])
+        signed = local
+        if quantity == "pressure":
+            signed, local = errors, gaps[worst] / np.where(right[worst], right[worst], np.nan)
+        for row in np.flatnonzero(compared.reshape(len(times), -1).any(axis=1)):
+            place = radii[worst[1][row]] * problem.units.length if field else np.nan
+            stated = ours.errors[quantity][row]
+            numbers = map(float, (times[row], signed[row], stated, place, local[row]))
+            yield Verdict(name, quantity, bool(errors[row] <= max(limit, stated)), *numbers)
+
+
+def in_words(rows: Sequence[Verdict], names: UnitNames) -> str:
+    """Return a line on one quantity of a program, from its errors at all times."""
+    worst = max(rows, key=lambda row: abs(row.error) - row.stated)
+    quantity, when = worst.quantity, f"t = {names.write(worst.time, 'time', 3)}"
+    said = f"{quantity.replace('_', ' ')}: "
+    stated = f"(ours is known to {worst.stated:.0e})" if worst.stated else "(as the scene gives it)"
+    if abs(worst.error) <= worst.stated:
+        return f"{said}no error to be seen {stated}"
+    if quantity in FIELDS:
+        local, size = f" r = {names.write(worst.radius, 'length', 3)}", _percent(worst.error)
+        said += f"{_sign(worst.error)} by {size} of the indentation {stated}"
+        if quantity == "pressure":
+            local += f": {_percent(worst.there)} {_sign(worst.there)}"
+            said = f"pressure: off by {size} in the root mean square {stated}"
+        return f"{said}, worst at {when},{local}"
+    said += f"{_percent(worst.error)} {_sign(worst.error)} {stated}"
+    spread = np.ptp([row.error for row in rows])
+    if len(rows) > 1 and spread <= 0.1 * abs(worst.error):
+        return f"{said}, at all times"
+    return f"{said}, {'worst ' if len(rows) > 1 else ''}at {when}"
+
+
+def _percent(error: float) -> str:
+    return f"{100 * abs(error):.2g} %"
+
+
+def _sign(error: float) -> str:
+    return "high" if error > 0 else "low"

@@ -1,0 +1,258 @@
+"""Results of other programs held against ours: closed forms pass, and what is put wrong is told."""
+
+import json
+
+import meshio
+import numpy as np
+import pandas as pd
+import pytest
+
+from ringwear import Scene, check, run
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.cli import main
+
+RADII = np.array([0.0, 0.13, 0.2, 0.5, 0.77, 0.98])
+
+
+def flat_start(scene, radii=RADII):
+    """The start of a flat punch in closed form, in the units of a scene (Eqs. 10 and 11)."""
+    radius, force = scene.punch.radius, scene.load_.normal_force
+    pressure = force / (2 * np.pi * radius**2 * np.sqrt(1 - radii**2))
+    depth = force / (2 * radius * scene.half_space.plane_strain_modulus)
+    columns = {"radius": radii * radius, "pressure": pressure, "profile": 0.0, "indentation": depth}
+    return pd.DataFrame({"time": 0.0, **columns, "displacement": depth, "normal_force": force})
+
+
+def test_closed_forms_pass(tmp_path, capsys):
+    table = flat_start(Scene.load("five_rings"))
+    # at the rim pressure is infinite, and what lies outside is not the punch's
+    rim = {"time": 0.0, "radius": [1.0, 1.5], "pressure": [np.nan, 0.0], "indentation": 1.0}
+    pd.concat([table, pd.DataFrame(rim)]).to_csv(tmp_path / "fem.csv", index=False)
+    out = tmp_path / "out"
+    assert main(["check", "five_rings", str(tmp_path / "fem.csv"), "--out", str(out)]) == 0
+    shown = capsys.readouterr()
+    assert shown.out.count("their fem: ") == shown.out.count("no error to be seen") == 5
+    assert "1 rows beyond the punch" in shown.err
+    rows = pd.read_csv(out / "check.csv")
+    assert (rows.error.abs() <= rows.stated).all()
+    assert {"profiles_and_pressures.png", "report.html"} <= {file.name for file in out.iterdir()}
+    assert json.loads((out / "summary.json").read_text("utf-8"))["verdicts"][0]["within"]
+
+
+def test_what_is_off_is_told_with_its_sign_and_place(tmp_path, capsys):
+    table = flat_start(Scene.load("five_rings"))
+    table["indentation"] *= 0.969
+    table["pressure"] *= 1.12
+    table.loc[4, "pressure"] *= 1.5 / 1.12
+    table.loc[3, "displacement"] += 0.05
+    table.to_csv(tmp_path / "abaqus.csv", index=False)
+    call = ["check", "five_rings", str(tmp_path / "abaqus.csv"), "--out", str(tmp_path / "out")]
+    assert main(call) == 3
+    told = capsys.readouterr().out
+    assert "abaqus: indentation: 3.1 % low" in told
+    assert "t = 0, r = 0.77: 50 % high" in told
+    assert "displacement: high by 5 % of the indentation" in told
+    assert "r = 0.5\n" in told
+    assert main([*call, "--within", "0.5"]) == 0
+
+
+def test_errors_of_pressure_are_weighted_by_wear_and_area():
+    """Steady pressures are w/k: what is wrong on one ring counts by its part of int k p^2 dA."""
+    scene = Scene.load("five_rings").changed(
+        methods=["mdr"], punch__rings=2, punch__width_ratio=1.5
+    )
+    areas, wear, radii = np.array([0.16, 0.84]), np.array([1.0, 10.0]), np.arange(0.5, 2000) / 2000
+    pressure = 2 / (np.pi * np.sum(areas / wear)) / np.where(radii < 0.4, *wear)
+    table = pd.DataFrame({"time": 100.0, "radius": radii, "pressure": pressure})
+    table.loc[radii > 0.4, "pressure"] *= 1.5
+    (row,) = check(scene, {"theirs": table}).verdicts
+    outer = (areas / wear)[1] / np.sum(areas / wear)
+    assert row.error == pytest.approx(0.5 * outer**0.5, rel=1e-3)
+    assert row.there == pytest.approx(0.5, abs=1e-3)
+
+
+def test_what_presses_while_nothing_does_is_seen():
+    """At the start of this scene there is no force."""
+    table = pd.DataFrame({"time": 0.0, "radius": [0.002, 0.004], "pressure": [1e6, 0.0]})
+    checked = check(Scene.load("duty_cycle").changed(methods=["mdr"]), {"theirs": table})
+    assert not checked.passes
+    assert checked.summary["verdicts"][0]["error"] is None
+
+
+def test_our_own_results_read_back_err_by_roundoff(tmp_path):
+    result = run("five_rings", methods=["mdr"], rtol=1e-3)
+    result.save(tmp_path / "out")
+    scene = result.scene
+    for given in (tmp_path / "out" / "results.nc", result.dataset):
+        checked = check(scene, {"again": given}, methods=["mdr"])
+        assert len(checked.verdicts) == 7 * len(scene.wear.times)
+        assert max(abs(row.error) for row in checked.verdicts) < 1e-10
+        assert checked.passes
+    assert checked.dataset.sel(solver="again").indentation.notnull().all()
+    assert checked.plot().axes
+
+
+def test_columns_and_units_of_theirs(tmp_path):
+    scene = Scene(
+        units="SI",
+        methods=["mdr"],
+        punch={"radius": 0.01, "rings": 1, "wear_coefficients": [1e-15]},
+        half_space={"plane_strain_modulus": 2e9},
+        load={"normal_force": 100.0, "sliding_speed": 0.1},
+    )
+    table = flat_start(scene)
+    table["pressure"] /= 1e6
+    table[["radius", "indentation", "displacement", "profile"]] *= 1e3
+    table = table.rename(columns={"pressure": "p", "radius": "r"})
+    how = {"columns": {"p": "pressure", "r": "radius"}, "units": "mm, N, MPa, s"}
+    checked = check(scene, {"theirs": table}, **how)
+    assert len(checked.verdicts) == 5
+    assert max(abs(row.error) - row.stated for row in checked.verdicts) < 1e-15
+    file = tmp_path / "theirs.csv"
+    table.to_csv(file, index=False, sep=";")
+    (tmp_path / "mine.toml").write_text(scene.to_toml(), "utf-8")
+    flags = ["--columns", "p=pressure,r=radius", "--out", str(tmp_path / "out")]
+    call = ["check", str(tmp_path / "mine.toml"), str(file), *flags]
+    assert main([*call, "--units", "mm, N, MPa, s"]) == 0
+    assert main(call) == 2  # radii in mm lie beyond a punch in m
+
+
+@pytest.mark.parametrize(
+    ("sizes", "order", "off", "honest"),
+    [
+        ((0.2, 0.1, 0.05), 2.0, 0.0, True),
+        ((0.3, 0.2, 0.07), 1.5, 0.0, True),  # not in one ratio
+        ((0.2, 0.1, 0.05), 2.0, -0.03, False),  # they converge to what is wrong
+    ],
+)
+def test_a_refinement_of_known_order(sizes, order, off, honest):
+    """Of v (1 + off + h^p) Richardson's limit is v (1 + off), and the index 1.25 h^p of it."""
+    scene = Scene.load("flat_punch").changed(methods=["mdr"])
+    files = {
+        f"h = {size}": flat_start(scene)[["time", "indentation"]].mul([1, 1 + off + size**order])
+        for size in sizes
+    }
+    checked = check(scene, files, sizes=sizes)
+    (row,) = checked.refinements
+    limit, index = row.estimate
+    finest = sizes[-1] ** order
+    assert limit == pytest.approx(off, abs=1e-6)
+    assert index == pytest.approx(1.25 * finest / (1 + off + finest), rel=1e-4)
+    assert (index >= row.sequence.errors[-1]) == honest
+    if honest:
+        np.testing.assert_allclose(row.sequence.orders, order, rtol=1e-4)
+    assert ("TOO SMALL" in checked.lines[-1]) != honest
+    assert checked.passes == (abs(off + finest) <= 0.01)
+
+
+def test_a_refinement_that_stalls(tmp_path, capsys):
+    files = []
+    for size in (0.2, 0.1, 0.05, 0.025):
+        table = flat_start(Scene.load("flat_punch"))
+        table["pressure"] *= 1 + np.hypot(size**2, 0.002)
+        files.append(str(tmp_path / f"{size}.csv"))
+        table.to_csv(files[-1], index=False)
+    call = ["check", "flat_punch", *files, "--out", str(tmp_path / "out"), "--sizes"]
+    assert main([*call, "0.2,0.1,0.05,0.025"]) == 0
+    told = capsys.readouterr().out
+    assert "pressure at t = 0: order" in told
+    assert "stalls from size 0.05 on" in told
+    assert (tmp_path / "out" / "refinement.png").exists()
+    assert main([*call, "0.1,0.2,0.3,0.4"]) == 2
+
+
+MALFORMED = [
+    ("", "has no rows: give names of columns"),
+    ("time,radius,pressure\n", "has no rows: give names of columns"),
+    ("0,0.5,1\n0,0.6,1\n", "no column 'time'"),
+    ("radius,pressure\n0.5,1\n", "no column 'time'"),
+    ("time,pressure\n0,1\n", "no column 'radius'"),
+    ("time,radius,presure\n0,0.5,1\n", "no column 'pressure'"),
+    ("time,time,indentation\n0,0,1\n", "a column twice"),
+    ("time,radius,pressure\n0,0.5,high\n", "line 2, column 'pressure': 'high'; give a number"),
+    ("# of others\ntime;radius;pressure\n0;0,5;1\n", "line 3: 4 cells under 3 columns"),
+    ("time,radius,pressure\n0,0.5,1\n\n0,0.6\n", "line 4: 2 cells under 3 columns"),
+    ("time,radius,pressure\n0,0.5,1\n,0.6,1\n", "line 3, column 'time'"),
+    ("time,radius,pressure\n0,0.5,1\n0,,1\n", "line 3, column 'radius'"),
+    ("time,radius,pressure\n-1,0.5,1\n", "line 2, column 'time': '-1'; give the time since"),
+    ("time,radius,pressure\n0,-0.5,1\n", "line 2, column 'radius': '-0.5'; give the distance"),
+    ("time,radius,pressure\n0,0.5,1\n0,0.50,2\n", "line 3, column 'radius': '0.50'; give each"),
+    ("time,radius,pressure\n0,0.5,inf\n", "line 2, column 'pressure': 'inf'; leave it empty"),
+    ("time,indentation\n0,1\n0,2\n", "line 2, column 'indentation': '1'; give one number"),
+    ("time,radius,pressure\n0,500,1\n", "beyond punch.radius = 1"),
+    ("time,radius,pressure\n0,0.5,\n", "no number"),
+    (b"\xff\xfe\x80\x00", "cannot be read"),
+    (None, "No such file"),
+]
+
+
+@pytest.mark.parametrize(("content", "told"), MALFORMED)
+def test_malformed_files(content, told, tmp_path, capsys):
+    """Status 2, one line that names the file and tells what to do, and nothing written."""
+    file = tmp_path / "theirs.csv"
+    if content is not None:
+        file.write_bytes(content if isinstance(content, bytes) else content.encode())
+    assert main(["check", "five_rings", str(file), "--out", str(tmp_path / "out")]) == 2
+    shown = capsys.readouterr()
+    (line,) = shown.err.splitlines()
+    assert str(file) in line
+    assert told in line
+    assert "give" in line or "leave" in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_template_is_filled_in_and_passes(tmp_path, capsys):
+    """With closed forms at the start, in units that are not the scene's."""
+    scene = Scene.load("rubber").changed(wear__times=[0.0], methods=["mdr"])
+    (tmp_path / "mine.toml").write_text(scene.to_toml(), "utf-8")
+    call, units = ["check", str(tmp_path / "mine.toml")], ["--units", "mm, N, MPa, s"]
+    out = tmp_path / "template"
+    assert main([*call, "--template", str(out), *units]) == 0
+    told = capsys.readouterr().out
+    assert "k = 2e-10 1/MPa" in told
+    assert "E = 6 MPa" in told
+    assert told.startswith((out / "scene.txt").read_text("utf-8"))
+    mesh = meshio.read(out / "mesh.msh")
+    assert np.linalg.norm(mesh.points, axis=1).max() == pytest.approx(500.0)
+    table = pd.read_csv(out / "template.csv")
+    edges = scene.punch.ring_edges
+    assert np.isclose(table["radius"].to_numpy()[:, None], 1e3 * np.array(edges)).any(axis=0).all()
+    mean, modulus = scene.load_.mean_pressure / 1e6, scene.half_space.youngs_modulus / 1e6
+    inside = table["radius"] < 5
+    table["pressure"] = mean / 2 / np.sqrt(1 - (table["radius"] / 5)[inside] ** 2)
+    table["indentation"] = np.pi * 5 * mean * (1 - 0.4999**2) / (2 * modulus)
+    table["normal_force"] = mean * np.pi * 25
+    table.to_csv(tmp_path / "theirs.csv", index=False)
+    flags = [*units, "--out", str(tmp_path / "out"), "--within", "1e-5"]
+    assert main([*call, str(tmp_path / "theirs.csv"), *flags]) == 0
+    (tmp_path / "mine.toml").write_text(scene.changed(wear__times=[]).to_toml(), "utf-8")
+    assert main([*call, "--template", str(out)]) == 2
+
+
+@pytest.mark.parametrize(
+    ("flags", "told"),
+    [
+        ([], "--template DIR"),
+        (["{}", "--columns", "q=pressure"], "no column 'q'"),
+        (["{}", "--columns", "pressure"], "theirs=ours"),
+        (["{}", "--units", "mm, N, MPa, s"], "the scene's numbers have none"),
+        (["{}.nc"], "cannot be read"),
+        (["{}", "--sizes", "0.1"], "two or more"),
+        (["{}", "{}", "--sizes", "0.1,0.2"], "decreasing"),
+    ],
+)
+def test_malformed_options(flags, told, tmp_path, capsys):
+    file = tmp_path / "theirs.csv"
+    file.write_text("time,radius,pressure\n0,0.5,1\n", "utf-8")
+    flags = [flag.format(file) for flag in flags]
+    try:
+        status = main(["check", "five_rings", *flags, "--out", str(tmp_path / "out")])
+    except SystemExit as end:
+        status = end.code
+    assert status == 2
+    assert told in capsys.readouterr().err
+
+
+def test_theirs_may_not_have_the_name_of_ours():
+    with pytest.raises(SceneError, match="another name"):
+        check("five_rings", {"mdr": pd.DataFrame({"time": [0.0], "indentation": [1.0]})})
