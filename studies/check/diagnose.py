@@ -13,7 +13,7 @@ import numpy as np
 from scipy.interpolate import interp1d
 
 from ...meshes.radial import Array
-from ..methods.mdr import METHOD
+from ..methods.base import method
 from ..methods.norms import Results
 from ..problem.quantities import QUANTITIES
 from ..progress import Stages
@@ -99,7 +99,7 @@ class Case(Comparison):
         units = problem.units
         radii = np.minimum(self.radii / units.length, 1) if len(self.radii) else None
         problem = replace(problem, times=self.times / units.time, output_radii=radii)
-        results = METHOD.solve(problem, Stages("mdr")).results
+        results = method("mdr").solve(problem, Stages("mdr")).results
         names = self.ours.keys() & results.keys()
         return {name: results[name] * getattr(units, QUANTITIES[name].unit) for name in names}
 
