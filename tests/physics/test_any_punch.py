@@ -317,6 +317,7 @@ def test_a_sweep_takes_flat_and_recessed_punches():
         np.testing.assert_allclose(share, alone["force_share"], atol=1e-3)
 
 
+@pytest.mark.slow
 def test_the_tradeoff_of_a_sphere(tmp_path):
     scene = Scene.load("sphere").changed(wear__times=[0.0, 0.1])
     told = STUDIES["tradeoff"].conduct(scene, tmp_path, argparse.Namespace(quick=True))

@@ -141,6 +141,7 @@ def single_time():
     return [data.isel(solver=0) for data in runs]
 
 
+@pytest.mark.slow
 def test_a_face_finer_than_the_cells_is_said(monkeypatch):
     """The truth touches the highest of many peaks; cells see their mean."""
     heights = np.random.default_rng(0).uniform(0, 1e-3, 2000).tolist()

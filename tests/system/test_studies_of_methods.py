@@ -58,6 +58,7 @@ def test_orders_are_those_of_theory(name, tmp_path):
         assert abs(float(row[LIMIT] or 0)) <= 0.15
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scene", "load", "quantity"),
     [
