@@ -29,6 +29,7 @@ def sphere(times, **changes):
     return Scene.from_table(table).changed(**changes)
 
 
+@pytest.mark.gmsh
 def test_the_start_of_a_sphere_is_that_of_hertz():
     result = run(sphere([0.0, 0.1]))
     radius = (3 * FORCE * CURVATURE / 4 / 7.0) ** (1 / 3)

@@ -74,7 +74,7 @@ def test_the_sphere_starts_as_hertz_and_ends_by_a_law():
 
 
 @pytest.mark.parametrize("number", [*range(1, 11), 12, pytest.param(11, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("method", ["mdr", "fem"])
+@pytest.mark.parametrize("method", ["mdr", pytest.param("fem", marks=pytest.mark.gmsh)])
 def test_coarse_runs_reach_the_certified_numbers(number, method):
     """At an accuracy of 1e-3; pressures, in the root mean square, are worse near an edge of the
     contact that moves.

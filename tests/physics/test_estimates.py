@@ -50,6 +50,7 @@ def test_random_scenes(mesher, pytestconfig):
         assert (ratios["median"][ratios["count"] >= 8] <= 100).all()
 
 
+@pytest.mark.gmsh
 @pytest.mark.parametrize(
     "settings",
     [

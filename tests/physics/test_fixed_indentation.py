@@ -40,6 +40,7 @@ def force_at(problem, times):
     return singular[0] ** 2, force
 
 
+@pytest.mark.gmsh
 def test_the_force_decays_by_the_modes_of_all_pressures(result):
     problem, later = result.scene.problem, slice(1, None)
     slowest, force = force_at(problem, problem.times[later])
@@ -69,6 +70,7 @@ def test_the_force_is_the_answer(result):
     assert np.isnan(answers["time_to_90"])
 
 
+@pytest.mark.gmsh
 def test_wear_ends_where_nothing_presses(result):
     assert result.verdict == "agree"
     assert all(anchor.holds for anchor in result.anchors)

@@ -66,6 +66,7 @@ def test_many_rings_tend_to_it_at_second_order():
     assert (np.array(errors[-1]) < [3e-5, 2e-5]).all()
 
 
+@pytest.mark.gmsh
 @pytest.mark.parametrize(
     "table",
     [along(1.0, 4.0), along(1.0, 0.01), along(1.0, 2.0, 0.5, 1.0, radii=(0.3, 0.4, 0.4, 1))],

@@ -193,6 +193,7 @@ def test_what_is_worn_is_the_integral_of_the_force(height):
     assert history.gap.min() >= -1e-12 * np.abs(history.indentation).max()
 
 
+@pytest.mark.gmsh
 def test_methods_agree_on_a_force_that_rises():
     """It rises at a stop, too, where pressures are infinite at the rim once more."""
     result = run(

@@ -112,6 +112,7 @@ def test_extreme_ratios_leave_the_slower_rings_alone(ratios):
     np.testing.assert_allclose(alone, nearly, rtol=1e-8)
 
 
+@pytest.mark.gmsh
 def test_times_of_the_states(five):
     assert float(five.states.time[4]) == pytest.approx(0.27, abs=0.005)
     for way, tolerance in zip(five.states.way.values, (1e-7, 1e-5, 1e-5), strict=True):

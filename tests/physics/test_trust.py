@@ -177,6 +177,7 @@ def test_no_pressure_under_a_flat_punch_is_negative():
     assert float(run(scene, methods=["mdr", "fem"]).dataset.pressure.min()) >= 0
 
 
+@pytest.mark.gmsh
 def test_the_default_scene_reaches_its_accuracy_by_its_own_word():
     result = run(FIVE)
     assert result.verdict == "agree"
@@ -209,6 +210,7 @@ def test_the_rule_of_the_verdict(difference, first, second, verdict):
     assert row.verdict == verdict
 
 
+@pytest.mark.gmsh
 def test_an_annulus_that_is_only_pressed_on_does_not_disagree():
     punch = {"radius": 1.0, "ring_edges": [0.6, 1.0], "wear_coefficients": [1.0, 1.0]}
     scene = FIVE.changed(

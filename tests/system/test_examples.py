@@ -48,6 +48,7 @@ def test_a_mesh_of_ones_own(show):
     assert 1.7 < min(ratios) <= max(ratios) < 2.3
 
 
+@pytest.mark.gmsh
 def test_the_notebook_shows_what_it_shows(capsys):
     """What its cells print, and the last value of each, are the outputs that it holds."""
     notebook = json.loads((EXAMPLES / "first_steps.ipynb").read_text("utf-8"))

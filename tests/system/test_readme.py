@@ -56,6 +56,7 @@ def test_the_scene_and_the_script_of_the_readme(tmp_path, monkeypatch):
     exec("\n".join(script.splitlines()[:5]), {})
 
 
+@pytest.mark.gmsh
 def test_the_output_in_the_readme(tmp_path, capsys):
     assert main(["run", "--no-figures", "--out", str(tmp_path / "out")]) == 0
     told = capsys.readouterr().out

@@ -93,6 +93,7 @@ def compare(flat, factors, errors=None):
     return {row.quantity: row for row in rows}
 
 
+@pytest.mark.gmsh
 @pytest.mark.parametrize("factor", [0.98, 1.02])
 def test_a_wrong_result_is_noticed(flat, factor):
     quantities = flat.quantities
