@@ -10,7 +10,6 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import interp1d
 
 from ...meshes.radial import Array
 from ..methods.base import method
@@ -157,6 +156,8 @@ class Case(Comparison):
         depths = {name: self.ours[name] for name in names}
         if len(self.times) < 2 or not depths:
             return
+        from scipy.interpolate import interp1d  # runs without results of others load this file, too
+
         problem, last = self.scene.problem, float(self.times[-1])
         # relative error of d0 of a clamped half-space over a/R (`study truncation`)
         clamped = np.interp(problem.poisson_ratio, [0, 0.3, 0.45, 0.5], [0.94, 1.09, 1.51, 1.91])

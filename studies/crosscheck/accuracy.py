@@ -27,6 +27,8 @@ def solved_to_accuracy(
     """
     solutions = method.solve_all(problems, stages)
     errors = [error_of_sizes(*pair) for pair in zip(problems, solutions, strict=True)]
+    # where edges move, half of the uncertainty that two methods may have
+    allowed = [of.rtol * (1.0 if of.full_contact else A_FEW / 2) for of in problems]
     limits = [
         followed(problem, solution.settings.get("pressures", 0))
         for problem, solution in zip(problems, solutions, strict=True)
@@ -34,17 +36,14 @@ def solved_to_accuracy(
     working = [min(problem.rtol, most) for problem, (_, most) in zip(problems, limits, strict=True)]
     short = [at for at, problem in enumerate(problems) if not problem.sizes_given(method.name)]
     for _ in range(4):
-        short = [
-            at for at in short if working[at] > limits[at][0] and errors[at] > problems[at].rtol
-        ]
+        short = [at for at in short if working[at] > limits[at][0] and errors[at] > allowed[at]]
         if not short:
             break
         for at in short:
-            rtol = problems[at].rtol
-            working[at] = max(limits[at][0], working[at] * max(0.5 * rtol / errors[at], 0.1))
-            LOG.info(
-                "%8s  its estimate %.1e is above %.1e: refining ...", method.name, errors[at], rtol
-            )
+            ratio = max(0.5 * allowed[at] / errors[at], 0.1)
+            working[at] = max(limits[at][0], working[at] * ratio)
+            numbers = method.name, errors[at], allowed[at]
+            LOG.info("%8s  its estimate %.1e is above %.1e: refining ...", *numbers)
         finer = [replace(problems[at], rtol=working[at]) for at in short]
         try:
             refined = method.solve_all(finer, stages)
@@ -69,11 +68,11 @@ def solved_to_accuracy(
 def error_of_sizes(problem: Problem, solution: Solution) -> float:
     """Return the greatest error estimate of all quantities that finer sizes would mend."""
     if not problem.full_contact:
-        # of what is not local to edges, half of the uncertainty that two methods may have; cells do
-        # not mend what is far above, such as the last of a force that decays
+        # of what is not local to edges; cells do not mend what is far above, such as the last of a
+        # force that decays
         promised = [name for name in solution.errors if name not in AT_EDGES]
         error = max((solution.greatest_error(name) for name in promised), default=0.0)
-        return 2 * error / A_FEW if error < 40 * problem.rtol else 0.0
+        return error if error < 40 * problem.rtol else 0.0
     # closed forms and the uniform grid have no sizes that go by the accuracy asked for
     discretisation = solution.parts.get("discretisation", solution.parts.get("force"))
     if problem.march != "modal" or discretisation is None:

@@ -4,7 +4,7 @@ import json
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -17,6 +17,8 @@ from ..crosscheck.scope import methods_of
 from ..crosscheck.table import Table
 from ..problem.scene import Scene
 from ..registry import METHODS
+
+Row = TypeVar("Row", Agreement, Anchor)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,8 +55,13 @@ class Stored(Result):
 
     @cached_property
     def anchors(self) -> tuple[Anchor, ...]:
-        names = [field.name for field in fields(Anchor)]
-        return tuple(Anchor(*(row[name] for name in names)) for row in self.told["anchors"])
+        return _rebuilt(Anchor, self.told["anchors"])
+
+
+def _rebuilt(kind: type[Row], rows: list[dict[str, Any]]) -> tuple[Row, ...]:
+    """Return rows of `summary.json` as what they were."""
+    names = [field.name for field in fields(kind)]
+    return tuple(kind(*(row[name] for name in names)) for row in rows)
 
 
 def load(folder: str | Path) -> Stored:
@@ -67,12 +74,12 @@ def load(folder: str | Path) -> Stored:
     """
     import xarray
 
-    path, names = Path(folder), [field.name for field in fields(Agreement)]
+    path = Path(folder)
     try:
         told = json.loads((path / "summary.json").read_text("utf-8"))
         data = xarray.load_dataset(path / "results.nc", engine="netcdf4")
         scene = Scene.from_toml(data.attrs["scene"], str(path))
-        rows = [Agreement(*(row[name] for name in names)) for row in told["agreement"]]
+        rows = _rebuilt(Agreement, told["agreement"])
     except (OSError, KeyError, ValueError) as error:
         raise SceneError(
             f"{path} cannot be read as results of ringwear: {error}; give a folder that `ringwear "
@@ -87,4 +94,4 @@ def load(folder: str | Path) -> Stored:
     )
     methods = methods_of([name for name in told["methods"] if name in METHODS])
     table = Table(variables, coordinates, dict(data.attrs))
-    return Stored(scene, methods, {}, {}, tuple(rows), (), table, told)
+    return Stored(scene, methods, {}, {}, rows, (), table, told)

@@ -255,8 +255,8 @@ class Account:
             (row for row in result.agreement if row.remark), key=lambda row: row.uncertainty
         )
         worst = {row.quantity: row for row in undecided}
+        rows = [worst[name] for name in QUANTITIES if name in worst]
         for remark in dict.fromkeys(row.remark for row in worst.values()):
-            rows = [worst[name] for name in QUANTITIES if name in worst]
             listed = ", ".join(
                 f"{row.quantity} ({row.when})" if row.when else row.quantity
                 for row in rows
@@ -285,8 +285,8 @@ def beyond_the_model(scene: Scene) -> list[str]:
     if UnitNames.of(scene.units).base is None:
         return lines
     units, fixed = problem.units, problem.indentation
-    depth = D0 * units.displacement / units.length * (fixed or 1.0)
-    pressure = units.force / units.length**2 / np.pi / units.modulus * (fixed or 1.0)
+    depth = D0 * units.slope * (fixed or 1.0)
+    pressure = units.pressure / np.pi / units.modulus * (fixed or 1.0)
     for what, size, limit in (
         ("the indentation of the flat punch is {:.2g} of its radius", depth, 0.1),
         ("the mean pressure is {:.2g} of the plane strain modulus", pressure, 0.01),
