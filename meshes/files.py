@@ -49,7 +49,7 @@ def read(path: str | Path, ring_edges: Array, radius: float = 1.0) -> tuple[Mesh
 
 
 def _mesh(path: Path) -> Mesh:
-    content = _content(path)
+    content = content_of(path)
     kinds = {block.type for block in content.cells if len(block.data)}
     higher = sorted(kind for kind in kinds if re.match(r"(line|triangle|quad)\d", kind))
     if higher:
@@ -81,7 +81,14 @@ def _mesh(path: Path) -> Mesh:
     return from_meshio(content, ignore_orientation=True)
 
 
-def _content(path: Path) -> Any:
+def content_of(path: Path) -> Any:
+    """Return what meshio reads of a file.
+
+    Raises
+    ------
+    MeshError
+        if that is nothing
+    """
     import meshio
 
     if not path.is_file():

@@ -45,7 +45,7 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "nargs": "*",
         "metavar": "FILE",
         "help": "CSV (columns time, radius, pressure, displacement, profile, or time, indentation, "
-        "normal_force) or netCDF of another program",
+        "normal_force), netCDF, or VTU of a half-space, of another program",
     },
     "--within": {
         "type": float,

@@ -23,7 +23,7 @@ from .output.folder import Folder, output_folder
 from .output.signals import ending_on_signals
 from .problem.scene import Scene, bundled, text_of
 from .progress import show_progress
-from .registry import INTERRUPTED, METHODS, STUDIES
+from .registry import INTERRUPTED, STUDIES
 from .versions import versions
 
 if TYPE_CHECKING:
@@ -116,24 +116,23 @@ def _check(options: argparse.Namespace) -> Status:
     from .figures.catalogue import PICTURES
     from .output.files import run_files, write_numbers
 
-    scene, stems = Scene.load(options.scene), [Path(file).stem for file in options.files]
+    scene = Scene.load(options.scene)
     if options.template:
         from .check.template import write_template
 
-        made = ("template.csv", "scene.txt", "unworn.csv", "mesh.msh", "mesh.inp")
+        made = ("template.csv", "scene.txt", "unworn.csv", "mesh.msh")
         with output_folder(options.template, "template", made) as folder:
             print(*write_template(scene, options.units, folder.hidden), sep="\n")
         _print_files(folder, [])
         return Status.DONE
-    if not stems:
+    if not options.files:
         raise SceneError(
             "check holds results of other programs against ours: give their files, or --template "
             "DIR for what they have to model and to sample"
         )
-    named = [f"their {stem}" if stem in METHODS else stem for stem in stems]
-    if len(set(named)) < len(named):
-        named = options.files
-    given = dict(zip(named, options.files, strict=True))
+    given = {Path(file).name: file for file in options.files}
+    if len(given) < len(options.files):
+        given = {file: file for file in options.files}
     # each half as coarse as the one before it, unless it is said otherwise
     halved = [0.5**level for level in range(len(given))]
     sizes = options.sizes or (halved if len(given) > 1 else [])

@@ -9,8 +9,7 @@ import numpy as np
 
 from ..crosscheck.dataset import Result
 from ..problem.unit_names import UnitNames
-from .comparison import Comparison
-from .diagnose import Diagnosis, diagnose
+from .diagnose import Comparison, Diagnosis, diagnose
 from .verdict import Verdict, best, in_words, verdicts
 
 if TYPE_CHECKING:

@@ -15,8 +15,8 @@ from ...meshes.radial import Array
 from ..methods.base import method
 from ..methods.norms import Results
 from ..problem.quantities import QUANTITIES
+from ..problem.scene import Scene
 from ..progress import Stages
-from .comparison import Comparison
 
 
 @dataclass(frozen=True)
@@ -39,35 +39,24 @@ class Diagnosis:
     confirm: str
 
 
-def diagnose(comparison: Comparison, least: float = 0.7) -> list[Diagnosis]:
-    """Return what the error of their results looks like, the most confident first.
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Results of another program and ours, in the units of the scene: faults may explain the error.
 
     Parameters
     ----------
-    comparison : Comparison
-    least : float
-        Confidence below which nothing is said.
-
-    Returns
-    -------
-    list of Diagnosis
-        Empty if nothing fits, or if the error is below the accuracy that the scene asks for.
-
-    Notes
-    -----
-    Radius and modulus are changed by their units, which is exact of flat punches under one load;
-    of others these two faults may stay unnamed.
+    times : (T,) that it gives
+    radii : (R,) that it gives
+    theirs, ours : pressure, displacement, profile (T, R), indentation, normal_force (T,), NaN or
+        absent where they are not given
+    scene : what both are of
     """
-    case = Case(**vars(comparison))
-    if np.linalg.norm(case.relative(case.theirs, case.ours)) <= case.scene.accuracy.rtol:
-        return []
-    faults = chain(case.of_model(), case.of_history(), case.of_pressure())
-    likely = [fault for fault in faults if fault.confidence > least]
-    return sorted(likely, key=lambda fault: -fault.confidence)
 
-
-class Case(Comparison):
-    """A comparison whose error faults may explain."""
+    times: Array
+    radii: Array
+    theirs: Results
+    ours: Results
+    scene: Scene
 
     def relative(self, results: Results, names: Iterable[str]) -> Array:
         """Return relative differences of results to ours in one row, 0 where there is none.
@@ -222,3 +211,25 @@ class Case(Comparison):
             f"errors of pressure, of {size:.2g}, that change their sign from radius to radius",
             "means of neighbours lose it: pressures are too rich for the displacements",
         )
+
+
+def diagnose(comparison: Comparison) -> list[Diagnosis]:
+    """Return what the error of their results looks like, the most confident first.
+
+    Returns
+    -------
+    list of Diagnosis
+        Empty if nothing explains most of the error, or if this is below the accuracy that the scene
+        asks for.
+
+    Notes
+    -----
+    Radius and modulus are changed by their units, which is exact of flat punches under one load;
+    of others these two faults may stay unnamed.
+    """
+    error = comparison.relative(comparison.theirs, comparison.ours)
+    if np.linalg.norm(error) <= comparison.scene.accuracy.rtol:
+        return []
+    faults = chain(comparison.of_model(), comparison.of_history(), comparison.of_pressure())
+    likely = [fault for fault in faults if fault.confidence > 0.7]
+    return sorted(likely, key=lambda fault: -fault.confidence)

@@ -33,14 +33,12 @@ class Given(Method):
     @classmethod
     def tabled(cls, name: str, table: pd.DataFrame, scene: Scene) -> "Given":
         """Return what a table gives (`tables.read`), at the times and radii of a scene."""
-        given, radii = {}, scene.output.radii
+        given = {}
         for quantity in table.columns.difference(["time", "radius"], sort=False):
-            rows = table.dropna(subset=[quantity])
+            along = ["time", "radius"] if quantity in FIELDS else ["time"]
+            values = table.dropna(subset=[quantity]).groupby(along)[quantity].first()
             if quantity in FIELDS:
-                values = rows.pivot(index="time", columns="radius", values=quantity)
-                values = values.reindex(columns=radii)
-            else:
-                values = rows.groupby("time")[quantity].first()
+                values = values.unstack().reindex(columns=scene.output.radii)
             given[quantity] = values.reindex(scene.wear.times).to_numpy()
         return cls(name, given)
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ...meshes.errors import SceneError
+from ...meshes.errors import MeshError, SceneError
 from ..problem.quantities import FIELDS, QUANTITIES
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
@@ -28,7 +28,8 @@ def read(
 
     Parameters
     ----------
-    source : a CSV or netCDF file, a DataFrame, or an xarray Dataset, of several solvers the first
+    source : a file (CSV, netCDF, or VTU of a half-space), a DataFrame, or an xarray Dataset, of
+        several solvers the first
     name : what messages call a table that is no file
     columns : names of ours by theirs
     units : of theirs, as a scene states them; those of the scene if empty
@@ -46,9 +47,15 @@ def read(
         if {"time"} <= {*of.dims} <= {"time", "radius"} and key != "contact"
     }
     if isinstance(source, str | Path):
-        name, place, source = str(source), "line", _open(Path(source))
+        name, place = str(source), "line"
+        if Path(source).suffix == ".vtu":
+            source, columns = _surface(Path(source), columns), {}
+        else:
+            source = _open(Path(source))
     if hasattr(source, "to_dataframe"):
-        source = source.isel(solver=0) if "solver" in source.dims else source
+        if "solver" in source.dims:
+            source = source.isel(solver=0)
+            LOG.info("%s: results of %s are taken", name, source["solver"].item())
         given = [key for key in source if columns.get(key, key) in kinds]
         source = source[given].reset_coords(drop=True).to_dataframe()
     if source.index.names != [None]:
@@ -105,14 +112,47 @@ def _open(path: Path) -> Any:
     return pd.DataFrame([rows[number] for number in others], others, rows[first])
 
 
+def _surface(path: Path, columns: Mapping[str, str]) -> pd.DataFrame:
+    """Return what stands at the surface of a mesh in the plane of radius and height.
+
+    Arrays of the points are called by quantity and time: ``displacement t=0.5``, and ``pressure
+    t=0.5`` or ``stress_zz t=0.5``. Of vectors the second component is taken.
+    """
+    from ...meshes.files import content_of  # with it come scikit-fem and meshio
+
+    try:
+        mesh = content_of(path)
+    except MeshError as error:
+        raise SceneError(f"{path} cannot be read: {error}") from None
+    radius, height = mesh.points.T[:2]
+    surface = np.abs(height) <= 1e-9 * np.ptp(height)
+    into = np.sign(height.mean())
+    tables = []
+    for theirs, values in mesh.point_data.items():
+        quantity, _, label = columns.get(theirs, theirs).partition(" t=")
+        time = pd.to_numeric(label, errors="coerce")
+        if values.ndim == 2:
+            values = into * values[:, 1]
+        if quantity == "stress_zz":
+            quantity, values = "pressure", -values
+        if np.isfinite(time) and quantity in FIELDS:
+            here = {"time": time, "radius": radius[surface], "value": values[surface]}
+            tables.append(pd.DataFrame(here | {"quantity": quantity}))
+    if not tables:
+        raise SceneError(
+            f"{path} has no arrays of a time among {', '.join(mesh.point_data) or 'none'}: give "
+            "those that are, as in --columns 'U=displacement t=0.5,S22=stress_zz t=0.5'"
+        )
+    whole = pd.concat(tables).groupby(["time", "radius", "quantity"])["value"].first()
+    return whole.unstack().reset_index()
+
+
 def _named(
     frame: pd.DataFrame, name: str, columns: Mapping[str, str], ours: list[str]
 ) -> pd.DataFrame:
     """Return the columns that we have, by our names."""
-    heads, absent = (
-        ", ".join(map(str, frame)),
-        [theirs for theirs in columns if theirs not in frame],
-    )
+    heads = ", ".join(map(str, frame))
+    absent = [theirs for theirs in columns if theirs not in frame]
     frame = frame.rename(columns=columns)
     left = [str(key) for key in frame if key not in ours]
     frame = frame[[key for key in frame if key in ours]]

@@ -4,6 +4,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import meshio
 import numpy as np
 import pandas as pd
 
@@ -20,8 +21,8 @@ def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
     Parameters
     ----------
     units : of theirs, as a scene states them; those of the scene if empty
-    folder : where `template.csv`, `unworn.csv` of a punch that is not flat, `mesh.msh`, `mesh.inp`
-        and `scene.txt` go
+    folder : where `template.csv`, `unworn.csv` of a punch that is not flat, `mesh.msh` and
+        `scene.txt` go
 
     Returns
     -------
@@ -58,7 +59,9 @@ def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
     reach = 100.0
     sizes = {"mesher": "gmsh", "truncation": reach}
     meshed = half_space_mesh(scene.changed(accuracy__fem=sizes).problem)
-    _write_mesh(meshed.mesh.scaled(scaled(scene.punch.radius, "length")), folder)
+    points = meshed.mesh.p.T * scaled(scene.punch.radius, "length")
+    triangles = meshio.Mesh(np.pad(points, ((0, 0), (0, 1))), {"triangle": meshed.mesh.t.T})
+    triangles.write(folder / "mesh.msh", file_format="gmsh")
     ratio, modulus = scene.half_space.poisson_ratio, problem.units.modulus
     kinds = {"normal_force": "force", "mean_pressure": "pressure", "indentation": "displacement"}
     load = next(name for name in kinds if getattr(scene.load_, name) is not None)
@@ -81,7 +84,7 @@ def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
         "displacement on the axis; no friction; p >= 0 and gap >= 0 under the punch, no traction "
         "beside it.",
         "Clamped at a distance R from the centre it is indented too little, by about 1.1 a/R; "
-        f"mesh.msh and mesh.inp (x: radius, y: depth) reach to R = {reach:g} a.",
+        f"mesh.msh (x: radius, y: depth; meshio converts it) reaches to R = {reach:g} a.",
         f"Load: {write_load(load, kinds[load])}; {write_load('sliding_speed', 'wear_rate')}.",
         "Wear: df/dt = k p v, where f is the height that is gone from the face.",
         "Fill in template.csv, and leave empty what you do not have: pressure p; displacement u of "
@@ -92,12 +95,3 @@ def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
     ]
     (folder / "scene.txt").write_text("\n".join(lines) + "\n", "utf-8")
     return lines
-
-
-def _write_mesh(mesh: Any, folder: Path) -> None:
-    """Write a mesh of triangles as gmsh and Abaqus read it."""
-    import meshio
-
-    points = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
-    for file, kind in (("mesh.msh", "gmsh"), ("mesh.inp", "abaqus")):
-        meshio.Mesh(points, {"triangle": mesh.t.T}).write(folder / file, file_format=kind)

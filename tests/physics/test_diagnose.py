@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from ringwear import Scene, run
-from ringwear.studies.check.comparison import Comparison
-from ringwear.studies.check.diagnose import diagnose
+from ringwear.studies.check.diagnose import Comparison, diagnose
 
 SCENES = {
     "five": Scene.load("five_rings"),

@@ -1,6 +1,7 @@
 """Results of other programs held against ours: closed forms pass, and what is put wrong is told."""
 
 import json
+from pathlib import Path
 
 import meshio
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from ringwear import Scene, check, run
 from ringwear.meshes.errors import SceneError
+from ringwear.studies import challenge
 from ringwear.studies.cli import main
 
 RADII = np.array([0.0, 0.13, 0.2, 0.5, 0.77, 0.98])
@@ -31,7 +33,7 @@ def test_closed_forms_pass(tmp_path, capsys):
     out = tmp_path / "out"
     assert main(["check", "five_rings", str(tmp_path / "fem.csv"), "--out", str(out)]) == 0
     shown = capsys.readouterr()
-    assert shown.out.count("their fem: ") == shown.out.count("no error to be seen") == 5
+    assert shown.out.count("fem.csv: ") == shown.out.count("no error to be seen") == 5
     assert "1 rows beyond the punch" in shown.err
     rows = pd.read_csv(out / "check.csv")
     assert (rows.error.abs() <= rows.stated).all()
@@ -49,7 +51,7 @@ def test_what_is_off_is_told_with_its_sign_and_place(tmp_path, capsys):
     call = ["check", "five_rings", str(tmp_path / "abaqus.csv"), "--out", str(tmp_path / "out")]
     assert main(call) == 3
     told = capsys.readouterr().out
-    assert "abaqus: indentation: 3.1 % low" in told
+    assert "abaqus.csv: indentation: 3.1 % low" in told
     assert "t = 0, r = 0.77: 50 % high" in told
     assert "displacement: high by 5 % of the indentation" in told
     assert "r = 0.5\n" in told
@@ -115,6 +117,63 @@ def test_columns_and_units_of_theirs(tmp_path):
     call = ["check", str(tmp_path / "mine.toml"), str(file), *flags]
     assert main([*call, "--units", "mm, N, MPa, s"]) == 0
     assert main(call) == 2  # radii in mm lie beyond a punch in m
+
+
+@pytest.mark.parametrize("upwards", [True, False])
+def test_a_mesh_is_read_at_its_surface(upwards, tmp_path):
+    """Closed forms of the flat start on a surface, below it zeros, and beside the punch tension."""
+    table = flat_start(Scene.load("five_rings"), np.linspace(0, 0.99, 34))
+    sign = 1.0 if upwards else -1.0
+    surface = np.column_stack([table["radius"], 0 * table["radius"], 0 * table["radius"]])
+    points = np.concatenate([surface, surface - np.array([0, sign, 0]), [[2.0, 0.0, 0.0]]])
+    nothing = np.zeros(len(table))
+    down = np.concatenate([table["displacement"], nothing, [0.3]])
+    stress = np.concatenate([-table["pressure"], nothing, [0.1]])
+    vector = np.column_stack([0 * down, -sign * down, 0 * down])
+    arrays = {"U t=0": vector, "stress_zz t=0.0": stress, "temperature": stress}
+    cells = [("vertex", np.arange(len(points))[:, None])]
+    file = tmp_path / "theirs.vtu"
+    meshio.Mesh(points, cells, point_data=arrays).write(file)
+    how = {"methods": ["mdr"], "columns": {"U t=0": "displacement t=0"}}
+    checked = check("five_rings", {"theirs": file}, **how)
+    assert {row.quantity for row in checked.verdicts} == {"displacement", "pressure"}
+    assert all(abs(row.error) <= row.stated for row in checked.verdicts)
+    with pytest.raises(SceneError, match=r"displacement t=0\.5"):
+        check("five_rings", {"theirs": file}, columns={"U t=0": "U", "stress_zz t=0.0": "S"})
+    file.write_text("<VTKFile>", "utf-8")
+    with pytest.raises(SceneError, match="cannot be read"):
+        check("five_rings", {"theirs": file})
+
+
+@pytest.mark.gmsh
+def test_the_half_space_of_a_run_is_read_back(tmp_path):
+    """From its surface, at two times; pressures are those of the stresses inside."""
+    scene = Scene.load("five_rings").changed(output__field_times=[0.1, 2.0], accuracy__rtol=1e-3)
+    run(scene, methods=["fem"]).save(tmp_path / "out")
+    checked = check(scene, {"inside": tmp_path / "out" / "half_space.vtu"}, methods=["mdr"])
+    errors = {(row.quantity, row.time): abs(row.error) for row in checked.verdicts}
+    assert {0.1, 2.0} <= {time for _, time in errors}
+    assert max(error for (name, _), error in errors.items() if name == "displacement") < 1e-3
+    assert max(error for (name, time), error in errors.items() if time) < 1e-2
+
+
+@pytest.mark.parametrize(
+    ("program", "low", "high", "looks"),
+    [
+        ("03_scikit_fem_080", -0.06, -0.05, "truncated half-space"),
+        ("07_tamaas_256", -1e-4, 1e-4, ""),
+        ("01_contact_mechanics_256", -1e-2, 1e-2, ""),
+    ],
+)
+def test_programs_of_others(program, low, high, looks):
+    """What the challenge has of them: a clamped boundary is named, two programs on grids pass."""
+    folder = Path(challenge.__file__).parent
+    (problem,) = folder.glob(f"{program[:2]}*.toml")
+    given = pd.read_csv(folder / "others" / f"{program}.csv", comment="#").query("radius < 0.95")
+    checked = check(problem, {program: given}, methods=["mdr"])
+    start = next(row.error for row in checked.verdicts if row.quantity == "indentation")
+    assert low <= start <= high
+    assert {fault.name for fault in checked.diagnoses[program]} == {looks} - {""}
 
 
 @pytest.mark.parametrize(
