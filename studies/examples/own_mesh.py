@@ -6,8 +6,10 @@ Scikit-fem's, made in a box, refined towards the rim, bent to a disc.
 import numpy as np
 from skfem import MeshTri
 
-from ringwear.fem import AxisymmetricElasticity, HalfSpace, enough_poles, pressure_space
-from ringwear.meshes import as_half_space
+from ringwear.fem.elasticity import AxisymmetricElasticity
+from ringwear.fem.far_field import enough_poles
+from ringwear.fem.half_space import HalfSpace, pressure_space
+from ringwear.meshes.half_space import as_half_space
 
 # lengths in punch radii; each ring edge must be a vertex of the surface
 ring_edges, outer = np.array([0.0, 0.5, 1.0]), 4.0

@@ -9,17 +9,16 @@ from conftest import WITHOUT_GMSH
 from scipy.sparse import bmat, coo_matrix, csc_matrix
 from scipy.sparse.linalg import splu
 
-from ringwear.fem import (
-    AxisymmetricElasticity,
-    HalfSpace,
-    condensation,
-    displacements,
-    pressure_space,
-    trailing_factor,
-)
+from ringwear.fem import condensation
+from ringwear.fem.condensation import trailing_factor
+from ringwear.fem.elasticity import AxisymmetricElasticity
+from ringwear.fem.half_space import HalfSpace, pressure_space
+from ringwear.fem.stresses import displacements
 from ringwear.mdr import direct, energy
-from ringwear.meshes import SizeField, SolverError, bisection, quads
+from ringwear.meshes import bisection, quads
+from ringwear.meshes.errors import SolverError
 from ringwear.meshes.half_space import contact_facets
+from ringwear.meshes.sizes import SizeField
 from ringwear.studies.wear.flat_contact import press_flat
 
 SOLVERS = ["superlu"] + ["cholmod"] * bool(importlib.util.find_spec("kvxopt"))

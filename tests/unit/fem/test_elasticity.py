@@ -18,10 +18,11 @@ from skfem import (
     MeshQuad,
 )
 
-from ringwear.fem import AxisymmetricElasticity, element_of_degree, moduli, poles, stiffness
 from ringwear.fem.condensation import symmetric
-from ringwear.meshes import turned
-from ringwear.meshes.half_space import LOWER
+from ringwear.fem.elasticity import AxisymmetricElasticity
+from ringwear.fem.far_field import poles
+from ringwear.fem.weak_form import element_of_degree, moduli, stiffness
+from ringwear.meshes.half_space import LOWER, turned
 
 # kind of mesh and degree of the displacement
 SOLIDS = [

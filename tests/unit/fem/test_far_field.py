@@ -3,17 +3,13 @@
 import numpy as np
 import pytest
 
-from ringwear.fem import (
-    AxisymmetricElasticity,
-    HalfSpace,
-    displacements,
-    enough_poles,
-    exterior_stiffness,
-    poles,
-    pressure_space,
-)
 from ringwear.fem.condensation import symmetric
-from ringwear.meshes import SizeField, bisection
+from ringwear.fem.elasticity import AxisymmetricElasticity
+from ringwear.fem.far_field import enough_poles, exterior_stiffness, poles
+from ringwear.fem.half_space import HalfSpace, pressure_space
+from ringwear.fem.stresses import displacements
+from ringwear.meshes import bisection
+from ringwear.meshes.sizes import SizeField
 from ringwear.studies.wear.flat_contact import press_flat
 
 ORDERS = (0, 2, 4, 6)

@@ -5,7 +5,8 @@ import pytest
 from mpmath import mp
 
 from ringwear.mdr import direct, energy
-from ringwear.meshes import PressureSpace, graded_breakpoints, layer_degrees, ring_areas
+from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.meshes.radial import graded_breakpoints, layer_degrees, ring_areas
 
 EDGES = np.array([0.0, 0.25, 0.3, 0.8, 1.0])
 WEAR = np.array([0.2, 1.0, 0.05, 0.6])

@@ -10,22 +10,18 @@ import numpy as np
 import pytest
 from skfem import MeshQuad, MeshTri
 
-from ringwear.meshes import (
-    Array,
-    MeshError,
-    SizeField,
-    alternating_edges,
+from ringwear.meshes import bisection, quads, triangles
+from ringwear.meshes.errors import MeshError
+from ringwear.meshes.half_space import (
+    LOWER,
     as_half_space,
-    bisection,
     contact_radii,
-    quads,
     quality,
     segments,
-    triangles,
     truncation,
 )
-from ringwear.meshes.half_space import LOWER
-from ringwear.meshes.sizes import convergence, patch_widths
+from ringwear.meshes.radial import Array, alternating_edges
+from ringwear.meshes.sizes import SizeField, convergence, patch_widths
 
 RINGS = SizeField((0.0, 0.2, 0.4, 0.6, 0.8, 1.0), 1e-5, 1e-3, 0.6, 5.0)
 FIELDS = {

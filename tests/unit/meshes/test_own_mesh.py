@@ -10,16 +10,11 @@ import pytest
 from skfem import MeshQuad
 
 from ringwear import Scene
-from ringwear.meshes import (
-    MeshError,
-    SizeField,
-    areas,
-    bisection,
-    contact_radii,
-    gmsh_session,
-    truncation,
-)
+from ringwear.meshes import bisection, gmsh_session
+from ringwear.meshes.errors import MeshError
 from ringwear.meshes.files import read
+from ringwear.meshes.half_space import areas, contact_radii, truncation
+from ringwear.meshes.sizes import SizeField
 from ringwear.studies.cli import main
 
 EDGES = np.array([0.0, 0.5, 1.0])
