@@ -32,13 +32,18 @@ def fitted_half_space(
     poisson_ratio : of the half-space
     """
     marks = np.array(edges)
+
+    def as_root(distance: Array, *_: Array | Indices) -> Array:
+        # what stands behind high degrees: pressures rise or fall at edges as a root
+        return np.sqrt(distance)
+
     # infinite as a root, or falling to zero as one: smaller still, stiffnesses would lose digits
     sizes = np.where(infinite, 1e-10, 2.5e-7)[1:]
     # layers beside the axis, where a cone's pressure is infinite as a logarithm
     beside_axis = 1e-2
     if edges[1] > 4 * beside_axis:
         marks, sizes = np.insert(marks, 1, beside_axis), np.insert(sizes, 0, beside_axis)
-    mesh = graded(marks, sizes[:-1], float(sizes[-1]), 0.25, 0.8, 2.5, _as_root).mesh
+    mesh = graded(marks, sizes[:-1], float(sizes[-1]), 0.25, 0.8, 2.5, as_root).mesh
     return _half_space(AxisymmetricElasticity(mesh, degree, poisson_ratio), marks)
 
 
@@ -54,11 +59,6 @@ def even_half_space(
     half_space = _half_space(solid, np.array(edges))
     space = half_space.space
     return replace(half_space, space=replace(space, degrees=np.ones_like(space.degrees)))
-
-
-def _as_root(distance: Array, *_: Array | Indices) -> Array:
-    """What stands behind high degrees beside an edge: pressures rise or fall there as a root."""
-    return np.sqrt(distance)
 
 
 def _half_space(solid: AxisymmetricElasticity, ring_edges: Array) -> HalfSpace:

@@ -234,13 +234,10 @@ class AxisymmetricElasticity:
     def forces(self, displacement: Array) -> Array:
         """(2 nodes, k) forces on the functions that make the (2 nodes, k) displacements."""
         values = np.pad(displacement, ((0, 1), (0, 0)))
-        moving = values.any(axis=1)
         out = np.zeros_like(values)
         for batch in self.batches:
             local, _ = batch.condensed
-            moved = moving[batch.unknowns].any(axis=1)
-            unknowns = batch.unknowns[moved]
-            np.add.at(out, unknowns, local[moved] @ values[unknowns])
+            np.add.at(out, batch.unknowns, local @ values[batch.unknowns])
         return out[:-1]
 
     def boundary(self, name: str) -> Indices:

@@ -18,13 +18,15 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.sparse import bmat, coo_matrix, csc_matrix, diags
+from scipy.sparse.linalg import splu
 from skfem import MeshQuad
 
 from ..meshes.compliance import Compliance
+from ..meshes.errors import SolverError
 from ..meshes.half_space import contact_facets, contact_radii, segments
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array, Indices, gauss, layer_degrees
-from .condensation import fill_reducing_order, symmetric, trailing_factor
+from .condensation import SYMMETRIC, fill_reducing_order, symmetric, trailing_factor
 from .elasticity import AxisymmetricElasticity
 from .far_field import exterior_stiffness, poles
 from .weak_form import moduli
@@ -140,12 +142,26 @@ class HalfSpace:
         on_contact = displacements[:, solid.boundary("contact")].T @ area @ space.on_elements(node)
         return np.pad(on_contact.toarray(), ((0, len(self.poles)), (0, 0)))
 
-    def expand(self, solution: Array) -> Array:
-        """(m, nodes, 2) displacements by the (unknowns of `system`, m) solutions."""
-        free = len(self._order)
-        out = self._far_fields @ solution[free:]
-        out[self._order] = solution[:free]
-        return np.stack([out[: self.solid.nodes].T, out[self.solid.nodes :].T], axis=-1)
+    def displacements(self, pressures: Array) -> Array:
+        """(states, functions, 2) radial and axial coefficients under (states, size) pressure
+        coefficients.
+
+        Raises
+        ------
+        SolverError
+            if the stiffness of the half-space is singular
+        """
+        loads, inside = self.coupling @ pressures.T, self.system.shape[0] - len(self.coupling)
+        right = np.pad(loads, ((inside, 0), (0, 0)))
+        solution = splu(self.system, permc_spec="MMD_AT_PLUS_A", **SYMMETRIC).solve(right)
+        if not np.isfinite(solution).all():
+            raise SolverError(
+                "the stiffness of the half-space is singular: no displacement can be recovered"
+            )
+        free, nodes = len(self._order), self.solid.nodes
+        moved = self._far_fields @ solution[free:]
+        moved[self._order] = solution[:free]
+        return self.solid.with_insides(np.stack([moved[:nodes].T, moved[nodes:].T], axis=-1))
 
     def compliance(self) -> Compliance:
         """Condense the half-space to its compliance on the pressure space.

@@ -103,8 +103,7 @@ def pressure_steps(pressures: Array) -> Array:
 
 def greatest_displacement(ring_edges: Array, pressures: Array) -> Any:
     """Greatest displacement under the punch, ``u_max`` of Eq. 27, by (N,) or (N, M) pressures."""
-    within = np.linspace(0, 1, 33)[:-1, None]
-    radii = np.append((ring_edges[:-1] + np.diff(ring_edges) * within).T.ravel(), 1.0)
+    radii = np.unique(np.linspace(ring_edges[:-1], ring_edges[1:], 33))
     values = displacement(ring_edges, pressures, radii)
     steps, best = pressure_steps(pressures).T, values.argmax(axis=0)
     low, high = radii[np.maximum(best - 1, 0)], radii[np.minimum(best + 1, len(radii) - 1)]

@@ -16,7 +16,7 @@ from skfem import CellBasis, Mesh, MeshTri, adaptive_theta
 
 from ...fem.elasticity import AxisymmetricElasticity
 from ...fem.half_space import HalfSpace, pressure_space
-from ...fem.stresses import displacements, stresses
+from ...fem.stresses import stresses
 from ...fem.weak_form import element_of_degree, projection
 from ...meshes import bisection
 from ...meshes.half_space import contact_facets, truncation
@@ -81,7 +81,7 @@ def solve_on(problem: Problem, mesh: Mesh, degree: int) -> SolvedMesh:
     wear = RunningIn(compliance, rings.wear_coefficients)
     states = np.array([press_flat(compliance).pressure, wear.steady.pressure])
     energies = np.sum((states @ compliance.factor.T) ** 2, axis=1)
-    moved = displacements(half_space, states)
+    moved = half_space.displacements(states)
     in_doubt = indicators(solid, moved, energies)
     lost = lost_displacement(half_space, wear, moved[1, : solid.nodes, 1])
     energy, displacement = float(in_doubt.sum()), float(np.sqrt(lost.sum()))

@@ -13,7 +13,6 @@ from ringwear.fem import condensation
 from ringwear.fem.condensation import trailing_factor
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.half_space import HalfSpace, pressure_space
-from ringwear.fem.stresses import displacements
 from ringwear.mdr import direct, energy
 from ringwear.meshes import bisection, quads
 from ringwear.meshes.errors import SolverError
@@ -120,7 +119,7 @@ def test_multipliers_are_stable(solid, poisson_ratio):
 def test_displacements_of_rings(degree, poisson_ratio, tolerance):
     whole = half_space(("quads", degree), poisson_ratio, tuple(range(0, 12, 2)))
     solid, pressures, local = whole.solid, np.array([1.0, 0.1, 1.0]), np.linspace(0.05, 0.95, 12)
-    coefficients = displacements(whole, (whole.space.ring_indicator() @ pressures)[None])
+    coefficients = whole.displacements((whole.space.ring_indicator() @ pressures)[None])
     trace = solid.trace(contact_facets(solid.mesh), local)
     starts, widths = whole.space.breakpoints[:-1, None], np.diff(whole.space.breakpoints)[:, None]
     expected = direct.displacement(EDGES, pressures, (starts + widths * local).ravel())
