@@ -23,14 +23,13 @@ from .radial import Array
 SLACK = 1e-8
 
 
-def read(path: str | Path, ring_edges: Array, radius: float = 1.0) -> tuple[Mesh, str]:
-    """Read the quarter disc from a file; returns the mesh, and what was done to it beyond reading.
+def read(path: str | Path, ring_edges: Array, radius: float = 1.0) -> Mesh:
+    """Read the quarter disc from a file.
 
     Parameters
     ----------
     path : file that meshio reads, first coordinate the radius, second the depth, the surface at
-        depth 0. A half-space drawn below its surface, with negative depths throughout, is turned
-        over
+        depth 0
     ring_edges : (N+1,) ring edges in punch radii, 0 to 1; each must be a vertex
     radius : radius of the punch in the units of the file
 
@@ -40,8 +39,7 @@ def read(path: str | Path, ring_edges: Array, radius: float = 1.0) -> tuple[Mesh
         if the file is not such a mesh; the message says what is wrong, where, and the remedy
     """
     try:
-        mesh, remark = _upright(_mesh(Path(path)))
-        return as_half_space(_snapped(mesh, ring_edges, radius), ring_edges), remark
+        return as_half_space(_snapped(_mesh(Path(path)), ring_edges, radius), ring_edges)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from error
 
@@ -71,26 +69,17 @@ def _mesh(path: Path) -> Mesh:
     return from_meshio(content, ignore_orientation=True)
 
 
-def _upright(mesh: Mesh) -> tuple[Mesh, str]:
-    """The mesh with depths positive, and what was done to it."""
-    used = mesh.p[:, np.unique(mesh.t)]
-    slack = SLACK * np.abs(used).max()
-    below = used[1].max() <= slack
-    outside = np.minimum(used[0], -used[1] if below else used[1]) < -slack
-    if outside.any():
-        r, z = used[:, outside.argmax()]
-        raise MeshError(
-            f"the vertex at ({r:.6g}, {z:.6g}) lies outside of the half-space: radii must be "
-            "positive, and depths of one sign"
-        )
-    remark = "turned over: its second coordinate points out of the half-space" if below else ""
-    return replace(mesh, doflocs=np.stack([mesh.p[0], np.abs(mesh.p[1])])), remark
-
-
 def _snapped(mesh: Mesh, ring_edges: Array, radius: float) -> Mesh:
     """The mesh in punch radii, vertices that are off by rounding put where they belong."""
     points, used = mesh.p / radius, np.unique(mesh.t)
     outer = points[0, used].max()
+    outside = used[points[:, used].min(axis=0) < -SLACK * outer]
+    if len(outside):
+        r, z = mesh.p[:, outside[0]]
+        raise MeshError(
+            f"the vertex at ({r:.6g}, {z:.6g}) lies outside of the half-space: radii and depths "
+            "must be positive; multiply a coordinate by -1, or mesh one side only"
+        )
     surface = used[points[1, used] < SLACK * outer]
     distance = np.abs(points[0, surface, None] - ring_edges)
     lost = ring_edges[distance.min(axis=0, initial=np.inf) >= SLACK]

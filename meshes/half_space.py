@@ -81,8 +81,6 @@ def turned(mesh: MeshQuad) -> MeshQuad:
     graph = coo_matrix((np.ones(len(starts)), (starts, ends)), shape=(2 * count,) * 2)
     _, strip = connected_components(graph, directed=False)
     upwards = strip[:count] < strip[count:]
-    if (strip[:count] == strip[count:]).any():
-        raise MeshError("the quadrilaterals form a Moebius strip: this is not a mesh of the plane")
     # whether the first and the second pair of opposite sides run as numbered now; the corner where
     # both start comes first
     forward, upward = (along[i] == upwards[mesh.t2f[i]] for i in (0, 1))

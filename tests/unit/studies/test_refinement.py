@@ -107,7 +107,7 @@ def test_a_mesh_file_is_refused_where_it_does_not_fit(tmp_path, own):
     with pytest.raises(MeshError, match=r"ring edge at r = 0\.2 a"):
         refinement.own_mesh(scene.problem, str(own))
     fitting = Rings(np.array([0.0, 0.5, 1.0]), np.array([1.0, 0.1]))
-    mesh, _ = refinement.own_mesh(replace(scene.problem, rings=fitting), str(own))
+    mesh = refinement.own_mesh(replace(scene.problem, rings=fitting), str(own))
     assert 0.5 in contact_radii(mesh)
     options = argparse.Namespace(quick=True, mesh=str(tmp_path / "absent"))
     with pytest.raises(SceneError, match="no such file"):
