@@ -178,19 +178,19 @@ class AxisymmetricElasticity:
         corners, sides, count = len(self.mesh.t), len(self.mesh.t2f), int(self.element.facet_dofs)
         elements = np.flatnonzero(self.degrees == degree)
         # the functions of a side come by degree
-        outer = np.append(np.ones(corners), np.tile(np.arange(count) + 2, sides)) <= degree
-        inside = np.ones(int(self.element.interior_dofs), dtype=bool)
+        beside = np.append(np.ones(corners), np.tile(np.arange(count) + 2, sides)) <= degree
+        within = np.ones(int(self.element.interior_dofs), dtype=bool)
         if isinstance(self.element, ElementQuadP):
             # products of bubbles. If their two degrees sum to more than 2 above the degree they
             # cost more than they give, but near incompressibility, where stresses need them
             first, second = np.indices((count, count)).reshape(2, -1) + 2
-            inside = np.maximum(first, second) <= degree
-            inside &= (first + second <= degree + 2) | (self.given_ratio > 0.45)
+            within = np.maximum(first, second) <= degree
+            within &= (first + second <= degree + 2) | (self.given_ratio > 0.45)
         numbers = self.dofs.element_dofs[:, elements].T
-        outer, inside = np.flatnonzero(outer), len(outer) + np.flatnonzero(inside)
+        outer, inside = np.flatnonzero(beside), len(beside) + np.flatnonzero(within)
         unknowns = np.concatenate([numbers[:, outer], numbers[:, outer] + self.nodes], axis=1)
         unknowns[np.tile(self.fixed[numbers[:, outer]], 2)] = 2 * self.nodes
-        functions = np.append(outer, inside)
+        functions = np.concatenate([outer, inside])
         return Batch(self, degree, elements, functions, unknowns, numbers[:, inside])
 
     def with_insides(self, displacement: Array) -> Array:

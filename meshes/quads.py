@@ -101,7 +101,9 @@ class GradedQuads:
                 [corners[:-1, :-1], corners[1:, :-1], corners[1:, 1:], corners[:-1, 1:]]
             )
             last, middle = corners[-1], count - 1
-            kites = [[last[0], middle], [middle, last[4]], [last[2], last[3]], [last[1], last[2]]]
+            kites = np.array(
+                [[last[0], middle, last[2], last[1]], [middle, last[4], last[3], last[2]]]
+            ).T
             quadrilaterals += [around.reshape(4, -1), kites]
             lower += [np.repeat(fall[:-1], 4), np.repeat(fall[-1:], 2)]
         return (
