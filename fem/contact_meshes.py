@@ -44,7 +44,8 @@ def fitted_half_space(
     if edges[1] > 4 * beside_axis:
         marks, sizes = np.insert(marks, 1, beside_axis), np.insert(sizes, 0, beside_axis)
     mesh = graded(marks, sizes[:-1], float(sizes[-1]), 0.25, 0.8, 2.5, as_root).mesh
-    return _half_space(AxisymmetricElasticity(mesh, degree, poisson_ratio), marks)
+    solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)
+    return HalfSpace(solid, pressure_space(solid, marks), enough_poles(2.5, 1e-10))
 
 
 def even_half_space(
@@ -56,11 +57,6 @@ def even_half_space(
     edges, size = cells.ring_edges, cells.edge_size
     field = SizeField(edges, size, size, growth, 5.0, cells.largest, 0.125, cells)
     solid = AxisymmetricElasticity(bisection.mesh(field), degree, poisson_ratio)
-    half_space = _half_space(solid, np.array(edges))
-    space = half_space.space
-    return replace(half_space, space=replace(space, degrees=np.ones_like(space.degrees)))
-
-
-def _half_space(solid: AxisymmetricElasticity, ring_edges: Array) -> HalfSpace:
-    outer = float(solid.mesh.p[0].max())
-    return HalfSpace(solid, pressure_space(solid, ring_edges), enough_poles(outer, 1e-10))
+    space = pressure_space(solid, np.array(edges))
+    linear = replace(space, degrees=np.ones_like(space.degrees))
+    return HalfSpace(solid, linear, enough_poles(5.0, 1e-10))

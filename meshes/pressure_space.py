@@ -133,22 +133,19 @@ class PressureSpace:
         for all, or (2, N) at the inner and outer edge of each, linear between.
         """
         radii, lengths, local = self.quadrature
-        areas = 2 * np.pi * radii * lengths * self._on_rings(ring_values, radii)
+        factors = values_on_rings(self.ring_edges, ring_values, radii, self.ring[:, None])
+        areas = 2 * np.pi * radii * lengths * factors
         values = shapes(local, self.top)
         blocks = np.einsum("eq,qi,qj->eij", areas, values, values, optimize=True)
         rows, columns = self.dofs[:, :, None], self.dofs[:, None, :]
         return self._assembled(blocks, rows, columns, self.size + 1)[:-1]
 
-    def _on_rings(self, ring_values: ArrayLike, radii: Array) -> Array:
-        """Values as in `mass` at radii (n, q) of the elements."""
-        return values_on_rings(self.ring_edges, ring_values, radii, self.ring[:, None])
-
     def at_vertices(self, ring_values: ArrayLike) -> Array:
         """(size,) values as in `mass` at the vertex of each hat, for bubbles at the outer one."""
         ends = np.stack([self.breakpoints[:-1], self.breakpoints[1:]], axis=1)
-        return np.asarray(
-            self._of_functions(self._on_rings(ring_values, np.repeat(ends, [1, self.top], axis=1)))
-        )
+        radii = np.repeat(ends, [1, self.top], axis=1)
+        values = values_on_rings(self.ring_edges, ring_values, radii, self.ring[:, None])
+        return np.asarray(self._of_functions(values))
 
     @cached_property
     def weights(self) -> Array:
