@@ -25,7 +25,7 @@ def solver() -> str:
     return "cholmod" if importlib.util.find_spec("kvxopt") else "superlu"
 
 
-def fill_reducing_order(groups: Indices, name: str = "") -> Indices:
+def fill_reducing_order(groups: Indices) -> Indices:
     """(n,) order in which to eliminate the vertices of a graph.
 
     Parameters
@@ -37,7 +37,7 @@ def fill_reducing_order(groups: Indices, name: str = "") -> Indices:
     pairs = groups[np.array(np.tril_indices(len(groups)))]
     places = pairs.max(axis=0).ravel(), pairs.min(axis=0).ravel()
     lower = coo_matrix((np.ones(len(places[0])), places), shape=(groups.max() + 1,) * 2)
-    if (name or solver()) == "cholmod":
+    if solver() == "cholmod":
         from kvxopt import amd
 
         return np.array(amd.order(cholmod_matrix(lower))).ravel()
@@ -61,7 +61,7 @@ def cholmod_matrix(lower: coo_matrix) -> Any:
     return kvxopt.spmatrix(kvxopt.matrix(lower.data), rows, columns, lower.shape)
 
 
-def trailing_factor(lower: coo_matrix, inside: int, name: str = "") -> Array:
+def trailing_factor(lower: coo_matrix, inside: int) -> Array:
     """(k, k) lower Cholesky factor of the Schur complement of the first `inside` unknowns.
 
     Parameters
@@ -69,7 +69,6 @@ def trailing_factor(lower: coo_matrix, inside: int, name: str = "") -> Array:
     lower : lower triangle of a symmetric positive definite matrix; unknowns to eliminate first, in
         the order of elimination; entries at one place are summed
     inside : how many to eliminate
-    name : `cholmod` or `superlu`; default the best one installed
 
     Raises
     ------
@@ -77,14 +76,11 @@ def trailing_factor(lower: coo_matrix, inside: int, name: str = "") -> Array:
         if the matrix is not positive definite
     """
     try:
-        factor = {"cholmod": _cholmod, "superlu": _superlu}[name or solver()](lower, inside)
+        return (_cholmod if solver() == "cholmod" else _superlu)(lower, inside)
     except (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
         raise SolverError(
             f"the stiffness of the half-space could not be factorised: {error}"
         ) from error
-    if not np.isfinite(factor).all():
-        raise SolverError("the stiffness of the half-space is singular: its factor is not finite")
-    return factor
 
 
 def _cholmod(lower: coo_matrix, inside: int) -> Array:

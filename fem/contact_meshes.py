@@ -32,14 +32,20 @@ def fitted_half_space(
     poisson_ratio : of the half-space
     """
     marks = np.array(edges)
+
+    def as_root(distance: Array, *_: Array | Indices) -> Array:
+        # what stands behind high degrees: pressures rise or fall at edges as a root
+        return np.sqrt(distance)
+
     # infinite as a root, or falling to zero as one: smaller still, stiffnesses would lose digits
     sizes = np.where(infinite, 1e-10, 2.5e-7)[1:]
     # layers beside the axis, where a cone's pressure is infinite as a logarithm
     beside_axis = 1e-2
     if edges[1] > 4 * beside_axis:
         marks, sizes = np.insert(marks, 1, beside_axis), np.insert(sizes, 0, beside_axis)
-    mesh = graded(marks, sizes[:-1], float(sizes[-1]), 0.25, 0.8, 2.5, _as_root).mesh
-    return _half_space(AxisymmetricElasticity(mesh, degree, poisson_ratio), marks)
+    mesh = graded(marks, sizes[:-1], float(sizes[-1]), 0.25, 0.8, 2.5, as_root).mesh
+    solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)
+    return HalfSpace(solid, pressure_space(solid, marks), enough_poles(2.5, 1e-10))
 
 
 def even_half_space(
@@ -51,16 +57,6 @@ def even_half_space(
     edges, size = cells.ring_edges, cells.edge_size
     field = SizeField(edges, size, size, growth, 5.0, cells.largest, 0.125, cells)
     solid = AxisymmetricElasticity(bisection.mesh(field), degree, poisson_ratio)
-    half_space = _half_space(solid, np.array(edges))
-    space = half_space.space
-    return replace(half_space, space=replace(space, degrees=np.ones_like(space.degrees)))
-
-
-def _as_root(distance: Array, *_: Array | Indices) -> Array:
-    """What stands behind high degrees beside an edge: pressures rise or fall there as a root."""
-    return np.sqrt(distance)
-
-
-def _half_space(solid: AxisymmetricElasticity, ring_edges: Array) -> HalfSpace:
-    outer = float(solid.mesh.p[0].max())
-    return HalfSpace(solid, pressure_space(solid, ring_edges), enough_poles(outer, 1e-10))
+    space = pressure_space(solid, np.array(edges))
+    linear = replace(space, degrees=np.ones_like(space.degrees))
+    return HalfSpace(solid, linear, enough_poles(5.0, 1e-10))

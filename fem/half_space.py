@@ -8,8 +8,8 @@ displacements and pressures,
 
     K u = N p,      N^T u = d b - int f phi dA,      b . p = F.
 
-`saddle_point` solves that system whole. `compliance` eliminates `u` once, ``A = N^T K^-1 N``, which
-is all that contact, wear and steady states ever need.
+`compliance` eliminates `u` once, ``A = N^T K^-1 N``, which is all that contact, wear and steady
+states ever need.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix, diags
+from scipy.sparse import bmat, coo_matrix, csc_matrix, diags
 from scipy.sparse.linalg import splu
 from skfem import MeshQuad
 
@@ -26,7 +26,7 @@ from ..meshes.errors import SolverError
 from ..meshes.half_space import contact_facets, contact_radii, segments
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array, Indices, gauss, layer_degrees
-from .condensation import fill_reducing_order, symmetric, trailing_factor
+from .condensation import SYMMETRIC, fill_reducing_order, symmetric, trailing_factor
 from .elasticity import AxisymmetricElasticity
 from .far_field import exterior_stiffness, poles
 from .weak_form import moduli
@@ -58,13 +58,11 @@ class HalfSpace:
     solid : the elastic solid
     space : pressure space on its contact facets
     poles : orders of the Boussinesq poles tied to the outer boundary; none clamps it (`fixed`)
-    solver : sparse factorisation, `cholmod` or `superlu`; default the best one installed
     """
 
     solid: AxisymmetricElasticity
     space: PressureSpace
     poles: tuple[int, ...] = (0, 2, 4)
-    solver: str = ""
 
     @property
     def unknowns(self) -> int:
@@ -90,7 +88,7 @@ class HalfSpace:
         # nodes of one corner or side have the same neighbours: theirs is a far smaller graph than
         # that of unknowns
         neighbours, part = solid.parts
-        rank = np.argsort(fill_reducing_order(neighbours, self.solver))
+        rank = np.argsort(fill_reducing_order(neighbours))
         order = np.argsort(rank[part], kind="stable")
         unknowns = np.stack([order, order + n], axis=1)
         return np.concatenate([unknowns[free.T[order]], contact + n])
@@ -135,32 +133,35 @@ class HalfSpace:
     @cached_property
     def coupling(self) -> Array:
         """(contact nodes + k, size) ``int v_i phi_j dA``; the poles do not touch the contact."""
-        local, weight = gauss(self.solid.degree + self.space.top)
-        radii, half = self._radii((1 + local) / 2), np.diff(self.space.breakpoints)[:, None] / 2
-        area = 2 * np.pi * radii * half * weight
-        displacements = self._trace((1 + local) / 2).T @ diags(area.ravel())
-        on_contact = (displacements @ self.space.on_elements(local)).toarray()
-        return np.pad(on_contact, ((0, len(self.poles)), (0, 0)))
+        solid, space = self.solid, self.space
+        node, weight = gauss(solid.degree + space.top)
+        half = np.diff(space.breakpoints)[:, None] / 2
+        radii = space.breakpoints[:-1, None] + half * (1 + node)
+        area = diags((2 * np.pi * radii * half * weight).ravel())
+        displacements = solid.trace(contact_facets(solid.mesh), (1 + node) / 2)
+        on_contact = displacements[:, solid.boundary("contact")].T @ area @ space.on_elements(node)
+        return np.pad(on_contact.toarray(), ((0, len(self.poles)), (0, 0)))
 
-    def _trace(self, local: Array, slope: bool = False) -> csr_matrix:
-        """(facets x points, contact nodes) contact displacements, or their slopes, at local
-        coordinates of every facet.
+    def displacements(self, pressures: Array) -> Array:
+        """(states, functions, 2) radial and axial coefficients under (states, size) pressure
+        coefficients.
+
+        Raises
+        ------
+        SolverError
+            if the stiffness of the half-space is singular
         """
-        return self.solid.trace(contact_facets(self.solid.mesh), local, slope)[
-            :, self.solid.boundary("contact")
-        ]
-
-    def _radii(self, local: Array) -> Array:
-        """(facets, points) radii at local coordinates of every facet."""
-        breakpoints = self.space.breakpoints
-        return np.asarray(breakpoints[:-1, None] + np.diff(breakpoints)[:, None] * local)
-
-    def expand(self, solution: Array) -> Array:
-        """(m, nodes, 2) displacements by the (unknowns of `system`, m) solutions."""
-        free = len(self._order)
-        out = self._far_fields @ solution[free:]
-        out[self._order] = solution[:free]
-        return np.stack([out[: self.solid.nodes].T, out[self.solid.nodes :].T], axis=-1)
+        loads, inside = self.coupling @ pressures.T, self.system.shape[0] - len(self.coupling)
+        right = np.pad(loads, ((inside, 0), (0, 0)))
+        solution = splu(self.system, permc_spec="MMD_AT_PLUS_A", **SYMMETRIC).solve(right)
+        if not np.isfinite(solution).all():
+            raise SolverError(
+                "the stiffness of the half-space is singular: no displacement can be recovered"
+            )
+        free, nodes = len(self._order), self.solid.nodes
+        moved = self._far_fields @ solution[free:]
+        moved[self._order] = solution[:free]
+        return self.solid.with_insides(np.stack([moved[:nodes].T, moved[nodes:].T], axis=-1))
 
     def compliance(self) -> Compliance:
         """Condense the half-space to its compliance on the pressure space.
@@ -168,6 +169,9 @@ class HalfSpace:
         The rows of the factor belong to contact nodes, then to poles: without its last row it is
         the compliance of the same half-space with one pole less.
         """
+        stiffness = trailing_factor(
+            self.lower_triangle, self.lower_triangle.shape[0] - len(self.coupling)
+        )
         factor = np.zeros_like(self.coupling)
         # both run along the radius: a pressure has nothing to do with contact nodes closer to the
         # axis
@@ -175,53 +179,6 @@ class HalfSpace:
             columns = slice(start, start + 256)
             rows = slice(np.flatnonzero(self.coupling[:, columns].any(axis=1))[0], None)
             factor[rows, columns] = solve_triangular(
-                self._factor[rows, rows], self.coupling[rows, columns], lower=True
+                stiffness[rows, rows], self.coupling[rows, columns], lower=True
             )
         return Compliance(self.space, factor)
-
-    @cached_property
-    def _factor(self) -> Array:
-        """Cholesky factor of the stiffness condensed to contact nodes and poles."""
-        return trailing_factor(
-            self.lower_triangle, self.lower_triangle.shape[0] - len(self.coupling), self.solver
-        )
-
-    def contact_displacement(self, pressure: Array, local: Array) -> tuple[Array, Array, Array]:
-        """Radii, axial displacements and slopes (facets, q) at local coordinates, under pressure
-        coefficients (size,).
-        """
-        load = solve_triangular(self._factor, self.coupling @ pressure, lower=True)
-        displacement = solve_triangular(self._factor, load, lower=True, trans="T")[
-            : -len(self.poles) or None
-        ]
-        radii = self._radii(local)
-        return radii, *(
-            (self._trace(local, slope) @ displacement).reshape(radii.shape)
-            for slope in (False, True)
-        )
-
-    def saddle_point(self, force: float = 1.0) -> tuple[Array, float]:
-        """Pressure coefficients (size,) and indentation of the flat punch, from the whole system.
-
-        The pressure is sought among those continuous across ring edges. This is the plain reference
-        that `compliance` is tested against.
-
-        Raises
-        ------
-        SolverError
-            if the system is singular
-        """
-        continuous = self.space.joined()
-        inside = self.system.shape[0]
-        loads = np.pad(self.coupling, ((inside - len(self.coupling), 0), (0, 0))) @ continuous
-        coupling, weights = csc_matrix(loads), csc_matrix(self.space.weights @ continuous)
-        whole = bmat(
-            [[self.system, -coupling, None], [-coupling.T, None, weights.T], [None, weights, None]],
-            format="csc",
-        )
-        right = np.zeros(whole.shape[0])
-        right[-1] = force
-        solution = splu(whole).solve(right)
-        if not np.isfinite(solution).all():
-            raise SolverError("the contact system is singular")
-        return continuous @ solution[inside:-1], float(solution[-1])

@@ -1,38 +1,14 @@
-"""Displacements and stresses inside the half-space, recovered from contact pressures in
-scikit-fem's elements.
-"""
+"""Stresses inside the half-space, recovered from contact pressures in scikit-fem's elements."""
 
 import numpy as np
 from numpy.polynomial.legendre import legvander2d
-from scipy.sparse.linalg import splu
 from skfem import MeshQuad
 from skfem.quadrature import get_quadrature
 
-from ..meshes.errors import SolverError
 from ..meshes.radial import Array, Indices
-from .condensation import SYMMETRIC
 from .elasticity import AxisymmetricElasticity
 from .half_space import HalfSpace
 from .weak_form import moduli, tables
-
-
-def displacements(half_space: HalfSpace, pressures: Array) -> Array:
-    """(states, functions, 2) radial and axial coefficients under (states, size) pressure
-    coefficients.
-
-    Raises
-    ------
-    SolverError
-        if the stiffness of the half-space is singular
-    """
-    system, loads = half_space.system, half_space.coupling @ pressures.T
-    right = np.pad(loads, ((system.shape[0] - len(loads), 0), (0, 0)))
-    solution = splu(system, permc_spec="MMD_AT_PLUS_A", **SYMMETRIC).solve(right)
-    if not np.isfinite(solution).all():
-        raise SolverError(
-            "the stiffness of the half-space is singular: no displacement can be recovered"
-        )
-    return half_space.solid.with_insides(half_space.expand(solution))
 
 
 def stresses(
@@ -111,7 +87,7 @@ def sampled(
     stress : (states, P, 4) rr, zz, rz, hoop; singular at the rim and at ring edges
     """
     solid = half_space.solid
-    coefficients = displacements(half_space, pressures)
+    coefficients = half_space.displacements(pressures)
     reference = type(solid.mesh).init_refdom().refined(refinements)
     small = (reference.to_meshtri() if isinstance(reference, MeshQuad) else reference).t
     starts = reference.nvertices * np.arange(solid.mesh.nelements)

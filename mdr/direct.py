@@ -16,7 +16,7 @@ punch radius 1, modulus 1.
 Eq. 25 of the paper integrates over the angle twice, beside its factor 2 pi; Eq. 26 is right.
 """
 
-from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from scipy.special import ellipe, ellipkm1, elliprd
@@ -42,19 +42,6 @@ def disc_displacement(disc: Array, radius: Array) -> Array:
     complement = (1 - ratio) * (1 + ratio)
     outside = e - complement * ellipkm1(np.maximum(complement, np.finfo(float).tiny))
     return 4 / np.pi * np.where(inside, disc * e, radius * outside)
-
-
-def disc_energies(discs: Array) -> Array:
-    """(N, N) ``int u_a p_b dA`` of unit pressures on discs of radii a and b.
-
-    The energy of one in the field of the other.
-    """
-    outer, inner = np.maximum(discs[:, None], discs), np.minimum(discs[:, None], discs)
-    square = (inner / outer) ** 2
-    complement = (outer - inner) * (outer + inner)
-    # (a^2 - b^2) K tends to zero as the discs become one, where K itself is infinite
-    second = complement * ellipkm1(np.maximum(complement / outer**2, np.finfo(float).tiny))
-    return 8 / 3 * outer * ((outer**2 + inner**2) * ellipe(square) - second)
 
 
 def disc_slope(disc: Array, radius: Array, gap: Array | None = None) -> Array:
@@ -86,23 +73,9 @@ def displacement(ring_edges: Array, pressures: Array, radii: Array) -> Array:
     -------
     (R,) or (R, M)
     """
-    return _sum_over_discs(disc_displacement, ring_edges, pressures, radii)
-
-
-def slope(ring_edges: Array, pressures: Array, radii: Array) -> Array:
-    """Slope ``du/dr`` by a constant pressure on each ring, off the ring edges; as `displacement`.
-
-    The slope of the limiting profile is its negative.
-    """
-    return _sum_over_discs(disc_slope, ring_edges, pressures, radii)
-
-
-def _sum_over_discs(
-    of_disc: Callable[[Array, Array], Array], ring_edges: Array, pressures: Array, radii: Array
-) -> Array:
     steps, radii = pressure_steps(pressures), np.asarray(radii, dtype=float)[:, None]
     parts = np.array_split(radii, 1 + radii.size * len(steps) // AT_ONCE)
-    return np.concatenate([of_disc(ring_edges[1:], part) @ steps for part in parts])
+    return np.concatenate([disc_displacement(ring_edges[1:], part) @ steps for part in parts])
 
 
 def pressure_steps(pressures: Array) -> Array:
@@ -115,25 +88,19 @@ def pressure_steps(pressures: Array) -> Array:
     return -np.diff(np.concatenate([pressures, outside]), axis=0)
 
 
-def greatest_displacements(ring_edges: Array, pressures: Array) -> Array:
-    """(M,) greatest displacement under the punch, ``u_max`` of Eq. 27, by (N, M) pressures."""
-    within = np.linspace(0, 1, 33)[:-1, None]
-    radii = np.append((ring_edges[:-1] + np.diff(ring_edges) * within).T.ravel(), 1.0)
+def greatest_displacement(ring_edges: Array, pressures: Array) -> Any:
+    """Greatest displacement under the punch, ``u_max`` of Eq. 27, by (N,) or (N, M) pressures."""
+    radii = np.unique(np.linspace(ring_edges[:-1], ring_edges[1:], 33))
     values = displacement(ring_edges, pressures, radii)
-    steps, best = pressure_steps(pressures), values.argmax(axis=0)
+    steps, best = pressure_steps(pressures).T, values.argmax(axis=0)
     low, high = radii[np.maximum(best - 1, 0)], radii[np.minimum(best + 1, len(radii) - 1)]
     # between the neighbours of the greatest value the slope changes its sign
     for _ in range(30):
         middle = (low + high) / 2
-        rises = np.einsum("mn,nm->m", disc_slope(ring_edges[1:], middle[:, None]), steps) > 0
+        rises = np.sum(disc_slope(ring_edges[1:], middle[..., None]) * steps, axis=-1) > 0
         low, high = np.where(rises, middle, low), np.where(rises, high, middle)
-    top = np.einsum("mn,nm->m", disc_displacement(ring_edges[1:], low[:, None]), steps)
+    top = np.sum(disc_displacement(ring_edges[1:], low[..., None]) * steps, axis=-1)
     return np.maximum(values.max(axis=0), top)
-
-
-def greatest_displacement(ring_edges: Array, pressures: Array) -> float:
-    """`greatest_displacements` of (N,) pressures."""
-    return float(greatest_displacements(ring_edges, pressures[:, None])[0])
 
 
 def limiting_profile(ring_edges: Array, pressures: Array, radii: Array) -> Array:
@@ -141,28 +108,9 @@ def limiting_profile(ring_edges: Array, pressures: Array, radii: Array) -> Array
     return greatest_displacement(ring_edges, pressures) - displacement(ring_edges, pressures, radii)
 
 
-def slope_gram(ring_edges: Array, patterns: Array) -> tuple[Array, Array]:
-    """Mean products of the slopes of several ring-wise constant pressures.
-
-    Parameters
-    ----------
-    ring_edges : (N+1,) ring edges, 0 to 1
-    patterns : (N, m) pressures
-
-    Returns
-    -------
-    (m, m) matrices: ``p.T @ gram @ p`` is the squared RMS gradient (Eq. 18) of the pressure
-    ``patterns @ p``, as an average over the radius and over the area.
-    """
-    radii, line, slopes = _slopes_everywhere(ring_edges, patterns)
-    over_line, over_area = (
-        slopes.T @ (weights[:, None] * slopes) for weights in (line, 2 * radii * line)
-    )
-    return over_line, over_area
-
-
-def _slopes_everywhere(ring_edges: Array, pressures: Array) -> tuple[Array, Array, Array]:
-    """Radii (R,) and weights (R,) of a quadrature on (0, 1), and the slopes (R, M) there.
+def slopes_everywhere(ring_edges: Array, pressures: Array) -> tuple[Array, Array, Array]:
+    """Radii (R,) and weights (R,) of a quadrature on (0, 1), and the slopes there, (R,) or (R, M),
+    by a constant pressure on each ring, (N,) or (N, M).
 
     Each ring is cut in the middle, and each half graded down to its neighbours' widths: a narrow,
     highly loaded ring is felt beside it over many times its width. The seventh power of Gauss
@@ -175,38 +123,26 @@ def _slopes_everywhere(ring_edges: Array, pressures: Array) -> tuple[Array, Arra
         ring_edges, sizes[:-1], float(sizes[-1]), factor, axis_size=1.0
     )
     left, right, width = breakpoints[:-1], breakpoints[1:], np.diff(breakpoints)[:, None]
-    from_left, from_right = np.isin(left, ring_edges), np.isin(right, ring_edges)
-    node, weight = unit_gauss(24)
-    radii = np.where(
-        from_left[:, None],
-        left[:, None] + width * node**7,
-        right[:, None] - width * np.where(from_right[:, None], node**7, node),
-    ).ravel()
-    at_edge = (from_left | from_right)[:, None]
-    weights = (width * np.where(at_edge, 7 * node**6, 1.0) * weight).ravel()
-    edge = np.searchsorted(ring_edges, np.where(from_left, left, right)) * at_edge[:, 0]
-    edge, gaps = np.repeat(edge, len(node)), (width * node**7).ravel()
-    steps, slopes = pressure_steps(pressures), np.empty((len(radii), pressures.shape[1]))
-    for rows in np.array_split(np.arange(len(radii)), 1 + len(radii) * len(steps) // AT_ONCE):
-        apart = np.abs(radii[rows, None] - ring_edges[1:])
-        # so close to an edge that radii have lost the distance from it
-        close = np.flatnonzero(edge[rows])
-        apart[close, edge[rows][close] - 1] = gaps[rows][close]
-        slopes[rows] = disc_slope(ring_edges[1:], radii[rows, None], apart) @ steps
-    return radii, weights, slopes
+    from_left, node, weight = np.isin(left, ring_edges), *unit_gauss(24)
+    at_edge = (from_left | np.isin(right, ring_edges))[:, None]
+    start, away = np.where(from_left, left, right), width * np.where(at_edge, node**7, node)
+    away[~from_left] *= -1
+    radii = start[:, None] + away
+    weights = width * np.where(at_edge, 7 * node**6, 1.0) * weight
+    steps, slopes = pressure_steps(pressures), []
+    for part in np.array_split(np.arange(len(start)), 1 + radii.size * len(steps) // AT_ONCE):
+        # so close to an edge radii have lost the distance from it: no difference of these
+        apart = np.abs((start[part, None] - ring_edges[1:])[:, None] + away[part, :, None])
+        slopes.append(disc_slope(ring_edges[1:], radii[part, :, None], apart) @ steps)
+    return radii.ravel(), weights.ravel(), np.concatenate(slopes).reshape(-1, *steps.shape[1:])
 
 
-def rms_slopes(ring_edges: Array, pressures: Array, average: str = "line") -> Array:
-    """(M,) RMS gradients of the limiting profiles of (N, M) pressures: Eq. 18.
+def rms_slope(ring_edges: Array, pressures: Array, average: str = "line") -> Any:
+    """RMS gradients of the limiting profiles of (N,) or (N, M) pressures: Eq. 18.
 
     The `average` is `line` (over the radius) or `area`.
     """
-    radii, weights, slopes = _slopes_everywhere(ring_edges, pressures)
+    radii, weights, slopes = slopes_everywhere(ring_edges, pressures)
     if average == "area":
         weights = 2 * radii * weights
-    return np.asarray(np.sqrt(weights @ slopes**2))
-
-
-def rms_slope(ring_edges: Array, pressures: Array, average: str = "line") -> float:
-    """`rms_slopes` of (N,) pressures."""
-    return float(rms_slopes(ring_edges, pressures[:, None], average)[0])
+    return np.sqrt(weights @ slopes**2)

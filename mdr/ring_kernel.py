@@ -64,7 +64,7 @@ def compliance(space: PressureSpace) -> Compliance:
     rows = space.size + 1
     # each pair of points in one order only: the transpose is the other order
     half = np.zeros(rows * rows)
-    for first, second, blocks in itertools.chain(_same(space), _adjacent(space), _separate(space)):
+    for first, second, blocks in itertools.chain(_touching(space), _separate(space)):
         place = space.dofs[first][:, :, None] * rows + space.dofs[second][:, None, :]
         np.add.at(half, place.ravel(), blocks.ravel())
     half = half.reshape(rows, rows)[:-1, :-1]
@@ -78,21 +78,17 @@ def compliance(space: PressureSpace) -> Compliance:
     return Compliance(space, factor)
 
 
-def _same(space: PressureSpace) -> _Blocks:
-    """Each element with itself, over the triangle where the second radius is the smaller."""
+def _touching(space: PressureSpace) -> _Blocks:
+    """Each element with itself, over the triangle where the second radius is the smaller, and
+    elements that share a breakpoint, over both triangles at that corner.
+    """
     depth, cut, weight = _product(_flattened(space.top), _flattened(space.top))
+    element, weight = np.arange(len(space.degrees)), depth * weight
     # the vertex is the left end: at the axis its depth cancels the pole of 1/(r + s)
-    rule = _Rule(depth, depth * (1 - cut), (depth * cut, np.zeros_like(cut)), depth * weight)
-    element = np.arange(len(space.degrees))
-    return _integrate(space, element, element, rule)
-
-
-def _adjacent(space: PressureSpace) -> _Blocks:
-    """Elements that share a breakpoint, over both triangles at that corner."""
-    depth, cut, weight = _product(_flattened(space.top), _flattened(space.top))
-    element = np.arange(len(space.degrees) - 1)
+    same = _Rule(depth, depth * (1 - cut), (depth * cut, np.zeros_like(cut)), weight)
+    yield from _integrate(space, element, element, same)
     for inward, outward in ((depth, depth * cut), (depth * cut, depth)):
-        yield from _integrate(space, element, element + 1, _facing(inward, outward, depth * weight))
+        yield from _integrate(space, element[:-1], element[1:], _facing(inward, outward, weight))
 
 
 def _separate(space: PressureSpace) -> _Blocks:

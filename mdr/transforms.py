@@ -70,27 +70,18 @@ def _from_near(space: PressureSpace, x: Array, element: Indices) -> Array:
     No difference of close numbers is formed, so elements may be as small as roundoff allows.
     """
     # Gauss points that integrate a polynomial in exp(theta) to roundoff, by (degree x length of the
-    # interval)
-    gauss_points = (
-        (0.25, 10),
-        (1.0, 14),
-        (4.0, 20),
-        (12.0, 32),
-        (40.0, 56),
-        (100.0, 100),
-        (np.inf, 200),
-    )
+    # interval) from these on
+    reaches, gauss_points = (0.25, 1, 4, 12, 40, 100), np.array([10, 14, 20, 32, 56, 100, 200])
     left, right = space.breakpoints[element], space.breakpoints[element + 1]
     lower = np.maximum(left, x)
     lower_root, upper_root = np.sqrt((lower - x) * (lower + x)), np.sqrt((right - x) * (right + x))
     span = np.arcsinh((right - lower) * (right + lower) / (upper_root * lower + lower_root * right))
     reach = (space.degrees[element] + 1) * span
-    values = np.zeros((len(x), space.top + 1))
-    start = 0.0
-    for stop, count in gauss_points:
-        group = np.flatnonzero((reach >= start) & (reach < stop))
-        start = stop
-        node, weight = gauss(max(count, space.top + 4))
+    count = gauss_points[np.searchsorted(reaches, reach, side="right")]
+    values = np.empty((len(x), space.top + 1))
+    for points in np.unique(count):
+        group = np.flatnonzero(count == points)
+        node, weight = gauss(max(int(points), space.top + 4))
         sinh = np.sinh(span[group, None] * (1 + node) / 4)
         root, low = lower_root[group, None], lower[group, None]
         above = 2 * sinh * (root * np.sqrt(1 + sinh**2) + low * sinh)

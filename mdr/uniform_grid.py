@@ -82,7 +82,7 @@ class UniformGrid:
         """
         profile, now = np.zeros(self.count + 1), 0.0
         pressure, indentation = self.contact(profile)
-        pressures, profiles, indentations = [], [], []
+        states = []
         for time in times:
             count = int(np.ceil((time - now) / step * (1 - 1e-12)))
             with np.errstate(over="ignore", invalid="ignore"):
@@ -96,7 +96,6 @@ class UniformGrid:
                     "stability limit; give a smaller wear.step, or leave it out for half the limit"
                 )
             now = time
-            pressures.append(pressure)
-            profiles.append(profile)
-            indentations.append(indentation)
-        return np.array(pressures), np.array(profiles), np.array(indentations)
+            states.append((pressure, profile, indentation))
+        pressures, profiles, indentations = map(np.array, zip(*states, strict=True))
+        return pressures, profiles, indentations

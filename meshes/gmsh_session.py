@@ -40,8 +40,6 @@ def session() -> Iterator[Any]:
         "Mesh.Algorithm": 6,
         "Mesh.MeshSizeExtendFromBoundary": 0,
         "Mesh.MeshSizeFromPoints": 0,
-        "Mesh.MeshSizeFromCurvature": 0,
-        "Mesh.MeshSizeMin": 0,
     }
     if reason := unavailable():
         raise MeshError(reason)

@@ -71,9 +71,9 @@ class PressureSpace:
         return out[:-1]
 
     @cached_property
-    def order(self) -> Indices:
-        """Polynomial degree of each basis function: 1 for hats, 2 and up for bubbles."""
-        return np.asarray(self._of_functions(np.maximum(np.arange(self.top + 1), 1)))
+    def uniform(self) -> Array:
+        """(size,) coefficients of the pressure one: 1 of hats, 0 of bubbles."""
+        return np.asarray(self._of_functions(np.where(np.arange(self.top + 1) < 2, 1.0, 0.0)))
 
     def matrix(self, radii: ArrayLike, derivative: bool = False) -> csr_matrix:
         """(len(radii), size) values, or slopes, of the basis.
@@ -85,14 +85,8 @@ class PressureSpace:
             np.searchsorted(self.breakpoints, radii, side="right") - 1, 0, len(self.degrees) - 1
         )
         left, right = self.breakpoints[element], self.breakpoints[element + 1]
-        local = ((radii - left) - (right - radii)) / (right - left)
-        values = (
-            shape_slopes(local, self.top) * (2 / (right - left)[:, None])
-            if derivative
-            else shapes(local, self.top)
-        )
-        return self._assembled(
-            values, np.arange(len(radii))[:, None], self.dofs[element], len(radii)
+        return self._values(
+            element, ((radii - left) - (right - radii)) / (right - left), derivative
         )
 
     def on_elements(self, local: Array, derivative: bool = False) -> csr_matrix:
@@ -102,20 +96,22 @@ class PressureSpace:
         By radii, as in `matrix`, coordinates would lose digits on elements much smaller than the
         punch.
         """
-        height = len(self.degrees) * len(local)
-        rows = np.arange(height).reshape(-1, len(local), 1)
+        count = len(self.degrees)
+        element = np.repeat(np.arange(count), len(local))
+        return self._values(element, np.tile(local, count), derivative)
+
+    def _values(self, element: Indices, local: Array, derivative: bool) -> csr_matrix:
+        """(points, size) values, or slopes, of the basis at local coordinates in elements."""
         values = shapes(local, self.top)
         if derivative:
-            values = shape_slopes(local, self.top) * (2 / np.diff(self.breakpoints))[:, None, None]
-        return self._assembled(values, rows, self.dofs[:, None, :], height)
+            values = shape_slopes(local, self.top)
+            values *= (2 / np.diff(self.breakpoints)[element])[:, None]
+        rows = np.arange(len(local))[:, None]
+        return self._assembled(values, rows, self.dofs[element], len(local))
 
-    def _gram(self, blocks: Array) -> csr_matrix:
-        """(size, size) sum of the (n, top+1, top+1) matrices of the elements."""
-        return self._assembled(blocks, self.dofs[:, :, None], self.dofs[:, None, :], self.size + 1)[
-            :-1
-        ]
-
-    def _assembled(self, values: Array, rows: Indices, columns: Indices, height: int) -> csr_matrix:
+    def _assembled(
+        self, values: Array, rows: Indices | int, columns: Indices, height: int
+    ) -> csr_matrix:
         """(height, size) sums of values in rows and columns, which are broadcast, without what
         elements have not.
         """
@@ -128,7 +124,7 @@ class PressureSpace:
 
         Radii (n, q), weights of dr (n, q), local coordinate (q,); exact for products of the basis.
         """
-        local, weight = np.polynomial.legendre.leggauss(self.top + 2)
+        local, weight = gauss(self.top + 2)
         left, half = self.breakpoints[:-1, None], np.diff(self.breakpoints)[:, None] / 2
         return left + half * (1 + local), half * weight, local
 
@@ -137,32 +133,26 @@ class PressureSpace:
         for all, or (2, N) at the inner and outer edge of each, linear between.
         """
         radii, lengths, local = self.quadrature
-        areas = 2 * np.pi * radii * lengths * self._on_rings(ring_values, radii)
+        factors = values_on_rings(self.ring_edges, ring_values, radii, self.ring[:, None])
+        areas = 2 * np.pi * radii * lengths * factors
         values = shapes(local, self.top)
-        return self._gram(np.einsum("eq,qi,qj->eij", areas, values, values, optimize=True))
-
-    def _on_rings(self, ring_values: ArrayLike, radii: Array) -> Array:
-        """Values as in `mass` at radii (n, q) of the elements."""
-        return values_on_rings(self.ring_edges, ring_values, radii, self.ring[:, None])
+        blocks = np.einsum("eq,qi,qj->eij", areas, values, values, optimize=True)
+        rows, columns = self.dofs[:, :, None], self.dofs[:, None, :]
+        return self._assembled(blocks, rows, columns, self.size + 1)[:-1]
 
     def at_vertices(self, ring_values: ArrayLike) -> Array:
         """(size,) values as in `mass` at the vertex of each hat, for bubbles at the outer one."""
         ends = np.stack([self.breakpoints[:-1], self.breakpoints[1:]], axis=1)
-        return np.asarray(
-            self._of_functions(self._on_rings(ring_values, np.repeat(ends, [1, self.top], axis=1)))
-        )
+        radii = np.repeat(ends, [1, self.top], axis=1)
+        values = values_on_rings(self.ring_edges, ring_values, radii, self.ring[:, None])
+        return np.asarray(self._of_functions(values))
 
     @cached_property
     def weights(self) -> Array:
         """(size,) ``int phi_i dA``: the force that each basis function carries."""
-        radii, weight, local = self.quadrature
-        out = np.zeros(self.size + 1)
-        np.add.at(
-            out,
-            self.dofs,
-            np.einsum("eq,qi->ei", 2 * np.pi * radii * weight, shapes(local, self.top)),
-        )
-        return out[:-1]
+        radii, lengths, local = self.quadrature
+        values = np.einsum("eq,qi->ei", 2 * np.pi * radii * lengths, shapes(local, self.top))
+        return np.asarray(self._assembled(values, 0, self.dofs, 1).toarray()[0])
 
     def ring_forces(self, ring_edges: ArrayLike) -> Array:
         """(M, size) force that each basis function puts on each of the rings between `ring_edges`
@@ -170,7 +160,7 @@ class PressureSpace:
         """
         ring_edges = np.asarray(ring_edges, dtype=float)
         cuts = np.union1d(self.breakpoints, ring_edges)
-        node, weight = np.polynomial.legendre.leggauss(self.top + 2)
+        node, weight = gauss(self.top + 2)
         half = np.diff(cuts)[:, None] / 2
         element = np.searchsorted(self.breakpoints, cuts[:-1], side="right") - 1
         left, width = self.breakpoints[element, None], np.diff(self.breakpoints)[element, None]
@@ -186,11 +176,7 @@ class PressureSpace:
     def ring_indicator(self) -> Array:
         """(size, N) coefficients of the pressures that are one on a ring and zero on the others."""
         ring = self._of_functions(self.ring[:, None])
-        return np.where(
-            (self.order == 1)[:, None] & (ring[:, None] == np.arange(len(self.ring_edges) - 1)),
-            1.0,
-            0.0,
-        )
+        return self.uniform[:, None] * (ring[:, None] == np.arange(len(self.ring_edges) - 1))
 
     def joined(self, ring_coefficients: ArrayLike = 1.0) -> csr_matrix:
         """(size, size-N+1) basis of the pressures whose product with `ring_coefficients`, as in

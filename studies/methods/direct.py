@@ -62,14 +62,14 @@ def _states(problems: Sequence[Problem]) -> list[State]:
     pressures = np.stack([direct.steady_pressures(*problem.merged) for problem in problems], axis=1)
     slopes = greatest = np.full(len(problems), np.nan)
     if any(problem.wants("steady_rms_slope") for problem in problems):
-        slopes = direct.rms_slopes(ring_edges, pressures, problems[0].gradient_average)
+        slopes = direct.rms_slope(ring_edges, pressures, problems[0].gradient_average)
     if any(
         problem.wants("steady_displacement_max") or problem.wants("steady_profile")
         for problem in problems
     ):
         parts = np.array_split(pressures, 1 + pressures.size // at_once, axis=1)
         greatest = np.concatenate(
-            [direct.greatest_displacements(ring_edges, part) for part in parts]
+            [direct.greatest_displacement(ring_edges, part) for part in parts]
         )
     return [
         State(pressures[:, at], float(greatest[at]), float(slopes[at]))

@@ -153,7 +153,7 @@ class Sampler:
 
         The gap, and the unworn face, are known by their moments against the pressures.
         """
-        uniform = np.where(self.space.order == 1, 1.0, 0.0)
+        uniform = self.space.uniform
         displaced = history.indentation[:, None] * uniform - history.profile
         if self.problem.full_contact:
             return displaced

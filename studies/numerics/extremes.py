@@ -28,6 +28,7 @@ import pandas as pd
 
 from ...mdr import direct
 from ...meshes.errors import RingwearError
+from ...meshes.radial import ring_areas, ring_of
 from ..crosscheck.dataset import Result
 from ..crosscheck.run import run
 from ..figures.style import GREYS, RED, legend_of, new_figure
@@ -132,8 +133,10 @@ def judge_quantities(result: Result) -> Iterator[dict[str, Any]]:
     if solution.wear and len(times):
         # after fifty of the slowest relaxation times, 0.4 / k_min, only the steady state is left
         late = times > 50 * 0.4 / problem.wear_coefficients.min()
-        steps = direct.pressure_steps(pressures)
-        work = steps @ direct.disc_energies(edges[1:]) @ steps
+        radii, weights, _ = direct.slopes_everywhere(edges, pressures)
+        ring, areas = ring_of(edges, radii), radii * weights
+        moved = np.bincount(ring, areas * direct.displacement(edges, pressures, radii))
+        work = (pressures * ring_areas(edges)) @ (moved / np.bincount(ring, areas))
         between = np.where(times > 0, np.nan, D0)
         expected["indentation"] = np.where(late, wear_rate * times + work, between)
     for name, exact in expected.items():

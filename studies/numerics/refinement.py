@@ -125,10 +125,10 @@ def families(case: Case, quick: bool, mesh_file: str | None = None) -> Iterator[
         return case.row(solve_on(problem, mesh, degree))
 
     def solve_own(path: str) -> Row:
-        mesh, remark = own_mesh(problem, path)
+        mesh = own_mesh(problem, path)
         quads = isinstance(mesh, MeshQuad)
         degree = (problem.fem.degree or 6) if quads else triangle_degree(problem)
-        return dict(solve(mesh, degree), remark=remark)
+        return solve(mesh, degree)
 
     tolerances = (1e-2, GOAL) if quick else (1e-1, 1e-2, 1e-3, 1e-4, GOAL, 1e-6)
     coarse, layered = uniform_mesh(problem.merged.ring_edges), mesh_at(1e-7, "quads")
@@ -151,8 +151,8 @@ def families(case: Case, quick: bool, mesh_file: str | None = None) -> Iterator[
         yield Family(OWN, [Level(Path(mesh_file).name, partial(solve_own, mesh_file))])
 
 
-def own_mesh(problem: Problem, path: str) -> tuple[Mesh, str]:
-    """Read the user's mesh, with a remark on how it was taken.
+def own_mesh(problem: Problem, path: str) -> Mesh:
+    """Read the user's mesh.
 
     Raises
     ------

@@ -68,7 +68,9 @@ def direct_gradients(ring_edges: Array, wear_ratios: Array) -> Array:
     patterns = odd_and_even(len(ring_edges) - 1)
     pressures = relative_pressures(wear_ratios)
     pressures = pressures / (ring_areas(ring_edges) @ patterns @ pressures)
-    grams = np.array(direct.slope_gram(ring_edges, patterns))
+    radii, line, slopes = direct.slopes_everywhere(ring_edges, patterns)
+    # products of the slopes, averaged over the radius and over the area
+    grams = np.array([slopes.T @ (mean[:, None] * slopes) for mean in (line, 2 * radii * line)])
     squares = np.einsum("im,aij,jm->am", pressures, grams, pressures)
     return np.asarray(np.sqrt(squares) * np.pi / homogeneous()[:, None])
 

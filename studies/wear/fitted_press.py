@@ -270,7 +270,7 @@ class FittedContact:
     ) -> float:
         """The least mean gap under the hats that do not carry."""
         space = compliance.space
-        apart = np.setdiff1d(np.flatnonzero(space.order == 1), carries)
+        apart = np.setdiff1d(np.flatnonzero(space.uniform), carries)
         displaced = radius * compliance.factor[:, apart].T @ (compliance.factor @ pressure)
         gap = (displaced + moments(self.profile, space, radius)[apart]) / space.weights[
             apart

@@ -84,7 +84,7 @@ def flat_start(compliance: Compliance) -> "FlatStart | FlatPress":
     displaced = compliance.factor @ projected
     coefficients, indentation = _press(displaced.T @ displaced, forces)
     # the mean displacement under the first of them, and that weighted by its pressure
-    uniform = compliance.factor @ np.where(space.order == 1, 1.0, 0.0)
+    uniform = compliance.factor @ space.uniform
     mean, weighted = (
         uniform @ displaced[:, 0] / np.pi,
         displaced[:, 0] @ displaced[:, 0] / forces[0],

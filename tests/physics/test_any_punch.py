@@ -12,7 +12,7 @@ from closed_forms import PowerPunch
 
 from ringwear import Scene, plan, run, sweep
 from ringwear.mdr import energy
-from ringwear.meshes import SceneError
+from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
 from ringwear.studies.crosscheck.agreement import AT_EDGES, remedy
 from ringwear.studies.methods.spaces import load_of

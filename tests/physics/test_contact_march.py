@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from closed_forms import PowerPunch, worn_sphere
 
-from ringwear.fem import even_half_space
-from ringwear.mdr import energy, steady_pressures
-from ringwear.meshes import ContactCells, ring_areas
+from ringwear.fem.contact_meshes import even_half_space
+from ringwear.mdr import energy
+from ringwear.mdr.direct import steady_pressures
+from ringwear.meshes.contact_cells import ContactCells
+from ringwear.meshes.radial import ring_areas
 from ringwear.studies.methods.base import method
 from ringwear.studies.problem.problem import Problem, Rings
 from ringwear.studies.problem.profile import InitialProfile

@@ -7,7 +7,7 @@ from wear_reference import Reference
 
 from ringwear import Scene, run
 from ringwear.mdr import energy
-from ringwear.meshes import ContactCells
+from ringwear.meshes.contact_cells import ContactCells
 from ringwear.studies.crosscheck.anchors import anchors
 from ringwear.studies.problem.profile import InitialProfile
 from ringwear.studies.wear.moments import moments

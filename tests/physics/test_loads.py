@@ -7,7 +7,7 @@ from scipy.linalg import solve
 
 from ringwear import Scene, run
 from ringwear.mdr import energy
-from ringwear.meshes import ContactCells
+from ringwear.meshes.contact_cells import ContactCells
 from ringwear.studies.problem.loading import Loading
 from ringwear.studies.problem.problem import Rings
 from ringwear.studies.problem.profile import InitialProfile

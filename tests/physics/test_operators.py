@@ -8,7 +8,7 @@ from wear_reference import random_scenes, true_errors
 
 from ringwear import Scene, run
 from ringwear.mdr import energy
-from ringwear.meshes import SolverError
+from ringwear.meshes.errors import SolverError
 from ringwear.studies.crosscheck.operators import difference
 from ringwear.studies.methods import fem
 from ringwear.studies.problem.defaults import quad_sizes

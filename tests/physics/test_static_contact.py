@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from closed_forms import PowerPunch, annulus_stiffness, thin_ring_stiffness
 
-from ringwear.fem import even_half_space, fitted_half_space
+from ringwear.fem.contact_meshes import even_half_space, fitted_half_space
 from ringwear.mdr import energy, ring_kernel
-from ringwear.meshes import ContactCells, SolverError, fitted_space
+from ringwear.meshes.contact_cells import ContactCells, fitted_space
+from ringwear.meshes.errors import SolverError
 from ringwear.studies.problem.profile import InitialProfile
 from ringwear.studies.wear.fitted_press import FittedContact
 from ringwear.studies.wear.moments import moments

@@ -6,8 +6,8 @@ from scipy.spatial import ConvexHull
 from skfem import MeshTri
 
 from ringwear import Scene
-from ringwear.fem import von_mises
-from ringwear.meshes import areas
+from ringwear.fem.stresses import von_mises
+from ringwear.meshes.half_space import areas
 from ringwear.studies.methods.base import method as named
 from ringwear.studies.methods.interior import NEAR, interior
 from ringwear.studies.problem.problem import D0, P0

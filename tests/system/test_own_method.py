@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ringwear import Scene, run
-from ringwear.meshes import Compliance
+from ringwear.meshes.compliance import Compliance
 from ringwear.studies.figures.catalogue import PICTURES
 from ringwear.studies.methods.base import Discretised
 from ringwear.studies.methods.pipeline import ComplianceMethod

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ringwear import Scene, run
-from ringwear.meshes import SceneError
+from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
 from ringwear.studies.problem.quantities import GROUPS, OF_PROFILES, QUANTITIES
 

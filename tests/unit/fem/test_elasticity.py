@@ -13,15 +13,16 @@ from skfem import (
     Basis,
     BilinearForm,
     ElementQuad2,
-    ElementQuadP,
     ElementTriP2B,
     ElementVector,
     MeshQuad,
 )
 
-from ringwear.fem import AxisymmetricElasticity, element_of_degree, moduli, poles, stiffness
-from ringwear.meshes import turned
-from ringwear.meshes.half_space import LOWER
+from ringwear.fem.condensation import symmetric
+from ringwear.fem.elasticity import AxisymmetricElasticity
+from ringwear.fem.far_field import poles
+from ringwear.fem.weak_form import element_of_degree, moduli, stiffness
+from ringwear.meshes.half_space import LOWER, turned
 
 # kind of mesh and degree of the displacement
 SOLIDS = [
@@ -98,7 +99,7 @@ def greatest_error(solid, field):
         moved[:components, solid.boundary(name)] = values.T
     moved = moved.ravel()
     free = np.isnan(moved)
-    rows = solid.stiffness[free]
+    rows = symmetric(solid.lower_triangle(np.arange(free.size)))[free]
     moved[free] = spsolve(rows[:, free], -rows[:, ~free] @ moved[~free])
     expected = field(solid.mesh.p.T).T
     vertices = moved.reshape(2, -1)[:, : solid.mesh.nvertices]
@@ -195,4 +196,3 @@ def test_error_falls_exponentially_with_the_degree(poisson_ratio, highest, cap):
 def test_degrees_of_layers_are_lower_where_the_mesh_allows_it():
     batches = AxisymmetricElasticity(square("layers", 0.0, 0.0), 6, 0.3).batches
     assert [batch.degree for batch in batches] == [4, 5, 6]
-    assert {type(batch.element) for batch in batches} == {ElementQuadP}

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from ringwear.mdr import energy, line_density, panel_quadrature, ring_kernel
-from ringwear.meshes import PressureSpace, alternating_edges, graded_breakpoints, layer_degrees
+from ringwear.mdr import energy, ring_kernel
+from ringwear.mdr.transforms import line_density, panel_quadrature
+from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.meshes.radial import alternating_edges, graded_breakpoints, layer_degrees
 
 
 def graded(edges):

@@ -5,7 +5,8 @@ import pytest
 from mpmath import mp
 
 from ringwear.mdr import direct, energy
-from ringwear.meshes import PressureSpace, graded_breakpoints, layer_degrees, ring_areas
+from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.meshes.radial import graded_breakpoints, layer_degrees, ring_areas
 
 EDGES = np.array([0.0, 0.25, 0.3, 0.8, 1.0])
 WEAR = np.array([0.2, 1.0, 0.05, 0.6])
@@ -21,7 +22,7 @@ def _thirty_digits():
 
 
 @pytest.mark.parametrize("radius", [0.0, 1e-3, 0.1, 0.27, 0.29999, 0.5, 0.79, 0.95, 0.9999])
-@pytest.mark.parametrize("function", [direct.displacement, direct.slope])
+@pytest.mark.parametrize("function", [direct.disc_displacement, direct.disc_slope])
 def test_against_chords(radius, function):
     """The kernel ``1 / (pi distance)`` makes the displacement under unit pressure on a disc the
     integral of the length of the chord through the point over its angle.
@@ -32,12 +33,12 @@ def test_against_chords(radius, function):
 
         def integrand(angle, c=c):
             half = mp.sqrt(abs(c**2 - (r * mp.sin(angle)) ** 2))
-            return half if function is direct.displacement else -r * mp.sin(angle) ** 2 / half
+            return half if function is direct.disc_displacement else -r * mp.sin(angle) ** 2 / half
 
         widest = mp.pi / 2 if r < c else mp.asin(c / r)
         expected += mp.mpf(float(step)) * 4 / mp.pi * mp.quad(integrand, [0, widest])
-    values = function(EDGES, PRESSURES, [radius])
-    assert values[0] == pytest.approx(float(expected), rel=1e-11, abs=1e-13)
+    value = function(EDGES[1:], np.array(radius)) @ direct.pressure_steps(PRESSURES)
+    assert value == pytest.approx(float(expected), rel=1e-11, abs=1e-13)
 
 
 def test_steady_pressures_carry_the_force_and_wear_alike():
@@ -64,7 +65,8 @@ def test_gradients(average):
     homogeneous = direct.rms_slope(EDGES[[0, -1]], np.ones(1), average)
     assert homogeneous == pytest.approx(HOMOGENEOUS[average], rel=1e-10)
     radii, weights = quadrature()
-    squares = direct.slope(EDGES, PRESSURES, radii.ravel()) ** 2 * weights.ravel()
+    slopes = direct.disc_slope(EDGES[1:], radii.reshape(-1, 1)) @ direct.pressure_steps(PRESSURES)
+    squares = slopes**2 * weights.ravel()
     expected = np.sqrt(np.sum(squares * (2 * radii.ravel() if average == "area" else 1)))
     assert direct.rms_slope(EDGES, PRESSURES, average) == pytest.approx(expected, rel=1e-11)
     # on rings of equal area the pressure alternates between twice the mean and zero; where the

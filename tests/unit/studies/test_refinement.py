@@ -14,7 +14,6 @@ from skfem import Basis
 
 from ringwear import Scene
 from ringwear.fem.elasticity import AxisymmetricElasticity
-from ringwear.fem.stresses import displacements
 from ringwear.meshes import bisection
 from ringwear.meshes.errors import MeshError, SceneError
 from ringwear.meshes.half_space import contact_radii, quality
@@ -55,7 +54,7 @@ def test_indicators_are_the_energy_that_a_lower_degree_could_not_hold():
 def test_indicators_do_not_depend_on_the_load_and_are_greatest_at_the_rim():
     solved = solve_on(Scene.load("flat_punch").problem, uniform_mesh(FLAT), 3)
     solid, start = solved.half_space.solid, press_flat(solved.wear.compliance)
-    u = displacements(solved.half_space, start.pressure[None])
+    u = solved.half_space.displacements(start.pressure[None])
     values = indicators(solid, u, np.ones(1))
     np.testing.assert_allclose(indicators(solid, 3 * u, np.full(1, 9.0)), values, rtol=1e-10)
     at_rim = np.hypot(solid.mesh.p[0] - 1, solid.mesh.p[1]).argmin()
@@ -108,7 +107,7 @@ def test_a_mesh_file_is_refused_where_it_does_not_fit(tmp_path, own):
     with pytest.raises(MeshError, match=r"ring edge at r = 0\.2 a"):
         refinement.own_mesh(scene.problem, str(own))
     fitting = Rings(np.array([0.0, 0.5, 1.0]), np.array([1.0, 0.1]))
-    mesh, _ = refinement.own_mesh(replace(scene.problem, rings=fitting), str(own))
+    mesh = refinement.own_mesh(replace(scene.problem, rings=fitting), str(own))
     assert 0.5 in contact_radii(mesh)
     options = argparse.Namespace(quick=True, mesh=str(tmp_path / "absent"))
     with pytest.raises(SceneError, match="no such file"):
