@@ -124,7 +124,7 @@ class FullContact(Evaluation):
         self.wear: RunningIn = RunningIn(
             compliance,
             wear_coefficients,
-            problem.earliest,
+            problem.earliest if problem.march == "modal" else 0.0,
             indentation=problem.indentation,
             loading=problem.loading,
         )

@@ -9,25 +9,22 @@ start never loses contact, so no inequality is enforced. Nor does a force that n
 rises are so many flat starts. Times of marches in steps are sliding distances.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse import csr_matrix, diags
 
 from ...meshes.compliance import Compliance
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.loading import Loading
-from ..problem.marching import Advance, take_steps
+from ..problem.marching import steps_between
 from .flat_contact import FlatPress, FlatStart, SteadyState, flat_start, steady_state
 from .history import History
 from .modes import (
     BandedCholesky,
     Modes,
-    TooEarlyError,
     every_mode,
     excited_modes,
     slowest_times,
@@ -102,9 +99,6 @@ class RunningIn:
             return BandedCholesky(space.mass()).solve(worn.toarray())
         return space.joined() if self.continuous else diags(np.ones(space.size)).tocsr()
 
-    def _factor(self) -> Array:
-        return self.compliance.factor @ self._to_pressure
-
     @cached_property
     def _energy(self) -> Array:
         return np.asarray(self._to_pressure.T @ self.compliance.matrix @ self._to_pressure)
@@ -135,39 +129,12 @@ class RunningIn:
         """(n,) by how much less the flat start displaces than the state that wear tends to."""
         return self._to_pressure.T @ self.steady.moments - (self.indentation or 0.0) * self._weights
 
-    @property
-    def gentle(self) -> bool:
-        """Whether eigenvalues will do.
-
-        What relaxes before the first time is not felt, and need not be known.
-        """
-        # smallest element, or first time, above which eigenvalues are as good as singular values,
-        # at a quarter of the time (measured: no digit of indentation, relaxation time or slope
-        # differs from rtol 1e-3 to 1e-9). Below it the stiff modes would be lost to roundoff of the
-        # slowest
-        gentlest = 1e-10
-        return (
-            max(float(np.diff(self.compliance.space.breakpoints).min()), self.earliest) > gentlest
-        )
-
     @cached_property
     def modes(self) -> Modes:
-        moments = self._moments
-        # singular values would take minutes
-        large = len(moments) > 700
-        gentle = large or self.gentle
-        if self.earliest and large:
-            try:
-                return excited_modes(
-                    self._energy, self._mass_factor, self._forceless, moments, self.earliest
-                )
-            except TooEarlyError:
-                # and hours; up to this they are taken where a history begins too early
-                if len(moments) > 2500:
-                    raise
-                gentle = False
-        return every_mode(
-            self._energy, self._factor, self._mass_factor, self._forceless, moments, gentle
+        # of so many pressures, modes that the flat start does not excite are left out
+        large = self.earliest and len(self._moments) > 700
+        return (excited_modes if large else every_mode)(
+            self._energy, self._mass_factor, self._forceless, self._moments, self.earliest
         )
 
     @property
@@ -197,16 +164,20 @@ class RunningIn:
         """Return the exact history from the flat start at any times from `earliest` on, none of
         which depends on another.
         """
-        state, modes = self.loading.at(times), self.modes
+        state = self.loading.at(times)
         later = state.distance[state.distance > 0]
         if (later < self.earliest * (1 - 1e-12)).any():
             raise SceneError(
                 f"prepared for distances from {self.earliest:.3g} on: give all of them"
             )
+        return self._evolved(times, self.modes.excite(self._at_knots[state.knot], state))
+
+    def _evolved(self, times: Array, excited: Array) -> History:
+        """Return the history at times by what there is of each mode (T, m) then."""
+        state = self.loading.at(times)
         # where the pressure, not the wear rate, is continuous: a flat press of its own
         pressed = self.loading.pressed(times)
-        excited = modes.excite(self._at_knots[state.knot], state)
-        excited -= np.outer(pressed, modes.amplitudes)
+        excited = excited - np.outer(pressed, self.modes.amplitudes)
         flat, forces = np.zeros(self.compliance.space.size), state.force - pressed
         history = self._relaxed(state.distance, excited, forces, state.work, flat)
         history.profile[state.distance == 0] = 0.0
@@ -258,81 +229,45 @@ class RunningIn:
         profile = self._mass_factor.solve(gap.T).T @ self._to_profile.T
         return History.in_full_contact(distances, pressure, profile, indentation, forces)
 
-    @cached_property
-    def _start(self) -> Array:
-        """Unknowns of the flat start in the space of t > 0: the best approximation in energy."""
-        solution = cho_solve(cho_factor(self._energy), self._weights)
-        return solution * (self.indentation or 1 / (self._weights @ solution))
-
-    def _loaded(self, state: Array, by_weights: Array) -> Array:
-        """Return a state pressed on until it carries the force 1, if that is the load."""
-        if self.indentation is not None:
-            return state
-        return state + by_weights * (1 - self._weights @ state) / (self._weights @ by_weights)
-
     def stability_limit(self) -> float:
         """Greatest stable step of the explicit march, twice the shortest relaxation time."""
-        whole = replace(self, earliest=0.0) if self.earliest else self
-        return float(2 * whole.relaxation_times[-1])
+        return float(2 * self.relaxation_times[-1])
 
-    def implicit(self, times: Array, step: float) -> History:
-        """Implicit Euler, equal steps of at most `step` between output times: stable, first
-        order.
-        """
-        energy, mass = self._energy, self._mass.toarray()
+    def in_steps(self, times: Array, march: str, step: float) -> History:
+        """Return the history by Euler's method, of first order, in equal steps between times.
 
-        def advance_by(dt: float) -> Advance:
-            factor = cho_factor(energy + dt * mass)
-            by_weights = cho_solve(factor, self._weights)
-            return lambda state: self._loaded(cho_solve(factor, energy @ state), by_weights)
+        A step of length h multiplies what is left of a mode by ``1 / (1 + h / T)`` if it is
+        implicit, by ``1 - h / T`` if it is explicit (Eqs. 14 to 17).
 
-        return self._marched(times, step, advance_by, 1)
-
-    def explicit(self, times: Array, step: float) -> History:
-        """Explicit Euler (Eqs. 14 to 17), of first order, stable up to `stability_limit`.
+        Parameters
+        ----------
+        times : (T,) array
+            Increasing, under one load.
+        march : "implicit", which is always stable, or "explicit", up to `stability_limit`
+        step : greatest length
 
         Raises
         ------
         SceneError
-            if the step is above the stability limit
+            if the explicit step is above the stability limit
         """
+        counts = steps_between(times, step)
         limit = self.stability_limit()
-        if step > limit:
+        if march == "explicit" and step > limit:
             raise SceneError(
                 f"the explicit march is unstable: its step is {step / limit:.3g} times the "
                 "stability limit; give a smaller "
                 "wear.step, march = 'modal' (exact in time, no step), or the method mdr-grid, "
                 "whose grid is coarse"
             )
-        energy = cho_factor(self._energy)
-        by_weights = cho_solve(energy, self._weights)
-        rate = -cho_solve(energy, self._mass.toarray())
-        if self.indentation is None:
-            rate -= np.outer(by_weights, self._weights @ rate) / (self._weights @ by_weights)
-
-        def advance_by(dt: float) -> Advance:
-            return lambda state: state + dt * (rate @ state)
-
-        return self._marched(times, step, advance_by, 0)
-
-    def _marched(
-        self, times: Array, step: float, advance_by: Callable[[float], Advance], wearing: int
-    ) -> History:
-        states, profiles = take_steps(times, step, advance_by, wearing, self._start)
-        pressure, profile = states @ self._to_pressure.T, profiles @ self._to_profile.T
-        indentation = np.full(len(times), self.indentation or 0.0)
-        if self.indentation is None:
-            # force balance against the steady pressures: d F = p_s . A p + int f p_s dA
-            indentation = pressure @ self.steady.moments
-            indentation += profiles @ (self._weights * self.steady.wear_rate)
-        begun = (times > 0).astype(float)
-        pressure, indentation = begun[:, None] * pressure, begun * indentation
-        forces = pressure @ self.compliance.space.weights
-        history = History.in_full_contact(times, pressure, profile, indentation, forces)
-        return history.press(self.flat, 1 - begun)
+        lengths = np.diff(times, prepend=0.0) / np.maximum(counts, 1)
+        ratios = lengths[:, None] / self.modes.relaxation
+        factors = 1 / (1 + ratios) if march == "implicit" else 1 - ratios
+        left = np.cumprod(factors ** counts[:, None], axis=0)
+        return self._evolved(times, left * self.modes.amplitudes)
 
     def history(self, times: Array, march: str = "modal", step: float | None = None) -> History:
         """The history by the named march."""
         if march == "modal" or step is None:
             return self.modal(times)
-        return {"implicit": self.implicit, "explicit": self.explicit}[march](times, step)
+        return self.in_steps(times, march, step)

@@ -8,11 +8,10 @@ on the Krylov space of the flat start (Lanczos), which holds every mode that car
 hardly any other: with hundreds of rings it is many times smaller than the pressure space.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import LinAlgError, cholesky_banded, eigh, eigh_tridiagonal, svd
+from scipy.linalg import LinAlgError, cholesky_banded, eigh, eigh_tridiagonal
 from scipy.linalg.blas import dsymv
 from scipy.linalg.lapack import dtbtrs
 from scipy.sparse import csr_matrix, tril
@@ -69,10 +68,6 @@ class BandedCholesky:
         columns = right.reshape(len(right), -1)
         solution, _ = dtbtrs(self._band, columns, uplo="L", trans=trans)
         return np.asarray(solution).reshape(right.shape)
-
-
-class TooEarlyError(SolverError):
-    """Modes below the roundoff of a Krylov space are still felt."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,38 +169,24 @@ def mean_decay(decayed: Array, bend: Array) -> Array:
 
 
 def every_mode(
-    energy: Array,
-    factor: Callable[[], Array],
-    mass: BandedCholesky,
-    weights: Array | None,
-    moments: Array,
-    gentle: bool,
+    energy: Array, mass: BandedCholesky, weights: Array | None, moments: Array, earliest: float
 ) -> Modes:
-    """All modes.
+    """All modes that are above roundoff.
 
     Parameters
     ----------
     energy : (n, n) compliance `A` of wear rates
-    factor : yields its (m, n) factor, ``A = H^T H``
     mass : (n, n) of weight `k`
     weights : (n,) force that each wear rate carries, if modes are to carry none; None if they may
     moments : (n,) by how much less the flat start displaces than the state that wear tends to
-    gentle : whether eigenvalues of `A` will do; else singular values of `H`, which keep the fastest
-        modes
+    earliest : time from which on they are felt
     """
     axis = _axis(mass, weights)
-    if gentle:
-        relaxation, within = eigh(
-            _forceless(energy, mass, axis), driver="evd", overwrite_a=True, check_finite=False
-        )
-    # or roundoff of the slowest has taken the fastest
-    if not gentle or relaxation[0] <= 0:
-        scaled = mass.forward(factor().T).T
-        if axis is not None:
-            scaled = (scaled - 2 * np.outer(scaled @ axis, axis))[:, 1:]
-        _, singular, right = svd(scaled, full_matrices=False, check_finite=False)
-        relaxation, within = singular[::-1] ** 2, right[::-1].T
-    relaxation, shapes = relaxation[::-1], within[:, ::-1]
+    relaxation, within = eigh(
+        _forceless(energy, mass, axis), driver="evd", overwrite_a=True, check_finite=False
+    )
+    felt = _felt(relaxation, earliest)
+    relaxation, shapes = relaxation[felt][::-1], within[:, felt][:, ::-1]
     if axis is not None:
         shapes = np.concatenate([np.zeros((1, len(relaxation))), shapes])
         shapes -= 2 * np.outer(axis, axis @ shapes)
@@ -321,16 +302,16 @@ def _felt(relaxation: Array, earliest: float) -> slice:
 
     Raises
     ------
-    TooEarlyError
+    SolverError
         if those below it are still felt at the earliest time
     """
     roundoff = len(relaxation) * np.finfo(float).eps * relaxation[-1]
     below = int(np.searchsorted(relaxation, roundoff))
-    if below and earliest < 40 * roundoff:
-        raise TooEarlyError(
+    if below and 0 < earliest < 40 * roundoff:
+        raise SolverError(
             f"the first of wear.times after the start is {earliest / relaxation[-1]:.1e} of the "
             "slowest relaxation time, "
-            "too early for double precision with so many rings; leave the earliest out"
+            "too early for double precision; leave the earliest out"
         )
     return slice(below, None)
 
@@ -340,6 +321,4 @@ def modes_of(relaxation: Array, shapes: Array, moments: Array, exact: int) -> Mo
 
     (n,) `moments` as for `every_mode`.
     """
-    if not relaxation[-1] > 0:
-        raise SolverError("the compliance is singular: the multipliers are unstable on this mesh")
     return Modes(relaxation, shapes, -(shapes.T @ moments) / relaxation, exact)
