@@ -20,7 +20,7 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.loading import Loading
 from ..problem.marching import steps_between
-from .flat_contact import FlatPress, FlatStart, SteadyState, flat_start, steady_state
+from .flat_contact import FlatPress, FlatStart, SteadyState, flat_start
 from .history import History
 from .modes import (
     BandedCholesky,
@@ -57,32 +57,28 @@ class RunningIn:
 
     @cached_property
     def steady(self) -> SteadyState:
-        """The state that wear tends to."""
+        """The state that wear tends to: known without any march, its ring forces add up to one."""
+        space, wear_coefficients = self.compliance.space, self.wear_coefficients
         if self.indentation is not None:
-            nothing = np.zeros(self.compliance.space.size)
+            nothing = np.zeros(space.size)
             return SteadyState(nothing, nothing, nothing, 0.0)
-        if self.wear_coefficients.ndim == 2:
+        if wear_coefficients.ndim == 2:
             # 1 / k is no polynomial: the pressure whose product with k is nearest to a constant
-            pressure = self._to_pressure @ self._mass_factor.solve(self._weights)
+            pressure = self._to_pressures(self._weights)
         else:
-            pressure = self.compliance.space.ring_indicator() @ (1 / self.wear_coefficients)
-        return steady_state(self.compliance, pressure, self._displacement)
-
-    def _displacement(self, moments: Array) -> Array:
-        """Return the coefficients of a displacement by its moments against each pressure."""
-        return np.asarray(
-            self._to_profile @ self._mass_factor.solve(self._to_pressure.T @ moments.T)
-        ).T
+            pressure = space.ring_indicator() @ (1 / wear_coefficients)
+        wear_rate = float(1 / (space.weights @ pressure))
+        pressure = wear_rate * pressure
+        moments = self.compliance.factor.T @ (self.compliance.factor @ pressure)
+        displacement = self._to_profiles(self._reduce(moments))
+        return SteadyState(pressure, displacement, moments, wear_rate)
 
     @cached_property
     def flat(self) -> FlatStart | FlatPress:
-        start = flat_start(self.compliance)
-        return (
-            start if self.indentation is None else start.times(self.indentation / start.indentation)
-        )
+        return flat_start(self.compliance, self.indentation)
 
     @cached_property
-    def _to_pressure(self) -> csr_matrix:
+    def _by_rates(self) -> csr_matrix:
         """(size, n) pressures by the wear rate."""
         space = self.compliance.space
         if self.continuous:
@@ -90,34 +86,42 @@ class RunningIn:
         return diags(1 / space.at_vertices(self.wear_coefficients)).tocsr()
 
     @cached_property
-    def _to_profile(self) -> csr_matrix | Array:
+    def _worn_by_rates(self) -> csr_matrix | Array:
         """(size, n) wear rates, and so worn profiles, by the same unknowns."""
         space = self.compliance.space
         if self.continuous and self.wear_coefficients.ndim == 2:
             # k p is of a degree more than p: its projection has the same volumes on rings
-            worn = space.mass(self.wear_coefficients) @ self._to_pressure
+            worn = space.mass(self.wear_coefficients) @ self._by_rates
             return BandedCholesky(space.mass()).solve(worn.toarray())
         return space.joined() if self.continuous else diags(np.ones(space.size)).tocsr()
 
     @cached_property
+    def _mass(self) -> BandedCholesky:
+        """Factor `L` of the mass of weight k: orthonormal wear rates are `L^T` times those by
+        unknowns of the space.
+        """
+        mass = self.compliance.space.mass(self.wear_coefficients)
+        return BandedCholesky(self._by_rates.T @ mass @ self._by_rates)
+
+    def _reduce(self, moments: Array) -> Array:
+        """Return moments (n, ...) against orthonormal wear rates, of (size, ...) ones."""
+        return self._mass.forward(self._by_rates.T @ moments)
+
+    def _to_pressures(self, rates: Array) -> Array:
+        """Return pressures (..., size) by orthonormal wear rates (..., n)."""
+        return np.asarray(self._mass.backward(rates.T).T @ self._by_rates.T)
+
+    def _to_profiles(self, rates: Array) -> Array:
+        """Return what wears by them, (..., size)."""
+        return np.asarray(self._mass.backward(rates.T).T @ self._worn_by_rates.T)
+
+    @cached_property
     def _energy(self) -> Array:
-        return np.asarray(self._to_pressure.T @ self.compliance.matrix @ self._to_pressure)
-
-    @cached_property
-    def _mass(self) -> csr_matrix:
-        return (
-            self._to_pressure.T
-            @ self.compliance.space.mass(self.wear_coefficients)
-            @ self._to_pressure
-        )
-
-    @cached_property
-    def _mass_factor(self) -> BandedCholesky:
-        return BandedCholesky(self._mass)
+        return self._reduce(self._reduce(self.compliance.matrix).T)
 
     @cached_property
     def _weights(self) -> Array:
-        return self._to_pressure.T @ self.compliance.space.weights
+        return self._reduce(self.compliance.space.weights)
 
     @property
     def _forceless(self) -> Array | None:
@@ -127,14 +131,15 @@ class RunningIn:
     @cached_property
     def _moments(self) -> Array:
         """(n,) by how much less the flat start displaces than the state that wear tends to."""
-        return self._to_pressure.T @ self.steady.moments - (self.indentation or 0.0) * self._weights
+        pressed_in = (self.indentation or 0.0) * self.compliance.space.weights
+        return self._reduce(self.steady.moments - pressed_in)
 
     @cached_property
     def modes(self) -> Modes:
         # of so many pressures, modes that the flat start does not excite are left out
         large = self.earliest and len(self._moments) > 700
         return (excited_modes if large else every_mode)(
-            self._energy, self._mass_factor, self._forceless, self._moments, self.earliest
+            self._energy, self._forceless, self._moments, self.earliest
         )
 
     @property
@@ -143,11 +148,10 @@ class RunningIn:
 
         1 if none is lost.
         """
-        moments = self._mass_factor.forward(self._moments)
+        moments, weights = self._moments, self._weights
         whole = moments @ moments
-        if self._forceless is not None:
-            steady = self._mass_factor.forward(self._forceless)
-            whole -= (moments @ steady) ** 2 / (steady @ steady)
+        if self.indentation is None:
+            whole -= (moments @ weights) ** 2 / (weights @ weights)
         return float(np.sum((self.modes.amplitudes * self.modes.relaxation) ** 2) / whole)
 
     @property
@@ -158,7 +162,7 @@ class RunningIn:
     @cached_property
     def slowest_times(self) -> Array:
         """(m,) the slowest of them, where no history is wanted."""
-        return slowest_times(self._energy, self._mass_factor, self._forceless)
+        return slowest_times(self._energy, self._forceless)
 
     def modal(self, times: Array) -> History:
         """Return the exact history from the flat start at any times from `earliest` on, none of
@@ -188,24 +192,27 @@ class RunningIn:
         return self.modes.at_knots(self.loading)
 
     def from_full_contact(
-        self, distances: Array, since: float, spent: float, unworn: Array, worn: Array
+        self, distances: Array, since: float, spent: float, unworn: Array, worn: Array, force: float
     ) -> History:
         """Return the exact history from where all of a shaped face carries, for as long as it does.
 
         Parameters
         ----------
         distances : (T,) array
-            Sliding distances from `since` on, under the force 1.
+            Sliding distances from `since` on.
         spent : float
             Integral of the force over the sliding distance by then.
         unworn, worn : (size,) arrays
             Moments of the unworn face, and of what had worn off at `since`.
+        force : float
+            On it; 1 at a fixed indentation.
         """
         modes, further = self.modes, distances - since
-        moments = self._moments + self._to_pressure.T @ (unworn + worn)
+        moments = force * self._moments + self._reduce(unworn + worn)
         amplitudes = -(modes.shapes.T @ moments) / modes.relaxation
         excited = np.exp(-further[:, None] / modes.relaxation) * amplitudes
-        return self._relaxed(distances, excited, np.ones(len(further)), spent + further, unworn)
+        forces = np.full(len(further), force)
+        return self._relaxed(distances, excited, forces, spent + force * further, unworn)
 
     def _relaxed(
         self, distances: Array, excited: Array, forces: Array, work: Array, unworn: Array
@@ -213,7 +220,7 @@ class RunningIn:
         """Return the sum of the steady state of a force, or of no pressure, and of modes."""
         steady = self.steady
         rates = excited @ self.modes.shapes.T
-        pressure = np.outer(forces, steady.pressure) + rates @ self._to_pressure.T
+        pressure = np.outer(forces, steady.pressure) + self._to_pressures(rates)
         if self.indentation is None:
             # reciprocity with the steady pressures, int p_s dA = 1: d = p_s . A p + int f p_s dA,
             # and what has worn, k p_s being one w, adds w int F dtau
@@ -223,27 +230,27 @@ class RunningIn:
             indentation = self.indentation * forces
             forces = pressure @ self.compliance.space.weights
         # f = d - u: slopes of small elements would show the roundoff of a sum of what wore
-        gap = np.outer(indentation, self._weights) - (
-            (np.outer(forces, steady.moments) + unworn) @ self._to_pressure + rates @ self._energy
-        )
-        profile = self._mass_factor.solve(gap.T).T @ self._to_profile.T
+        gap = np.outer(indentation, self._weights) - rates @ self._energy
+        gap -= np.outer(forces, self._reduce(steady.moments)) + self._reduce(unworn)
+        profile = self._to_profiles(gap)
         return History.in_full_contact(distances, pressure, profile, indentation, forces)
 
     def stability_limit(self) -> float:
         """Greatest stable step of the explicit march, twice the shortest relaxation time."""
         return float(2 * self.relaxation_times[-1])
 
-    def in_steps(self, times: Array, march: str, step: float) -> History:
-        """Return the history by Euler's method, of first order, in equal steps between times.
+    def history(self, times: Array, march: str = "modal", step: float | None = None) -> History:
+        """Return the history by the named march.
 
-        A step of length h multiplies what is left of a mode by ``1 / (1 + h / T)`` if it is
-        implicit, by ``1 - h / T`` if it is explicit (Eqs. 14 to 17).
+        Euler's methods, of first order, take equal steps between times, under one load. A step of
+        length h multiplies what is left of a mode by ``1 / (1 + h / T)`` if it is implicit, by ``1
+        - h / T`` if it is explicit (Eqs. 14 to 17).
 
         Parameters
         ----------
         times : (T,) array
-            Increasing, under one load.
-        march : "implicit", which is always stable, or "explicit", up to `stability_limit`
+            Increasing.
+        march : "modal", "implicit", which is always stable, or "explicit", up to `stability_limit`
         step : greatest length
 
         Raises
@@ -251,7 +258,8 @@ class RunningIn:
         SceneError
             if the explicit step is above the stability limit
         """
-        counts = steps_between(times, step)
+        if march == "modal" or step is None:
+            return self.modal(times)
         limit = self.stability_limit()
         if march == "explicit" and step > limit:
             raise SceneError(
@@ -260,14 +268,9 @@ class RunningIn:
                 "wear.step, march = 'modal' (exact in time, no step), or the method mdr-grid, "
                 "whose grid is coarse"
             )
+        counts = steps_between(times, step)
         lengths = np.diff(times, prepend=0.0) / np.maximum(counts, 1)
         ratios = lengths[:, None] / self.modes.relaxation
         factors = 1 / (1 + ratios) if march == "implicit" else 1 - ratios
         left = np.cumprod(factors ** counts[:, None], axis=0)
         return self._evolved(times, left * self.modes.amplitudes)
-
-    def history(self, times: Array, march: str = "modal", step: float | None = None) -> History:
-        """The history by the named march."""
-        if march == "modal" or step is None:
-            return self.modal(times)
-        return self.in_steps(times, march, step)

@@ -2,10 +2,11 @@
 
 All of them, or those that its flat start excites. Non-dimensional.
 
-The pencil is ``A x = tau K x`` on the wear rates that carry no force, with the compliance `A` and
-the mass matrix `K` of weight `k`. Small problems are diagonalised whole. Large ones are projected
-on the Krylov space of the flat start (Lanczos), which holds every mode that carries the history and
-hardly any other: with hundreds of rings it is many times smaller than the pressure space.
+They are eigenvectors of the compliance `A` on the wear rates that carry no force, in coordinates
+that are orthonormal in the mass matrix of weight `k`. Small problems are diagonalised whole. Large
+ones are projected on the Krylov space of the flat start (Lanczos), which holds every mode that
+carries the history and hardly any other: with hundreds of rings it is many times smaller than the
+pressure space.
 """
 
 from dataclasses import dataclass
@@ -77,7 +78,7 @@ class Modes:
     Parameters
     ----------
     relaxation : (m,) times
-    shapes : (n, m) wear rates, orthonormal in `K`
+    shapes : (n, m) wear rates, orthonormal
     amplitudes : (m,) share of each in the flat start
     exact : how many, from the slowest on, are modes of the punch; the others stand for all that
         relax as fast
@@ -168,37 +169,34 @@ def mean_decay(decayed: Array, bend: Array) -> Array:
     return mean
 
 
-def every_mode(
-    energy: Array, mass: BandedCholesky, weights: Array | None, moments: Array, earliest: float
-) -> Modes:
+def every_mode(energy: Array, weights: Array | None, moments: Array, earliest: float) -> Modes:
     """All modes that are above roundoff.
 
     Parameters
     ----------
-    energy : (n, n) compliance `A` of wear rates
-    mass : (n, n) of weight `k`
+    energy : (n, n) compliance `A` of orthonormal wear rates
     weights : (n,) force that each wear rate carries, if modes are to carry none; None if they may
     moments : (n,) by how much less the flat start displaces than the state that wear tends to
     earliest : time from which on they are felt
     """
-    axis = _axis(mass, weights)
-    relaxation, within = eigh(
-        _forceless(energy, mass, axis), driver="evd", overwrite_a=True, check_finite=False
+    axis = _axis(weights)
+    relaxation, shapes = eigh(
+        _forceless(energy, axis), driver="evd", overwrite_a=True, check_finite=False
     )
     felt = _felt(relaxation, earliest)
-    relaxation, shapes = relaxation[felt][::-1], within[:, felt][:, ::-1]
+    relaxation, shapes = relaxation[felt][::-1], shapes[:, felt][:, ::-1]
     if axis is not None:
         shapes = np.concatenate([np.zeros((1, len(relaxation))), shapes])
         shapes -= 2 * np.outer(axis, axis @ shapes)
-    return modes_of(relaxation, mass.backward(shapes), moments, len(relaxation))
+    return modes_of(relaxation, shapes, moments, len(relaxation))
 
 
-def slowest_times(energy: Array, mass: BandedCholesky, weights: Array | None) -> Array:
+def slowest_times(energy: Array, weights: Array | None) -> Array:
     """(m,) the `SHOWN` slowest relaxation times, all of them if there are fewer.
 
     Parameters as for `every_mode`.
     """
-    forceless = _forceless(energy, mass, _axis(mass, weights))
+    forceless = _forceless(energy, _axis(weights))
     size = len(forceless)
     if size <= 4 * SHOWN:
         return np.asarray(eigh(forceless, eigvals_only=True)[::-1][:SHOWN])
@@ -210,57 +208,47 @@ def slowest_times(energy: Array, mass: BandedCholesky, weights: Array | None) ->
     )
 
 
-def _axis(mass: BandedCholesky, weights: Array | None) -> Array | None:
+def _axis(weights: Array | None) -> Array | None:
     """Of the reflection that maps the steady state to the first axis, so that the other axes carry
     no force; None where they may.
     """
     if weights is None:
         return None
-    axis = mass.forward(weights)
-    axis /= np.linalg.norm(axis)
+    axis = weights / np.linalg.norm(weights)
     axis[0] += np.copysign(1.0, axis[0])
     return np.asarray(axis / np.linalg.norm(axis))
 
 
-def _forceless(energy: Array, mass: BandedCholesky, axis: Array | None) -> Array:
-    """(n-1, n-1) the compliance in coordinates orthonormal in `K`, reflected, on those that carry
-    no force; (n, n) on all of them without a reflection.
+def _forceless(energy: Array, axis: Array | None) -> Array:
+    """(n-1, n-1) the compliance, reflected, on those that carry no force; (n, n) on all of them
+    without a reflection.
     """
-    scaled = mass.forward(mass.forward(energy).T)
     if axis is None:
-        return scaled
-    image = scaled @ axis
+        return energy.copy()
+    image = energy @ axis
     image -= (axis @ image) * axis
-    scaled -= 2 * (np.outer(axis, image) + np.outer(image, axis))
-    return np.asarray(scaled[1:, 1:])
+    reflected = energy - 2 * (np.outer(axis, image) + np.outer(image, axis))
+    return np.asarray(reflected[1:, 1:])
 
 
-def excited_modes(
-    energy: Array, mass: BandedCholesky, weights: Array | None, moments: Array, earliest: float
-) -> Modes:
+def excited_modes(energy: Array, weights: Array | None, moments: Array, earliest: float) -> Modes:
     """The modes that the flat start excites, as far as they are felt at `earliest` or later.
 
-    Parameters
-    ----------
-    energy : (n, n) compliance `A` of wear rates
-    mass, weights, moments : as for `every_mode`
-    earliest : time > 0
+    Parameters as for `every_mode`; `earliest` is above 0.
     """
     energy = np.asfortranarray(energy)
     steady, size = np.zeros(len(moments)), len(moments)
     if weights is not None:
-        steady, size = mass.forward(weights), size - 1
-        steady /= np.linalg.norm(steady)
+        steady, size = weights / np.linalg.norm(weights), size - 1
     # rows are touched, and so take memory, only as they are filled
     basis = np.empty((size, len(moments)))
     diagonal, beside = np.empty(size), np.empty(size)
-    vector = mass.forward(moments)
-    vector -= steady * (steady @ vector)
+    vector = moments - steady * (steady @ moments)
     vector /= np.linalg.norm(vector)
     look = min(40, size)
     for k in range(size):
         basis[k] = vector
-        image = mass.forward(dsymv(1.0, energy, mass.backward(vector)))
+        image = dsymv(1.0, energy, vector)
         for again in (False, True):
             image -= steady * (steady @ image)
             parts = basis[: k + 1] @ image
@@ -280,9 +268,7 @@ def excited_modes(
     felt = _felt(relaxation, earliest)
     relaxation, within, lost = relaxation[felt][::-1], within[:, felt][:, ::-1], lost[felt][::-1]
     exact = int(np.argmin(np.append(lost <= np.sqrt(NEGLIGIBLE) * relaxation, False)))
-    return modes_of(
-        relaxation, mass.backward(basis[: len(within)].T @ within), moments, max(exact, 1)
-    )
+    return modes_of(relaxation, basis[: len(within)].T @ within, moments, max(exact, 1))
 
 
 def _carried(relaxation: Array, within: Array, lost: Array, earliest: float) -> bool:
