@@ -11,7 +11,7 @@ from ...meshes.radial import Array
 from ..methods.base import Solution
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, STATES
-from ..wear.fitted_press import FittedPress
+from ..wear.flat_contact import FittedPress
 from ..wear.moving_contact import ContactMarch
 
 # quantities that are given with the answer

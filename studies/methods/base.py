@@ -13,7 +13,8 @@ from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..problem.quantities import COMPARED_MODES, QUANTITIES
 from ..progress import Stages
-from ..wear.fitted_press import CompliancesOn, FittedPress
+from ..wear.fitted_press import CompliancesOn
+from ..wear.flat_contact import FittedPress
 from ..wear.full_contact import RunningIn
 from .norms import Results
 

@@ -23,7 +23,7 @@ from ..problem.quantities import (
     QUANTITIES,
     STEADY,
 )
-from ..wear.fitted_press import FittedPress
+from ..wear.flat_contact import FittedPress
 from ..wear.full_contact import RunningIn
 from ..wear.history import History, Pressed
 from ..wear.moments import moments, unresolved_height
@@ -270,7 +270,8 @@ class MovingContact(Evaluation):
 
     def near(self, name: str, error: Array) -> Array:
         times = self.march.times
-        later = times > 0
+        # a start that is not fitted to its edges is one of the march
+        later = (times > 0) | (self.start is None)
         if later.any():
             among = np.pad(error[later], 3)
             error = error.copy()
@@ -292,6 +293,8 @@ class MovingContact(Evaluation):
 
     def least_error(self, name: str) -> Array:
         later = self.problem.times > 0
+        if self.start is None and name != "profile":
+            later = np.ones_like(later)
         # slopes of the unworn face are differences of heights; edges are sought to a few times
         # their tolerance; at the start nothing has worn; and edges of the contact leave more to
         # chance
@@ -360,10 +363,7 @@ class MovingContact(Evaluation):
             "contact_iterations_greatest": int(iterations.max()),
         }
         if self.start is not None:
-            settings |= {
-                "start_pressures": len(self.start.pressure),
-                "start_evaluations": self.start.evaluations,
-            }
+            settings["start_pressures"] = len(self.start.pressure)
         return settings
 
     def notes(self) -> list[str]:

@@ -57,7 +57,9 @@ class FlatStart:
 
 
 @lru_cache(maxsize=8)  # punches that differ in wear alone begin alike
-def flat_start(compliance: Compliance, indentation: float | None = None) -> "FlatStart | FlatPress":
+def flat_start(
+    compliance: Compliance, indentation: float | None = None
+) -> "FlatStart | FittedPress":
     """Press the unworn punch: ``A c = d b`` on the functions that suit it, with ``b . c = 1`` or d
     as given.
 
@@ -89,28 +91,46 @@ def flat_start(compliance: Compliance, indentation: float | None = None) -> "Fla
 
 
 @dataclass(frozen=True, eq=False)
-class FlatPress:
-    """A flat punch on a pressure space: coefficients (size,) of the pressure, and the
-    indentation.
+class FittedPress:
+    """A punch pressed on a pressure space that is fitted to its contact.
+
+    Parameters
+    ----------
+    space : on the disc of the outermost edge, scaled to radius 1
+    pressure : (size,) coefficients on it
+    indentation, force : one of them as given
+    intervals : of contact
     """
 
     space: PressureSpace
     pressure: Array
     indentation: float
-    intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
     force: float = 1.0
+    intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
+
+    @property
+    def radius(self) -> float:
+        """The outermost edge."""
+        return self.intervals[-1].outer
 
     def pressure_at(self, radii: Array) -> Array:
-        """Return the pressures at radii (R,)."""
-        return np.asarray(self.space.matrix(radii) @ self.pressure)
+        """Return the pressures at radii (R,) of the punch; zero outside the contact."""
+        inside = radii <= self.radius
+        pressures = self.space.matrix(np.minimum(radii / self.radius, 1.0)) @ self.pressure
+        return np.where(inside, pressures, 0.0)
 
     def ring_forces(self, ring_edges: Array) -> Array:
         """Return the force on each of the N rings between edges (N+1,)."""
-        return np.asarray(self.space.ring_forces(ring_edges) @ self.pressure)
+        scaled = np.minimum(ring_edges / self.radius, 1.0)
+        used = np.append(True, np.diff(scaled) > 0)
+        out = np.zeros(len(ring_edges) - 1)
+        forces = self.radius**2 * self.space.ring_forces(scaled[used]) @ self.pressure
+        out[: len(forces)] = forces
+        return out
 
 
 @lru_cache(maxsize=8)
-def press_flat(compliance: Compliance, indentation: float | None = None) -> FlatPress:
+def press_flat(compliance: Compliance, indentation: float | None = None) -> FittedPress:
     """Press a flat punch by the pressures of the space itself, continuous across ring edges.
 
     Studies of spaces and meshes look at it: it shows what elements at the rim can hold. Smaller
@@ -125,7 +145,7 @@ def press_flat(compliance: Compliance, indentation: float | None = None) -> Flat
     weights = continuous.T @ compliance.space.weights
     matrix = continuous.T @ compliance.matrix @ continuous
     coefficients, indentation = _press(matrix, weights, indentation)
-    return FlatPress(compliance.space, continuous @ coefficients, indentation)
+    return FittedPress(compliance.space, continuous @ coefficients, indentation)
 
 
 def _press(matrix: Array, forces: Array, indentation: float | None) -> tuple[Array, float]:

@@ -20,7 +20,7 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.loading import Loading
 from ..problem.marching import steps_between
-from .flat_contact import FlatPress, FlatStart, SteadyState, flat_start
+from .flat_contact import FittedPress, FlatStart, SteadyState, flat_start
 from .history import History
 from .modes import (
     BandedCholesky,
@@ -74,7 +74,7 @@ class RunningIn:
         return SteadyState(pressure, displacement, moments, wear_rate)
 
     @cached_property
-    def flat(self) -> FlatStart | FlatPress:
+    def flat(self) -> FlatStart | FittedPress:
         return flat_start(self.compliance, self.indentation)
 
     @cached_property
