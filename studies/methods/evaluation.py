@@ -270,13 +270,17 @@ class MovingContact(Evaluation):
 
     def near(self, name: str, error: Array) -> Array:
         times = self.march.times
-        # a start that is not fitted to its edges is one of the march
-        later = (times > 0) | (self.start is None)
+        later = (times > 0) | self._starts_on_cells
         if later.any():
             among = np.pad(error[later], 3)
             error = error.copy()
             error[later] = np.lib.stride_tricks.sliding_window_view(among, 7).max(axis=1)
         return error[np.isin(times, self.problem.times)]
+
+    @property
+    def _starts_on_cells(self) -> bool:
+        """Whether what presses at the time 0 is not fitted to the edges of its contact."""
+        return self.start is None and self.problem.loading.forces[0] > 0
 
     def safety_of(self, name: str) -> float:
         if self._decays(name):
@@ -293,7 +297,7 @@ class MovingContact(Evaluation):
 
     def least_error(self, name: str) -> Array:
         later = self.problem.times > 0
-        if self.start is None and name != "profile":
+        if self._starts_on_cells and name != "profile":
             later = np.ones_like(later)
         # slopes of the unworn face are differences of heights; edges are sought to a few times
         # their tolerance; at the start nothing has worn; and edges of the contact leave more to

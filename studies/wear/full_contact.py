@@ -25,6 +25,7 @@ from .history import History
 from .modes import (
     BandedCholesky,
     Modes,
+    TooEarlyError,
     every_mode,
     excited_modes,
     slowest_times,
@@ -136,11 +137,19 @@ class RunningIn:
 
     @cached_property
     def modes(self) -> Modes:
+        pencil = self._forceless, self._moments, self.earliest
         # of so many pressures, modes that the flat start does not excite are left out
-        large = self.earliest and len(self._moments) > 700
-        return (excited_modes if large else every_mode)(
-            self._energy, self._forceless, self._moments, self.earliest
-        )
+        if self.earliest and len(self._moments) > 700:
+            try:
+                return excited_modes(self._energy, *pencil)
+            except TooEarlyError:
+                # singular values would take hours
+                if len(self._moments) > 2500:
+                    raise
+        return every_mode(self._energy, self._factor, *pencil)
+
+    def _factor(self) -> Array:
+        return self._reduce(self.compliance.factor.T).T
 
     @property
     def share_of_modes(self) -> float:

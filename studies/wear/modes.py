@@ -9,15 +9,15 @@ carries the history and hardly any other: with hundreds of rings it is many time
 pressure space.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import LinAlgError, cholesky_banded, eigh, eigh_tridiagonal
+from scipy.linalg import LinAlgError, cholesky_banded, eigh, eigh_tridiagonal, svd
 from scipy.linalg.blas import dsymv
 from scipy.linalg.lapack import dtbtrs
 from scipy.sparse import csr_matrix, tril
 from scipy.sparse.linalg import eigsh
-from scipy.special import exprel, wofz
 
 from ...meshes.errors import SolverError
 from ...meshes.radial import Array, unit_gauss
@@ -69,6 +69,10 @@ class BandedCholesky:
         columns = right.reshape(len(right), -1)
         solution, _ = dtbtrs(self._band, columns, uplo="L", trans=trans)
         return np.asarray(solution).reshape(right.shape)
+
+
+class TooEarlyError(SolverError):
+    """Modes below roundoff are still felt."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,39 +156,51 @@ def mean_decay(decayed: Array, bend: Array) -> Array:
 
     Notes
     -----
-    With u the part of the time that is left, ``tau_1 - tau = distance u (1 + bend (1 - u))``: the
-    square completed, this is Faddeeva's function, which is Dawson's integral where the speed rises
-    and the error function where it falls. Where little has decayed two of them would cancel, and 8
-    Gauss points give all digits.
+    With u the part of the time that is left, ``tau_1 - tau = distance u (1 + bend (1 - u))``. Gauss
+    points lie where that is felt: 48 give all digits of what has not decayed to roundoff.
     """
-    mean, bent = exprel(-decayed), np.flatnonzero(bend)
-    decayed, bend = decayed[bent], bend[bent, None]
-    points, weights = unit_gauss(8)
-    near, far = np.minimum(decayed, 1.0)[..., None], np.maximum(decayed, 1.0)
-    smooth = np.exp(-near * points * (1 + bend[..., None] * (1 - points))) @ weights
-    root = np.sqrt(-bend * far + 0j)
-    first, last = (wofz(0.5j * far * (1 + sign * bend) / root) for sign in (-1, 1))
-    closed = np.sqrt(np.pi) / 2 * (last - np.exp(-far) * first) / root
-    mean[bent] = np.where(decayed < 1, smooth, closed.real)
+    bend, roundoff = bend[:, None], 40.0
+    # from there on, by each of the two terms of u (1 + bend) - bend u^2 alone
+    with np.errstate(divide="ignore"):
+        linear = roundoff / (decayed * np.clip(1 + bend, 0.0, 1.0))
+        square = np.sqrt(roundoff / (decayed * np.maximum(-bend, 0.0)))
+    reach = np.minimum(np.minimum(linear, square), 1.0)
+    mean = np.zeros_like(decayed)
+    for point, weight in zip(*unit_gauss(48), strict=True):
+        left = reach * point
+        mean += weight * reach * np.exp(-decayed * left * (1 + bend * (1 - left)))
     return mean
 
 
-def every_mode(energy: Array, weights: Array | None, moments: Array, earliest: float) -> Modes:
-    """All modes that are above roundoff.
+def every_mode(
+    energy: Array,
+    factor: Callable[[], Array],
+    weights: Array | None,
+    moments: Array,
+    earliest: float,
+) -> Modes:
+    """All modes that are felt.
 
     Parameters
     ----------
     energy : (n, n) compliance `A` of orthonormal wear rates
+    factor : yields its (m, n) factor, ``A = H^T H``: where eigenvalues of `A` lose modes to
+        roundoff that are felt, singular values of `H` keep them, for four times the time
     weights : (n,) force that each wear rate carries, if modes are to carry none; None if they may
     moments : (n,) by how much less the flat start displaces than the state that wear tends to
     earliest : time from which on they are felt
     """
     axis = _axis(weights)
-    relaxation, shapes = eigh(
-        _forceless(energy, axis), driver="evd", overwrite_a=True, check_finite=False
-    )
-    felt = _felt(relaxation, earliest)
-    relaxation, shapes = relaxation[felt][::-1], shapes[:, felt][:, ::-1]
+    try:
+        relaxation, shapes = eigh(_forceless(energy, axis), driver="evd", check_finite=False)
+        felt = _felt(relaxation, earliest)
+        relaxation, shapes = relaxation[felt][::-1], shapes[:, felt][:, ::-1]
+    except TooEarlyError:
+        of_modes = factor()
+        if axis is not None:
+            of_modes = (of_modes - 2 * np.outer(of_modes @ axis, axis))[:, 1:]
+        _, singular, right = svd(of_modes, full_matrices=False, check_finite=False)
+        relaxation, shapes = singular**2, right.T
     if axis is not None:
         shapes = np.concatenate([np.zeros((1, len(relaxation))), shapes])
         shapes -= 2 * np.outer(axis, axis @ shapes)
@@ -288,16 +304,16 @@ def _felt(relaxation: Array, earliest: float) -> slice:
 
     Raises
     ------
-    SolverError
+    TooEarlyError
         if those below it are still felt at the earliest time
     """
     roundoff = len(relaxation) * np.finfo(float).eps * relaxation[-1]
     below = int(np.searchsorted(relaxation, roundoff))
-    if below and 0 < earliest < 40 * roundoff:
-        raise SolverError(
+    if below and earliest < 40 * roundoff:
+        raise TooEarlyError(
             f"the first of wear.times after the start is {earliest / relaxation[-1]:.1e} of the "
             "slowest relaxation time, "
-            "too early for double precision; leave the earliest out"
+            "too early for double precision with so many rings; leave the earliest out"
         )
     return slice(below, None)
 

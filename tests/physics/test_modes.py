@@ -8,7 +8,7 @@ import pytest
 import xarray
 from scipy.sparse import csr_matrix, diags
 
-from ringwear import Scene
+from ringwear import Scene, run
 from ringwear.meshes import SceneError, SolverError
 from ringwear.studies.methods.norms import differences
 from ringwear.studies.wear.full_contact import RunningIn
@@ -23,7 +23,7 @@ def pencil(wear):
 
 def modes_of(wear):
     """Return all modes."""
-    return every_mode(*pencil(wear), 0.0)
+    return every_mode(wear._energy, wear._factor, wear._weights, wear._moments, 0.0)
 
 
 @pytest.fixture(scope="module")
@@ -70,10 +70,25 @@ def test_too_early_is_refused(prepare):
     wear = prepare("five_rings", "mdr", **COARSE).wear
     energy = np.diag([1.0] * 3 + [1e-18] * (len(wear._weights) - 3))
     with pytest.raises(SolverError, match="too early for double precision"):
-        every_mode(energy, wear._weights, wear._moments, 1e-16)
+        excited_modes(energy, wear._weights, wear._moments, 1e-16)
     later = RunningIn(wear.compliance, wear.wear_coefficients, earliest=0.1)
     with pytest.raises(SceneError, match=r"prepared for distances from 0\.1 on"):
         later.modal(np.array([0.0, 0.01]))
+
+
+@pytest.mark.parametrize("ratio", [1e-6, 1e-9, 1e-12])
+def test_early_times_beside_slow_rings(ratio):
+    """Rings that hardly wear leave the others what they are, though they relax far more slowly."""
+    scene = Scene.load("five_rings").changed(
+        methods=["mdr"], wear__times=[0.0, 1e-6, 1e-4], accuracy__rtol=1e-3
+    )
+    result, limit = (
+        run(scene.changed(punch__wear_coefficients=[1.0, slow])).dataset.isel(solver=0)
+        for slow in (ratio, 1e-14)
+    )
+    for name in ("indentation", "rms_slope", "ring_force"):
+        # to the accuracy asked for
+        np.testing.assert_allclose(result[name], limit[name], rtol=1e-3)
 
 
 def test_banded_factor():
