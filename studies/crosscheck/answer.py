@@ -11,8 +11,8 @@ from ...meshes.radial import Array
 from ..methods.base import Solution
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, STATES
-from ..wear.fitted_press import FittedPress
-from ..wear.history import March
+from ..wear.flat_contact import FittedPress
+from ..wear.moving_contact import ContactMarch
 
 # quantities that are given with the answer
 ALSO = ("steady_wear_rate", "steady_rms_slope")
@@ -88,7 +88,7 @@ def _parts(problem: Problem) -> dict[str, float]:
     return {"time_to_90": 0.1, "time_to_99": 0.01}
 
 
-def _time_left(march: March, part: float) -> float:
+def _time_left(march: ContactMarch, part: float) -> float:
     """Return the time from which no more than a part of the way is left; NaN if after the march."""
     from scipy.interpolate import PchipInterpolator  # few runs need it
 

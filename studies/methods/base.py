@@ -13,9 +13,9 @@ from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..problem.quantities import COMPARED_MODES, QUANTITIES
 from ..progress import Stages
-from ..wear.fitted_press import CompliancesOn, FittedPress
+from ..wear.fitted_press import CompliancesOn
+from ..wear.flat_contact import FittedPress
 from ..wear.full_contact import RunningIn
-from ..wear.history import March
 from .norms import Results
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class Solution:
     unknowns, settings, notes : of what was solved
     wear : the running-in on the method's compliance, if it has one
     half_space : the finite-element half-space, if there is one
-    march : of a contact that opens, closes and spreads
+    march : the `ContactMarch` of a contact that opens, closes and spreads, if it is one
     presses : its start, fitted to the edges of the contact, and a coarser one; empty if that failed
     pressures_at : of such a contact, too: (compliance, times, looser) -> pressures (T, size) by a
         march whose steps may err by so many times more
@@ -51,7 +51,7 @@ class Solution:
     notes: tuple[str, ...] = ()
     wear: RunningIn | None = None
     half_space: "HalfSpace | None" = None
-    march: March | None = None
+    march: Any = None
     presses: tuple[FittedPress, ...] = ()
     pressures_at: Callable[[Compliance, Array, float], Array] | None = None
 

@@ -23,7 +23,7 @@ from ..problem.quantities import (
     QUANTITIES,
     STEADY,
 )
-from ..wear.fitted_press import FittedPress
+from ..wear.flat_contact import FittedPress
 from ..wear.full_contact import RunningIn
 from ..wear.history import History, Pressed
 from ..wear.moments import moments, unresolved_height
@@ -124,7 +124,7 @@ class FullContact(Evaluation):
         self.wear: RunningIn = RunningIn(
             compliance,
             wear_coefficients,
-            problem.earliest,
+            problem.earliest if problem.march == "modal" else 0.0,
             indentation=problem.indentation,
             loading=problem.loading,
         )
@@ -270,12 +270,17 @@ class MovingContact(Evaluation):
 
     def near(self, name: str, error: Array) -> Array:
         times = self.march.times
-        later = times > 0
+        later = (times > 0) | self._starts_on_cells
         if later.any():
             among = np.pad(error[later], 3)
             error = error.copy()
             error[later] = np.lib.stride_tricks.sliding_window_view(among, 7).max(axis=1)
         return error[np.isin(times, self.problem.times)]
+
+    @property
+    def _starts_on_cells(self) -> bool:
+        """Whether what presses at the time 0 is not fitted to the edges of its contact."""
+        return self.start is None and self.problem.loading.forces[0] > 0
 
     def safety_of(self, name: str) -> float:
         if self._decays(name):
@@ -292,6 +297,8 @@ class MovingContact(Evaluation):
 
     def least_error(self, name: str) -> Array:
         later = self.problem.times > 0
+        if self._starts_on_cells and name != "profile":
+            later = np.ones_like(later)
         # slopes of the unworn face are differences of heights; edges are sought to a few times
         # their tolerance; at the start nothing has worn; and edges of the contact leave more to
         # chance
@@ -360,10 +367,7 @@ class MovingContact(Evaluation):
             "contact_iterations_greatest": int(iterations.max()),
         }
         if self.start is not None:
-            settings |= {
-                "start_pressures": len(self.start.pressure),
-                "start_evaluations": self.start.evaluations,
-            }
+            settings["start_pressures"] = len(self.start.pressure)
         return settings
 
     def notes(self) -> list[str]:

@@ -23,7 +23,8 @@ from ..problem.problem import Problem
 from ..problem.profile import FLAT
 from ..problem.shared import Shared
 from ..progress import Stages
-from ..wear.fitted_press import FittedPress, fit_presses
+from ..wear.fitted_press import fit_presses
+from ..wear.flat_contact import FittedPress
 from .base import Discretised, Method, Solution, method
 from .evaluation import Evaluation, FullContact, MovingContact
 from .norms import differences, radial_weight

@@ -1,14 +1,9 @@
 """Steps of a march in time, counted before any is made."""
 
-from collections.abc import Callable
-
 import numpy as np
 
-from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 
-# state -> state after a step
-Advance = Callable[[Array], Array]
 MOST_STEPS = 2_000_000
 
 
@@ -24,37 +19,3 @@ def refused_steps(count: float, remedy: str) -> str:
         if count > MOST_STEPS
         else ""
     )
-
-
-def take_steps(
-    times: Array, step: float, advance_by: Callable[[float], Advance], wearing: int, state: Array
-) -> tuple[Array, Array]:
-    """Return states (T, n), and what has worn by each, of a march in equal steps.
-
-    Parameters
-    ----------
-    times, step : output times, and the longest step between them
-    advance_by : length of a step -> how a state goes on in it
-    wearing : which state of a step wears: the one before it (0), or after it (1)
-    state : (n,) at the start
-
-    Raises
-    ------
-    SceneError
-        if there are too many steps
-    """
-    steps = steps_between(times, step)
-    if refusal := refused_steps(float(steps.sum()), "give a larger wear.step, or march = 'modal'"):
-        raise SceneError(refusal)
-    worn, now = np.zeros_like(state), 0.0
-    states, profiles = [], []
-    for time, count in zip(times, steps, strict=True):
-        if count:
-            dt = (time - now) / count
-            advance, now = advance_by(dt), time
-            for _ in range(int(count)):
-                pair = state, advance(state)
-                worn, state = worn + dt * pair[wearing], pair[1]
-        states.append(state)
-        profiles.append(worn)
-    return np.array(states), np.array(profiles)

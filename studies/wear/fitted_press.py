@@ -2,102 +2,46 @@
 
 High degrees, graded to where the pressure is singular.
 
-The contact is one or more intervals of the radius. Each of their edges is either fixed, a corner of
-the punch face at which the pressure is infinite, or free: there the pressure falls to zero as a
-root, and the stress intensity vanishes, which the coefficient of the pressure at the edge measures.
-With the edges given, all is linear: ``A p = d b - m``. The coefficient at the outermost free edge
-gives d; those at the others and the load are as many equations as there are free edges.
+The contact is one or more intervals of the radius. Their edges are fixed, corners of the punch face
+at which the pressure is infinite, but for the outermost, which may be free: there the pressure
+falls to zero as a root, and the stress intensity vanishes, which the coefficient of the pressure at
+the edge measures. With the edges given, all is linear: ``A p = d b - m``. The coefficient at a free
+edge gives d, and the load is one equation for the radius.
 
 The half-space has no length of its own: the compliance on a disc of radius c is ``c^3`` times that
-of the unit disc under the same intervals, scaled. Where the one free edge is the outermost, one
-compliance serves every radius. Non-dimensional.
+of the unit disc under the same intervals, scaled. Of a sphere or a cone one compliance serves every
+radius. Non-dimensional.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
+from scipy.optimize import root_scalar
 
 from ...mdr import energy
 from ...meshes.compliance import Compliance
 from ...meshes.contact_cells import fitted_space
 from ...meshes.errors import SolverError
 from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Array, Indices
+from ...meshes.radial import Indices
 from ..problem.profile import InitialProfile
+from .flat_contact import FittedPress
 from .moments import moments
 from .unilateral import Interval, Load
 
+Intervals = tuple[Interval, ...]
 # (edges from 0 to 1 that every pressure space must be broken at, which of them the pressure is
 # infinite at) -> compliance
 CompliancesOn = Callable[[tuple[float, ...], tuple[bool, ...]], Compliance]
 
 
-@dataclass(frozen=True, eq=False)
-class FittedPress:
-    """A punch pressed on, its edges found.
-
-    Parameters
-    ----------
-    intervals : of contact
-    compliance : on the disc of the outermost edge, scaled to radius 1
-    pressure : (size,) coefficients on its space
-    indentation, force : one of them as given
-    gap : least mean gap over a cell between parts of the contact; infinite if nothing is between
-    evaluations : compliances that were solved with
-    """
-
-    intervals: tuple[Interval, ...]
-    compliance: Compliance
-    pressure: Array
-    indentation: float
-    force: float
-    gap: float
-    evaluations: int
-
-    @property
-    def radius(self) -> float:
-        """The outermost edge."""
-        return self.intervals[-1].outer
-
-    def check(self) -> None:
-        """Refuse what is no contact.
-
-        Raises
-        ------
-        SolverError
-            if pressures are negative somewhere, beyond what their polynomials do at edges
-        """
-        radii, _, _ = self.compliance.space.quadrature
-        pressure = self.compliance.space.matrix(radii.ravel()) @ self.pressure
-        if pressure.min() < -1e-3 * self.force / (np.pi * self.radius**2):
-            raise SolverError("the contact has more parts than were found")
-        if self.gap < -1e-3 * self.indentation:
-            raise SolverError("the punch touches between the parts of the contact")
-
-    def pressure_at(self, radii: Array) -> Array:
-        """Pressures at radii of the punch; zero outside the contact."""
-        inside = radii <= self.radius
-        scaled = np.where(inside, radii, 0.0) / self.radius
-        return np.asarray(
-            np.where(inside, self.compliance.space.matrix(scaled) @ self.pressure, 0.0)
-        )
-
-    def ring_forces(self, ring_edges: Array) -> Array:
-        """(N,) force on each ring."""
-        scaled = np.minimum(ring_edges / self.radius, 1.0)
-        used = np.append(True, np.diff(scaled) > 0)
-        out = np.zeros(len(ring_edges) - 1)
-        forces = self.radius**2 * self.compliance.space.ring_forces(scaled[used]) @ self.pressure
-        out[: len(forces)] = forces
-        return out
-
-
 def fit_presses(
     profile: InitialProfile,
     load: Load,
-    intervals: tuple[Interval, ...],
+    intervals: Intervals,
     compliances: tuple[CompliancesOn, CompliancesOn],
 ) -> tuple[FittedPress, FittedPress]:
     """Press an unworn punch on pressures of a higher and of a lower degree.
@@ -111,225 +55,112 @@ def fit_presses(
     Raises
     ------
     SolverError
-        if the edges of the contact are not found
+        if an edge within the contact is free, or its radius is not found
     """
-    presses: list[FittedPress] = []
-    contact = FittedContact(profile, load, _roughly)
-    intervals = contact.press(intervals).intervals
-    for on_edges in reversed(compliances):
-        contact = FittedContact(profile, load, on_edges, contact.inverse)
-        press = contact.press(intervals)
-        press.check()
-        presses.append(press)
-        intervals = press.intervals
-    return presses[1], presses[0]
+    if not intervals:
+        raise SolverError("nothing touches that cells could feel")
+    *_, outermost = edges = [
+        free for part in intervals for free in (part.inner_free, part.outer_free)
+    ]
+    if any(edges[:-1]):
+        raise SolverError("it ends where the face is smooth, and not at its outermost edge alone")
+    if outermost:
+        intervals = fit_press(profile, load, intervals, _roughly).intervals
+    fine, coarse = (fit_press(profile, load, intervals, on_edges) for on_edges in compliances)
+    for press in (fine, coarse):
+        radii, _, _ = press.space.quadrature
+        pressure = press.space.matrix(radii.ravel()) @ press.pressure
+        # beyond what polynomials do at edges
+        if pressure.min() < -1e-3 * press.force / (np.pi * press.radius**2):
+            raise SolverError("the contact has more parts than were found")
+    return fine, coarse
 
 
 def _roughly(edges: tuple[float, ...], infinite: tuple[bool, ...]) -> Compliance:
-    """Return a compliance that takes no time, by which edges are sought first."""
+    """Return a compliance that takes no time, by which the edge is sought first."""
     return energy.compliance(fitted_space(edges, infinite, 4, 1e-2 * min(np.diff(edges))))
 
 
-class FittedContact:
-    """A punch and a half-space whose contact edges are sought."""
+def fit_press(
+    profile: InitialProfile, load: Load, intervals: Intervals, on_edges: CompliancesOn
+) -> FittedPress:
+    """Press an unworn punch, and find its outermost edge from a start near it, if that is free.
 
-    def __init__(
-        self,
-        profile: InitialProfile,
-        load: Load,
-        compliances: CompliancesOn,
-        inverse: Array | None = None,
-    ) -> None:
-        self.profile, self.load, self.compliances = profile, load, compliances
-        # of the derivatives of the residuals by the edges, where they are about the same
-        self.inverse = inverse
-        self.evaluations = 0
-
-    def press(self, start: tuple[Interval, ...]) -> FittedPress:
-        """Find the edges from a start that has as many of them, and each near.
-
-        Raises
-        ------
-        SolverError
-            if they are not found: the contact is of another kind than the start
-        """
-        if not start:
-            raise SolverError("nothing touches that cells could feel")
-        if len(start) > 6:
-            raise SolverError(f"the contact has {len(start)} parts, too many to fit a mesh to")
-        free = _free(start)
-        if not free:
-            return self._solved(start, None)[0]
-        in_turn = np.array(
-            [0.0, *(edge for part in start for edge in (part.inner, part.outer)), 1.0]
-        )
-        at = np.array([2 * n + 1 + (side == "outer") for n, side in free])
-
-        def moved(edges: Array) -> tuple[Interval, ...]:
-            in_turn[at] = edges
-            ends = in_turn[1:-1].reshape(-1, 2).tolist()
-            return tuple(
-                replace(part, inner=inner, outer=outer)
-                for part, (inner, outer) in zip(start, ends, strict=True)
-            )
-
-        def room(edges: Array) -> Array:
-            """Return the distance of free edges to the nearer of the edges beside them."""
-            in_turn[at] = edges
-            gaps = np.diff(in_turn)
-            return np.minimum(gaps[at - 1], gaps[at])
-
-        def residual(edges: Array) -> Array:
-            return self._solved(moved(edges), free[-1])[1]
-
-        edges = in_turn[at]
-        if min(room(edges)) <= 0:
-            raise SolverError("the edges of the contact cross each other or leave the punch")
-        wrong = residual(edges)
-        if self.inverse is None:
-            steps = np.diag(-1e-3 * room(edges))
-            changes = [(residual(edges + step) - wrong) / step.sum() for step in steps]
-            self.inverse = np.linalg.pinv(np.transpose(changes))
-        for _ in range(30):
-            step = -self.inverse @ wrong
-            step *= min(1.0, float(np.min(0.5 * room(edges) / np.maximum(np.abs(step), 1e-300))))
-            edges = edges + step
-            # it converges faster than linearly: the error is far below the last step
-            if (np.abs(step) <= 1e-7 * room(edges) + 1e-12).all():
-                # d by the load, of which an edge a little off takes nothing in the first order
-                return self._solved(moved(edges), None)[0]
-            before, wrong = wrong, residual(edges)
-            # Broyden's formula
-            felt = self.inverse @ (wrong - before)
-            if not step @ felt:
-                break
-            self.inverse += np.outer(step - felt, step @ self.inverse) / (step @ felt)
-        raise SolverError("the edges of the contact were not found")
-
-    def _solved(
-        self, intervals: tuple[Interval, ...], sets: tuple[int, str] | None
-    ) -> tuple[FittedPress, Array]:
-        """The press with these edges, and the residuals.
-
-        Of the load, then of each free edge but the one that sets d.
-        """
-        self.evaluations += 1
-        radius = intervals[-1].outer
-        edges, infinite = _scaled(intervals, self.profile.kinks)
-        compliance = self.compliances(edges, infinite)
-        space = compliance.space
-        carries = _carrying(space, intervals, radius)
-        matrix = compliance.matrix[np.ix_(carries, carries)] * radius**3
-        weights = space.weights[carries] * radius**2
-        of_profile = moments(self.profile, space, radius)[carries] * radius**2
-        try:
-            factor = cho_factor(matrix)
-        except np.linalg.LinAlgError as error:
-            raise SolverError(
-                f"the compliance of the contact is not positive definite: {error}"
-            ) from error
-        by_weights, by_moments = cho_solve(factor, weights), cho_solve(factor, of_profile)
-        position = np.full(space.size, -1)
-        position[carries] = np.arange(len(carries))
-        at_edges = {key: position[_dof(space, intervals, key)] for key in _free(intervals)}
-        if sets is not None:
-            place = at_edges[sets]
-            indentation = by_moments[place] / by_weights[place]
-        elif self.load.force is not None:
-            indentation = (self.load.force + weights @ by_moments) / (weights @ by_weights)
-        else:
-            indentation = float(self.load.indentation or 0.0)
-        inside = indentation * by_weights - by_moments
-        force = float(weights @ inside)
-        pressure = np.zeros(space.size)
-        pressure[carries] = inside
-        mean = abs(force) / (np.pi * radius**2)
-        if self.load.force is not None:
-            of_load = force / self.load.force - 1
-        else:
-            of_load = indentation / float(self.load.indentation or 1.0) - 1
-        # a root of slope one, however deep the mesh resolves it
-        others = [
-            inside[place] / mean * np.sqrt(_size_at(space, intervals, key))
-            for key, place in at_edges.items()
-            if key != sets
-        ]
-        gap = self._least_gap(compliance, pressure, radius, float(indentation), carries)
-        press = FittedPress(
-            intervals, compliance, pressure, float(indentation), force, gap, self.evaluations
-        )
-        return press, np.array([of_load, *others])
-
-    def _least_gap(
-        self,
-        compliance: Compliance,
-        pressure: Array,
-        radius: float,
-        indentation: float,
-        carries: Indices,
-    ) -> float:
-        """The least mean gap under the hats that do not carry."""
-        space = compliance.space
-        apart = np.setdiff1d(np.flatnonzero(space.uniform), carries)
-        displaced = radius * compliance.factor[:, apart].T @ (compliance.factor @ pressure)
-        gap = (displaced + moments(self.profile, space, radius)[apart]) / space.weights[
-            apart
-        ] - indentation
-        return float(gap.min(initial=np.inf))
-
-
-def _free(intervals: tuple[Interval, ...]) -> list[tuple[int, str]]:
-    return [
-        (n, side)
-        for n, part in enumerate(intervals)
-        for side in ("inner", "outer")
-        if getattr(part, f"{side}_free")
-    ]
-
-
-def _scaled(
-    intervals: tuple[Interval, ...], kinks: tuple[float, ...]
-) -> tuple[tuple[float, ...], tuple[bool, ...]]:
-    """Edges over the outermost, the axis first, kinks of the face between them.
-
-    And where pressures are infinite.
+    Raises
+    ------
+    SolverError
+        if it is not found: the contact is of another kind than the start
     """
-    radius = intervals[-1].outer
-    infinite = {0.0: False}
+    *inner, last = intervals
+    compliance_on, radius = lru_cache(on_edges), last.outer
+
+    def solve(outer: float, load: Load | None) -> FittedPress:
+        parts = (*inner, replace(last, outer=float(outer)))
+        return _solve(profile, load, parts, compliance_on)
+
+    def miss(outer: float) -> float:
+        """Return by how much the load is missed, in a power that is linear of a sphere."""
+        press = solve(outer, None)
+        if load.force is None:
+            return float(np.sqrt(press.indentation / float(load.indentation or 1.0)) - 1)
+        return float(np.cbrt(press.force / load.force) - 1)
+
+    if last.outer_free:
+        root = root_scalar(miss, x0=radius, x1=0.999 * radius, rtol=1e-7, maxiter=30)
+        if not root.converged:
+            raise SolverError("the edge of the contact was not found")
+        radius = root.root
+    # d by the load, of which an edge a little off takes nothing in the first order
+    return solve(radius, load)
+
+
+def _solve(
+    profile: InitialProfile, load: Load | None, intervals: Intervals, compliance_on: CompliancesOn
+) -> FittedPress:
+    """Return the press with these edges, and the d that makes it free at the outermost if no load
+    is given.
+    """
+    last = intervals[-1]
+    radius = last.outer
+    if not last.inner < radius <= 1:
+        raise SolverError("the edges of the contact cross each other or leave the punch")
+    infinite = {edge: True for part in intervals for edge in (part.inner, part.outer)}
+    infinite |= {0.0: False, radius: not last.outer_free}
     for part in intervals:
-        if part.inner > 0:
-            infinite[part.inner] = not part.inner_free
-        infinite[part.outer] = not part.outer_free
         # the pressure goes as x log x at a kink, which ring forces would feel by 2e-4
         near = 1e-2 * (part.outer - part.inner)
-        within = [kink for kink in kinks if part.inner + near < kink < part.outer - near]
-        infinite |= dict.fromkeys(within if len(within) <= 4 else (), False)
+        kinks = [kink for kink in profile.kinks if part.inner + near < kink < part.outer - near]
+        infinite |= dict.fromkeys(kinks if len(kinks) <= 4 else (), False)
     edges = sorted(infinite)
-    return tuple(edge / radius for edge in edges), tuple(infinite[edge] for edge in edges)
+    compliance = compliance_on(
+        tuple(edge / radius for edge in edges), tuple(infinite[edge] for edge in edges)
+    )
+    space = compliance.space
+    carries = _carrying(space, intervals, radius)
+    weights = space.weights[carries] * radius**2
+    of_profile = moments(profile, space, radius)[carries] * radius**2
+    try:
+        factor = cho_factor(compliance.matrix[np.ix_(carries, carries)] * radius**3)
+    except np.linalg.LinAlgError as error:
+        raise SolverError(
+            f"the compliance of the contact is not positive definite: {error}"
+        ) from error
+    by_weights, by_moments = cho_solve(factor, weights), cho_solve(factor, of_profile)
+    if load is None:
+        # the last function is the hat at the outermost edge
+        indentation = by_moments[-1] / by_weights[-1]
+    elif load.force is not None:
+        indentation = (load.force + weights @ by_moments) / (weights @ by_weights)
+    else:
+        indentation = load.indentation or 0.0
+    pressure = np.zeros(space.size)
+    pressure[carries] = indentation * by_weights - by_moments
+    force = float(weights @ pressure[carries])
+    return FittedPress(space, pressure, float(indentation), force, intervals)
 
 
-def _carrying(space: PressureSpace, intervals: tuple[Interval, ...], radius: float) -> Indices:
+def _carrying(space: PressureSpace, intervals: Intervals, radius: float) -> Indices:
     """Functions on elements in contact."""
     middle = radius * (space.breakpoints[1:] + space.breakpoints[:-1]) / 2
-    inside = np.zeros(len(middle), dtype=bool)
-    for part in intervals:
-        inside |= (middle > part.inner) & (middle < part.outer)
-    used = np.unique(space.dofs[inside])
-    return np.asarray(used[used < space.size])
-
-
-def _element(space: PressureSpace, intervals: tuple[Interval, ...], key: tuple[int, str]) -> int:
-    n, side = key
-    edge = getattr(intervals[n], side) / intervals[-1].outer
-    place = int(np.abs(space.breakpoints - edge).argmin())
-    return place - 1 if side == "outer" else place
-
-
-def _dof(space: PressureSpace, intervals: tuple[Interval, ...], key: tuple[int, str]) -> int:
-    """The hat at an edge, on its side in contact."""
-    return int(space.dofs[_element(space, intervals, key), 1 if key[1] == "outer" else 0])
-
-
-def _size_at(space: PressureSpace, intervals: tuple[Interval, ...], key: tuple[int, str]) -> float:
-    element = _element(space, intervals, key)
-    return float(space.breakpoints[element + 1] - space.breakpoints[element])
+    inside = [(middle > part.inner) & (middle < part.outer) for part in intervals]
+    return np.setdiff1d(space.dofs[np.any(inside, axis=0)], space.size)

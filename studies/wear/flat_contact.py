@@ -8,7 +8,6 @@ diagonal on these functions, and only the first of them carries force
 (tests/physics/test_flat_punch.py).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -41,12 +40,6 @@ class FlatStart:
     intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
     force: float = 1.0
 
-    def times(self, factor: float) -> "FlatStart":
-        """Return the same under so many times the load."""
-        return FlatStart(
-            factor * self.coefficients, factor * self.pressure, factor * self.indentation
-        )
-
     def pressure_at(self, radii: Array) -> Array:
         """Return the pressures at radii (R,); infinite at the rim."""
         root = np.sqrt((1 - radii) * (1 + radii))
@@ -64,8 +57,11 @@ class FlatStart:
 
 
 @lru_cache(maxsize=8)  # punches that differ in wear alone begin alike
-def flat_start(compliance: Compliance) -> "FlatStart | FlatPress":
-    """Press the unworn punch: ``A c = d b``, ``b . c = 1`` on the functions that suit it.
+def flat_start(
+    compliance: Compliance, indentation: float | None = None
+) -> "FlatStart | FittedPress":
+    """Press the unworn punch: ``A c = d b`` on the functions that suit it, with ``b . c = 1`` or d
+    as given.
 
     Under them a half-space is displaced uniformly. What is displaced otherwise (a foundation of
     springs, say) is pressed by the pressures of the space itself.
@@ -82,7 +78,7 @@ def flat_start(compliance: Compliance) -> "FlatStart | FlatPress":
     forces = np.zeros(count)
     forces[0] = 2 * np.pi
     displaced = compliance.factor @ projected
-    coefficients, indentation = _press(displaced.T @ displaced, forces)
+    coefficients, indentation = _press(displaced.T @ displaced, forces, indentation)
     # the mean displacement under the first of them, and that weighted by its pressure
     uniform = compliance.factor @ space.uniform
     mean, weighted = (
@@ -90,37 +86,51 @@ def flat_start(compliance: Compliance) -> "FlatStart | FlatPress":
         displaced[:, 0] @ displaced[:, 0] / forces[0],
     )
     if abs(mean / weighted - 1) > 0.1:
-        return press_flat(compliance)
+        return press_flat(compliance, indentation)
     return FlatStart(coefficients, projected @ coefficients, indentation)
 
 
 @dataclass(frozen=True, eq=False)
-class FlatPress:
-    """A flat punch on a pressure space: coefficients (size,) of the pressure, and the
-    indentation.
+class FittedPress:
+    """A punch pressed on a pressure space that is fitted to its contact.
+
+    Parameters
+    ----------
+    space : on the disc of the outermost edge, scaled to radius 1
+    pressure : (size,) coefficients on it
+    indentation, force : one of them as given
+    intervals : of contact
     """
 
     space: PressureSpace
     pressure: Array
     indentation: float
-    intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
     force: float = 1.0
+    intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
 
-    def times(self, factor: float) -> "FlatPress":
-        """Return the same under so many times the load."""
-        return FlatPress(self.space, factor * self.pressure, factor * self.indentation)
+    @property
+    def radius(self) -> float:
+        """The outermost edge."""
+        return self.intervals[-1].outer
 
     def pressure_at(self, radii: Array) -> Array:
-        """Return the pressures at radii (R,)."""
-        return np.asarray(self.space.matrix(radii) @ self.pressure)
+        """Return the pressures at radii (R,) of the punch; zero outside the contact."""
+        inside = radii <= self.radius
+        pressures = self.space.matrix(np.minimum(radii / self.radius, 1.0)) @ self.pressure
+        return np.where(inside, pressures, 0.0)
 
     def ring_forces(self, ring_edges: Array) -> Array:
         """Return the force on each of the N rings between edges (N+1,)."""
-        return np.asarray(self.space.ring_forces(ring_edges) @ self.pressure)
+        scaled = np.minimum(ring_edges / self.radius, 1.0)
+        used = np.append(True, np.diff(scaled) > 0)
+        out = np.zeros(len(ring_edges) - 1)
+        forces = self.radius**2 * self.space.ring_forces(scaled[used]) @ self.pressure
+        out[: len(forces)] = forces
+        return out
 
 
 @lru_cache(maxsize=8)
-def press_flat(compliance: Compliance) -> FlatPress:
+def press_flat(compliance: Compliance, indentation: float | None = None) -> FittedPress:
     """Press a flat punch by the pressures of the space itself, continuous across ring edges.
 
     Studies of spaces and meshes look at it: it shows what elements at the rim can hold. Smaller
@@ -133,20 +143,22 @@ def press_flat(compliance: Compliance) -> FlatPress:
     """
     continuous = compliance.space.joined()
     weights = continuous.T @ compliance.space.weights
-    coefficients, indentation = _press(continuous.T @ compliance.matrix @ continuous, weights)
-    return FlatPress(compliance.space, continuous @ coefficients, indentation)
+    matrix = continuous.T @ compliance.matrix @ continuous
+    coefficients, indentation = _press(matrix, weights, indentation)
+    return FittedPress(compliance.space, continuous @ coefficients, indentation)
 
 
-def _press(matrix: Array, forces: Array) -> tuple[Array, float]:
-    """Return the c and d of ``A c = d b``, ``b . c = 1``."""
+def _press(matrix: Array, forces: Array, indentation: float | None) -> tuple[Array, float]:
+    """Return the c and d of ``A c = d b``, with ``b . c = 1`` if d is not given."""
     try:
         solution = cho_solve(cho_factor(matrix), forces)
     except np.linalg.LinAlgError as error:
         raise SolverError(
             f"the compliance is not positive definite: {error}; ask for less extreme sizes"
         ) from error
-    softness = forces @ solution
-    return solution / softness, float(1 / softness)
+    if indentation is None:
+        indentation = float(1 / (forces @ solution))
+    return indentation * solution, indentation
 
 
 def _even_legendre(root: Array, count: int) -> Array:
@@ -199,21 +211,3 @@ class SteadyState:
     displacement: Array
     moments: Array
     wear_rate: float
-
-
-def steady_state(
-    compliance: Compliance,
-    pressure: Array,
-    projected: Callable[[Array], Array],
-) -> SteadyState:
-    """Return the steady state, without any march: the forces of the rings add up to one.
-
-    Parameters
-    ----------
-    pressure : (size,) of the wear rate 1
-    projected : moments (size,) -> coefficients of the displacement
-    """
-    wear_rate = 1 / (compliance.space.weights @ pressure)
-    pressure = wear_rate * pressure
-    moments = compliance.factor.T @ (compliance.factor @ pressure)
-    return SteadyState(pressure, projected(moments), moments, float(wear_rate))

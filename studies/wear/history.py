@@ -8,9 +8,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ...meshes.compliance import Compliance
 from ...meshes.radial import Array, Indices
-from .unilateral import Interval, Load, Mask
+from .unilateral import Interval, Mask
 
 
 class Start(Protocol):
@@ -54,47 +53,16 @@ class Pressed(NamedTuple):
     rest: Array
 
 
-class March(Protocol):
-    """A march of a contact that opens, closes and spreads (`ContactMarch`)."""
-
-    load: Load
-    compliance: Compliance
-
-    @property
-    def between(self) -> "History":
-        """It at its steps, and in full contact after them, at times for distances."""
-
-    @property
-    def time_of_full_contact(self) -> float:
-        """When all of the face began to carry for good; NaN if it never did."""
-
-    @property
-    def slowest_time(self) -> float:
-        """The slowest relaxation time of the full face."""
-
-    @property
-    def path(self) -> Array:
-        """(S, 4) time, indentation, force, and area of contact over that of the face.
-
-        At the start, and after each step taken.
-        """
-
-    def left(self, times: Array | None = None) -> tuple[Array, Array]:
-        """Return times (T,), and how far the punch is from where wear tends to by each."""
-
-
 @dataclass(frozen=True)
 class Steps:
     """How a march went.
 
-    Steps taken and rejected, active sets tried in each stage, and the error that the quadrature in
-    time adds to the worn depth over all steps, in the norm of the march.
+    Steps taken and rejected, and active sets tried in each stage.
     """
 
     taken: int = 0
     rejected: int = 0
     iterations: tuple[int, ...] = ()
-    error: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,18 +124,20 @@ class History:
             pressed=Pressed(start, forces, self.pressure),
         )
 
-    def __getitem__(self, which: Indices) -> "History":
+    def __getitem__(self, which: Indices | slice) -> "History":
         pressed = self.pressed
         if pressed is not None:
             pressed = pressed._replace(force=pressed.force[which], rest=pressed.rest[which])
-        return History(
-            self.distances[which],
-            self.pressure[which],
-            self.profile[which],
-            self.indentation[which],
-            self.force[which],
-            self.gap[which],
-            self.contact[which],
-            pressed,
-            self.steps,
-        )
+        arrays = {name: getattr(self, name)[which] for name in OVER_TIME}
+        return replace(self, **arrays, pressed=pressed)
+
+    def then(self, later: "History") -> "History":
+        """Return it with what comes later."""
+        arrays = {
+            name: np.concatenate([getattr(self, name), getattr(later, name)]) for name in OVER_TIME
+        }
+        return replace(self, **arrays)
+
+
+# arrays of a history
+OVER_TIME = ("distances", "pressure", "profile", "indentation", "force", "gap", "contact")

@@ -2,10 +2,11 @@
 
 All of them, or those that its flat start excites. Non-dimensional.
 
-The pencil is ``A x = tau K x`` on the wear rates that carry no force, with the compliance `A` and
-the mass matrix `K` of weight `k`. Small problems are diagonalised whole. Large ones are projected
-on the Krylov space of the flat start (Lanczos), which holds every mode that carries the history and
-hardly any other: with hundreds of rings it is many times smaller than the pressure space.
+They are eigenvectors of the compliance `A` on the wear rates that carry no force, in coordinates
+that are orthonormal in the mass matrix of weight `k`. Small problems are diagonalised whole. Large
+ones are projected on the Krylov space of the flat start (Lanczos), which holds every mode that
+carries the history and hardly any other: with hundreds of rings it is many times smaller than the
+pressure space.
 """
 
 from collections.abc import Callable
@@ -17,7 +18,6 @@ from scipy.linalg.blas import dsymv
 from scipy.linalg.lapack import dtbtrs
 from scipy.sparse import csr_matrix, tril
 from scipy.sparse.linalg import eigsh
-from scipy.special import exprel, wofz
 
 from ...meshes.errors import SolverError
 from ...meshes.radial import Array, unit_gauss
@@ -72,7 +72,7 @@ class BandedCholesky:
 
 
 class TooEarlyError(SolverError):
-    """Modes below the roundoff of a Krylov space are still felt."""
+    """Modes below roundoff are still felt."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +82,7 @@ class Modes:
     Parameters
     ----------
     relaxation : (m,) times
-    shapes : (n, m) wear rates, orthonormal in `K`
+    shapes : (n, m) wear rates, orthonormal
     amplitudes : (m,) share of each in the flat start
     exact : how many, from the slowest on, are modes of the punch; the others stand for all that
         relax as fast
@@ -156,68 +156,63 @@ def mean_decay(decayed: Array, bend: Array) -> Array:
 
     Notes
     -----
-    With u the part of the time that is left, ``tau_1 - tau = distance u (1 + bend (1 - u))``: the
-    square completed, this is Faddeeva's function, which is Dawson's integral where the speed rises
-    and the error function where it falls. Where little has decayed two of them would cancel, and 8
-    Gauss points give all digits.
+    With u the part of the time that is left, ``tau_1 - tau = distance u (1 + bend (1 - u))``. Gauss
+    points lie where that is felt: 48 give all digits of what has not decayed to roundoff.
     """
-    mean, bent = exprel(-decayed), np.flatnonzero(bend)
-    decayed, bend = decayed[bent], bend[bent, None]
-    points, weights = unit_gauss(8)
-    near, far = np.minimum(decayed, 1.0)[..., None], np.maximum(decayed, 1.0)
-    smooth = np.exp(-near * points * (1 + bend[..., None] * (1 - points))) @ weights
-    root = np.sqrt(-bend * far + 0j)
-    first, last = (wofz(0.5j * far * (1 + sign * bend) / root) for sign in (-1, 1))
-    closed = np.sqrt(np.pi) / 2 * (last - np.exp(-far) * first) / root
-    mean[bent] = np.where(decayed < 1, smooth, closed.real)
+    bend, roundoff = bend[:, None], 40.0
+    # from there on, by each of the two terms of u (1 + bend) - bend u^2 alone
+    with np.errstate(divide="ignore"):
+        linear = roundoff / (decayed * np.clip(1 + bend, 0.0, 1.0))
+        square = np.sqrt(roundoff / (decayed * np.maximum(-bend, 0.0)))
+    reach = np.minimum(np.minimum(linear, square), 1.0)
+    mean = np.zeros_like(decayed)
+    for point, weight in zip(*unit_gauss(48), strict=True):
+        left = reach * point
+        mean += weight * reach * np.exp(-decayed * left * (1 + bend * (1 - left)))
     return mean
 
 
 def every_mode(
     energy: Array,
     factor: Callable[[], Array],
-    mass: BandedCholesky,
     weights: Array | None,
     moments: Array,
-    gentle: bool,
+    earliest: float,
 ) -> Modes:
-    """All modes.
+    """All modes that are felt.
 
     Parameters
     ----------
-    energy : (n, n) compliance `A` of wear rates
-    factor : yields its (m, n) factor, ``A = H^T H``
-    mass : (n, n) of weight `k`
+    energy : (n, n) compliance `A` of orthonormal wear rates
+    factor : yields its (m, n) factor, ``A = H^T H``: where eigenvalues of `A` lose modes to
+        roundoff that are felt, singular values of `H` keep them, for four times the time
     weights : (n,) force that each wear rate carries, if modes are to carry none; None if they may
     moments : (n,) by how much less the flat start displaces than the state that wear tends to
-    gentle : whether eigenvalues of `A` will do; else singular values of `H`, which keep the fastest
-        modes
+    earliest : time from which on they are felt
     """
-    axis = _axis(mass, weights)
-    if gentle:
-        relaxation, within = eigh(
-            _forceless(energy, mass, axis), driver="evd", overwrite_a=True, check_finite=False
-        )
-    # or roundoff of the slowest has taken the fastest
-    if not gentle or relaxation[0] <= 0:
-        scaled = mass.forward(factor().T).T
+    axis = _axis(weights)
+    try:
+        relaxation, shapes = eigh(_forceless(energy, axis), driver="evd", check_finite=False)
+        felt = _felt(relaxation, earliest)
+        relaxation, shapes = relaxation[felt][::-1], shapes[:, felt][:, ::-1]
+    except TooEarlyError:
+        of_modes = factor()
         if axis is not None:
-            scaled = (scaled - 2 * np.outer(scaled @ axis, axis))[:, 1:]
-        _, singular, right = svd(scaled, full_matrices=False, check_finite=False)
-        relaxation, within = singular[::-1] ** 2, right[::-1].T
-    relaxation, shapes = relaxation[::-1], within[:, ::-1]
+            of_modes = (of_modes - 2 * np.outer(of_modes @ axis, axis))[:, 1:]
+        _, singular, right = svd(of_modes, full_matrices=False, check_finite=False)
+        relaxation, shapes = singular**2, right.T
     if axis is not None:
         shapes = np.concatenate([np.zeros((1, len(relaxation))), shapes])
         shapes -= 2 * np.outer(axis, axis @ shapes)
-    return modes_of(relaxation, mass.backward(shapes), moments, len(relaxation))
+    return modes_of(relaxation, shapes, moments, len(relaxation))
 
 
-def slowest_times(energy: Array, mass: BandedCholesky, weights: Array | None) -> Array:
+def slowest_times(energy: Array, weights: Array | None) -> Array:
     """(m,) the `SHOWN` slowest relaxation times, all of them if there are fewer.
 
     Parameters as for `every_mode`.
     """
-    forceless = _forceless(energy, mass, _axis(mass, weights))
+    forceless = _forceless(energy, _axis(weights))
     size = len(forceless)
     if size <= 4 * SHOWN:
         return np.asarray(eigh(forceless, eigvals_only=True)[::-1][:SHOWN])
@@ -229,57 +224,47 @@ def slowest_times(energy: Array, mass: BandedCholesky, weights: Array | None) ->
     )
 
 
-def _axis(mass: BandedCholesky, weights: Array | None) -> Array | None:
+def _axis(weights: Array | None) -> Array | None:
     """Of the reflection that maps the steady state to the first axis, so that the other axes carry
     no force; None where they may.
     """
     if weights is None:
         return None
-    axis = mass.forward(weights)
-    axis /= np.linalg.norm(axis)
+    axis = weights / np.linalg.norm(weights)
     axis[0] += np.copysign(1.0, axis[0])
     return np.asarray(axis / np.linalg.norm(axis))
 
 
-def _forceless(energy: Array, mass: BandedCholesky, axis: Array | None) -> Array:
-    """(n-1, n-1) the compliance in coordinates orthonormal in `K`, reflected, on those that carry
-    no force; (n, n) on all of them without a reflection.
+def _forceless(energy: Array, axis: Array | None) -> Array:
+    """(n-1, n-1) the compliance, reflected, on those that carry no force; (n, n) on all of them
+    without a reflection.
     """
-    scaled = mass.forward(mass.forward(energy).T)
     if axis is None:
-        return scaled
-    image = scaled @ axis
+        return energy.copy()
+    image = energy @ axis
     image -= (axis @ image) * axis
-    scaled -= 2 * (np.outer(axis, image) + np.outer(image, axis))
-    return np.asarray(scaled[1:, 1:])
+    reflected = energy - 2 * (np.outer(axis, image) + np.outer(image, axis))
+    return np.asarray(reflected[1:, 1:])
 
 
-def excited_modes(
-    energy: Array, mass: BandedCholesky, weights: Array | None, moments: Array, earliest: float
-) -> Modes:
+def excited_modes(energy: Array, weights: Array | None, moments: Array, earliest: float) -> Modes:
     """The modes that the flat start excites, as far as they are felt at `earliest` or later.
 
-    Parameters
-    ----------
-    energy : (n, n) compliance `A` of wear rates
-    mass, weights, moments : as for `every_mode`
-    earliest : time > 0
+    Parameters as for `every_mode`; `earliest` is above 0.
     """
     energy = np.asfortranarray(energy)
     steady, size = np.zeros(len(moments)), len(moments)
     if weights is not None:
-        steady, size = mass.forward(weights), size - 1
-        steady /= np.linalg.norm(steady)
+        steady, size = weights / np.linalg.norm(weights), size - 1
     # rows are touched, and so take memory, only as they are filled
     basis = np.empty((size, len(moments)))
     diagonal, beside = np.empty(size), np.empty(size)
-    vector = mass.forward(moments)
-    vector -= steady * (steady @ vector)
+    vector = moments - steady * (steady @ moments)
     vector /= np.linalg.norm(vector)
     look = min(40, size)
     for k in range(size):
         basis[k] = vector
-        image = mass.forward(dsymv(1.0, energy, mass.backward(vector)))
+        image = dsymv(1.0, energy, vector)
         for again in (False, True):
             image -= steady * (steady @ image)
             parts = basis[: k + 1] @ image
@@ -299,9 +284,7 @@ def excited_modes(
     felt = _felt(relaxation, earliest)
     relaxation, within, lost = relaxation[felt][::-1], within[:, felt][:, ::-1], lost[felt][::-1]
     exact = int(np.argmin(np.append(lost <= np.sqrt(NEGLIGIBLE) * relaxation, False)))
-    return modes_of(
-        relaxation, mass.backward(basis[: len(within)].T @ within), moments, max(exact, 1)
-    )
+    return modes_of(relaxation, basis[: len(within)].T @ within, moments, max(exact, 1))
 
 
 def _carried(relaxation: Array, within: Array, lost: Array, earliest: float) -> bool:
@@ -340,6 +323,4 @@ def modes_of(relaxation: Array, shapes: Array, moments: Array, exact: int) -> Mo
 
     (n,) `moments` as for `every_mode`.
     """
-    if not relaxation[-1] > 0:
-        raise SolverError("the compliance is singular: the multipliers are unstable on this mesh")
     return Modes(relaxation, shapes, -(shapes.T @ moments) / relaxation, exact)

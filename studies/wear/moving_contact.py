@@ -44,8 +44,9 @@ MOST_STEPS = 200_000
 
 
 class _Moment(NamedTuple):
-    """The punch after a sliding distance, with the integrals of pressure and force over it."""
+    """The punch at a time, with the integrals of pressure and force over the sliding distance."""
 
+    time: float
     distance: float
     press: Press
     integral: Array
@@ -94,20 +95,14 @@ class ContactMarch:
         self._dense_wear = self.wear.toarray()
         self._contacts: dict[float, Contact] = {}
         self._iterations: list[int] = []
-        self._path: list[tuple[float, ...]] = []
-        self._moments: list[tuple[float, _Moment]] = []
+        # of the last march: at the start, and after each step; since when contact is full, and the
+        # history from then on
+        self._moments: list[_Moment] = []
         self._since: _Moment | None = None
-
-    def start(self) -> Press:
-        """Return the unworn punch, pressed on."""
-        return self._press(self.moments, self._load(float(self.loading.forces[0])))
+        self._later: History | None = None
 
     def _press(self, moments: Array, load: Load) -> Press:
         return Contact(self.compliance.matrix, self.weights).press(moments, load)
-
-    def _load(self, part: float) -> Load:
-        """Return a part of the greatest force; an indentation stays."""
-        return self.load if self.load.force is None else Load(float(part * self.load.force))
 
     def adaptive(self, times: Array, tolerance: float) -> History:
         """March in steps of second order that suit a tolerance, until contact is full.
@@ -123,66 +118,72 @@ class ContactMarch:
         # at a fixed indentation, with less force nothing presses any more but roundoff
         spent = 1e-12 * now.press.force if self.load.force is None else 0.0
         # at the times asked for, and after some steps between, for estimates of errors
-        states, loading, deepest = list[tuple[float, _Moment]](), self.loading, 1e-300
-        rejected, errors = 0, list[float]()
+        states, loading, deepest = list[_Moment](), self.loading, 1e-300
+        taken = rejected = 0
         events = np.union1d(times, loading.times[loading.times < times[-1]])
         distances = loading.at(events).distance
         step = _quantised(1e-6 * float(distances[-1])) if distances[-1] else 1.0
         for event, until in zip(events, distances, strict=True):
             knot = max(int(np.searchsorted(loading.times, event)) - 1, 0)
-            target = self._at(float(event))
+            load, work = self._at(float(event))
             while (left := until - now.distance) > 1e-14 * until:
-                if max(now.press.force, target[0].force or 0.0) <= spent:
+                if max(now.press.force, load.force or 0.0) <= spent:
                     break
-                if knot == len(loading.times) - 1 and (
-                    relaxing := self._relaxing(now, times[times >= event])
-                ):
-                    states += zip(times[times >= event].tolist(), relaxing, strict=True)
-                    steps = Steps(len(errors), rejected, error=sum(errors))
-                    return self._among(times, states, steps)
+                if knot == len(loading.times) - 1 and now.press.contact.all():
+                    later = times[times >= event]
+                    if (relaxed := self._relaxing(now, later)) is not None:
+                        history = self._history(states, Steps(taken, rejected))
+                        self.times = np.append([state.time for state in states], later)
+                        self.watched = history.then(relaxed[: len(later)])
+                        self._since, self._later = now, relaxed[len(later) :]
+                        return self._at_times(times)
                 dt = _shortened(step, left)
                 time = loading.time_at(now.distance + dt, knot) if dt < left else float(event)
-                middle, after, error = self._two_stages(dt, before, now, *self._at(time))
+                middle, after, error = self._two_stages(dt, time, before, now)
                 deepest = max(deepest, abs(after.press.indentation))
                 relative = error / (tolerance * deepest)
                 longer = _quantised(dt * min(4.0, 0.8 * max(relative, 1e-12) ** (-1 / 3)))
                 if relative > 1:
                     rejected, step = rejected + 1, longer
                 else:
-                    before, now = middle, self._taken(after, time)
-                    errors.append(error)
-                    later = not states or time > 2 * states[-1][0]
+                    before, now = middle, after
+                    self._moments.append(now)
+                    taken += 1
+                    further = not states or time > 2 * states[-1].time
                     # where loads vary, late times have as much to show as early ones
-                    if dt < left and (later or (loading.varies and len(errors) % 12 == 0)):
-                        states.append((time, now))
+                    if dt < left and (further or (loading.varies and taken % 12 == 0)):
+                        states.append(now)
                     # a step cut short by an output time says nothing against the longer ones
                     step = max(step, longer) if dt < step else longer
-                if len(errors) + rejected > MOST_STEPS:
+                if taken + rejected > MOST_STEPS:
                     raise SceneError(
                         f"the march took more than {MOST_STEPS} steps to a sliding distance of "
                         f"{now.distance:.3g}: give a larger rtol"
                     )
-            load, work = target
             if load.force is not None and now.press.force != load.force:
                 press = self._press(self.moments + self.wear @ now.integral, load)
                 before = now = now._replace(press=press)
-            now = now._replace(distance=float(until), work=work)
-            if event > self._path[-1][0]:
-                self._taken(now, float(event))
+            now = now._replace(time=float(event), distance=float(until), work=work)
+            if event > self._moments[-1].time:
+                self._moments.append(now)
             if event in times:
-                states.append((float(event), now))
-        return self._among(times, states, Steps(len(errors), rejected, error=sum(errors)))
+                states.append(now)
+        self.times = np.array([state.time for state in states])
+        self.watched = self._history(states, Steps(taken, rejected))
+        return self._at_times(times)
 
-    def _among(self, times: Array, states: list[tuple[float, _Moment]], steps: Steps) -> History:
-        """Return the history at the times asked for, and note that at all states."""
-        self.times = np.array([time for time, _ in states])
-        self.watched = self._history([moment for _, moment in states], steps)
+    def _at_times(self, times: Array) -> History:
+        """Return the last march at the times asked for."""
         return self.watched[np.flatnonzero(np.isin(self.times, times))]
 
     def _at(self, time: float) -> tuple[Load, float]:
-        """Return the load at a time, and the integral of the force over the distance until then."""
-        state, greatest = self.loading.at(np.array([time])), self.load.force or 1.0
-        return self._load(float(state.force[0])), greatest * float(state.work[0])
+        """Return the load at a time, and the integral of the force over the distance until then.
+
+        An indentation stays.
+        """
+        state, force = self.loading.at(np.array([time])), self.load.force
+        load = self.load if force is None else Load(float(state.force[0] * force))
+        return load, (force or 1.0) * float(state.work[0])
 
     def implicit(self, times: Array, step: float) -> History:
         """March by implicit Euler in equal steps of at most `step` between output times."""
@@ -196,8 +197,7 @@ class ContactMarch:
         for time, count, length in zip(times, counts, np.diff(times, prepend=0.0), strict=True):
             dt = length / max(count, 1)
             for _ in range(count):
-                distance = now.distance + dt
-                after = self._stage(dt, distance, now.integral, self.load, before, now)
+                after = self._stage(dt, now.distance + dt, now.integral, self.load, before, now)
                 before, now = now, after
             now = now._replace(distance=float(time))
             states.append(now)
@@ -205,42 +205,32 @@ class ContactMarch:
         return self.watched
 
     def _begin(self) -> _Moment:
-        self._iterations.clear()
-        self._path.clear()
-        self._moments.clear()
-        self._since = None
-        return self._taken(_Moment(0.0, self.start(), np.zeros(len(self.weights))), 0.0)
-
-    def _taken(self, now: _Moment, time: float) -> _Moment:
-        """Note where a step has come to."""
-        area = float(self.weights @ now.press.contact / self.weights.sum())
-        self._path.append((time, now.press.indentation, now.press.force, area))
-        self._moments.append((time, now))
-        return now
+        """Return the unworn punch, pressed on, and forget the last march."""
+        press = self._press(self.moments, self._at(0.0)[0])
+        start = _Moment(0.0, 0.0, press, np.zeros(len(self.weights)))
+        self._iterations, self._moments, self._since, self._later = [], [start], None, None
+        return start
 
     @property
     def between(self) -> History:
         """The last march at its steps, and in full contact after them, at times for distances."""
-        times, moments = zip(*self._moments, strict=True)
-        return replace(self._history(list(moments), Steps()), distances=np.array(times))
+        history = self._history(self._moments, Steps())
+        history = replace(history, distances=np.array([moment.time for moment in self._moments]))
+        return history if self._later is None else history.then(self._later)
 
     def _history(self, moments: list[_Moment], steps: Steps) -> History:
         presses = [moment.press for moment in moments]
+        integrals = np.reshape([moment.integral for moment in moments], (-1, len(self.weights)))
         return History(
             np.array([moment.distance for moment in moments]),
-            np.array([press.pressure for press in presses]),
-            np.array([moment.integral for moment in moments]) / self._softness,
+            np.reshape([press.pressure for press in presses], integrals.shape),
+            integrals * self.compliance.space.at_vertices(self.wear_coefficients),
             np.array([press.indentation for press in presses]),
             np.array([press.force for press in presses]),
-            np.array([press.gap for press in presses]),
-            np.array([press.contact for press in presses]),
+            np.reshape([press.gap for press in presses], integrals.shape),
+            np.reshape([press.contact for press in presses], integrals.shape).astype(bool),
             steps=replace(steps, iterations=tuple(self._iterations)),
         )
-
-    @cached_property
-    def _softness(self) -> Array:
-        """(size,) the inverse of the wear coefficient at each node."""
-        return 1 / self.compliance.space.at_vertices(self.wear_coefficients)
 
     def _contact(self, dt: float) -> Contact:
         """Return the contact problem of a stage, with its factor if a recent one was as long."""
@@ -259,12 +249,13 @@ class ContactMarch:
             self.moments + self.wear @ integral, load, _predicted(before, now, distance)
         )
         self._iterations.append(press.iterations)
-        return _Moment(distance, press, integral + dt * press.pressure)
+        return _Moment(np.nan, distance, press, integral + dt * press.pressure)
 
     def _two_stages(
-        self, dt: float, before: _Moment, now: _Moment, load: Load, work: float
+        self, dt: float, time: float, before: _Moment, now: _Moment
     ) -> tuple[_Moment, _Moment, float]:
         """Return the stage within a step, the state after it, and the error of the worn depth."""
+        load, work = self._at(time)
         first, part = load, GAMMA * dt
         if load.force is not None and load.force != now.press.force:
             # what both stages wear is the integral of the force
@@ -273,7 +264,7 @@ class ContactMarch:
         middle = self._stage(part, now.distance + part, now.integral, first, before, now)
         integral = now.integral + (dt - part) * middle.press.pressure
         after = self._stage(part, now.distance + dt, integral, load, now, middle)
-        after = after._replace(work=work)
+        after = after._replace(time=time, work=work)
         pressures = np.array([moment.press.pressure for moment in (now, middle, after)])
         # weights of the parabola through the start and the two stages, less those of the method
         second = 1 / (6 * GAMMA * (1 - GAMMA))
@@ -289,12 +280,27 @@ class ContactMarch:
             self.compliance, self.wear_coefficients, continuous=False, indentation=depth
         )
 
-    def _relaxed(self, since: _Moment, distances: Array) -> History:
-        """Return the history from full contact on, under the force 1 or the indentation."""
+    def _relaxed(self, since: _Moment, times: Array) -> History:
+        """Return the history at times from full contact on, if it stays so."""
         force = 1.0 if self.load.force is None else since.press.force
-        unworn, worn = self.moments / force, self.wear @ since.integral / force
-        work = since.work / force
-        return self._full.from_full_contact(distances, since.distance, work, unworn, worn)
+        distances, worn = self.loading.at(times).distance, self.wear @ since.integral
+        return self._full.from_full_contact(
+            distances, since.distance, since.work, self.moments, worn, force
+        )
+
+    def _relaxing(self, now: _Moment, times: Array) -> History | None:
+        """Return the history at times, and at 64 from now to the last for distances, if contact
+        stays full from now on; else none.
+        """
+        slowed, after = float(self.loading.speeds[-1]), times - now.time
+        fastest = float(self._full.relaxation_times[-1]) / slowed
+        # contact is full while no pressure is negative
+        between = now.time + np.geomspace(min(fastest, after[0]), after[-1], 64)
+        relaxed = self._relaxed(now, np.append(times, between))
+        if relaxed.pressure.min() < 0:
+            return None
+        distances = np.append(relaxed.distances[: len(times)], between)
+        return replace(relaxed, distances=distances)
 
     @property
     def path(self) -> Array:
@@ -302,7 +308,12 @@ class ContactMarch:
 
         At the start, and after each step of the last march.
         """
-        return np.array(self._path)
+        rows = []
+        for moment in self._moments:
+            press = moment.press
+            area = self.weights[press.contact].sum() / self.weights.sum()
+            rows.append((moment.time, press.indentation, press.force, area))
+        return np.array(rows)
 
     @property
     def time_of_full_contact(self) -> float:
@@ -315,7 +326,7 @@ class ContactMarch:
         times, _, _, areas = self.path.T
         partial = np.flatnonzero(areas < 1 - 1e-12)
         if len(partial) < 2 or partial[-1] + 1 == len(times):
-            return self._since.distance
+            return self._since.time
         last = partial[-1]
         growth = (areas[last] - areas[last - 1]) / (times[last] - times[last - 1])
         ahead = (1 - areas[last]) / growth if growth > 0 else np.inf
@@ -331,48 +342,19 @@ class ContactMarch:
 
         By the approach less steady wear, which may cross that, or by the force at a fixed
         indentation. It is told at the steps of the last march, or at times after it found the
-        contact full: none if it did not.
+        contact full.
         """
         force, steady = self.load.force, self._full.steady
         if times is None:
             times, depth, carried, _ = self.path.T
-        elif self._since is None:
-            return times[:0], times[:0]
         else:
+            assert self._since is not None
             history = self._relaxed(self._since, times)
-            depth, carried = (force or 1.0) * history.indentation, history.force
+            depth, carried = history.indentation, history.force
         if force is None:
             return times, carried
         limit = steady.pressure @ (force * steady.moments + self.moments)
         return times, depth - force * steady.wear_rate * times - limit
-
-    def _relaxing(self, now: _Moment, times: Array) -> list[_Moment]:
-        """Return the states to come if contact stays full from now on, exact in time; else none."""
-        if not now.press.contact.all():
-            return []
-        # modes know the force 1, or the indentation as it is
-        force = 1.0 if self.load.force is None else now.press.force
-        fastest = float(self._full.relaxation_times[-1])
-        distances = self.loading.at(times).distance
-        after = distances - now.distance
-        # times to look at, beside those asked for: contact is full while no pressure is negative
-        between = np.geomspace(min(fastest, after[0]), after[-1], 64)
-        history = self._relaxed(now, np.concatenate([distances, now.distance + between]))
-        if history.pressure.min() < 0:
-            return []
-        states, self._since = [], now
-        for number, distance in enumerate(history.distances):
-            pressure = force * history.pressure[number]
-            integral = force * history.profile[number] * self._softness
-            depth = force * float(history.indentation[number])
-            gap = pressure @ self.compliance.matrix + self.moments
-            gap += self.wear @ integral - depth * self.weights
-            carried = force * float(history.force[number])
-            press = Press(pressure, gap, depth, carried, now.press.contact, 0)
-            states.append(_Moment(float(distance), press, integral))
-        last, later = len(self.loading.times) - 1, states[len(times) :]
-        self._moments += [(self.loading.time_at(state.distance, last), state) for state in later]
-        return states[: len(times)]
 
 
 def _predicted(before: _Moment, now: _Moment, distance: float) -> Mask:

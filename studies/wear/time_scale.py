@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...mdr.transforms import line_density, panel_quadrature
+from ...mdr.energy import compliance
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, graded_breakpoints
 from ..problem.problem import Problem, Rings
@@ -88,8 +88,7 @@ def _slowest(
     )
     space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), rings.ring_edges)
     to_pressure = space.joined(rings.wear_coefficients)
-    mass = to_pressure.T @ space.mass(rings.wear_coefficients) @ to_pressure
-    positions, lengths = panel_quadrature(space)
-    factor = np.sqrt(2 * lengths)[:, None] * (line_density(space, positions) @ to_pressure)
-    weights = None if fixed else to_pressure.T @ space.weights
-    return float(slowest_times(factor.T @ factor, BandedCholesky(mass), weights)[0])
+    mass = BandedCholesky(to_pressure.T @ space.mass(rings.wear_coefficients) @ to_pressure)
+    factor = mass.forward(to_pressure.T @ compliance(space).factor.T)
+    weights = None if fixed else mass.forward(to_pressure.T @ space.weights)
+    return float(slowest_times(factor @ factor.T, weights)[0])
