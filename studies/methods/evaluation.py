@@ -134,7 +134,7 @@ class FullContact(Evaluation):
             times = self.wear.relaxation_times if marched else self.wear.slowest_times
             results["relaxation_time"] = times
         if problem.steady:
-            results |= self.sampler.steady(self.wear.steady, on_face)
+            results |= self.sampler.steady(self.wear.steady, on_face=on_face)
         return results
 
     def safety_of(self, name: str) -> float:
