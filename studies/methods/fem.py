@@ -40,28 +40,18 @@ class Meshed:
     notes: tuple[str, ...] = ()
 
 
-MESHERS = ("quads", "gmsh", "bisection")
-
-
 def half_space_mesh(problem: Problem) -> Meshed:
     """The mesh of a problem.
 
-    By the mesher asked for, or by the next that can, with a note that says why.
+    By the mesher asked for, or by bisection where that cannot, with a note that says why.
     """
-    asked, reason = problem.fem.meshed_by, ""
-    for mesher in MESHERS[MESHERS.index(asked) :]:
-        try:
-            meshed = _meshed(problem, mesher)
-        except MeshError as error:
-            if mesher == MESHERS[-1]:
-                raise
-            reason = reason or str(error)
-        else:
-            break
-    if not reason:
-        return meshed
-    lower = ", in triangles of lower degree" if asked == "quads" else ""
-    return replace(meshed, notes=(f"meshed by {meshed.mesher}{lower}: {reason}",))
+    try:
+        return _meshed(problem, problem.fem.meshed_by)
+    except MeshError as error:
+        if problem.fem.meshed_by == "bisection":
+            raise
+        note = f"meshed by bisection, in triangles of degree 2 to 4: {error}"
+    return replace(_meshed(problem, "bisection"), notes=(note,))
 
 
 def _meshed(problem: Problem, mesher: str) -> Meshed:

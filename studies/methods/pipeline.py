@@ -7,7 +7,6 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -95,6 +94,9 @@ class AnySpaceMethod(ComplianceMethod):
         def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> Compliance:
             return self.compliance(fitted_space(edges, infinite, degree))
 
+        # of sizes of which each ring edge may have its own, the smallest
+        sizes = mdr_sizes(problem).items() if problem.full_contact else ()
+        smallest = {name: np.min(size).item() for name, size in sizes if np.size(size)}
         with stages("assembling"):
             compliance = self.compliance(fine)
         return Discretised(
@@ -103,18 +105,9 @@ class AnySpaceMethod(ComplianceMethod):
             lambda: (
                 compliance.restricted(coarse) if problem.full_contact else self.compliance(coarse)
             ),
-            settings=smallest(mdr_sizes(problem)) if problem.full_contact else {},
+            settings=smallest,
             fitted=(partial(fitted, degree=8), partial(fitted, degree=6)),
         )
-
-
-def smallest(sizes: dict[str, Any]) -> dict[str, float]:
-    """Return sizes of which each ring edge may have its own, by the smallest."""
-    return {
-        name: value if np.ndim(value) == 0 else float(np.min(value))
-        for name, value in sizes.items()
-        if np.size(value)
-    }
 
 
 def solve_in_full_contact(
