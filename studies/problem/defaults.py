@@ -43,7 +43,9 @@ def pressure_degree(problem: Problem, ratio: float) -> float:
         float(behind(half, half, edges).max()),
         float(behind(half[1:], half[1:], edges[:-1]).max(initial=0.0)),
     )
-    return float(max(_enough(np.log(greatest / problem.rtol) / convergence(ratio)), 2))
+    degree = np.log(greatest / problem.rtol) / convergence(ratio)
+    # enough, of the degree that sharpness asks for
+    return float(max(degree - min(0.1 * degree, 0.7), 2))
 
 
 def degree_of_modes(problem: Problem) -> float:
@@ -59,30 +61,12 @@ def degree_of_modes(problem: Problem) -> float:
     return float(2.8 - 1.15 * np.log10(problem.rtol) - 1.5 * (COMPARED_MODES - most))
 
 
-def _enough(degree: Array | float) -> Array | float:
-    """Degrees that are enough, of those that sharpness asks for."""
-    return degree - np.minimum(0.1 * degree, 0.7)
-
-
 def pressures(problem: Problem, ratio: float) -> float:
     """About how many pressures a mesh takes whose elements shrink by a ratio towards every ring
-    edge and the rim.
+    edge and the rim: two patches of layers in each ring, of half the highest degree in the mean.
     """
-    half, sizes, behind = problem.merged.widths / 2, edge_sizes(problem), sharpness(problem)
-    total, most = 0.0, pressure_degree(problem, ratio)
-    # on the inner side of each edge, and on the outer side of all but the rim
-    for reach, size, edges in (
-        (half, sizes, np.arange(len(half))),
-        (half[1:], sizes[:-1], np.arange(len(half) - 1)),
-    ):
-        distance = reach[:, None] * ratio ** np.arange(np.ceil(np.log(sizes.min()) / np.log(ratio)))
-        less = (
-            behind(distance, reach[:, None], np.broadcast_to(edges[:, None], distance.shape))
-            / problem.rtol
-        )
-        degrees = np.clip(_enough(np.log(less) / convergence(ratio)), 2, most)
-        total += float(np.sum(degrees, where=distance > size[:, None]))
-    return total
+    layers = np.log(2 * edge_sizes(problem) / problem.merged.widths) / np.log(ratio)
+    return float(layers.sum()) * (pressure_degree(problem, ratio) + 2)
 
 
 def affordable(problem: Problem, ratio: float) -> Problem:
@@ -95,7 +79,7 @@ def affordable(problem: Problem, ratio: float) -> Problem:
     fields = min(3 * problem.rtol**0.5, 0.3) if problem.energies_only else problem.rtol
     fewer = replace(problem, rtol=fields)
     # dense matrices cost the third power of the pressures
-    while fewer.rtol < problem.rtol**0.5 and pressures(fewer, ratio) > 1000:
+    while fewer.rtol < problem.rtol**0.5 and pressures(fewer, ratio) > 1100:
         fewer = replace(fewer, rtol=min(2 * fewer.rtol, problem.rtol**0.5))
     return fewer
 
@@ -242,11 +226,6 @@ def triangle_sizes(problem: Problem) -> SizeField:
         # an eighth nothing
         far_size=0.25 if triangle_degree(problem) == DEGREES["gmsh"][-1] and rtol > 1e-6 else 0.125,
     )
-
-
-def truncation(problem: Problem) -> float:
-    """Radius of the half-space."""
-    return (quad_sizes if problem.fem.meshed_by == "quads" else triangle_sizes)(problem).truncation
 
 
 def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:
