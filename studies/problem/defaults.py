@@ -7,7 +7,7 @@ estimates` that each accuracy is reached on scenes drawn at random, `ringwear st
 orders behind the powers. Lengths in punch radii.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -148,49 +148,37 @@ def ring_sizes(problem: Problem) -> Array:
     return np.asarray(2.0 ** np.floor(np.log2(edge_sizes(problem)[:-1])))
 
 
-@dataclass(frozen=True)
-class QuadSizes:
-    """Degree of the displacement, and sizes of the smallest elements."""
-
-    degree: int
-    ring_sizes: tuple[float, ...]
-    rim_size: float
-    growth: float
-    truncation: float
-    sharpness: Sharpness
-    factor: float = FACTOR
-
-
-def quad_sizes(problem: Problem) -> QuadSizes:
-    """Of quadrilaterals in geometric layers."""
-    chosen, at_start, least = problem.fem, _rim_at_start(problem), degree_of_modes(problem)
+def quad_sizes(problem: Problem) -> dict[str, Any]:
+    """Of quadrilaterals in geometric layers, by the names of `meshes.quads.graded`."""
+    chosen, at_start = problem.fem, _rim_at_start(problem)
     problem = affordable(problem, FACTOR)
     wanted = ring_sizes(problem)
-    sizes = np.full(len(wanted), chosen.ring_size) if chosen.ring_size else wanted
-    return QuadSizes(
-        degree=chosen.degree or quad_degree(problem, least),
-        ring_sizes=tuple(float(size) for size in sizes),
-        rim_size=chosen.rim_size or max(min(rim_size(problem), at_start), SMALLEST),
-        growth=chosen.growth or GROWTH,
-        truncation=chosen.truncation
-        or (TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION),
-        sharpness=sharpness(problem),
-    )
+    far = TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION
+    return {
+        "sizes": np.full(len(wanted), chosen.ring_size) if chosen.ring_size else wanted,
+        "rim_size": chosen.rim_size or max(min(rim_size(problem), at_start), SMALLEST),
+        "factor": FACTOR,
+        "growth": chosen.growth or GROWTH,
+        "outer": chosen.truncation or far,
+        "sharpness": sharpness(problem),
+    }
 
 
-def quad_degree(problem: Problem, least: float) -> int:
+def quad_degree(problem: Problem) -> int:
     """Degree of the displacement, above that of the pressure (`ringwear study convergence`).
 
     More towards incompressibility, which costs two digits in the end.
     """
+    of_pressure = pressure_degree(affordable(problem, FACTOR), FACTOR)
     compressibility = 1 - 2 * min(problem.poisson_ratio, 0.4999)
     wanted = (
         # of less, the coarser solution would have linear pressures, too far off to judge by
-        max(pressure_degree(problem, FACTOR), least, 3.0)
+        max(of_pressure, degree_of_modes(problem), 3.0)
         + 1.45
         + max(0.0, -0.2 - 0.4 * np.log10(compressibility))
     )
-    return int(np.clip(np.ceil(wanted), DEGREES["quads"][0], DEGREES["quads"][-1]))
+    enough = int(np.clip(np.ceil(wanted), DEGREES["quads"][0], DEGREES["quads"][-1]))
+    return problem.fem.degree or enough
 
 
 def triangle_ring_sizes(problem: Problem) -> Array:
