@@ -187,11 +187,9 @@ def triangle_ring_sizes(problem: Problem) -> Array:
     Their degree is low, and smaller ones would not help fields.
     """
     rtol, narrower = problem.rtol, problem.merged.narrower
-    # in proportion to the narrower ring beside each edge, and less so where rings are so narrow
-    # that their pattern has little of the energy
-    share = np.minimum(10 * rtol**0.6 * np.maximum(1, 1 / (32 * narrower)), 0.25)
     blunted = max(0.5 * problem.earliest, rtol**0.75) if problem.earliest else 1.0
-    return np.asarray(2.0 ** np.floor(np.log2(np.minimum(share, blunted / narrower) * narrower)))
+    wanted = np.minimum(min(10 * rtol**0.6, 0.25) * narrower, blunted)
+    return np.asarray(2.0 ** np.floor(np.log2(wanted)))
 
 
 def triangle_degree(problem: Problem) -> int:
