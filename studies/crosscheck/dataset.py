@@ -144,7 +144,7 @@ class Result:
         wanted = any(map(problem.wants, FIELDS)) or bool(self.scene.output.field_times)
         if not wanted or fem is None or fem.half_space is None:
             return False
-        return problem.full_contact or fem.pressures_at is not None
+        return problem.full_contact or fem.march is not None
 
     @cached_property
     def inside(self) -> Interior:

@@ -38,8 +38,6 @@ class Solution:
     half_space : the finite-element half-space, if there is one
     march : the `ContactMarch` of a contact that opens, closes and spreads, if it is one
     presses : its start, fitted to the edges of the contact, and a coarser one; empty if that failed
-    pressures_at : of such a contact, too: (compliance, times, looser) -> pressures (T, size) by a
-        march whose steps may err by so many times more
     """
 
     results: Results
@@ -53,7 +51,6 @@ class Solution:
     half_space: "HalfSpace | None" = None
     march: Any = None
     presses: tuple[FittedPress, ...] = ()
-    pressures_at: Callable[[Compliance, Array, float], Array] | None = None
 
     @property
     def error_estimate(self) -> float:

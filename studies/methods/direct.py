@@ -1,14 +1,14 @@
 """Direct integration: the steady state in closed form (Eqs. 21 to 27)."""
 
 from collections.abc import Callable, Sequence
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 
 from ...mdr import direct
 from ...meshes.radial import Array, ring_of
 from ..problem.problem import Problem
-from ..problem.quantities import FIELDS
+from ..problem.quantities import STEADY
 from ..progress import Stages
 from .base import Method, Solution
 from .norms import Results
@@ -36,76 +36,44 @@ class Direct(Method):
         return ""
 
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+        ring_edges = problems[0].merged.ring_edges
+        slopes = greatest = np.full(len(problems), np.nan)
+        wanted = {name for name in STEADY for problem in problems if problem.wants(name)}
         with stages("integrating"):
-            states = _states(problems)
+            pressures = [direct.steady_pressures(*problem.merged) for problem in problems]
+            columns = np.stack(pressures, axis=1)
+            if "steady_rms_slope" in wanted:
+                slopes = direct.rms_slope(ring_edges, columns, problems[0].gradient_average)
+            if wanted & {"steady_displacement_max", "steady_profile"}:
+                greatest = direct.greatest_displacement(ring_edges, columns)
             return [
-                _solution(problem, state) for problem, state in zip(problems, states, strict=True)
+                _solution(*of) for of in zip(problems, pressures, greatest, slopes, strict=True)
             ]
 
 
-class State(NamedTuple):
-    """A steady state.
+def _solution(problem: Problem, pressures: Array, greatest: float, slope: float) -> Solution:
+    """Return the steady state of ring pressures (N,); nan is what is not wanted."""
+    ring_edges, wear_coefficients = problem.merged
 
-    (N,) pressures, greatest displacement and RMS slope; nan where these are not wanted.
-    """
+    def sample(radii: Array) -> Results:
+        values: dict[str, Callable[[], Array]] = {
+            "steady_pressure": lambda: pressures[ring_of(ring_edges, radii)],
+            "steady_profile": lambda: np.maximum(
+                greatest - direct.displacement(ring_edges, pressures, radii), 0.0
+            ),
+            "steady_displacement_max": lambda: np.asarray(greatest),
+            "steady_rms_slope": lambda: np.asarray(slope),
+            "steady_wear_rate": lambda: np.asarray(wear_coefficients[0] * pressures[0]),
+        }
+        return {name: value() for name, value in values.items() if problem.wants(name)}
 
-    pressures: Array
-    greatest: float
-    slope: float
-
-
-def _states(problems: Sequence[Problem]) -> list[State]:
-    """Of problems on the same rings."""
-    # pressures whose greatest displacements are sought at once, few enough to stay in memory
-    at_once = 2**16
-    ring_edges = problems[0].merged.ring_edges
-    pressures = np.stack([direct.steady_pressures(*problem.merged) for problem in problems], axis=1)
-    slopes = greatest = np.full(len(problems), np.nan)
-    if any(problem.wants("steady_rms_slope") for problem in problems):
-        slopes = direct.rms_slope(ring_edges, pressures, problems[0].gradient_average)
-    if any(
-        problem.wants("steady_displacement_max") or problem.wants("steady_profile")
-        for problem in problems
-    ):
-        parts = np.array_split(pressures, 1 + pressures.size // at_once, axis=1)
-        greatest = np.concatenate(
-            [direct.greatest_displacement(ring_edges, part) for part in parts]
-        )
-    return [
-        State(pressures[:, at], float(greatest[at]), float(slopes[at]))
-        for at in range(len(problems))
-    ]
-
-
-def steady(problem: Problem, radii: Array) -> Results:
-    """The steady state in closed form, its fields at radii (R,); non-dimensional."""
-    return _sampled(problem, radii, _states([problem])[0])
-
-
-def _sampled(problem: Problem, radii: Array, state: State) -> Results:
-    (ring_edges, wear_coefficients), pressures = problem.merged, state.pressures
-    values: dict[str, Callable[[], Array]] = {
-        "steady_pressure": lambda: pressures[ring_of(ring_edges, radii)],
-        "steady_profile": lambda: np.maximum(
-            state.greatest - direct.displacement(ring_edges, pressures, radii), 0.0
-        ),
-        "steady_displacement_max": lambda: np.asarray(state.greatest),
-        "steady_rms_slope": lambda: np.asarray(state.slope),
-        "steady_wear_rate": lambda: np.asarray(wear_coefficients[0] * pressures[0]),
-    }
-    return {name: value() for name, value in values.items() if problem.wants(name)}
-
-
-def _solution(problem: Problem, state: State) -> Solution:
-    results = _sampled(problem, problem.radii, state)
-    fields = problem.quantities is None or problem.quantities & FIELDS
-    checked = _sampled(problem, problem.face.radii, state) if fields else results
     # a narrow ring of high pressure is the small difference of two discs
-    lost = float(np.abs(direct.pressure_steps(state.pressures)) @ problem.merged.ring_edges[1:])
+    lost = float(np.abs(direct.pressure_steps(pressures)) @ ring_edges[1:])
     # the mean displacement is at least that of the mean pressure at the rim (Betti)
-    roundoff = 1e-12 + 4 * np.finfo(float).eps * lost / float(np.fmax(state.greatest, 4 / np.pi**2))
+    roundoff = 1e-12 + 4 * np.finfo(float).eps * lost / float(np.fmax(greatest, 4 / np.pi**2))
+    results = sample(problem.radii)
     errors = dict.fromkeys(results, np.asarray(roundoff))
-    return Solution(results, checked, errors, {"roundoff": roundoff})
+    return Solution(results, sample(problem.face.radii), errors, {"roundoff": roundoff})
 
 
 METHOD = Direct()

@@ -4,25 +4,15 @@ Flat punches under a force keep full contact, and are exact in time; any other c
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from ...meshes.compliance import Compliance
-from ...meshes.radial import Array, Indices
+from ...meshes.radial import Array
 from ..problem.problem import Problem
-from ..problem.quantities import (
-    CHANCE,
-    CHANCE_OF_ENERGIES,
-    ENERGIES,
-    FIELDS,
-    HISTORIES,
-    QUANTITIES,
-    STEADY,
-)
+from ..problem.quantities import CHANCE, CHANCE_OF_ENERGIES, ENERGIES, QUANTITIES
 from ..wear.flat_contact import FittedPress
 from ..wear.full_contact import RunningIn
 from ..wear.history import History, Pressed
@@ -42,13 +32,10 @@ class Evaluation(ABC):
         self.problem, self.compliance = problem, compliance
         self.sampler = Sampler(problem, compliance.space)
 
+    @property
     @abstractmethod
-    def safety_of(self, name: str) -> float:
-        """Return what the difference of a quantity to a coarser evaluation is multiplied by."""
-
-    @abstractmethod
-    def at(self, which: Indices) -> History:
-        """Return the history at some of the times asked for, by the march asked for."""
+    def history(self) -> History:
+        """The history at the times asked for, by the march asked for."""
 
     @property
     @abstractmethod
@@ -61,50 +48,44 @@ class Evaluation(ABC):
         """The quantities that errors are estimated by, on the face of the punch."""
 
     @abstractmethod
-    def near(self, name: str, error: Array) -> Array:
-        """Return the greatest error of a quantity near each time asked for, by those estimated.
-
-        Differences cross zero now and then in time, where they say nothing.
-        """
+    def safety_of(self, name: str) -> float:
+        """Return what the difference of a quantity to a coarser evaluation is multiplied by."""
 
     @abstractmethod
-    def least_error(self, name: str) -> Array | float:
-        """Return what a quantity is not known better than."""
+    def estimate(self, name: str, difference: Array) -> Array:
+        """Return the error of a quantity by its differences to a coarser evaluation.
+
+        At the times asked for: the greatest near each, for differences cross zero now and then in
+        time, where they say nothing.
+        """
 
     @cached_property
     def results(self) -> Results:
         """The quantities at the times and radii asked for."""
-        which = np.arange(len(self.problem.times))
-        # coefficients of a hundred thousand times at once would fill the memory; a march has them
-        count = 1 + len(which) // 1024 if self.problem.full_contact else 1
-        pieces = np.array_split(which, count)
-        return self._sampled([self.at(piece) for piece in pieces] if len(which) else [])
+        results, count = self._timeless(on_face=False), len(self.problem.times)
+        # fields of a hundred thousand times at once would fill the memory; a march has few
+        pieces = 1 + count // 1024 if self.problem.full_contact else 1
+        sampled = [
+            self.sampler.history(self.history[piece])
+            for piece in np.array_split(np.arange(count), pieces)
+            if len(piece)
+        ]
+        for name in sampled[0] if sampled else ():
+            results[name] = np.concatenate([values[name] for values in sampled])
+        return results
 
     @cached_property
     def checked(self) -> Results:
         """The quantities at the times that are checked, on the face of the punch: what is compared
         with another method.
         """
-        problem = self.problem
-        if problem.quantities is not None and not problem.quantities & FIELDS:
-            return {
-                name: values[problem.checked] if name in {"time", "pressed", *HISTORIES} else values
-                for name, values in self.results.items()
-            }
-        history = [self.at(problem.checked)] if len(problem.times) else []
-        return self._sampled(history, on_face=True)
-
-    def _sampled(self, histories: Sequence[History], on_face: bool = False) -> Results:
-        """Return the quantities of successive pieces of a history, and those of no time."""
-        results = self._timeless(on_face)
-        if histories and any(map(self.problem.wants, HISTORIES)):
-            pieces = [self.sampler.history(history, on_face) for history in histories]
-            results |= {
-                name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]
-            }
+        results = self._timeless(on_face=True)
+        if len(self.problem.times):
+            results |= self.sampler.history(self.history[self.problem.checked], on_face=True)
         return results
 
     def _timeless(self, on_face: bool) -> Results:
+        """Return the quantities of no time."""
         return {}
 
 
@@ -130,13 +111,9 @@ class FullContact(Evaluation):
         )
 
     @cached_property
-    def _marched(self) -> History:
-        return self.wear.history(self.problem.times, self.problem.march, self.problem.step)
-
-    def at(self, which: Indices) -> History:
-        if self.problem.march == "modal":
-            return self.wear.modal(self.problem.times[which])
-        return self._marched[which]
+    def history(self) -> History:
+        problem = self.problem
+        return self.wear.history(problem.times, problem.march, problem.step)
 
     @property
     def exact_in_time(self) -> History:
@@ -144,33 +121,35 @@ class FullContact(Evaluation):
 
     @cached_property
     def for_estimate(self) -> Results:
-        times = self.problem.estimate_times
-        return self._sampled([self.wear.modal(times)] if len(times) else [], on_face=True)
+        results, times = self._timeless(on_face=True), self.problem.estimate_times
+        if len(times):
+            results |= self.sampler.history(self.wear.modal(times), on_face=True)
+        return results
 
     def _timeless(self, on_face: bool) -> Results:
         problem, results = self.problem, Results()
         # by itself, a relaxation time needs no history
-        if problem.wants("relaxation_time") and (
-            len(problem.times) or problem.quantities is not None
-        ):
-            marched = len(problem.times) and any(map(problem.wants, HISTORIES))
+        marched = len(problem.times) > 0
+        if problem.wants("relaxation_time") and (marched or problem.quantities is not None):
             times = self.wear.relaxation_times if marched else self.wear.slowest_times
             results["relaxation_time"] = times
-        if problem.steady and any(map(problem.wants, STEADY)):
-            results |= self.sampler.steady(self.wear.steady, on_face)
+        if problem.steady:
+            results |= self.sampler.steady(self.wear.steady, on_face=on_face)
         return results
 
     def safety_of(self, name: str) -> float:
         return self.safety
 
-    def near(self, name: str, error: Array) -> Array:
-        if QUANTITIES[name].dims[:1] != ("time",):
-            return error
-        grid, times, factor = self.problem.estimate_times, self.problem.times[:, None], 2.5
-        within = (grid >= times / factor) & (grid <= times * factor)
-        return np.asarray(np.where(within, error, 0.0).max(axis=1))
+    def estimate(self, name: str, difference: Array) -> Array:
+        error = self.safety_of(name) * difference
+        if QUANTITIES[name].dims[:1] == ("time",):
+            grid, times, factor = self.problem.estimate_times, self.problem.times[:, None], 2.5
+            near = (grid >= times / factor) & (grid <= times * factor)
+            error = np.where(near, error, 0.0).max(axis=1)
+        return np.maximum(error, self._least_error(name))
 
-    def least_error(self, name: str) -> Array | float:
+    def _least_error(self, name: str) -> Array | float:
+        """Return what a quantity is not known better than."""
         breakpoints = self.compliance.space.breakpoints
         chance = self.problem.rtol * (CHANCE_OF_ENERGIES if name in ENERGIES else CHANCE)
         # of the numbers of elements
@@ -236,8 +215,7 @@ class MovingContact(Evaluation):
         return self._started(self.march.adaptive(self.problem.times, self._tolerance))
 
     @cached_property
-    def marched(self) -> History:
-        """At the times asked for, by the march asked for."""
+    def history(self) -> History:
         if self.problem.step is None:
             return self.exact_in_time
         return self._started(self.march.implicit(self.problem.times, self.problem.step))
@@ -257,25 +235,20 @@ class MovingContact(Evaluation):
         )
         return replace(history, indentation=indentation, pressed=pressed)
 
-    def at(self, which: Indices) -> History:
-        return self.marched[which]
-
     @cached_property
     def for_estimate(self) -> Results:
-        history = self.marched
-        if self.looser == 1:
-            # the coarser one is asked for all of these times
-            history = self._started(self.march.watched)
-        return self.sampler.history(history, on_face=True)
+        # the coarser one is asked for all of the times that are watched
+        watched = self._started(self.march.watched) if self.looser == 1 else self.history
+        return self.sampler.history(watched, on_face=True)
 
-    def near(self, name: str, error: Array) -> Array:
+    def estimate(self, name: str, difference: Array) -> Array:
         times = self.march.times
+        error = self.safety_of(name) * difference
         later = (times > 0) | self._starts_on_cells
         if later.any():
             among = np.pad(error[later], 3)
-            error = error.copy()
             error[later] = np.lib.stride_tricks.sliding_window_view(among, 7).max(axis=1)
-        return error[np.isin(times, self.problem.times)]
+        return np.maximum(error[np.isin(times, self.problem.times)], self._least_error(name))
 
     @property
     def _starts_on_cells(self) -> bool:
@@ -295,7 +268,8 @@ class MovingContact(Evaluation):
     def _decays(self, name: str) -> bool:
         return self.problem.indentation is not None and name in ("normal_force", "ring_force")
 
-    def least_error(self, name: str) -> Array:
+    def _least_error(self, name: str) -> Array:
+        """Return what a quantity is not known better than, at the times asked for."""
         later = self.problem.times > 0
         if self._starts_on_cells and name != "profile":
             later = np.ones_like(later)
@@ -313,7 +287,7 @@ class MovingContact(Evaluation):
         if self._decays(name):
             # of a force in the end, when little of what was pressed in still overlaps, nothing is
             # known but that it is small
-            force, full = self.marched.force, self.marched.contact.all(axis=1)
+            force, full = self.history.force, self.history.contact.all(axis=1)
             first = np.where(full, force, force.max())
             decayed = first / np.maximum(force, np.finfo(float).tiny)
             return 2 * np.maximum(least, np.minimum(self._unresolved * decayed, 5.0))
@@ -328,13 +302,13 @@ class MovingContact(Evaluation):
         """(T,) by how much heights of the face differ from what cells hold, over the
         indentation.
         """
-        depth, space = float(self.marched.indentation.max()), self.compliance.space
+        depth, space = float(self.history.indentation.max()), self.compliance.space
         return unresolved_height(self.problem.profile, space, depth) * self._per_depth
 
     @property
     def _per_depth(self) -> Array:
         """(T,) the inverse of the indentation, of which nothing is promised while that is zero."""
-        depth = self.marched.indentation
+        depth = self.history.indentation
         return np.divide(1.0, depth, out=np.zeros(len(depth)), where=depth > 0)
 
     @cached_property
@@ -342,7 +316,7 @@ class MovingContact(Evaluation):
         """(T,) greatest change of a slope from a cell to the next, times the wider of them, of the
         worn depth and of the displacement.
         """
-        history, space = self.marched, self.compliance.space
+        history, space = self.history, self.compliance.space
         width = np.diff(space.breakpoints)
         wider = np.where(np.diff(space.ring) == 0, np.maximum(width[1:], width[:-1]), 0.0)
         greatest = np.zeros(len(history.distances))
@@ -354,41 +328,24 @@ class MovingContact(Evaluation):
         return greatest
 
     @property
-    def settings(self) -> dict[str, Any]:
-        """How the march went, for the summary."""
-        space, steps = self.compliance.space, self.marched.steps
-        iterations = np.array(steps.iterations or (0,))
-        settings: dict[str, Any] = {
+    def settings(self) -> dict[str, int]:
+        """How large the march was, for the summary."""
+        space = self.compliance.space
+        settings = {
             "cells": len(space.degrees),
             "pressures": space.size,
-            "steps": steps.taken,
-            "rejected_steps": steps.rejected,
-            "contact_iterations_mean": float(iterations.mean()),
-            "contact_iterations_greatest": int(iterations.max()),
+            "steps": self.history.steps.taken,
         }
         if self.start is not None:
             settings["start_pressures"] = len(self.start.pressure)
         return settings
 
     def notes(self) -> list[str]:
-        """Say what the user should know of the contact."""
-        problem, notes = self.problem, []
-        missed = float(self._unresolved.max())
-        if missed > problem.rtol:
-            notes.append(
-                f"the face is finer than the {len(self.compliance.space.degrees)} cells resolve: "
-                f"heights differ from what they hold by up to {missed:.1e} of the indentation; a "
-                "smaller rtol makes more cells"
-            )
-        edges = self.results.get("contact_edge", np.empty(0))
-        if edges.size:
-            parts = np.isfinite(edges).sum(axis=1) // 2
-            apart = (parts > 1) | (np.nan_to_num(edges[:, 0]) > 0)
-            if apart.any():
-                times = problem.times[apart] * problem.units.time
-                notes.append(
-                    f"contact is no disc from t = {times[0]:.3g} to {times[-1]:.3g}, in up to "
-                    f"{parts.max()} parts: the springs' rule of the MDR, q = d - g, would not hold "
-                    "there; its energy does"
-                )
-        return notes
+        """Say what the user should know of the cells."""
+        missed, cells = float(self._unresolved.max()), len(self.compliance.space.degrees)
+        if missed <= self.problem.rtol:
+            return []
+        return [
+            f"the face is finer than the {cells} cells resolve: heights differ from what they hold "
+            f"by up to {missed:.1e} of the indentation; a smaller rtol makes more cells"
+        ]

@@ -2,6 +2,7 @@
 it best.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -19,7 +20,6 @@ from .spaces import contact_cells
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace
     from ...meshes.compliance import Compliance
-    from ...meshes.quads import GradedQuads
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,38 +30,28 @@ class Meshed:
     ----------
     mesh : of scikit-fem, its boundaries named
     mesher : what made it
-    graded : how its quadrilaterals were made, if it has any
+    coarser : () -> the same of a layer less, or of larger triangles
     notes : what the user should know
     """
 
     mesh: Any
     mesher: str
-    graded: "GradedQuads | None" = None
+    coarser: Callable[[], Any]
     notes: tuple[str, ...] = ()
-
-
-MESHERS = ("quads", "gmsh", "bisection")
 
 
 def half_space_mesh(problem: Problem) -> Meshed:
     """The mesh of a problem.
 
-    By the mesher asked for, or by the next that can, with a note that says why.
+    By the mesher asked for, or by bisection where that cannot, with a note that says why.
     """
-    asked, reason = problem.fem.meshed_by, ""
-    for mesher in MESHERS[MESHERS.index(asked) :]:
-        try:
-            meshed = _meshed(problem, mesher)
-        except MeshError as error:
-            if mesher == MESHERS[-1]:
-                raise
-            reason = reason or str(error)
-        else:
-            break
-    if not reason:
-        return meshed
-    lower = ", in triangles of lower degree" if asked == "quads" else ""
-    return replace(meshed, notes=(f"meshed by {meshed.mesher}{lower}: {reason}",))
+    try:
+        return _meshed(problem, problem.fem.meshed_by)
+    except MeshError as error:
+        if problem.fem.meshed_by == "bisection":
+            raise
+        note = f"meshed by bisection, in triangles of degree 2 to 4: {error}"
+    return replace(_meshed(problem, "bisection"), notes=(note,))
 
 
 def _meshed(problem: Problem, mesher: str) -> Meshed:
@@ -69,12 +59,11 @@ def _meshed(problem: Problem, mesher: str) -> Meshed:
     from ...meshes.quads import graded
 
     if mesher == "quads":
-        sizes = defaults.quad_sizes(problem)
-        between = sizes.factor, sizes.growth, sizes.truncation, sizes.sharpness
-        layered = graded(problem.merged.ring_edges, sizes.ring_sizes, sizes.rim_size, *between)
-        return Meshed(layered.mesh, mesher, layered)
+        layered = graded(problem.merged.ring_edges, **defaults.quad_sizes(problem))
+        return Meshed(layered.mesh, mesher, lambda: layered.coarser().mesh)
     field = defaults.triangle_sizes(problem)
-    return Meshed(triangles.mesh(field) if mesher == "gmsh" else bisection.mesh(field), mesher)
+    make = triangles.mesh if mesher == "gmsh" else bisection.mesh
+    return Meshed(make(field), mesher, lambda: make(field.coarser()))
 
 
 def half_space_on(problem: Problem, meshed: Meshed) -> "HalfSpace":
@@ -83,11 +72,8 @@ def half_space_on(problem: Problem, meshed: Meshed) -> "HalfSpace":
     from ...fem.half_space import HalfSpace, pressure_space
     from ...meshes.half_space import truncation
 
-    degree = (
-        defaults.triangle_degree(problem)
-        if meshed.graded is None
-        else defaults.quad_sizes(problem).degree
-    )
+    quads = meshed.mesher == "quads"
+    degree = (defaults.quad_degree if quads else defaults.triangle_degree)(problem)
     # the field below is smoother: a fifth of the degree less costs nothing on the contact
     solid = AxisymmetricElasticity(meshed.mesh, degree, problem.poisson_ratio, spared=degree // 5)
     poles = defaults.pole_orders(problem, truncation(meshed.mesh))
@@ -158,7 +144,7 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
         replace(half_space, poles=()) if fixed else half_space,
         meshed.notes,
         # on triangles, whose degree is low, meshes of two sizes may miss the same
-        safety=8.0 if meshed.graded is None else 1.5,
+        safety=1.5 if meshed.mesher == "quads" else 8.0,
     )
 
 
@@ -190,17 +176,9 @@ def _coarser_half_space(problem: Problem, meshed: Meshed, whole: "HalfSpace") ->
     A clamped boundary is held against poles: what it errs by is far more than one of them does.
     """
     from ...fem.half_space import HalfSpace, pressure_space
-    from ...meshes import bisection, triangles
 
-    degree = whole.solid.degree - 1
-    if meshed.graded is not None:
-        mesh = meshed.graded.coarser().mesh
-    else:
-        field = defaults.triangle_sizes(problem).coarser()
-        mesh = triangles.mesh(field) if meshed.mesher == "gmsh" else bisection.mesh(field)
-        # with less than two no multipliers are stable
-        degree = max(degree, 2)
-    solid = replace(whole.solid, degree=degree, mesh=mesh)
+    # with a degree of less than two no multipliers are stable
+    solid = replace(whole.solid, degree=max(whole.solid.degree - 1, 2), mesh=meshed.coarser())
     poles = whole.poles if problem.fem.far_field == "fixed" else whole.poles[:-1]
     return HalfSpace(solid, pressure_space(solid, problem.merged.ring_edges), poles)
 

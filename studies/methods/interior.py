@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil, log
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -29,6 +29,7 @@ from ..problem.problem import D0, P0, Problem, Units
 from ..problem.scene import Scene
 from ..wear.full_contact import RunningIn
 from .base import Solution
+from .evaluation import FullContact, MovingContact
 
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace
@@ -94,12 +95,12 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     refinements, highest, ratio = 3, 14, 0.499999
     if len(half_space.solid.mesh.t) == 3:
         refinements, highest, ratio = 2, 4, 0.49999
-    steady = problem.steady and problem.indentation is None
+    flat, steady = problem.full_contact, problem.steady and problem.indentation is None
     if times is None:
         # a flat start is in closed form, and the end near the steady state
-        times = [0.0] if steady and problem.full_contact else [0.0, scene.wear.times[-1]]
-    at = np.array(times) / problem.units.time
-    labels = tuple(f"t={time:g}" for time in times) + ("steady",) * steady
+        times = [0.0] if steady and flat else [0.0, scene.wear.times[-1]]
+    labels = tuple(f"t={time:g}" for time in np.unique(times)) + ("steady",) * steady
+    inside = replace(problem, times=np.unique(times) / problem.units.time, steady=steady)
     # what the poles leave to the truncation is of the energy, where stresses feel its root
     accuracy = 1e-3 * min(SHARE * problem.rtol, 1e-3) ** 2
     poles = enough_poles(truncation(half_space.solid.mesh), accuracy)
@@ -109,80 +110,51 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     # greater than any other
     orders = (poles, poles[:-1]) if half_space.poles else ((), poles)
     # of a lower degree there may be no stable pressures
-    flat = problem.full_contact
     degree = max(half_space.solid.degree, 3) + (not flat)
     # what the user has given stays, and no degree mends the truncation, or cells
-    given = problem.fem.degree or problem.fem.poles or not (half_space.poles and flat)
-    highest = degree if given else max(degree, highest)
-    # closer to incompressible, it takes that of the contact
-    if not given and problem.poisson_ratio <= 0.499:
-        # estimates on quadrilaterals are 8 / 3^degree
+    if problem.fem.degree or problem.fem.poles or not (half_space.poles and flat):
+        highest = degree
+    elif problem.poisson_ratio <= 0.499:
+        # estimates on quadrilaterals are 8 / 3^degree; closer to incompressible they take more
         degree = max(min(degree, ceil(log(8 / (SHARE * problem.rtol), 3))), 3)
-
-    def refine(degree: int) -> list[HalfSpace]:
-        solids = [
-            replace(half_space.solid, degree=lower, highest_ratio=ratio, spared=0)
-            for lower in (degree, degree - 1)
-        ]
-        return [
-            HalfSpace(
-                solid,
-                pressure_space(solid, problem.merged.ring_edges) if flat else half_space.space,
-                tied,
-            )
-            for solid, tied in zip(solids, orders, strict=True)
-        ]
-
     with threadpool_limits(1):
         while True:
-            spaces = refine(degree)
-            pressures = [
-                pressures_of(problem, fem.pressures_at, refined, at, steady, coarse)
-                for refined, coarse in zip(spaces, (False, True), strict=True)
-            ]
+            spaces = []
+            for lower, tied in enumerate(orders):
+                solid = replace(
+                    half_space.solid, degree=degree - lower, highest_ratio=ratio, spared=0
+                )
+                ring_edges = problem.merged.ring_edges
+                space = pressure_space(solid, ring_edges) if flat else half_space.space
+                spaces.append(HalfSpace(solid, space, tied))
+            fine, coarse = spaces
+            pressures = pressures_of(inside, fine), pressures_of(inside, coarse, coarse=True)
             result = held_against(problem, spaces, pressures, labels, refinements)
             excess = result.errors["stress"].max() / (SHARE * problem.rtol)
-            if excess <= 1 or degree == highest:
+            # matrices of more pressures are dense, and not worth it for the sake of the inside
+            if excess <= 1 or degree >= highest or fine.space.size > 1500:
                 return result
             # three times as accurate by each degree
             degree = min(degree + ceil(log(excess, 3)), highest)
-            # matrices of more pressures are dense, and not worth it for the sake of the inside
-            if refine(degree)[0].space.size > 2000:
-                return result
 
 
-def pressures_of(
-    problem: Problem,
-    march: Any,
-    half_space: "HalfSpace",
-    times: Array,
-    steady: bool,
-    coarse: bool,
-) -> Array:
-    """Return the pressures (states, size) at non-dimensional times, and perhaps when steady; of a
-    march on every second cell, if coarse, whose steps may err by more.
+def pressures_of(problem: Problem, half_space: "HalfSpace", coarse: bool = False) -> Array:
+    """Return the pressures (states, size) at a problem's times, and when steady; of a march on
+    every second cell, if coarse, whose steps may err by more.
     """
-    compliance, space, loading = half_space.compliance(), half_space.space, problem.loading
-    wear_coefficients = problem.merged.wear_coefficients
+    compliance, space = half_space.compliance(), half_space.space
     if problem.full_contact:
-        force, distances, *_ = loading.at(times)
-        earliest = float(min(distances[distances > 0], default=0.0))
-        fixed = problem.indentation
-        wear = RunningIn(
-            compliance, wear_coefficients, earliest, indentation=fixed, loading=loading
-        )
+        within, wear = space, FullContact(problem, compliance).wear
         # no modes are needed for the start
-        pressures = np.outer(force, wear.flat.pressure)
-        if distances.any():
-            pressures = wear.modal(times).pressure
-        within = space
+        pressures = np.outer(problem.loading.at(problem.times).force, wear.flat.pressure)
+        if problem.earliest:
+            pressures = wear.modal(problem.times).pressure
     else:
         within = space.coarser() if coarse else space
         compliance = compliance.restricted(within)
-        wear = RunningIn(compliance, wear_coefficients, continuous=False)
-        at, places = np.unique(times, return_inverse=True)
-        pressures = march(compliance, at, 1 + 3 * coarse)[places]
-    if steady:
+        wear = RunningIn(compliance, problem.merged.wear_coefficients, continuous=False)
+        pressures = MovingContact(problem, compliance, looser=1 + 3 * coarse).history.pressure
+    if problem.steady:
         pressures = np.vstack([pressures, wear.steady.pressure])
     return np.asarray(pressures @ space.embedding(within).T)
 
@@ -208,23 +180,23 @@ def held_against(
     (r, z), solid, space = fine[0], spaces[0].solid, spaces[0].space
     # fields are in proportion to 1 - 2 nu, plus a constant, and neither is much more than the unit
     modelled = 2 * max(0.0, problem.poisson_ratio - solid.highest_ratio)
-    carries = (space.on_elements(np.zeros(1)) @ pressures[0].T > 0).T
-    errors, reaches = list[list[float]](), list[float]()
-    for state, (carried, pressure) in enumerate(zip(carries, pressures[0], strict=True)):
+    middles, reaches = space.on_elements(np.zeros(1)), np.ones(len(labels))
+    errors = {name: np.zeros(len(labels)) for name in ("displacement", "stress", "von_mises")}
+    for state, pressure in enumerate(pressures[0]):
+        carried = middles @ pressure > 0
         ends = space.breakpoints[np.diff(carried, prepend=False, append=False)]
         edges = np.union1d(problem.merged.ring_edges, ends)[1:]
-        reach = float(ends.max(initial=0.0)) or 1.0
-        reaches.append(reach)
+        reaches[state] = reach = float(ends.max(initial=0.0)) or 1.0
         force = float(space.weights @ pressure) or 1.0
         far = np.hypot(r - edges[:, None], z).min(axis=0) > NEAR * reach
         moved, stress = (fine[at][state, far] - coarse[at][state, far] for at in (2, 3))
         mean = 2 * P0 * force / reach**2
         # a norm: that of the difference is at least the difference of two
         differences = moved * reach / (D0 * force), stress / mean, von_mises(stress) / mean
-        # with the factor of safety of the contact's own estimates
-        errors.append([1.5 * float(np.abs(of).max()) + modelled for of in differences])
-    by_field = dict(zip(("displacement", "stress", "von_mises"), np.transpose(errors), strict=True))
-    return Interior(*fine, labels, solid.degree, np.array(reaches), by_field)
+        for stated, difference in zip(errors.values(), differences, strict=True):
+            # with the factor of safety of the contact's own estimates
+            stated[state] = 1.5 * np.abs(difference).max() + modelled
+    return Interior(*fine, labels, solid.degree, reaches, errors)
 
 
 def write_half_space(fields: Interior, units: Units, path: Path, series: bool) -> None:

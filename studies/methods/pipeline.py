@@ -7,7 +7,6 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -96,6 +95,9 @@ class AnySpaceMethod(ComplianceMethod):
         def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> Compliance:
             return self.compliance(fitted_space(edges, infinite, degree))
 
+        # of sizes of which each ring edge may have its own, the smallest
+        sizes = mdr_sizes(problem).items() if problem.full_contact else ()
+        smallest = {name: np.min(size).item() for name, size in sizes if np.size(size)}
         with stages("assembling"):
             compliance = self.compliance(fine)
         return Discretised(
@@ -104,18 +106,9 @@ class AnySpaceMethod(ComplianceMethod):
             lambda: (
                 compliance.restricted(coarse) if problem.full_contact else self.compliance(coarse)
             ),
-            settings=smallest(mdr_sizes(problem)) if problem.full_contact else {},
+            settings=smallest,
             fitted=(partial(fitted, degree=8), partial(fitted, degree=6)),
         )
-
-
-def smallest(sizes: dict[str, Any]) -> dict[str, float]:
-    """Return sizes of which each ring edge may have its own, by the smallest."""
-    return {
-        name: value if np.ndim(value) == 0 else float(np.min(value))
-        for name, value in sizes.items()
-        if np.size(value)
-    }
 
 
 def solve_in_full_contact(
@@ -169,15 +162,8 @@ def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: 
         notes=(*notes, *fine.notes()),
         march=fine.march,
         presses=tuple(press for press in presses if press is not None),
-        pressures_at=partial(_march, problem),
     )
     return _beside(solution, steady) if steady else solution
-
-
-def _march(problem: Problem, compliance: Compliance, times: Array, looser: float) -> Array:
-    """Return pressures (T, size) of the problem at other times, marched on a compliance."""
-    contact = MovingContact(replace(problem, times=times), compliance, looser=looser)
-    return contact.marched.pressure
 
 
 def _solution(made: Discretised, fine: Evaluation, coarse: Evaluation) -> Solution:
@@ -208,15 +194,13 @@ def estimate_errors(
     Errors over time are those at the times asked for; parts are the greatest over all times, by
     what causes them.
     """
-    problem, errors = fine.problem, {}
+    problem = fine.problem
     missed = differences(coarse.for_estimate, fine.for_estimate, problem.face)
     if "steady_rms_slope" in missed and "steady_profile" in missed:
         missed["steady_rms_slope"] = np.maximum(
             missed["steady_rms_slope"], _square_of_slopes(fine, coarse)
         )
-    for name, difference in missed.items():
-        error = fine.safety_of(name) * fine.near(name, difference)
-        errors[name] = np.maximum(error, fine.least_error(name))
+    errors = {name: fine.estimate(name, difference) for name, difference in missed.items()}
     if fine.sampler.by_fields:
         for greatest in OF_FIELD.keys() & errors.keys():
             errors[greatest] = np.maximum(errors[greatest], errors[OF_FIELD[greatest]])
@@ -228,12 +212,11 @@ def estimate_errors(
         difference = np.abs(forces[1] - forces[0]).max() / max(forces[0][0], np.finfo(float).tiny)
         parts = {"force": fine.safety_of("indentation") * float(difference)}
     if problem.march != "modal" and "indentation" in errors:
-        at, sampler = np.arange(len(problem.times)), fine.sampler
-        steps = differences(
-            sampler.history(fine.at(at), on_face=True),
-            sampler.history(fine.exact_in_time, on_face=True),
-            problem.face,
+        marched, exact = (
+            fine.sampler.history(history, on_face=True)
+            for history in (fine.history, fine.exact_in_time)
         )
+        steps = differences(marched, exact, problem.face)
         errors |= {name: errors[name] + step for name, step in steps.items()}
         parts["time step"] = float(steps["indentation"].max())
     return errors, parts

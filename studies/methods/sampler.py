@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import cached_property, lru_cache
-from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -13,7 +12,7 @@ from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..wear.contact_edges import worn_edges
 from ..wear.flat_contact import SteadyState
-from ..wear.history import History, Start
+from ..wear.history import History
 from ..wear.moments import moments
 from .norms import Results, radial_weight
 
@@ -53,26 +52,24 @@ class Sampler:
 
     def __init__(self, problem: Problem, space: PressureSpace) -> None:
         self.problem, self.space = problem, space
-        self._samples = _samples(self.space)
-        self._everywhere = _matrix(self.space, self._samples.tobytes())
-        self._slope_everywhere = _matrix(self.space, self._samples.tobytes(), derivative=True)
-        radii, weights, _ = self.space.quadrature
-        self._slope_weights = (weights * radial_weight(radii, problem.gradient_average)).ravel()
 
     def _radii(self, on_face: bool) -> Array:
         return self.problem.face.radii if on_face else self.problem.radii
+
+    def _at(self, radii: Array, functions: Array, derivative: bool = False) -> Array:
+        """Return values (T, R), or slopes, at radii of (T, size) functions."""
+        return np.asarray((_matrix(self.space, radii.tobytes(), derivative) @ functions.T).T)
 
     def _greatest(self, functions: Array) -> Array:
         """Return the greatest value over the punch of each of (T, size) functions.
 
         It is the top of a cubic between two samples.
         """
-        samples = (self._everywhere @ functions.T).T
-        slopes = (self._slope_everywhere @ functions.T).T
-        row = np.arange(len(samples))
+        radii, row = _samples(self.space), np.arange(len(functions))
+        samples, slopes = self._at(radii, functions), self._at(radii, functions, derivative=True)
         best = samples.argmax(axis=1)
         left = np.clip(np.where(slopes[row, best] > 0, best, best - 1), 0, samples.shape[1] - 2)
-        width = self._samples[left + 1] - self._samples[left]
+        width = radii[left + 1] - radii[left]
         start, rise = samples[row, left], samples[row, left + 1] - samples[row, left]
         first, last = width * slopes[row, left], width * slopes[row, left + 1]
         # start + first t + b t^2 + c t^3 with the end's value and slope; its top where the slope
@@ -83,49 +80,38 @@ class Sampler:
         top = np.divide(first, root - b, out=np.zeros(len(row)), where=inside)
         return np.maximum(samples[row, best], start + top * (first + top * (b + top * c)))
 
-    @cached_property
-    def _unworn_slopes(self) -> Array:
-        return self.problem.profile.slope(self.space.quadrature[0].ravel())
-
-    def _rms_slope(self, worn: Array, unworn: Array | float) -> Array:
+    def _rms_slope(self, worn: Array) -> Array:
+        """Return the root mean square slope (T,) of what (T, size) has worn off the face."""
+        radii, lengths, _ = self.space.quadrature
+        weights = lengths * radial_weight(radii, self.problem.gradient_average)
         # by points, not by a Gram matrix, which would sum the square of a constant over a small
         # element to roundoff
-        slopes = (_slopes(self.space) @ worn.T).T + unworn
-        return np.sqrt(slopes**2 @ self._slope_weights)
+        slopes = (_slopes(self.space) @ worn.T).T
+        if not self.problem.full_contact:
+            slopes += self.problem.profile.slope(radii.ravel())
+        return np.asarray(np.sqrt(slopes**2 @ weights.ravel()))
 
-    def _pressure(self, history: History, radii: Array) -> Array:
+    def pressures(self, history: History, radii: Array) -> Array:
         """Return pressures (T, R) at radii, those of the start by functions of its own.
 
         None is negative: what polynomials have below zero beside an edge is an artefact of theirs.
         """
-        at = _matrix(self.space, radii.tobytes())
-
-        def sample(pressures: Array) -> Array:
-            return np.maximum((at @ pressures.T).T, 0.0)
-
-        return self._of_pressures(history, sample, lambda start: start.pressure_at(radii))
-
-    @staticmethod
-    def _of_pressures(
-        history: History, take: Callable[[Array], Array], of: Callable[[Start], Array]
-    ) -> Array:
-        """Return values (T, ...) of pressures, with those that have functions of their own."""
         if (pressed := history.pressed) is None:
-            return take(history.pressure)
-        values, rows = take(pressed.rest), pressed.force > 0
+            return np.maximum(self._at(radii, history.pressure), 0.0)
+        pressures, rows = np.maximum(self._at(radii, pressed.rest), 0.0), pressed.force > 0
         # at a rim they need not be finite
-        values[rows] += np.outer(pressed.force[rows] / pressed.start.force, of(pressed.start))
-        return values
+        parts = pressed.force[rows] / pressed.start.force
+        pressures[rows] += np.outer(parts, pressed.start.pressure_at(radii))
+        return pressures
 
     def ring_forces(self, history: History) -> Array:
         """Return the force (T, N) on each ring."""
         ring_edges = self.problem.ring_edges
         on_rings = _ring_forces(self.space, ring_edges.tobytes()).T
-        return self._of_pressures(
-            history,
-            lambda pressures: np.asarray(pressures @ on_rings),
-            lambda start: start.ring_forces(ring_edges),
-        )
+        if (pressed := history.pressed) is None:
+            return np.asarray(history.pressure @ on_rings)
+        parts = pressed.force / pressed.start.force
+        return pressed.rest @ on_rings + np.outer(parts, pressed.start.ring_forces(ring_edges))
 
     def worn_volumes(self, history: History) -> Array:
         """Return what has worn off each ring (T, N)."""
@@ -139,14 +125,19 @@ class Sampler:
         first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1])
         return np.asarray(np.add.reduceat(worn, first, axis=1))
 
-    def _carries(self, history: History, radii: Array) -> Array:
-        """Return whether the punch touches (T, R) at radii."""
-        carries = _matrix(self.space, radii.tobytes()) @ history.pressure.T > 0
-        if history.pressed is not None:
-            parts = history.pressed.start.intervals
-            within = [(radii >= part.inner) & (radii <= part.outer) for part in parts]
-            carries[:, history.pressed.force > 0] = np.any(within, axis=0)[:, None]
-        return np.asarray(carries.T)
+    def heights(self, history: History, radii: Array) -> Array:
+        """Return the height (T, R) of the worn face at radii."""
+        return np.asarray(self.problem.profile(radii) + self._at(radii, history.profile))
+
+    def _displacements(self, history: History, displaced: Array, radii: Array) -> Array:
+        """Return the displacement (T, R) of the half-space at radii by its coefficients (T, size),
+        and u = d - f where it touches.
+        """
+        touching = history.indentation[:, None] - self.heights(history, radii)
+        if self.problem.full_contact:
+            return touching
+        carries = self.pressures(history, radii) > 0
+        return np.where(carries, touching, self._at(radii, displaced))
 
     def displaced(self, history: History) -> Array:
         """Return coefficients (T, size) of the displacement of the half-space, u = d - f + gap.
@@ -157,11 +148,11 @@ class Sampler:
         displaced = history.indentation[:, None] * uniform - history.profile
         if self.problem.full_contact:
             return displaced
-        return displaced + self._mass.solve((history.gap - self._unworn).T).T
+        return np.asarray(displaced + self._project((history.gap - self._unworn).T).T)
 
     @cached_property
-    def _mass(self) -> Any:
-        return splu(self.space.mass().tocsc())
+    def _project(self) -> Callable[[Array], Array]:
+        return splu(self.space.mass().tocsc()).solve
 
     @cached_property
     def _unworn(self) -> Array:
@@ -176,36 +167,18 @@ class Sampler:
         on_face : fields on the face of the punch, not at the radii of the output; only what can be
             compared
         """
-        problem, radii = self.problem, self._radii(on_face)
-        at, profile = _matrix(self.space, radii.tobytes()), problem.profile
-        standoff = profile.standoff
-        displaced = self.displaced(history)
-        heights = profile(radii) + (at @ history.profile.T).T
-
-        def displacement() -> Array:
-            touching = history.indentation[:, None] - heights
-            if problem.full_contact:
-                return touching
-            return np.where(self._carries(history, radii), touching, (at @ displaced.T).T)
-
-        def at_centre() -> Array:
-            centre = (_matrix(self.space, np.zeros(1).tobytes()) @ displaced.T)[0]
-            pressed = history.pressed
-            if pressed is not None and pressed.start.intervals[0].inner == 0:
-                unworn = profile(np.zeros(1))[0]
-                started = (pressed.force > 0) & (history.distances == 0)
-                centre = np.where(started, history.indentation - unworn, centre)
-            return np.asarray(centre)
-
-        unworn = 0.0 if problem.full_contact else self._unworn_slopes
+        problem, radii, pressed = self.problem, self._radii(on_face), history.pressed
+        displaced, standoff = self.displaced(history), problem.profile.standoff
         values: Values = {
-            "pressure": lambda: self._pressure(history, radii),
-            "profile": lambda: heights + standoff,
-            "displacement": displacement,
+            "pressure": lambda: self.pressures(history, radii),
+            "profile": lambda: self.heights(history, radii) + standoff,
+            "displacement": lambda: self._displacements(history, displaced, radii),
             "indentation": lambda: history.indentation + standoff,
-            "displacement_centre": at_centre,
+            "displacement_centre": lambda: self._displacements(history, displaced, np.zeros(1))[
+                :, 0
+            ],
             "displacement_max": lambda: self._greatest(displaced),
-            "rms_slope": lambda: self._rms_slope(history.profile, unworn),
+            "rms_slope": lambda: self._rms_slope(history.profile),
             "ring_force": lambda: self.ring_forces(history),
         }
         if problem.indentation is not None or not problem.full_contact:
@@ -214,46 +187,46 @@ class Sampler:
         elif problem.loading.varies:
             values["normal_force"] = lambda: history.force
         if not problem.full_contact:
-            values |= self._of_contact(history, radii, on_face)
+            edges = self._edges(history)
+            values["contact_radius"] = lambda: np.nanmax(edges, axis=1, initial=0.0)
+            if not on_face:
+                values["contact"] = lambda: (self.pressures(history, radii) > 0).astype(float)
+                values["contact_edge"] = lambda: edges
         # by these the errors of the others are measured
         measures = ["indentation", "normal_force"]
         if self.by_fields and problem.wants("displacement_max"):
             measures.append("displacement")
         # where pressures may be infinite
-        pressed = history.distances == 0
-        if history.pressed is not None:
-            pressed = history.pressed.force > 0
+        infinite = history.distances == 0 if pressed is None else pressed.force > 0
         wanted = self._wanted(values, *measures)
-        return wanted | {"time": history.distances, "pressed": pressed}
+        return wanted | {"time": history.distances, "pressed": infinite}
 
-    def _of_contact(self, history: History, radii: Array, on_face: bool) -> Values:
-        """Return what is of interest only where contact opens, closes and spreads."""
-        edges = [
+    def _edges(self, history: History) -> Array:
+        """Return inner and outer radius of every part of the contact in turn (T, E), nan where
+        there are no more.
+        """
+        parts = [
             worn_edges(self.space, contact, worn)
             for contact, worn in zip(history.contact, history.profile, strict=True)
         ]
         if history.pressed is not None:
             fitted = [(part.inner, part.outer) for part in history.pressed.start.intervals]
             for row in np.flatnonzero(history.pressed.force):
-                edges[row] = fitted
-        values: Values = {
-            "contact_radius": lambda: np.array([parts[-1][1] if parts else 0.0 for parts in edges]),
-        }
-        if not on_face:
-            values["contact"] = lambda: self._carries(history, radii).astype(float)
-            values["contact_edge"] = lambda: _padded(edges)
-        return values
+                parts[row] = fitted
+        edges = np.full((len(parts), 2 * max(map(len, parts), default=0)), np.nan)
+        for row, of_time in zip(edges, parts, strict=True):
+            row[: 2 * len(of_time)] = np.ravel(of_time)
+        return edges
 
     def steady(self, state: SteadyState, on_face: bool = False) -> Results:
         """Return the quantities of the steady state."""
-        radii = self._radii(on_face)
-        at = _matrix(self.space, radii.tobytes())
-        greatest = self._greatest(state.displacement[None])
+        radii, displaced = self._radii(on_face), state.displacement[None]
+        greatest = self._greatest(displaced)
         values: Values = {
-            "steady_pressure": lambda: at @ state.pressure,
-            "steady_profile": lambda: np.maximum(greatest - at @ state.displacement, 0.0),
+            "steady_pressure": lambda: self._at(radii, state.pressure),
+            "steady_profile": lambda: np.maximum(greatest - self._at(radii, state.displacement), 0),
             "steady_displacement_max": lambda: greatest[0],
-            "steady_rms_slope": lambda: self._rms_slope(state.displacement[None], 0.0)[0],
+            "steady_rms_slope": lambda: self._rms_slope(displaced)[0],
             "steady_wear_rate": lambda: np.asarray(state.wear_rate),
         }
         measures = ["steady_displacement_max"]
@@ -274,13 +247,3 @@ class Sampler:
             for name, value in values.items()
             if name in always or self.problem.wants(name)
         }
-
-
-def _padded(edges: list[list[tuple[float, float]]]) -> Array:
-    """Return inner and outer radius of every part of the contact in turn (T, E), nan where there
-    are no more.
-    """
-    out = np.full((len(edges), 2 * max(map(len, edges), default=0)), np.nan)
-    for row, parts in zip(out, edges, strict=True):
-        row[: 2 * len(parts)] = np.ravel(parts)
-    return out

@@ -7,7 +7,7 @@ estimates` that each accuracy is reached on scenes drawn at random, `ringwear st
 orders behind the powers. Lengths in punch radii.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -43,7 +43,9 @@ def pressure_degree(problem: Problem, ratio: float) -> float:
         float(behind(half, half, edges).max()),
         float(behind(half[1:], half[1:], edges[:-1]).max(initial=0.0)),
     )
-    return float(max(_enough(np.log(greatest / problem.rtol) / convergence(ratio)), 2))
+    degree = np.log(greatest / problem.rtol) / convergence(ratio)
+    # enough, of the degree that sharpness asks for
+    return float(max(degree - min(0.1 * degree, 0.7), 2))
 
 
 def degree_of_modes(problem: Problem) -> float:
@@ -59,30 +61,12 @@ def degree_of_modes(problem: Problem) -> float:
     return float(2.8 - 1.15 * np.log10(problem.rtol) - 1.5 * (COMPARED_MODES - most))
 
 
-def _enough(degree: Array | float) -> Array | float:
-    """Degrees that are enough, of those that sharpness asks for."""
-    return degree - np.minimum(0.1 * degree, 0.7)
-
-
 def pressures(problem: Problem, ratio: float) -> float:
     """About how many pressures a mesh takes whose elements shrink by a ratio towards every ring
-    edge and the rim.
+    edge and the rim: two patches of layers in each ring, of half the highest degree in the mean.
     """
-    half, sizes, behind = problem.merged.widths / 2, edge_sizes(problem), sharpness(problem)
-    total, most = 0.0, pressure_degree(problem, ratio)
-    # on the inner side of each edge, and on the outer side of all but the rim
-    for reach, size, edges in (
-        (half, sizes, np.arange(len(half))),
-        (half[1:], sizes[:-1], np.arange(len(half) - 1)),
-    ):
-        distance = reach[:, None] * ratio ** np.arange(np.ceil(np.log(sizes.min()) / np.log(ratio)))
-        less = (
-            behind(distance, reach[:, None], np.broadcast_to(edges[:, None], distance.shape))
-            / problem.rtol
-        )
-        degrees = np.clip(_enough(np.log(less) / convergence(ratio)), 2, most)
-        total += float(np.sum(degrees, where=distance > size[:, None]))
-    return total
+    layers = np.log(2 * edge_sizes(problem) / problem.merged.widths) / np.log(ratio)
+    return float(layers.sum()) * (pressure_degree(problem, ratio) + 2)
 
 
 def affordable(problem: Problem, ratio: float) -> Problem:
@@ -95,7 +79,7 @@ def affordable(problem: Problem, ratio: float) -> Problem:
     fields = min(3 * problem.rtol**0.5, 0.3) if problem.energies_only else problem.rtol
     fewer = replace(problem, rtol=fields)
     # dense matrices cost the third power of the pressures
-    while fewer.rtol < problem.rtol**0.5 and pressures(fewer, ratio) > 1000:
+    while fewer.rtol < problem.rtol**0.5 and pressures(fewer, ratio) > 1100:
         fewer = replace(fewer, rtol=min(2 * fewer.rtol, problem.rtol**0.5))
     return fewer
 
@@ -164,49 +148,37 @@ def ring_sizes(problem: Problem) -> Array:
     return np.asarray(2.0 ** np.floor(np.log2(edge_sizes(problem)[:-1])))
 
 
-@dataclass(frozen=True)
-class QuadSizes:
-    """Degree of the displacement, and sizes of the smallest elements."""
-
-    degree: int
-    ring_sizes: tuple[float, ...]
-    rim_size: float
-    growth: float
-    truncation: float
-    sharpness: Sharpness
-    factor: float = FACTOR
-
-
-def quad_sizes(problem: Problem) -> QuadSizes:
-    """Of quadrilaterals in geometric layers."""
-    chosen, at_start, least = problem.fem, _rim_at_start(problem), degree_of_modes(problem)
+def quad_sizes(problem: Problem) -> dict[str, Any]:
+    """Of quadrilaterals in geometric layers, by the names of `meshes.quads.graded`."""
+    chosen, at_start = problem.fem, _rim_at_start(problem)
     problem = affordable(problem, FACTOR)
     wanted = ring_sizes(problem)
-    sizes = np.full(len(wanted), chosen.ring_size) if chosen.ring_size else wanted
-    return QuadSizes(
-        degree=chosen.degree or quad_degree(problem, least),
-        ring_sizes=tuple(float(size) for size in sizes),
-        rim_size=chosen.rim_size or max(min(rim_size(problem), at_start), SMALLEST),
-        growth=chosen.growth or GROWTH,
-        truncation=chosen.truncation
-        or (TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION),
-        sharpness=sharpness(problem),
-    )
+    far = TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION
+    return {
+        "sizes": np.full(len(wanted), chosen.ring_size) if chosen.ring_size else wanted,
+        "rim_size": chosen.rim_size or max(min(rim_size(problem), at_start), SMALLEST),
+        "factor": FACTOR,
+        "growth": chosen.growth or GROWTH,
+        "outer": chosen.truncation or far,
+        "sharpness": sharpness(problem),
+    }
 
 
-def quad_degree(problem: Problem, least: float) -> int:
+def quad_degree(problem: Problem) -> int:
     """Degree of the displacement, above that of the pressure (`ringwear study convergence`).
 
     More towards incompressibility, which costs two digits in the end.
     """
+    of_pressure = pressure_degree(affordable(problem, FACTOR), FACTOR)
     compressibility = 1 - 2 * min(problem.poisson_ratio, 0.4999)
     wanted = (
         # of less, the coarser solution would have linear pressures, too far off to judge by
-        max(pressure_degree(problem, FACTOR), least, 3.0)
+        max(of_pressure, degree_of_modes(problem), 3.0)
         + 1.45
         + max(0.0, -0.2 - 0.4 * np.log10(compressibility))
     )
-    return int(np.clip(np.ceil(wanted), DEGREES["quads"][0], DEGREES["quads"][-1]))
+    enough = int(np.clip(np.ceil(wanted), DEGREES["quads"][0], DEGREES["quads"][-1]))
+    return problem.fem.degree or enough
 
 
 def triangle_ring_sizes(problem: Problem) -> Array:
@@ -215,11 +187,9 @@ def triangle_ring_sizes(problem: Problem) -> Array:
     Their degree is low, and smaller ones would not help fields.
     """
     rtol, narrower = problem.rtol, problem.merged.narrower
-    # in proportion to the narrower ring beside each edge, and less so where rings are so narrow
-    # that their pattern has little of the energy
-    share = np.minimum(10 * rtol**0.6 * np.maximum(1, 1 / (32 * narrower)), 0.25)
     blunted = max(0.5 * problem.earliest, rtol**0.75) if problem.earliest else 1.0
-    return np.asarray(2.0 ** np.floor(np.log2(np.minimum(share, blunted / narrower) * narrower)))
+    wanted = np.minimum(min(10 * rtol**0.6, 0.25) * narrower, blunted)
+    return np.asarray(2.0 ** np.floor(np.log2(wanted)))
 
 
 def triangle_degree(problem: Problem) -> int:
@@ -242,11 +212,6 @@ def triangle_sizes(problem: Problem) -> SizeField:
         # an eighth nothing
         far_size=0.25 if triangle_degree(problem) == DEGREES["gmsh"][-1] and rtol > 1e-6 else 0.125,
     )
-
-
-def truncation(problem: Problem) -> float:
-    """Radius of the half-space."""
-    return (quad_sizes if problem.fem.meshed_by == "quads" else triangle_sizes)(problem).truncation
 
 
 def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:

@@ -18,18 +18,23 @@ from pydantic import (
 Height = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
+def check_increasing(values: list[float]) -> list[float]:
+    """Refuse values that do not increase."""
+    if any(after <= before for before, after in pairwise(values)):
+        raise ValueError(f"{values} must increase, without repeats")
+    return values
+
+
 def check_range(value: float) -> float:
     """Refuse what leaves the range of double precision in products of a few such values."""
     if not 1e-40 <= value <= 1e40:
-        raise ValueError(
-            f"{value} is beyond 1e-40 to 1e+40, the range that can be computed with: give it in "
-            "other units"
-        )
+        raise ValueError(f"{value} is beyond 1e-40 to 1e+40 in these units")
     return value
 
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False), AfterValidator(check_range)]
+Positive = Annotated[float, AfterValidator(check_range)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Increasing = Annotated[list[NotNegative], AfterValidator(check_increasing)]
 
 
 def optional(description: str, **limits: Any) -> Any:
@@ -48,29 +53,20 @@ class Section(BaseModel):
             raise ValueError(f"give one of {', '.join(names)}, and not two")
 
 
-def check_increasing(key: str, values: list[float]) -> None:
-    """Refuse values that do not increase."""
-    if any(after <= before for before, after in pairwise(values)):
-        raise ValueError(f"{key} = {values} must increase, without repeats")
-
-
 class OverTime(Section):
     """A number that varies: linear between times, constant before the first and after the last."""
 
-    times: list[NotNegative] = Field(description="increasing times, 0 or later, one or more")
+    times: Increasing = Field(min_length=1, description="increasing times, 0 or later")
     values: list[NotNegative] = Field(
         description="a value, 0 or more, for each of the times; not all 0"
     )
 
     @model_validator(mode="after")
     def _check_knots(self) -> Self:
-        check_increasing("times", self.times)
-        if not 1 <= len(self.times) == len(self.values):
+        if len(self.times) != len(self.values):
             raise ValueError(
                 f"{len(self.values)} values for {len(self.times)} times: give one for each"
             )
-        if not self.greatest:
-            raise ValueError("the values are all 0: give some above 0")
         check_range(self.greatest)
         return self
 
@@ -147,8 +143,10 @@ class HeightTable(ProfileSection):
     """Monotone cubics through given points (Fritsch and Carlson): smooth, without overshoot."""
 
     kind: Literal["table"]
-    radii: list[NotNegative] = Field(
-        description="increasing radii from 0 to punch.radius, with heights; or a file of both"
+    radii: Increasing = Field(
+        min_length=2,
+        description="increasing radii from 0 to punch.radius, with heights; or a file of both; a "
+        "step of the face is a ring edge with a recess",
     )
     heights: list[NotNegative] = Field(description="a height, 0 or more, for each of the radii")
 
@@ -165,13 +163,8 @@ class HeightTable(ProfileSection):
 
     @model_validator(mode="after")
     def _check_points(self) -> Self:
-        if not 2 <= len(self.radii) == len(self.heights):
-            raise ValueError("a table needs as many heights as radii, two or more")
-        if any(after <= before for before, after in pairwise(self.radii)):
-            raise ValueError(
-                "radii must increase, without repeats; a step of the face is a ring edge with a "
-                "recess"
-            )
+        if len(self.radii) != len(self.heights):
+            raise ValueError("a table needs as many heights as radii")
         return self
 
     @property

@@ -6,6 +6,7 @@ A TOML file in, a frozen and validated value out, and the non-dimensional proble
 import difflib
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import cached_property
 from importlib.resources import files
 from itertools import pairwise
@@ -18,7 +19,7 @@ from pydantic_core import ErrorDetails
 
 from ...meshes.errors import SceneError
 from ..registry import METHODS
-from .fields import KINDS, Section, check_increasing
+from .fields import KINDS, Section
 from .problem import Problem
 from .sections import (
     AccuracySection,
@@ -34,7 +35,7 @@ from .unit_names import without_quantities
 def check_method(method: str) -> str:
     """Refuse a method that nobody has registered."""
     if method not in METHODS:
-        raise ValueError(f"no method '{method}'; give some of {', '.join(METHODS)}")
+        raise ValueError(f"no method '{method}'")
     return method
 
 
@@ -82,28 +83,24 @@ class Scene(Section):
     output: OutputSection = OutputSection()
 
     def __init__(self, /, **table: Any) -> None:
+        table = without_quantities(table)
         try:
-            super().__init__(**without_quantities(table))
+            super().__init__(**table)
         except ValidationError as error:
             raise SceneError(explain(error)) from None
         if self.wear.tau is not None:
-            self.__dict__["wear"] = self._at_counts(self.wear.tau)
-            self.__dict__.pop("problem")  # it has counts for times
+            # counts of the slowest relaxation time, which the scene says, become times
+            super().__init__(**table | {"wear": self._at_counts(self.wear.tau)})
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         if len(set(self.methods)) < len(self.methods):
             raise ValueError(f"methods = {self.methods} names a method twice")
         radii = self.output.radii
-        if radii is not None:
-            if not radii:
-                raise ValueError("output.radii is empty: leave it out, or give radii")
-            check_increasing("output.radii", radii)
-            if radii[-1] > self.punch.radius:
-                raise ValueError(
-                    f"output.radii ends at {radii[-1]}, outside the punch of radius "
-                    f"{self.punch.radius}"
-                )
+        if radii is not None and radii[-1] > self.punch.radius:
+            raise ValueError(
+                f"output.radii ends at {radii[-1]}, outside the punch of radius {self.punch.radius}"
+            )
         return self
 
     @classmethod
@@ -142,15 +139,17 @@ class Scene(Section):
             table = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
             raise SceneError(f"{name} is not TOML: {error}") from error
-        return cls.from_table(table, name, folder)
+        # without a folder or a file of a profile there is nothing to seek
+        with suppress(KeyError, TypeError):
+            profile = table["punch"]["profile"]
+            profile["file"] = str(folder / profile["file"])
+        return cls.from_table(table, name)
 
     @classmethod
-    def from_table(
-        cls, table: dict[str, Any], name: str = "scene", folder: Path | None = None
-    ) -> "Scene":
-        """Read a scene from nested dictionaries; files that it names are sought in `folder`."""
+    def from_table(cls, table: dict[str, Any], name: str = "scene") -> "Scene":
+        """Read a scene from nested dictionaries."""
         try:
-            return cls(**_with_profile_in(folder, table) if folder else table)
+            return cls(**table)
         except SceneError as error:
             raise SceneError(f"{name}: {error}") from None
 
@@ -172,12 +171,6 @@ class Scene(Section):
         if any(after <= before for before, after in pairwise(times)):
             times = exact
         return self.wear.model_copy(update={"times": times})
-
-    def _updated(self, **sections: Section) -> "Scene":
-        """Return the scene with other tables, which have been checked."""
-        changed = self.model_copy(update=sections)
-        changed.__dict__.pop("problem", None)  # a copy keeps what was cached
-        return changed
 
     def table(self) -> dict[str, Any]:
         """Return the scene as nested dictionaries, as `from_table` takes them."""
@@ -208,10 +201,9 @@ class Scene(Section):
         """
         if not heights:
             return self
-        scene = self._updated(punch=self.punch.model_copy(update={"heights": heights}))
-        return (
-            scene if self.wear.tau is None else scene._updated(wear=scene._at_counts(self.wear.tau))
-        )
+        table = self.table()
+        table["punch"]["heights"] = list(heights)
+        return Scene(**table)
 
     @cached_property
     def problem(self) -> Problem:
@@ -245,16 +237,6 @@ def text_of(source: str | Path) -> str:
             f"{source}: {str(error.strerror).lower()}; {meant}give a scene file, or one of "
             f"{', '.join(bundled())}"
         ) from None
-
-
-def _with_profile_in(folder: Path, table: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a scene's table in which the file of a profile is sought in a folder."""
-    punch = table.get("punch", {})
-    profile = punch.get("profile") if isinstance(punch, Mapping) else None
-    if not isinstance(profile, Mapping) or not isinstance(profile.get("file"), str):
-        return dict(table)
-    there = {**profile, "file": str(folder / profile["file"])}
-    return {**table, "punch": {**punch, "profile": there}}
 
 
 def set_key(table: dict[str, Any], path: Sequence[str], value: Any) -> None:
@@ -293,7 +275,9 @@ def explain(error: ValidationError) -> str:
         )
     message = first["msg"].removeprefix("Value error, ")
     if first["type"] == "value_error":
-        return f"{key}: {message}" if key else message
+        # what is wrong with a table says its remedy itself
+        remedy = "" if isinstance(first["input"], Mapping) else remedy
+        return f"{key}: {message}{remedy}" if key else message
     if first["type"].startswith("union_tag"):
         return f"{key}.kind: {message}{remedy}"
     return f"{key} = {first['input']!r}: {message[0].lower()}{message[1:]}{remedy}"

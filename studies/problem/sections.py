@@ -12,6 +12,7 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from .fields import (
     Cone,
     HeightTable,
+    Increasing,
     NotNegative,
     OverTime,
     Parabola,
@@ -50,8 +51,8 @@ class PunchSection(Section):
         le=1e9,
         description="the width of even rings over that of odd rings, h2/h1, from 1e-9 to 1e9",
     )
-    ring_edges: list[Positive] | None = optional(
-        "the outer radius of each ring, increasing, the last equal to punch.radius"
+    ring_edges: Annotated[list[Positive], AfterValidator(check_increasing)] | None = optional(
+        "the outer radius of each ring, increasing, the last equal to punch.radius", min_length=1
     )
     wear_coefficients: list[Positive] | None = optional(
         "positive numbers: two, alternating from the centre, or one for each ring"
@@ -63,8 +64,8 @@ class PunchSection(Section):
         "a table with what goes with its kind, one of parabola, cone, power, rounded_rim and table",
         discriminator="kind",
     )
-    heights: tuple[Callable[[Any], Any], ...] = Field(
-        default=(),
+    heights: list[Callable[[Any], Any]] = Field(
+        default=[],
         exclude=True,
         repr=False,
         description="functions, in Python only: see Scene.with_heights",
@@ -88,8 +89,7 @@ class PunchSection(Section):
         if self.ring_edges is not None:
             if "width_ratio" in self.model_fields_set:
                 raise ValueError("width_ratio goes with rings; with ring_edges leave it out")
-            check_increasing("ring_edges", self.ring_edges)
-            if not self.ring_edges or abs(self.ring_edges[-1] / self.radius - 1) > 1e-9:
+            if abs(self.ring_edges[-1] / self.radius - 1) > 1e-9:
                 raise ValueError(
                     f"ring_edges = {self.ring_edges} must end at punch.radius = {self.radius}"
                 )
@@ -195,7 +195,7 @@ class LoadSection(Section):
 
 
 class WearSection(Section):
-    times: list[NotNegative] = Field(
+    times: Increasing = Field(
         default=[],
         description="increasing times, 0 or later, none for no history; or 'running-in'; or counts "
         "of the slowest relaxation time, { tau = [0.1, 1.0, 5.0] }",
@@ -224,7 +224,6 @@ class WearSection(Section):
 
     @model_validator(mode="after")
     def _check_times(self) -> Self:
-        check_increasing("times", self.times)
         if self.march == "modal" and self.step is not None:
             raise ValueError(
                 "step goes with march = 'implicit' or 'explicit': the modal march has none"
@@ -302,9 +301,9 @@ class AccuracySection(Section):
 
 
 class OutputSection(Section):
-    radii: list[NotNegative] | None = optional("radii from 0 to punch.radius, increasing")
-    field_times: list[NotNegative] | None = optional(
-        "times at which the inside of the half-space is written, increasing"
+    radii: Increasing | None = optional("radii from 0 to punch.radius, increasing", min_length=1)
+    field_times: Increasing | None = optional(
+        "times at which the inside of the half-space is written, increasing", min_length=1
     )
     gradient_average: Literal["line", "area"] = Field(default="line", description="line or area")
     every_step: bool = Field(default=False, description="true or false")

@@ -37,12 +37,12 @@ class Shared(Problem):
     def blunted(self) -> Blunted:
         blunted = [member.blunted for member in self.members]
         slow = np.min([lengths.slow for lengths in blunted], axis=0)
-        # what is blunted on the faster side leaves the edge of the slower alone, and sharp
-        with np.errstate(invalid="ignore"):
-            ratio = np.max([each.slow * each.ratio for each in blunted], axis=0) / slow
-        without = np.max([each.ratio for each in blunted], axis=0)
-        ratio = np.where(np.isfinite(slow), ratio, without)
-        return Blunted(slow, ratio, max(each.span for each in blunted))
+        ratio = np.max([lengths.ratio for lengths in blunted], axis=0)
+        latest = max(
+            lengths.span * member.earliest
+            for lengths, member in zip(blunted, self.members, strict=True)
+        )
+        return Blunted(slow, ratio, latest / self.earliest if self.earliest else 1.0)
 
     @property
     def earliest(self) -> float:
@@ -64,15 +64,11 @@ def groups(problems: Sequence[Problem]) -> list[list[int]]:
     # pressures that the sharper needs cost the others their third power
     widest = 100.0
     sharpest = [float(problem.blunted.slow.min()) for problem in problems]
-    alike: dict[Hashable, list[int]] = {}
-    for number in sorted(range(len(problems)), key=lambda number: (sharpest[number], number)):
-        alike.setdefault(discretised_alike(problems[number]), []).append(number)
-    parts: list[list[int]] = []
-    for numbers in alike.values():
-        start = 0
-        for at, number in enumerate(numbers):
-            if sharpest[number] > widest * sharpest[numbers[start]]:
-                parts.append(numbers[start:at])
-                start = at
-        parts.append(numbers[start:])
+    parts, latest = list[list[int]](), dict[Hashable, list[int]]()
+    for number in np.argsort(sharpest, kind="stable").tolist():
+        kind = discretised_alike(problems[number])
+        if kind not in latest or sharpest[number] > widest * sharpest[latest[kind][0]]:
+            latest[kind] = []
+            parts.append(latest[kind])
+        latest[kind].append(number)
     return parts

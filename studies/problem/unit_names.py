@@ -47,38 +47,24 @@ SI["displacement"] = SI["length"]
 BASE = ("m", "N", "Pa", "s")
 # of numbers without units
 NO_UNIT = "1"
-# kinds of scene keys that have a unit
-KINDS = {
-    "punch.radius": "length",
-    "punch.ring_edges": "length",
-    "punch.recess": "length",
-    "punch.profile.curvature_radius": "length",
-    "punch.profile.flat_radius": "length",
-    "punch.profile.coefficient": "length",
-    "punch.profile.radii": "length",
-    "punch.profile.heights": "length",
-    "load.indentation": "length",
-    "output.radii": "length",
-    "punch.wear_coefficient": "wear_coefficient",
-    "punch.wear_coefficients": "wear_coefficient",
-    "punch.wear_coefficient.radii": "length",
-    "punch.wear_coefficient.values": "wear_coefficient",
-    "half_space.plane_strain_modulus": "pressure",
-    "half_space.youngs_modulus": "pressure",
-    "load.normal_force": "force",
-    "load.normal_force.times": "time",
-    "load.normal_force.values": "force",
-    "load.mean_pressure": "pressure",
-    "load.mean_pressure.times": "time",
-    "load.mean_pressure.values": "pressure",
-    "load.sliding_speed": "wear_rate",
-    "load.sliding_speed.times": "time",
-    "load.sliding_speed.values": "wear_rate",
-    "wear.times": "time",
-    "wear.step": "time",
-    "accuracy.mdr.step": "time",
-    "output.field_times": "time",
+# names of scene keys that have a unit, by its kind
+KEYS = {
+    "length": (
+        *("radius", "ring_edges", "recess", "curvature_radius", "flat_radius", "coefficient"),
+        *("radii", "heights", "indentation"),
+    ),
+    "force": ("normal_force",),
+    "pressure": ("plane_strain_modulus", "youngs_modulus", "mean_pressure"),
+    "time": ("times", "step", "field_times"),
+    "wear_rate": ("sliding_speed",),
+    "wear_coefficient": ("wear_coefficient", "wear_coefficients"),
 }
+
+
+def kind_of(key: str) -> str:
+    """Return the kind of unit that a scene key has: that of a table, for the values in it."""
+    name = key.removesuffix(".values").split(".")[-1]
+    return next((kind for kind, names in KEYS.items() if name in names), "number")
 
 
 @dataclass(frozen=True)
@@ -88,11 +74,9 @@ class UnitNames:
     Parameters
     ----------
     base : units of length, force, pressure and time; None of numbers without units
-    sizes : of these, in SI units
     """
 
     base: tuple[str, ...] | None = None
-    sizes: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0)
 
     @classmethod
     @lru_cache(maxsize=64)
@@ -114,23 +98,19 @@ class UnitNames:
                 f"units = {stated!r}: give 'SI', or units of length, force, pressure and time that "
                 "are consistent, such as 'mm, N, MPa, s', or leave it out for numbers without units"
             )
-        kinds = ("length", "force", "pressure", "time")
-        sizes = tuple(map(_size_in_si, parts, BASE, kinds))
-        length, force, pressure, _ = parts
-        ratio = sizes[1] / sizes[0] ** 2 / sizes[2]
+        names = cls(parts)
+        length, force, pressure, _ = map(names.size, ("length", "force", "pressure", "time"))
+        ratio = force / length**2 / pressure
         if abs(ratio - 1) > 1e-9:
             raise SceneError(
-                f"units = {stated!r} are not consistent: {force}/{length}^2 is {ratio:.6g} "
-                f"{pressure}; 'SI', 'mm, N, MPa, s' and 'um, uN, MPa, s' are"
+                f"units = {stated!r} are not consistent: {parts[1]}/{parts[0]}^2 is {ratio:.6g} "
+                f"{parts[2]}; 'SI', 'mm, N, MPa, s' and 'um, uN, MPa, s' are"
             )
-        return cls(parts, sizes)
+        return names
 
     def size(self, kind: str) -> float:
         """Return the unit that a kind of quantity is stored in, in SI units."""
-        length, force, pressure, time = self.sizes
-        sizes = {"length": length, "displacement": length, "force": force, "pressure": pressure}
-        sizes |= {"time": time, "wear_rate": length / time, "volume": length**3}
-        return (sizes | {"wear_coefficient": 1 / pressure}).get(kind, 1.0)
+        return 1.0 if self.base in (None, BASE) else _size_in_si(self.name(kind), kind)
 
     def name(self, kind: str) -> str:
         """Return the unit that a kind of quantity is stored in; 1 if it has none."""
@@ -190,7 +170,7 @@ def without_quantities(table: Mapping[str, Any]) -> dict[str, Any]:
         if isinstance(value, list | tuple):
             return [convert(of, key) for of in value]
         # 'running-in' is a text
-        if isinstance(value, str) and key in KINDS and re.match(r"[-+.\s]*\d", value):
+        if isinstance(value, str) and kind_of(key) in SI and re.match(r"[-+.\s]*\d", value):
             written.append(key)
             return _number(value, key, names)
         return value
@@ -201,31 +181,29 @@ def without_quantities(table: Mapping[str, Any]) -> dict[str, Any]:
 
 def _number(quantity: str, key: str, names: UnitNames) -> float:
     """Return a quantity in the units of a scene."""
-    kind = KINDS[key]
+    kind = kind_of(key)
     if names.base is None:
         raise SceneError(
             f"{key} = {quantity!r} has a unit, and the scene says that its numbers have none: give "
             "units = 'SI', or leave units out"
         )
-    si = UnitNames(BASE).name(kind)
-    examples = ", ".join(list(SI[kind])[-3:])
-    named = "speed" if kind == "wear_rate" else kind.replace("_", " ")
     try:
-        value = _registry().Quantity(quantity).to(si).magnitude
+        value = _registry().Quantity(quantity).to(UnitNames(BASE).name(kind)).magnitude
     # text that is no expression fails in many ways
     except Exception as error:
         reason = str(error).splitlines()[0] if str(error) else "it is no quantity"
         raise SceneError(
-            f"{key} = {quantity!r}: {reason}; give a number and a unit of {named}, such as "
-            f"{examples}, or a number alone"
+            f"{key} = {quantity!r}: {reason}; give a number and a unit of "
+            f"{kind.replace('_', ' ')}, such as {', '.join(list(SI[kind])[-3:])}, or a number alone"
         ) from None
     return float(value) / names.size(kind)
 
 
-def _size_in_si(unit: str, si: str, kind: str) -> float:
-    """Return how much of an SI unit a unit is."""
+@lru_cache(maxsize=64)
+def _size_in_si(unit: str, kind: str) -> float:
+    """Return how much of the SI unit of a kind a unit is."""
     try:
-        return float(_registry().Quantity(1.0, unit).to(si).magnitude)
+        return float(_registry().Quantity(1.0, unit).to(UnitNames(BASE).name(kind)).magnitude)
     # text that is no unit fails in many ways
     except Exception:
         raise SceneError(

@@ -24,7 +24,7 @@ import zarr
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.quantities import ERROR, NORMS, STATES, error_name
-from ..problem.unit_names import KINDS, UnitNames
+from ..problem.unit_names import UnitNames, kind_of
 from ..versions import fingerprint
 from ..wear.modes import SHOWN
 from .axes import ANSWERS, JUDGED, KEEPABLE, Sweep
@@ -66,8 +66,8 @@ def template(sweep: Sweep) -> xarray.Dataset:
     for name, (dim, key, values) in sweep.coordinates.items():
         label: dict[str, Any] = {"long_name": key}
         numbers = all(isinstance(value, int | float) for value in values)
-        if numbers or key in KINDS:
-            label = described(key, KINDS.get(key, "number"))
+        if numbers or kind_of(key) != "number":
+            label = described(key, kind_of(key))
         array = np.array(values) if numbers else np.array([*map(str, values)], dtype=object)
         coordinates[name] = dim, array, label
     title = f"Sweep of {sweep.table['base'].get('title', 'a scene')}"

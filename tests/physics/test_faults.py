@@ -150,9 +150,9 @@ def scale_reported(name, size, start=True, on_face=True):
         for part in ("history", "steady"):
             right = getattr(Sampler, part)
 
-            def wrong(sampler, state, whole_face=False, right=right):
-                values = right(sampler, state, whole_face)
-                if name not in values or (whole_face and not on_face):
+            def wrong(sampler, state, right=right, **where):
+                values = right(sampler, state, **where)
+                if name not in values or (where.get("on_face") and not on_face):
                     return values
                 wrong = values[name] * (1 + size)
                 if not start:
