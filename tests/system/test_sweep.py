@@ -179,12 +179,6 @@ def test_bad_files(
     assert Sweep.load("bad.toml").shape == (2,)
 
 
-def test_stores_are_on_this_machine(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert main(["sweep", "fig6", "--out", "s3://bucket/map"]) == 2
-    assert os.listdir() == []
-
-
 @pytest.mark.parametrize("times", ["running-in", {"tau": [0.1, 1.0]}], ids=str)
 def test_times_that_scenes_do_not_share(times):
     """Counts of relaxation times are other times for each punch.
