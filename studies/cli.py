@@ -266,8 +266,6 @@ def _sweep(options: argparse.Namespace) -> Status:
 
     if options.workers < 1:
         raise SceneError(f"--workers {options.workers}: give 1 or more")
-    if options.retry_failed and not options.resume:
-        raise SceneError("--retry-failed tries again what is in the directory: give --resume, too")
     out = _out(options, options.file)
     conclusions, complete, agree = conduct(options.file, out, options)
     print("\n".join(conclusions))
