@@ -152,21 +152,24 @@ class Store:
         They are those that are not finished, or cannot be read, and if wanted those in which scenes
         have failed.
         """
-        again = (PENDING, FAILED) if retry_failed else (PENDING,)
+        final = (DONE,) if retry_failed else (DONE, FAILED)
         return {
             number: self._sweep.part(region)
             for number, region in enumerate(self._regions)
-            if np.isin(self._statuses(region), again).any()
+            if not self._is_finished(tuple(region.values()), final)
         }
 
-    def _statuses(self, region: dict[str, slice]) -> Array:
-        """Return what became of the scenes of a block: nothing, if it is damaged."""
+    def _is_finished(self, place: tuple[slice, ...], final: tuple[int, ...]) -> bool:
+        """Return whether all scenes of a block have a final status, and can be read."""
         try:
-            arrays = [self._group[name][tuple(region.values())] for name in self.blank]
+            if not np.isin(self._group["status"][place], final).all():
+                return False
+            for name in self.blank:
+                _ = self._group[name][place]
         # what is damaged fails in many ways
         except Exception:
-            return np.array([PENDING])
-        return np.asarray(arrays[-1])
+            return False
+        return True
 
     def write(self, number: int, values: dict[str, Array]) -> None:
         """Write the results of a block."""
