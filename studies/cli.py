@@ -102,12 +102,6 @@ def _out(options: argparse.Namespace, name: str) -> Path:
 
 def _print_files(folder: Folder, failures: list[str]) -> None:
     print(f"\n{len(folder.written)} files in {folder.out}: {', '.join(folder.written)}")
-    if foreign := sorted(folder.foreign()):
-        listed = ", ".join(foreign[:5]) + (" ..." if len(foreign) > 5 else "")
-        print(
-            f"note: {len(foreign)} other files there are not of ringwear, and were left alone: "
-            f"{listed}"
-        )
     for failure in failures:
         print(f"ringwear: {failure}", file=sys.stderr)
 

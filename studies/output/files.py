@@ -20,24 +20,11 @@ if TYPE_CHECKING:
     from ..figures.style import Picture
 
 INSIDE = "half_space.vtu"
-TABLES = {
-    (): "punch.csv",
-    ("time",): "over_time.csv",
-    ("time", "radius"): "over_time_and_radius.csv",
-    ("time", "ring"): "ring_forces.csv",
-    ("time", "edge"): "contact_edges.csv",
-    ("radius",): "steady_over_radius.csv",
-    ("ring",): "worn_volumes.csv",
-    ("state", "ring"): "rings.csv",
-    ("mode",): "relaxation_times.csv",
-    ("step",): "steps.csv",
-}
-"""Tables of the results, by the dimensions besides the method."""
 
 
 def run_files(pictures: Iterable["Picture"]) -> set[str]:
     """Return the names of the files that a run with some pictures may write."""
-    numbers = {"results.nc", "summary.json", "report.html", INSIDE, *TABLES.values()}
+    numbers = {"results.nc", "summary.json", "report.html", INSIDE}
     return numbers | {picture.file for picture in pictures}
 
 
@@ -79,16 +66,18 @@ def write_netcdf(table: "Table", path: Path) -> None:
 
 
 def write_tables(dataset: "xarray.Dataset", directory: Path) -> None:
-    """Write every variable as CSV, with units in the heads; rows that a method does not give are
-    left out.
+    """Write every variable as CSV, those of the same dimensions in one file, named by these.
+
+    Units are in the heads; rows that a method does not give are left out.
     """
     whole = dataset.attrs["units"]
     units = {name: dataset[name].attrs.get("units", whole) for name in dataset.variables}
     heads = {name: f"{name} [{unit}]" for name, unit in units.items() if unit != whole}
-    for dims, file in TABLES.items():
-        names = [name for name in dataset if dataset[name].dims == ("solver", *dims)]
-        if all(dataset.sizes.get(dim) for dim in dims):
-            table = dataset[names].to_dataframe().dropna(how="all", subset=names).reset_index()
+    for dims in {variable.dims for variable in dataset.values()}:
+        names = [name for name in dataset if dataset[name].dims == dims]
+        table = dataset[names].to_dataframe().dropna(how="all", subset=names).reset_index()
+        if len(table):
+            file = "_".join(map(str, dims)) + ".csv"
             table.rename(columns=heads).to_csv(directory / file, index=False)
 
 

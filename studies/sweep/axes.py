@@ -102,10 +102,9 @@ class Sweep:
         try:
             table = tomllib.loads(file.read_text("utf-8"))
         except (OSError, ValueError) as error:
-            names = ", ".join(sorted(entry.stem for entry in folder.iterdir()))
             raise SceneError(
-                f"{source} cannot be read ({error}): give a sweep file, TOML in UTF-8, or one of "
-                f"{names}"
+                f"{source} cannot be read ({error}): give a sweep file, TOML in UTF-8, or one that "
+                "is bundled, such as running_in"
             ) from error
         return cls.of(table, path.parent)
 
@@ -116,21 +115,19 @@ class Sweep:
         Of each axis up to 200 values are tried, beside the first of the others. Values that are
         bad beyond that fail as scenes, with the reason.
         """
-        tables = ("axes", "zip", "random")
+        kinds = {"base": str | dict, "keep": list, "axes": dict, "zip": dict, "random": dict}
         for key, value in table.items():
-            if key not in ("base", "keep", *tables) or (
-                key in tables and not isinstance(value, dict)
-            ):
+            if not isinstance(value, kinds.get(key, ())):
                 raise SceneError(
-                    f"{key} = {value!r} is not understood: give base, keep, and tables [axes], "
-                    "[zip] and [random] of scene keys"
+                    f"{key} = {value!r} is not understood: give base, keep, which is a list of "
+                    "quantities, and tables [axes], [zip] and [random] of scene keys"
                 )
-        columns = _columns(table)
-        if not columns:
-            raise SceneError("nothing varies: give [axes], [zip] or [random]")
-        base = table.get("base")
-        if not isinstance(base, str | dict):
-            raise SceneError("missing key base: give a file, a bundled scene or [base]")
+        base, columns = table.get("base"), _columns(table)
+        if base is None or not columns:
+            raise SceneError(
+                "missing key base, or nothing varies: give base, a file, a bundled scene or a "
+                "table, and [axes], [zip] or [random]"
+            )
         if isinstance(base, str):
             beside = (folder or Path()) / base
             base = Scene.load(beside if beside.is_file() else base).table()
@@ -308,7 +305,7 @@ def _checked_keep(keep: Any, problems: list[Problem], axes: Iterable[str]) -> tu
             name for name in KEEPABLE if name in given and not alone & set(KEEPABLE[name].dims)
         )
     computed = {of for of in KEEPABLE if not given.isdisjoint(ANSWERS.get(of, (of,)))}
-    if not (isinstance(keep, list) and keep and set(map(str, keep)) <= computed):
+    if not keep or not set(map(str, keep)) <= computed:
         raise SceneError(
             f"keep = {keep!r} names what is no quantity of such punches: give a list of "
             f"{', '.join(sorted(computed))}; histories need wear.times, and steady quantities "

@@ -179,30 +179,27 @@ def _compute_together(
 ) -> None:
     """Put results of problems that share a discretisation in their places, in the scenes' units."""
     solutions: dict[int, list[Solution]] = {number: [] for number in problems}
-    for name in solvers:
-        results = solve(method(name), [problems[number] for number in solutions])
-        for number, solution in zip(list(solutions), results, strict=True):
+    for place, name in enumerate(solvers):
+        results = solve(method(name), list(problems.values()))
+        for (number, problem), solution in zip(problems.items(), results, strict=True):
             if isinstance(solution, Exception):
                 reason = f"{name}: {type(solution).__name__}: {solution}"
                 values["reason"][number], values["status"][number] = reason, FAILED
-                del solutions[number]
-            else:
-                solutions[number].append(solution)
-    for number, by_solver in solutions.items():
-        problem = problems[number]
-        for place, solution in enumerate(by_solver):
+                continue
+            solutions[number].append(solution)
             given = solution.results
             if ANSWERS.keys() & set(keep):
                 given = given | answer(problem, solution)
             errors = {error_name(name): error for name, error in solution.errors.items()}
             given = in_units(problem, given) | errors
-            for name in given.keys() & values.keys():
-                target, result = values[name][number, place, ...], np.asarray(given[name])
+            for quantity in given.keys() & values.keys():
+                target, result = values[quantity][number, place, ...], np.asarray(given[quantity])
                 # more modes may be there, and fewer rings
                 both = common(target.shape, result.shape)
                 target[both] = result[both]
-        if "disagreement" in values:
-            values["disagreement"][number] = disagreement(problem, by_solver, keep)
+    if "disagreement" in values:
+        for number, problem in problems.items():
+            values["disagreement"][number] = disagreement(problem, solutions[number], keep)
 
 
 def solve(solver: Method, problems: Sequence[Problem]) -> list[Solution | Exception]:
@@ -210,8 +207,6 @@ def solve(solver: Method, problems: Sequence[Problem]) -> list[Solution | Except
 
     What fails together is tried again one by one.
     """
-    if not problems:
-        return []
     try:
         for problem in problems:
             if refusal := solver.refusal(problem):

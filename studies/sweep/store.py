@@ -122,7 +122,15 @@ class Store:
                 f"{self.path} is there: go on with it by --resume, or give another --out"
             )
         about = {"sweep": json.dumps(sweep.table), "versions": json.dumps(versions())}
-        self._check(about)
+        try:
+            there = json.loads((self.path / "zarr.json").read_text("utf-8"))["attributes"]
+        except (OSError, ValueError, KeyError):
+            there = about  # not there, or damaged: made again
+        if not about.items() <= there.items():
+            raise SceneError(
+                f"{self.path} was begun with another file, ringwear or libraries: go on by these, "
+                "or give another --out"
+            )
         blank = template(sweep)
         self.blank = blank.isel(dict.fromkeys(sweep.sizes, 0), drop=True)
         self._sweep, block = sweep, block_sizes(sweep, blank)
@@ -183,17 +191,3 @@ class Store:
         """Return what is there so far, read when it is used."""
         # times in "hours" stay numbers
         return xarray.open_zarr(self.path, chunks=None, decode_timedelta=False)
-
-    def _check(self, about: dict[str, str]) -> None:
-        """Refuse to go on with the store of another sweep or of another code."""
-        try:
-            there = json.loads((self.path / "zarr.json").read_text("utf-8"))["attributes"]
-        except (OSError, ValueError, KeyError):
-            # not there, or damaged: made again
-            return
-        for name, value in about.items():
-            if there.get(name) != value:
-                raise SceneError(
-                    f"{self.path} was begun with another {name}: go on by the file, the ringwear "
-                    "and the libraries that began it, or give another --out"
-                )

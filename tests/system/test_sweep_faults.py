@@ -164,7 +164,7 @@ def test_one_sweep_to_a_directory(tmp_path):
     compute_into(tmp_path)
     with pytest.raises(SceneError, match="--resume"):
         compute_into(tmp_path)
-    with pytest.raises(SceneError, match="begun with another sweep"):
+    with pytest.raises(SceneError, match="begun with another file"):
         sweep(BASE, AXES, KEEP[:1], out=tmp_path, resume=True)
     (tmp_path / "file").touch()
     with pytest.raises(SceneError, match="cannot be written"):
@@ -196,7 +196,7 @@ def test_failures(tmp_path, monkeypatch, capsys, error):
         fail_for_three_rings(patch, error)
         assert main(command) == 1
     said = capsys.readouterr().out
-    assert f"mdr: {type(error).__name__}: {error} (8 scenes)" in said
+    assert f"direct: {type(error).__name__}: {error} (8 scenes)" in said
     assert statuses(out) == [1] * 8 + [2] * 8 + [1] * 8
     results = xarray.open_zarr(out / "sweep.zarr")["steady_rms_slope"].isel(solver=0)
     np.testing.assert_array_equal(results.notnull().all("wear_ratio"), [True, False, True])
@@ -224,7 +224,7 @@ def test_one_code_computes_a_store(tmp_path, undisturbed, monkeypatch):
     assert json.loads(there) == versions()
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
     monkeypatch.setattr(store, "versions", lambda: other)
-    with pytest.raises(SceneError, match="begun with another versions"):
+    with pytest.raises(SceneError, match="begun with another file, ringwear or libraries"):
         compute_into(tmp_path, resume=True)
     assert contents(tmp_path) == contents(undisturbed)
 
