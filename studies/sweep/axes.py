@@ -230,24 +230,20 @@ def _columns(table: Table) -> dict[str, Column]:
             f"random.count = {count} and random.seed = {seed}: give how many, and a whole number "
             "that the draws begin from"
         )
-    given = crossed | zipped | draws
-    names = _coordinate_names(given)
-    dims = names | {key: names[next(iter(zipped))] for key in zipped} | dict.fromkeys(draws, DRAW)
-    values = {
-        key: _values(key, of, count if key in draws else 0, seed) for key, of in given.items()
-    }
-    if len({len(values[key]) for key in zipped}) > 1:
+    dims = dict.fromkeys(draws, DRAW)
+    columns: dict[str, Column] = {}
+    for key, given in (crossed | zipped | draws).items():
+        *_, name = parts = key.split(".")
+        if name in {*RESERVED, *(column.name for column in columns.values())}:
+            name = "_".join(parts[-2:])
+        if key in zipped and key not in dims:
+            # the first of them names the dimension of all
+            dims |= dict.fromkeys(zipped, name)
+        values = _values(key, given, count if key in draws else 0, seed)
+        columns[key] = Column(name, dims.get(key, name), values)
+    if len({len(columns[key].values) for key in zipped}) > 1:
         raise SceneError("columns of [zip] go together: give them one length")
-    return {key: Column(names[key], dims[key], values[key]) for key in given}
-
-
-def _coordinate_names(keys: Iterable[str]) -> dict[str, str]:
-    """Return the name of each key's coordinate: its last part, or its last two."""
-    names: dict[str, str] = {}
-    for key in keys:
-        *_, last = parts = key.split(".")
-        names[key] = "_".join(parts[-2:]) if last in {*RESERVED, *names.values()} else last
-    return names
+    return columns
 
 
 def _values(key: str, values: Any, draws: int, seed: int | None) -> list[Any]:
@@ -255,15 +251,15 @@ def _values(key: str, values: Any, draws: int, seed: int | None) -> list[Any]:
     generator = np.random.default_rng([seed or 0, *key.encode()])
     try:
         if isinstance(values, list) and values:
-            places = generator.integers(len(values), size=draws) if draws else range(len(values))
-            return [values[place] for place in places]
+            drawn = generator.integers(len(values), size=draws)
+            return [values[place] for place in drawn] if draws else values
         ((kind, (first, last, *count)),) = values.items()
-        space = {"linspace": np.linspace, "geomspace": np.geomspace}[kind]
+        space: Any = {"linspace": np.linspace, "geomspace": np.geomspace}[kind]
         if draws:
             part = generator.uniform(size=draws)
-            linear = kind == "linspace"
-            drawn = first + (last - first) * part if linear else first * (last / first) ** part
-            return drawn.tolist()
+            if kind == "linspace":
+                return (first + (last - first) * part).tolist()
+            return (first * (last / first) ** part).tolist()
         spaced = space(first, last, count[0])
         whole = isinstance(first, int) and (spaced == spaced.round()).all()
         return (spaced.astype(int) if whole else spaced).tolist()
