@@ -46,14 +46,10 @@ class Folder:
         self.hidden = out / WRITING
         self.written: list[str] = []
 
-    def foreign(self) -> set[str]:
-        """Return the names of files in the folder that are not ringwear's."""
-        ours = {MARKER, WRITING}.union(*_files_by_command(self.out).values())
-        return set(os.listdir(self.out)) - ours
-
     def refuse_to_replace(self, names: Iterable[str]) -> None:
         """Raise a SceneError if files of others have these names."""
-        if taken := sorted(self.foreign().intersection(names)):
+        there = set(os.listdir(self.out)) - _files_of_ringwear(self.out)
+        if taken := sorted(there.intersection(names)):
             raise SceneError(
                 f"--out {self.out} holds {', '.join(taken)}, which ringwear has not written: move "
                 "it away, or give another directory"
@@ -80,10 +76,8 @@ def put_in_place(out: Path) -> None:
     """
     complete = out / COMPLETE
     if (complete / MARKER).exists():
-        before, after = (
-            set[str]().union(*_files_by_command(folder).values()) for folder in (out, complete)
-        )
-        for name in (before - after).intersection(os.listdir(out)):
+        replaced = _files_of_ringwear(out) - _files_of_ringwear(complete)
+        for name in replaced.intersection(os.listdir(out)):
             (out / name).unlink()
         for name in sorted(os.listdir(complete), key=MARKER.__eq__):
             os.replace(complete / name, out / name)
@@ -97,6 +91,11 @@ def _files_by_command(folder: Path) -> dict[str, list[str]]:
     except (OSError, ValueError):
         return {}
     return files
+
+
+def _files_of_ringwear(folder: Path) -> set[str]:
+    """Return the names of files that all commands have put into a folder."""
+    return set[str]().union(*_files_by_command(folder).values())
 
 
 @contextmanager
