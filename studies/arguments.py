@@ -32,7 +32,7 @@ FLAGS = {
     "--quick": "a smaller version of the study",
     "--dry-run": "say what it will take, without computing",
     "--resume": "go on with what is in the directory",
-    "--retry-failed": "with --resume: try again the scenes that failed",
+    "--retry-failed": "as --resume, and try again the scenes that failed",
 }
 ARGUMENTS: dict[str, dict[str, Any]] = {
     **{flag: {"action": "store_true", "help": help} for flag, help in FLAGS.items()},

@@ -102,12 +102,6 @@ def _out(options: argparse.Namespace, name: str) -> Path:
 
 def _print_files(folder: Folder, failures: list[str]) -> None:
     print(f"\n{len(folder.written)} files in {folder.out}: {', '.join(folder.written)}")
-    if foreign := sorted(folder.foreign()):
-        listed = ", ".join(foreign[:5]) + (" ..." if len(foreign) > 5 else "")
-        print(
-            f"note: {len(foreign)} other files there are not of ringwear, and were left alone: "
-            f"{listed}"
-        )
     for failure in failures:
         print(f"ringwear: {failure}", file=sys.stderr)
 
@@ -265,8 +259,6 @@ def _sweep(options: argparse.Namespace) -> Status:
 
     if options.workers < 1:
         raise SceneError(f"--workers {options.workers}: give 1 or more")
-    if options.retry_failed and not options.resume:
-        raise SceneError("--retry-failed tries again what is in the directory: give --resume, too")
     out = _out(options, options.file)
     conclusions, complete, agree = conduct(options.file, out, options)
     print("\n".join(conclusions))

@@ -124,35 +124,18 @@ def agreements(
     return rows
 
 
-class Worst(NamedTuple):
-    """Of some quantities and every two methods, the worst; NaN where there is nothing to compare.
+def disagreement(problem: Problem, solutions: Collection[Solution], keep: Collection[str]) -> float:
+    """Return the greatest difference over what would make two methods disagree, above 1.
 
-    Parameters
-    ----------
-    disagreement : greatest difference over what would make them disagree: above 1 they do
-    effectivity : least error estimate over the error that a method at least ten times as accurate
-        shows
+    It is that of the quantities to keep; NaN where there is nothing to compare.
     """
-
-    disagreement: float
-    effectivity: float
-
-
-def worst(problem: Problem, solutions: Collection[Solution], keep: Collection[str]) -> Worst:
-    """Return the worst of the quantities to keep."""
-    disagreement = effectivity = np.nan
+    greatest = np.nan
     for pair in combinations(solutions, 2):
         compared = compare(problem, pair)
         for name in compared.keys() & set(keep):
-            size, first, second = compared[name]
             over = compared[name].over_bound(problem.rtol)
-            disagreement = np.fmax(disagreement, np.max(over, initial=0.0))
-            for estimate, other in ((first, second), (second, first)):
-                # estimates of errors far below the accuracy asked for may be of chance
-                shown = (size > problem.rtol / 20) & (estimate > 10 * other)
-                ratio = np.min(estimate[shown] / size[shown], initial=np.inf)
-                effectivity = np.fmin(effectivity, ratio)
-    return Worst(float(disagreement), float(effectivity) if np.isfinite(effectivity) else np.nan)
+            greatest = np.fmax(greatest, np.max(over, initial=0.0))
+    return float(greatest)
 
 
 def unresolved(problem: Problem, quantity: str, blamed: str) -> str:

@@ -6,9 +6,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ...meshes.errors import RingwearError
+from ..problem.unit_names import NO_UNIT
 from ..progress import LOG
 from .signals import STOPPED
 
@@ -20,24 +19,11 @@ if TYPE_CHECKING:
     from ..figures.style import Picture
 
 INSIDE = "half_space.vtu"
-TABLES = {
-    (): "punch.csv",
-    ("time",): "over_time.csv",
-    ("time", "radius"): "over_time_and_radius.csv",
-    ("time", "ring"): "ring_forces.csv",
-    ("time", "edge"): "contact_edges.csv",
-    ("radius",): "steady_over_radius.csv",
-    ("ring",): "worn_volumes.csv",
-    ("state", "ring"): "rings.csv",
-    ("mode",): "relaxation_times.csv",
-    ("step",): "steps.csv",
-}
-"""Tables of the results, by the dimensions besides the method."""
 
 
 def run_files(pictures: Iterable["Picture"]) -> set[str]:
     """Return the names of the files that a run with some pictures may write."""
-    numbers = {"results.nc", "summary.json", "report.html", INSIDE, *TABLES.values()}
+    numbers = {"results.nc", "summary.json", "report.html", INSIDE}
     return numbers | {picture.file for picture in pictures}
 
 
@@ -61,34 +47,32 @@ def write_netcdf(table: "Table", path: Path) -> None:
     """Write a table as `xarray.load_dataset` reads it."""
     from netCDF4 import Dataset
 
-    labels = {name: dims[0] for name, (dims, *_) in table.coordinates.items() if name not in dims}
+    # coordinates that are no dimensions
+    labels = [name for name, (dims, *_) in table.coordinates.items() if name not in dims]
     with Dataset(path, "w") as file:
-        file.setncatts(table.attributes)
+        file.setncatts(table.attributes | {"coordinates": " ".join(labels)})
         for name, (dims, values, attributes) in (table.coordinates | table.variables).items():
             for dim, size in zip(dims, values.shape, strict=True):
                 if dim not in file.dimensions:
                     file.createDimension(dim, size)
             kind: Any = str if values.dtype.kind == "U" else values.dtype
-            fill = np.nan if values.dtype.kind == "f" else None
-            variable = file.createVariable(name, kind, dims, fill_value=fill)
+            variable = file.createVariable(name, kind, dims)
             variable[:] = values.astype(object) if kind is str else values
             variable.setncatts(attributes)
-            beside = [label for label, along in labels.items() if along in dims]
-            if name in table.variables and beside:
-                variable.coordinates = " ".join(beside)
 
 
 def write_tables(dataset: "xarray.Dataset", directory: Path) -> None:
-    """Write every variable as CSV, with units in the heads; rows that a method does not give are
-    left out.
+    """Write every variable as CSV, those of the same dimensions in one file, named by these.
+
+    Units are in the heads; rows that a method does not give are left out.
     """
-    whole = dataset.attrs["units"]
-    units = {name: dataset[name].attrs.get("units", whole) for name in dataset.variables}
-    heads = {name: f"{name} [{unit}]" for name, unit in units.items() if unit != whole}
-    for dims, file in TABLES.items():
-        names = [name for name in dataset if dataset[name].dims == ("solver", *dims)]
-        if all(dataset.sizes.get(dim) for dim in dims):
-            table = dataset[names].to_dataframe().dropna(how="all", subset=names).reset_index()
+    units = {name: dataset[name].attrs.get("units", NO_UNIT) for name in dataset.variables}
+    heads = {name: f"{name} [{unit}]" for name, unit in units.items() if unit != NO_UNIT}
+    for dims in {variable.dims for variable in dataset.values()}:
+        names = [name for name in dataset if dataset[name].dims == dims]
+        table = dataset[names].to_dataframe().dropna(how="all", subset=names).reset_index()
+        if len(table):
+            file = "_".join(map(str, dims)) + ".csv"
             table.rename(columns=heads).to_csv(directory / file, index=False)
 
 

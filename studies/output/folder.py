@@ -1,8 +1,8 @@
 """An output folder, which is the old or the new one as a whole, and files of others in it stay.
 
-A command writes into a hidden directory, which takes the place of the folder by a rename once all
-is complete. A marker in the folder lists what each command has put there: the next run of that
-command replaces it, files of other commands are carried over, and what is not listed is not
+A command writes into a hidden directory. Once all is complete, that is given another name, and from
+then on its files take their places, if need be by the next run. A marker in the folder lists what
+each command has put there: the next run of that command replaces it, and what is not listed is not
 ringwear's, and neither removed nor written over.
 """
 
@@ -18,6 +18,9 @@ from ...meshes.errors import SceneError
 from .signals import signals_wait
 
 MARKER = ".ringwear.json"
+WRITING = ".writing"
+# what `WRITING` is called once it is complete
+COMPLETE = ".complete"
 
 
 class Folder:
@@ -40,21 +43,13 @@ class Folder:
 
     def __init__(self, out: Path, command: str) -> None:
         self.out, self.command = out, command
-        self.hidden = out / ".writing"
+        self.hidden = out / WRITING
         self.written: list[str] = []
-        try:
-            self._marked: dict[str, list[str]] = json.loads((out / MARKER).read_text("utf-8"))
-        except (OSError, ValueError):
-            self._marked = {}
-
-    def foreign(self) -> set[str]:
-        """Return the names of files in the folder that are not ringwear's."""
-        ours = {MARKER, self.hidden.name}.union(*self._marked.values())
-        return set(os.listdir(self.out)) - ours
 
     def refuse_to_replace(self, names: Iterable[str]) -> None:
         """Raise a SceneError if files of others have these names."""
-        if taken := sorted(self.foreign().intersection(names)):
+        there = set(os.listdir(self.out)) - _files_of_ringwear(self.out)
+        if taken := sorted(there.intersection(names)):
             raise SceneError(
                 f"--out {self.out} holds {', '.join(taken)}, which ringwear has not written: move "
                 "it away, or give another directory"
@@ -62,43 +57,45 @@ class Folder:
 
     def publish(self) -> None:
         """Put all that has been written in the place of the command's earlier files."""
-        written = set(os.listdir(self.hidden))
-        self.refuse_to_replace(written)
-        earlier = set(self._marked.pop(self.command, ()))
-        self._marked = {
-            command: sorted(set(names) - written) for command, names in self._marked.items()
+        self.written = sorted(os.listdir(self.hidden))
+        self.refuse_to_replace(self.written)
+        files = {
+            command: sorted(set(names).difference(self.written))
+            for command, names in _files_by_command(self.out).items()
         }
-        foreign, carried = self.foreign() - earlier, set().union(*self._marked.values())
-        self._marked[self.command] = self.written = sorted(written)
-        (self.hidden / MARKER).write_text(json.dumps(self._marked) + "\n", "utf-8")
-        if foreign or not self._swap(carried):
-            for name in (earlier - written - carried).intersection(os.listdir(self.out)):
-                (self.out / name).unlink()
-            # whenever the process is killed, what is there is known to be ringwear's
-            for name in (MARKER, *self.written):
-                os.replace(self.hidden / name, self.out / name)
-
-    def _swap(self, carried: set[str]) -> bool:
-        """Let the new folder take the place of the old one; return whether it can."""
-        try:
-            if Path.cwd().is_relative_to(self.out):
-                # a shell that stands in the folder would be left in one that is gone
-                return False
-            for name in carried.intersection(os.listdir(self.out)):
-                shutil.copy2(self.out / name, self.hidden / name)
-            shutil.copymode(self.out, self.hidden)
-            self.hidden = self.hidden.rename(_beside(self.out, "new"))
-            self.out.rename(_beside(self.out, "old"))
-            self.hidden.rename(self.out)
-        except OSError:
-            # the folder is a mount point, or nothing may be made beside it
-            return False
-        shutil.rmtree(_beside(self.out, "old"), ignore_errors=True)
-        return True
+        files[self.command] = self.written
+        (self.hidden / MARKER).write_text(json.dumps(files) + "\n", "utf-8")
+        self.hidden.rename(self.out / COMPLETE)
+        put_in_place(self.out)
 
 
-def _beside(out: Path, age: str) -> Path:
-    return out.with_name(f".{out.name}.{age}")
+def put_in_place(out: Path) -> None:
+    """Let what is complete take its place in a folder; the marker comes last.
+
+    Wherever it is stopped, it can be gone on with.
+    """
+    complete = out / COMPLETE
+    if (complete / MARKER).exists():
+        replaced = _files_of_ringwear(out) - _files_of_ringwear(complete)
+        for name in replaced.intersection(os.listdir(out)):
+            (out / name).unlink()
+        for name in sorted(os.listdir(complete), key=MARKER.__eq__):
+            os.replace(complete / name, out / name)
+    shutil.rmtree(complete, ignore_errors=True)
+
+
+def _files_by_command(folder: Path) -> dict[str, list[str]]:
+    """Return the names of files that each command has put into a folder."""
+    try:
+        files: dict[str, list[str]] = json.loads((folder / MARKER).read_text("utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return files
+
+
+def _files_of_ringwear(folder: Path) -> set[str]:
+    """Return the names of files that all commands have put into a folder."""
+    return set[str]().union(*_files_by_command(folder).values())
 
 
 @contextmanager
@@ -122,13 +119,10 @@ def output_folder(out: Path, command: str, names: Iterable[str] = ()) -> Iterato
         raise SceneError(f"--out {out} is not a directory: give a directory")
     out = out.resolve()
     made = [folder for folder in (out, *out.parents) if not folder.exists()]
-    old, new = _beside(out, "old"), _beside(out, "new")
-    if old.exists() and not out.exists():
-        old.rename(out)
     with lock_folder(out):
         folder = Folder(out, command)
-        for leftover in (old, new, folder.hidden):
-            shutil.rmtree(leftover, ignore_errors=True)
+        put_in_place(out)
+        shutil.rmtree(folder.hidden, ignore_errors=True)
         try:
             folder.hidden.mkdir()
             folder.refuse_to_replace(names)
@@ -156,9 +150,6 @@ def lock_folder(out: Path) -> Iterator[None]:
     """
     import fcntl
 
-    # a Path of "s3://bucket" has one slash left
-    if ":/" in str(out):
-        raise SceneError(f"--out {out} is no directory of this machine: give one, and copy from it")
     try:
         out.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=out).close()

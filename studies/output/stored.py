@@ -77,7 +77,7 @@ def load(folder: str | Path) -> Stored:
     path = Path(folder)
     try:
         told = json.loads((path / "summary.json").read_text("utf-8"))
-        data = xarray.load_dataset(path / "results.nc", engine="netcdf4")
+        data: Any = xarray.load_dataset(path / "results.nc", engine="netcdf4")
         scene = Scene.from_toml(data.attrs["scene"], str(path))
         rows = _rebuilt(Agreement, told["agreement"])
     except (OSError, KeyError, ValueError) as error:
@@ -86,12 +86,9 @@ def load(folder: str | Path) -> Stored:
             "run` has written"
         ) from None
     variables, coordinates = (
-        {
-            str(name): (tuple(map(str, of.dims)), of.values, dict(of.attrs))
-            for name, of in part.items()
-        }
+        {name: (of.dims, of.values, of.attrs) for name, of in part.items()}
         for part in (data.data_vars, data.coords)
     )
     methods = methods_of([name for name in told["methods"] if name in METHODS])
-    table = Table(variables, coordinates, dict(data.attrs))
+    table = Table(variables, coordinates, data.attrs)
     return Stored(scene, methods, {}, {}, rows, (), table, told)

@@ -22,13 +22,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib.resources import files
-from itertools import permutations, product
+from itertools import product
 from math import prod
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
-from pandas import DataFrame
 
 from ...meshes.errors import SceneError
 from ..problem.problem import Problem
@@ -50,13 +49,26 @@ KEEPABLE = {
     for name, quantity in QUANTITIES.items()
     if name not in ("contact", "contact_edge")
 } | {name: ANSWER[name] for name in ANSWERS}
-# of scenes that several methods compute, by the quantities to keep
-JUDGED = {
-    "disagreement": "greatest difference over its uncertainty: above 1 methods disagree",
-    "effectivity": "least error stated, over the error that a far more accurate method shows",
-}
 # labels of the store that no axis may have for its name
-RESERVED = ("solver", "time", "radius", "ring", "mode", "state", "status", "reason", *JUDGED)
+RESERVED = (
+    *("solver", "time", "radius", "ring", "mode", "state"),
+    *("status", "reason", "disagreement"),
+)
+# keys of a section that say the same in several ways
+ALTERNATIVES = (
+    ("punch", ("wear_coefficients",), ("wear_coefficient", "wear_ratio")),
+    ("punch", ("rings", "width_ratio"), ("ring_edges",)),
+    ("half_space", ("plane_strain_modulus",), ("youngs_modulus",)),
+    ("load", ("normal_force",), ("mean_pressure",), ("indentation",)),
+)
+
+
+class Column(NamedTuple):
+    """Values of a scene key, under the name of its coordinate, along a dimension of the store."""
+
+    name: str
+    dim: str
+    values: list[Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,10 +78,10 @@ class Sweep:
     Parameters
     ----------
     table : the sweep as nested dictionaries, its base a table: enough to make it again
-    axes : by dimension the changes of the base along it, as values of scene keys
-    name : for messages
+    columns : by scene key what varies; columns along one dimension go together
     keep : names of the quantities to keep
-    labels : times and radii of the quantities to keep, by dimension: all scenes have the same
+    shared : by scene key what all scenes have in common: the methods, and times and radii of the
+        quantities to keep
 
     Raises
     ------
@@ -78,80 +90,76 @@ class Sweep:
     """
 
     table: Table
-    axes: dict[str, list[Table]]
-    name: str
+    columns: dict[str, Column]
     keep: tuple[str, ...] = ()
-    labels: dict[str, list[float]] = field(default_factory=dict)
+    shared: dict[str, Column] = field(default_factory=dict)
 
     @classmethod
     def load(cls, source: str | Path) -> Self:
         """Read a sweep file, or a bundled one by its name."""
         path, folder = Path(source), Path(str(files("ringwear.studies"))) / "sweep" / "files"
-        bundled = folder / f"{source}.toml"
+        file = path if path.exists() else folder / f"{source}.toml"
         try:
-            file = bundled if bundled.exists() and not path.exists() else path
             table = tomllib.loads(file.read_text("utf-8"))
         except (OSError, ValueError) as error:
-            names = ", ".join(sorted(entry.stem for entry in folder.iterdir()))
             raise SceneError(
-                f"{source} cannot be read ({error}): give a sweep file, TOML in UTF-8, or one of "
-                f"{names}"
+                f"{source} cannot be read ({error}): give a sweep file, TOML in UTF-8, or one that "
+                "is bundled, such as running_in"
             ) from error
-        return cls.of(table, str(source), path.parent)
+        return cls.of(table, path.parent)
 
     @classmethod
-    def of(cls, table: Table, name: str = "sweep", folder: Path | None = None) -> Self:
+    def of(cls, table: Table, folder: Path | None = None) -> Self:
         """Make a sweep from nested dictionaries; a base that is a file is sought in a folder, too.
 
         Of each axis up to 200 values are tried, beside the first of the others. Values that are
         bad beyond that fail as scenes, with the reason.
         """
-        tables = ("axes", "zip", "random")
+        kinds = {"base": str | dict, "keep": list, "axes": dict, "zip": dict, "random": dict}
         for key, value in table.items():
-            if key not in ("base", "keep", *tables) or (
-                key in tables and not isinstance(value, dict)
-            ):
+            if not isinstance(value, kinds.get(key, ())):
                 raise SceneError(
-                    f"{name}: {key} = {value!r} is not understood: give base, keep, and tables "
-                    "[axes], [zip] and [random] of scene keys"
+                    f"{key} = {value!r} is not understood: give base, keep, which is a list of "
+                    "quantities, and tables [axes], [zip] and [random] of scene keys"
                 )
-        axes = dict(_axes(table, name))
-        if not axes:
-            raise SceneError(f"{name}: nothing varies: give [axes], [zip] or [random]")
-        base = table.get("base")
-        if not isinstance(base, str | dict):
-            raise SceneError(f"{name}: missing key base: give a file, a bundled scene or [base]")
+        base, columns = table.get("base"), _columns(table)
+        if base is None or not columns:
+            raise SceneError(
+                "missing key base, or nothing varies: give base, a file, a bundled scene or a "
+                "table, and [axes], [zip] or [random]"
+            )
         if isinstance(base, str):
             beside = (folder or Path()) / base
             base = Scene.load(beside if beside.is_file() else base).table()
-        keys = {key for rows in axes.values() for key in rows[0]}
-        table = table | {"base": _without_alternatives(base, keys, name)}
-        bare = cls(table, axes, name)
-        changes, first = next(bare.changes()), bare.first
-        tried = [changes | row for rows in axes.values() for row in rows[:200]]
-        problems = [first.problem, *(bare.scene(of).problem for of in tried)]
-        keep = _checked_keep(table.get("keep"), problems, bare.coordinates, name)
-        dims = {dim for quantity in keep for dim in KEEPABLE[quantity].dims}
-        if "worn_volume" in keep and "wear.times" not in keys:
+        sweep = cls(table | {"base": _without_alternatives(base, set(columns))}, columns)
+        start = dict.fromkeys(sweep.sizes, 0)
+        tried = [
+            sweep.changes_at(start | {dim: place})
+            for dim, size in sweep.sizes.items()
+            for place in range(min(size, 200))
+        ]
+        problems = [sweep.scene(changes).problem for changes in tried]
+        names = {column.name for column in columns.values()}
+        keep = _checked_keep(table.get("keep"), problems, names)
+        dims = {"solver"}.union(*(KEEPABLE[quantity].dims for quantity in keep))
+        if "worn_volume" in keep and "wear.times" not in columns:
             dims.add("time")  # by the last of which it is worn
-        labels = {dim: values for dim, values in _labels(first).items() if dim in dims}
-        sweep = cls(table | {"keep": list(keep)}, axes, name, keep, labels)
-        for of in tried if labels else ():
-            sweep.scene(of)
+        labels = _labels(sweep.first)
+        shared = {key: column for key, column in labels.items() if column.dim in dims}
+        sweep = cls(sweep.table | {"keep": list(keep)}, columns, keep, shared)
+        for changes in tried:
+            sweep.scene(changes)
         return sweep
 
     @property
-    def dims(self) -> tuple[str, ...]:
-        return tuple(self.axes)
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        return tuple(map(len, self.axes.values()))
+    def sizes(self) -> dict[str, int]:
+        """Numbers of values along each dimension."""
+        return {column.dim: len(column.values) for column in self.columns.values()}
 
     @property
     def count(self) -> int:
         """Number of scenes."""
-        return prod(self.shape)
+        return prod(self.sizes.values())
 
     @cached_property
     def first(self) -> Scene:
@@ -160,8 +168,12 @@ class Sweep:
 
     def changes(self) -> Iterator[Table]:
         """Yield what each scene changes of the base, in the order of the store."""
-        for rows in product(*self.axes.values()):
-            yield {key: value for row in rows for key, value in row.items()}
+        for places in product(*map(range, self.sizes.values())):
+            yield self.changes_at(dict(zip(self.sizes, places, strict=True)))
+
+    def changes_at(self, places: dict[str, int]) -> Table:
+        """Return what the scene at a place along each dimension changes of the base."""
+        return {key: values[places[dim]] for key, (_, dim, values) in self.columns.items()}
 
     def scene(self, changes: Table) -> Scene:
         """Return the scene of some changes.
@@ -174,147 +186,113 @@ class Sweep:
         table = copy.deepcopy(self.table["base"])
         for key, value in changes.items():
             set_key(table, key.split("."), value)
-        name = f"{self.name}, {_in_words(changes)}"
+        name = ", ".join(f"{key} = {value}" for key, value in changes.items())
         scene = Scene.from_table(table, name)
-        for dim, values in self.labels.items():
-            if not values or values != _labels(scene)[dim]:
-                key = {"time": "wear.times", "radius": "output.radii"}[dim]
+        labels = _labels(scene)
+        for key, column in self.shared.items():
+            if not column.values or labels[key] != column:
                 raise SceneError(
-                    f"{name}: something is kept over the {dim}, and not all scenes have the same "
-                    f"{key}: give the base {key} as numbers, or keep only what is not over them"
+                    f"{name}: not all scenes have the same {key}, over which something is kept: "
+                    f"give the base {key} as numbers, or keep only what is not over them"
                 )
         return scene
 
-    def problem(self, scene: Scene) -> Problem:
-        """Return the problem of a scene, asking for what is to be kept and nothing else."""
+    def problem(self, changes: Table) -> Problem:
+        """Return the problem of some changes, asking for what is to be kept and nothing else."""
         quantities = (part for name in self.keep for part in ANSWERS.get(name, (name,)))
-        return scene.problem.asking_for(frozenset(quantities))
+        return self.scene(changes).problem.asking_for(frozenset(quantities))
 
-    def part(self, region: tuple[slice, ...]) -> "Sweep":
-        """Return a box of the grid as a sweep of its own."""
-        axes = {dim: self.axes[dim][places] for dim, places in zip(self.axes, region, strict=True)}
-        return replace(self, table={"base": self.table["base"]}, axes=axes)
-
-    @property
-    def coordinates(self) -> dict[str, tuple[str, str, list[Any]]]:
-        """Dimension, key and values of each coordinate."""
-        dims = {key: dim for dim, rows in self.axes.items() for key in rows[0]}
-        return {
-            name: (dims[key], key, [row[key] for row in self.axes[dims[key]]])
-            for key, name in _coordinate_names(dims).items()
+    def part(self, region: dict[str, slice]) -> "Sweep":
+        """Return a box of the grid, a slice of each dimension, as a sweep of its own."""
+        columns = {
+            key: Column(name, dim, values[region[dim]])
+            for key, (name, dim, values) in self.columns.items()
         }
+        return replace(self, table={"base": self.table["base"]}, columns=columns)
 
 
-def _labels(scene: Scene) -> dict[str, list[float]]:
-    return {"time": scene.wear.times, "radius": scene.output.radii or []}
+def _labels(scene: Scene) -> dict[str, Column]:
+    """Return what of a scene labels its results."""
+    return {
+        "methods": Column("solver", "solver", scene.methods),
+        "wear.times": Column("time", "time", scene.wear.times),
+        "output.radii": Column("radius", "radius", scene.output.radii or []),
+    }
 
 
-def _in_words(changes: Table) -> str:
-    return ", ".join(f"{key} = {value}" for key, value in changes.items())
-
-
-def _axes(table: Table, name: str) -> Iterator[tuple[str, list[Table]]]:
-    """Yield each dimension, and the changes of the base along it."""
+def _columns(table: Table) -> dict[str, Column]:
+    """Return what varies: each of the axes along a dimension of its own."""
     crossed, zipped = table.get("axes", {}), table.get("zip", {})
     draws = dict(table.get("random", {}))
     count, seed = draws.pop("count", 0), draws.pop("seed", None)
-    if "random" in table and not (
-        draws and isinstance(count, int) and count > 0 and isinstance(seed, int)
-    ):
+    if draws and not (isinstance(count, int) and count > 0 and isinstance(seed, int)):
         raise SceneError(
-            f"{name}: random.count = {count} and random.seed = {seed}: give how many, a whole "
-            "number that the draws begin from, and scene keys to draw"
+            f"random.count = {count} and random.seed = {seed}: give how many, and a whole number "
+            "that the draws begin from"
         )
-    names = _coordinate_names([*crossed, *zipped, *draws])
-    for given in filter(None, [*({key: crossed[key]} for key in crossed), zipped, draws]):
-        number = count if given is draws else 0
-        columns = [_values(key, given[key], name, number, seed) for key in given]
-        if len(set(map(len, columns))) > 1:
-            raise SceneError(f"{name}: columns of [zip] go together: give them one length")
-        rows = [dict(zip(given, row, strict=True)) for row in zip(*columns, strict=True)]
-        # numbers that are equal, such as 1 and 1.0, give one scene
-        twice = DataFrame(rows).astype(str).duplicated()
-        if twice.any() and not number:
-            raise SceneError(
-                f"{name}: {_in_words(rows[twice.argmax()])} is there twice: give it once"
-            )
-        yield DRAW if number else names[next(iter(given))], rows
+    dims = dict.fromkeys(draws, DRAW)
+    columns: dict[str, Column] = {}
+    for key, given in (crossed | zipped | draws).items():
+        *_, name = parts = key.split(".")
+        if name in {*RESERVED, *(column.name for column in columns.values())}:
+            name = "_".join(parts[-2:])
+        if key in zipped and key not in dims:
+            # the first of them names the dimension of all
+            dims |= dict.fromkeys(zipped, name)
+        values = _values(key, given, count if key in draws else 0, seed)
+        columns[key] = Column(name, dims.get(key, name), values)
+    if len({len(columns[key].values) for key in zipped}) > 1:
+        raise SceneError("columns of [zip] go together: give them one length")
+    return columns
 
 
-def _coordinate_names(keys: Iterable[str]) -> dict[str, str]:
-    """Return the name of each key's coordinate: its last part, or its last two."""
-    names: dict[str, str] = {}
-    for key in keys:
-        *_, last = parts = key.split(".")
-        names[key] = "_".join(parts[-2:]) if last in {*RESERVED, *names.values()} else last
-    return names
-
-
-def _values(key: str, values: Any, name: str, draws: int, seed: int | None) -> list[Any]:
+def _values(key: str, values: Any, draws: int, seed: int | None) -> list[Any]:
     """Return the values of an axis: a list, evenly spaced, or drawn by a generator of its own."""
-    # how to space values, and a scale on which they are drawn evenly, with its inverse
-    kinds: Any = {
-        "linspace": (np.linspace, float, np.array),
-        "geomspace": (np.geomspace, np.log, np.exp),
-    }
     generator = np.random.default_rng([seed or 0, *key.encode()])
     try:
         if isinstance(values, list) and values:
-            places = generator.integers(len(values), size=draws) if draws else range(len(values))
-            return [values[at] for at in places]
+            drawn = generator.integers(len(values), size=draws)
+            return [values[place] for place in drawn] if draws else values
         ((kind, (first, last, *count)),) = values.items()
-        space, scale, unscale = kinds[kind]
-        with np.errstate(all="raise"):
-            if draws:
-                return unscale(generator.uniform(scale(first), scale(last), draws)).tolist()
-            spaced = space(first, last, count[0])
-        if not spaced.size:
-            raise ValueError
+        space: Any = {"linspace": np.linspace, "geomspace": np.geomspace}[kind]
+        if draws:
+            part = generator.uniform(size=draws)
+            if kind == "linspace":
+                return (first + (last - first) * part).tolist()
+            return (first * (last / first) ** part).tolist()
+        spaced = space(first, last, count[0])
+        whole = isinstance(first, int) and (spaced == spaced.round()).all()
+        return (spaced.astype(int) if whole else spaced).tolist()
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
         raise SceneError(
-            f"{name}: {key} = {values!r}: give a list of values, or linspace or geomspace = [first,"
-            " last, count] in braces, without count to draw from"
+            f"{key} = {values!r}: give a list of values, or linspace or geomspace = [first, last, "
+            "count] in braces, without count to draw from"
         ) from None
-    whole = isinstance(first, int) and (spaced == spaced.round()).all()
-    return (spaced.astype(int) if whole else spaced).tolist()
 
 
-def _without_alternatives(base: Table, keys: set[str], name: str) -> Table:
+def _without_alternatives(base: Table, keys: set[str]) -> Table:
     """Return the base without what the axes give in another way.
 
     Two materials stay two, whichever way they are given.
     """
-    # keys of a section that say the same in two ways
-    alternatives = (
-        ("punch", ("wear_coefficients",), ("wear_coefficient", "wear_ratio")),
-        ("punch", ("rings", "width_ratio"), ("ring_edges",)),
-        ("half_space", ("plane_strain_modulus",), ("youngs_modulus",)),
-        ("load", ("normal_force",), ("mean_pressure",), ("indentation",)),
-    )
     table = copy.deepcopy(base)
     punch = table.get("punch", {})
     pair = punch.get("wear_coefficients", [])
-    if pair and keys & {"punch.wear_ratio", "punch.wear_coefficient"}:
-        if len(pair) != 2:
-            raise SceneError(
-                f"{name}: punch.wear_ratio and punch.wear_coefficient vary two materials, and the "
-                f"base gives {len(pair)} wear_coefficients: give it two"
-            )
+    if len(pair) == 2 and keys & {"punch.wear_ratio", "punch.wear_coefficient"}:
         punch["wear_coefficient"], punch["wear_ratio"] = pair[0], pair[1] / pair[0]
-    for section, *ways in alternatives:
-        for given, dropped in permutations(ways, 2):
-            for key in dropped if keys.intersection(f"{section}.{way}" for way in given) else ():
-                table.get(section, {}).pop(key, None)
+    for section, *ways in ALTERNATIVES:
+        varied = [way for way in ways if keys.intersection(f"{section}.{key}" for key in way)]
+        dropped = [key for way in ways if varied and way not in varied for key in way]
+        for key in dropped:
+            table.get(section, {}).pop(key, None)
     return table
 
 
-def _checked_keep(
-    keep: Any, problems: list[Problem], axes: Iterable[str], name: str
-) -> tuple[str, ...]:
+def _checked_keep(keep: Any, problems: list[Problem], axes: Iterable[str]) -> tuple[str, ...]:
     """Return the quantities to keep: those named, or all that need no radius and no ring; none
     that is an axis.
     """
-    given = frozenset[str]().union(*map(_given, problems)) - set(axes)
+    given = set[str]().union(*map(_given, problems)) - set(axes)
     if keep is None:
         alone = {"radius", "ring"}
         if not len(problems[0].times):
@@ -323,11 +301,11 @@ def _checked_keep(
             name for name in KEEPABLE if name in given and not alone & set(KEEPABLE[name].dims)
         )
     computed = {of for of in KEEPABLE if not given.isdisjoint(ANSWERS.get(of, (of,)))}
-    if not (isinstance(keep, list) and keep and set(map(str, keep)) <= computed):
+    if not keep or not set(map(str, keep)) <= computed:
         raise SceneError(
-            f"{name}: keep = {keep!r} names what is no quantity of such punches: "
-            f"give a list of {', '.join(sorted(computed))}; histories need wear.times, and steady "
-            "quantities wear.steady = true"
+            f"keep = {keep!r} names what is no quantity of such punches: give a list of "
+            f"{', '.join(sorted(computed))}; histories need wear.times, and steady quantities "
+            "wear.steady = true"
         )
     return tuple(dict.fromkeys(keep))
 

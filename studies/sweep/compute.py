@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from itertools import islice
-from resource import RUSAGE_SELF, getrusage
 from threading import Lock
 from typing import Any
 
@@ -17,24 +16,22 @@ import numpy as np
 import xarray
 from threadpoolctl import threadpool_limits
 
-from ...meshes.errors import RingwearError, SceneError, SolverError
+from ...meshes.errors import SceneError, SolverError
 from ...meshes.radial import Array
 from ..crosscheck.accuracy import solved_to_accuracy
-from ..crosscheck.agreement import worst
+from ..crosscheck.agreement import disagreement
 from ..crosscheck.answer import answer
+from ..crosscheck.table import in_units
 from ..methods.base import Method, Solution, method
 from ..methods.norms import common
 from ..problem.problem import Problem
 from ..problem.quantities import error_name
-from ..problem.scene import Scene
 from ..problem.shared import groups
 from ..progress import LOG, Stages
-from ..versions import differing, fingerprint
-from .axes import ANSWERS, KEEPABLE, Sweep
-from .store import DONE, FAILED, PENDING
+from ..versions import versions
+from .axes import ANSWERS, Sweep
+from .store import DONE, FAILED, template
 
-# of the code that this process has loaded: files may change later
-FINGERPRINT = fingerprint()
 # gmsh has one state for a whole process, whose threads a cluster may give several blocks
 ONE_AT_A_TIME = Lock()
 RESUME = "what is finished is there: go on with --resume"
@@ -56,14 +53,15 @@ def compute_blocks(
     SolverError
         if the scheduler is lost, has no workers, or has one with another ringwear or none
     """
-    if not blocks or (scheduler is None and min(workers, len(blocks)) == 1):
+    workers = min(workers, len(blocks))
+    if not blocks or (scheduler is None and workers == 1):
         for number, block in blocks.items():
-            yield number, compute_block(block, blank, FINGERPRINT)
+            yield number, compute_block(block, blank)
         return
     from distributed import KilledWorker, wait
 
     rest, running, checked = iter(blocks.items()), dict[Any, int](), set[str]()
-    with connect(scheduler, min(workers, len(blocks)), memory) as client:
+    with connect(scheduler, workers, memory) as client:
         while True:
             # none waits behind another, with which its worker might die
             threads = client.nthreads()
@@ -72,7 +70,7 @@ def compute_blocks(
                 checked |= set(threads)
             window = max(1, sum(threads.values()))
             for number, block in islice(rest, max(0, window - len(running))):
-                future = client.submit(compute_block, block, blank, FINGERPRINT, pure=False)
+                future = client.submit(compute_block, block, blank, pure=False)
                 running[future] = number
             if not running:
                 return
@@ -96,10 +94,12 @@ def compute_blocks(
 
 def _check_workers(client: Any) -> None:
     """Refuse workers with another ringwear, or none, before they are given anything."""
-    for worker, reply in client.run(fingerprint, on_error="return").items():
-        if reply != FINGERPRINT:
-            other = differing(reply) if isinstance(reply, str) else f"ringwear ({reply})"
-            raise SolverError(f"{worker} has another {other}: install the same on it; {RESUME}")
+    for worker, reply in client.run(versions, on_error="return").items():
+        if reply != versions():
+            raise SolverError(
+                f"{worker} has another ringwear or other libraries, {reply}; here are {versions()}:"
+                f" install the same on it; {RESUME}"
+            )
 
 
 @contextmanager
@@ -138,135 +138,99 @@ def connect(scheduler: str | None, workers: int, memory: float | None) -> Iterat
         ) from error
 
 
-def compute_block(sweep: Sweep, blank: xarray.Dataset, computed_by: str) -> dict[str, Array]:
+def compute_block(sweep: Sweep, blank: xarray.Dataset) -> dict[str, Array]:
     """Compute all scenes of a block.
 
     Parameters
     ----------
     sweep : the block, as a sweep of its own
     blank : the template of a scene
-    computed_by : fingerprint of the ringwear that is to compute it
 
     Returns
     -------
     (scenes, ...) values of each variable of the store
-
-    Raises
-    ------
-    SolverError
-        if this is another ringwear
     """
-    if computed_by != FINGERPRINT:
-        raise SolverError(f"it has another {differing(computed_by)}: install the same on it")
     values = {
         str(name): np.stack([variable.values] * sweep.count)
         for name, variable in blank.data_vars.items()
     }
     values["status"][:] = DONE
-    scenes: dict[int, tuple[Scene, Problem]] = {}
+    problems = dict[int, Problem]()
     for number, changes in enumerate(sweep.changes()):
         try:
-            scene = sweep.scene(changes)
-            scenes[number] = scene, sweep.problem(scene)
+            problems[number] = sweep.problem(changes)
         except SceneError as error:
             values["reason"][number], values["status"][number] = str(error), FAILED
-    numbers = list(scenes)
+    numbers, solvers = list(problems), blank["solver"].values.tolist()
     with ONE_AT_A_TIME, threadpool_limits(1):
-        for group in groups([problem for _, problem in scenes.values()]):
+        for group in groups(list(problems.values())):
             # solutions take memory: at most 64 at once
             for start in range(0, len(group), 64):
-                together = {numbers[at]: scenes[numbers[at]] for at in group[start : start + 64]}
-                _compute_together(together, list(blank["solver"].values), sweep.keep, values)
+                together = {numbers[at]: problems[numbers[at]] for at in group[start : start + 64]}
+                _compute_together(together, solvers, sweep.keep, values)
     return values
 
 
 def _compute_together(
-    scenes: dict[int, tuple[Scene, Problem]],
+    problems: dict[int, Problem],
     solvers: Sequence[str],
     keep: tuple[str, ...],
     values: dict[str, Array],
 ) -> None:
-    """Put results of scenes that share a discretisation in their places, in the scenes' units."""
-    solutions: dict[int, dict[int, Solution]] = {number: {} for number in scenes}
+    """Put results of problems that share a discretisation in their places, in the scenes' units."""
+    solutions: dict[int, list[Solution]] = {number: [] for number in problems}
     for place, name in enumerate(solvers):
-        numbers = [number for number in solutions if name in scenes[number][0].methods]
-        results = solve(method(name), [scenes[number][1] for number in numbers])
-        for number, solution in zip(numbers, results, strict=True):
+        results = solve(method(name), list(problems.values()))
+        for (number, problem), solution in zip(problems.items(), results, strict=True):
             if isinstance(solution, Exception):
-                expected = isinstance(solution, RingwearError)
-                kind = "" if expected else f"{type(solution).__name__}: "
-                values["reason"][number] = f"{name}: {kind}{solution}"
-                # what the machine lacks today it may have tomorrow
-                lacking = isinstance(solution, MemoryError | OSError)
-                values["status"][number] = PENDING if lacking else FAILED
-                del solutions[number]
-            else:
-                solutions[number][place] = solution
-    for number, by_solver in solutions.items():
-        problem = scenes[number][1]
-        for place, solution in by_solver.items():
-            for name, result in _quantities(problem, solution, keep).items():
-                target = values[name][number, place, ...]
+                reason = f"{name}: {type(solution).__name__}: {solution}"
+                values["reason"][number], values["status"][number] = reason, FAILED
+                continue
+            solutions[number].append(solution)
+            given = solution.results
+            if ANSWERS.keys() & set(keep):
+                given = given | answer(problem, solution)
+            errors = {error_name(name): error for name, error in solution.errors.items()}
+            given = in_units(problem, given) | errors
+            for quantity in given.keys() & values.keys():
+                target, result = values[quantity][number, place, ...], np.asarray(given[quantity])
                 # more modes may be there, and fewer rings
                 both = common(target.shape, result.shape)
                 target[both] = result[both]
-        if "disagreement" in values:
-            for name, value in worst(problem, list(by_solver.values()), keep)._asdict().items():
-                values[name][number] = value
+    if "disagreement" in values:
+        for number, problem in problems.items():
+            values["disagreement"][number] = disagreement(problem, solutions[number], keep)
 
 
 def solve(solver: Method, problems: Sequence[Problem]) -> list[Solution | Exception]:
     """Return each problem's solution, or why it has none.
 
-    What fails together is tried again by halves.
+    What fails together is tried again one by one.
     """
-    if not problems:
-        return []
     try:
         for problem in problems:
             if refusal := solver.refusal(problem):
                 raise SceneError(refusal)
         return list(solved_to_accuracy(solver, problems, Stages(solver.name)))
     except Exception as error:
-        half = len(problems) // 2
-        if not half:
+        if len(problems) == 1:
             return [error]
-        if not isinstance(error, RingwearError):
-            LOG.warning("%8s  %d scenes: %r; by halves", solver.name, len(problems), error)
-        return [*solve(solver, problems[:half]), *solve(solver, problems[half:])]
+        return [solution for problem in problems for solution in solve(solver, [problem])]
 
 
-def _quantities(problem: Problem, solution: Solution, keep: tuple[str, ...]) -> dict[str, Array]:
-    """Return quantities to keep, their errors, and answers, in the scene's units."""
-    results = solution.results
-    if ANSWERS.keys() & set(keep):
-        results = results | answer(problem, solution)
-    scaled = {
-        name: results[name] * getattr(problem.units, KEEPABLE[name].unit)
-        for name in keep
-        if name in results
-    }
-    errors = {
-        error_name(name): np.asarray(solution.errors[name])
-        for name in keep
-        if name in solution.results
-    }
-    return scaled | errors
-
-
-def estimate_cost(sweep: Sweep, blank: xarray.Dataset, workers: int) -> list[str]:
+def estimate_cost(sweep: Sweep, workers: int) -> list[str]:
     """Say what a sweep will take, a line each, by computing its last scene as a probe."""
-    of_scene = blank.isel(dict.fromkeys(sweep.dims, 0), drop=True)
-    last = sweep.part((slice(-1, None),) * len(sweep.axes))
+    blank = template(sweep)
+    of_scene = blank.isel(dict.fromkeys(sweep.sizes, 0), drop=True)
+    last = sweep.part(dict.fromkeys(sweep.sizes, slice(-1, None)))
     # the second time everything is loaded
     for _ in range(2):
         start = time.perf_counter()
-        compute_block(last, of_scene, FINGERPRINT)
+        compute_block(last, of_scene)
         seconds = time.perf_counter() - start
-    elapsed, peak = seconds * sweep.count / workers, getrusage(RUSAGE_SELF).ru_maxrss
     return [
         f"{sweep.count} scenes; a store of {blank.nbytes / 2**20:.3g} MiB before compression",
-        f"a probe, the last scene alone, took {seconds:.2g} s and {peak / 2**20:.2g} GiB",
-        f"so at most about {elapsed:.2g} s by {workers} processes, less where scenes share a "
-        "discretisation",
+        f"a probe, the last scene alone, took {seconds:.2g} s: so at most about "
+        f"{seconds * sweep.count / workers:.2g} s by {workers} processes, less where scenes share "
+        "a discretisation",
     ]

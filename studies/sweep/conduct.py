@@ -14,8 +14,7 @@ from ..problem.scene import Scene
 from ..progress import LOG
 from .axes import Sweep
 from .compute import compute_blocks, estimate_cost
-from .store import Store, template
-from .summary import write_summary
+from .store import DONE, FAILED, PENDING, Store
 
 
 def sweep(
@@ -85,20 +84,14 @@ def compute(
 ) -> xarray.Dataset:
     """Compute what is not finished of the store in a folder, and return all that is there."""
     with lock_folder(folder):
-        store = Store(sweep, template(sweep), folder, resume, retry_failed)
-        index, began = store.index, time.perf_counter()
-        before = int(index["done"].sum() + index["failed"].sum())
-        if before:
-            LOG.info("   sweep  %d of %d scenes are finished and sound", before, sweep.count)
-        blocks = compute_blocks(store.unfinished(), store.blank, workers, scheduler, memory)
-        for number, values in blocks:
+        store = Store(sweep, folder, resume or retry_failed)
+        blocks, began = store.unfinished(retry_failed), time.perf_counter()
+        results = compute_blocks(blocks, store.blank, workers, scheduler, memory)
+        for count, (number, values) in enumerate(results, 1):
             store.write(number, values)
-            done, failed = int(index["done"].sum()), int(index["failed"].sum())
-            left = sweep.count - done - failed
-            rate = (done + failed - before) / (time.perf_counter() - began)
-            ahead = f", about {left / rate:.0f} s left ..." if left and rate else ""
-            counts = f"{done} finished, {failed} failed, {left} left; {rate:.3g} scenes/s"
-            LOG.info("   sweep  %s%s", counts, ahead)
+            left = (time.perf_counter() - began) / count * (len(blocks) - count)
+            ahead = f", about {left:.0f} s left ..." if left else ""
+            LOG.info("   sweep  %d of %d blocks%s", count, len(blocks), ahead)
         return store.dataset()
 
 
@@ -111,8 +104,18 @@ def conduct(source: str, out: Path, options: argparse.Namespace) -> tuple[list[s
     """
     plan = Sweep.load(source)
     if options.dry_run:
-        return estimate_cost(plan, template(plan), options.workers), True, True
+        return estimate_cost(plan, options.workers), True, True
     kinds = options.resume, options.retry_failed
     workers = options.workers, options.scheduler, options.memory
     dataset = compute(plan, out, *kinds, *workers)
-    return write_summary(dataset, plan, out)
+    status, reasons = dataset["status"].values, dataset["reason"].to_series()
+    done, failed, left = (int((status == flag).sum()) for flag in (DONE, FAILED, PENDING))
+    lines = [f"{done} scenes finished, {failed} failed, {left} left: {out / 'sweep.zarr'}"]
+    for reason, count in reasons[reasons != ""].value_counts().head(10).items():
+        lines.append(f"{reason} ({count} scenes)")
+    if failed or left:
+        lines.append("--resume computes what is left, and --retry-failed what failed, too")
+    disagreeing = int((dataset["disagreement"] > 1).sum()) if "disagreement" in dataset else 0
+    if disagreeing:
+        lines.append(f"methods disagree in {disagreeing} scenes")
+    return lines, done == plan.count, not disagreeing

@@ -58,14 +58,15 @@ def test_what_cannot_be_compared_is_refused(other, told, folder, tmp_path, capsy
 def test_csv_tables_are_the_results(folder):
     tables = {file.stem: pd.read_csv(file) for file in folder.glob("*.csv")}
     results = xarray.load_dataset(folder / "results.nc")
-    over_time = {"over_time", "over_time_and_radius", "ring_forces", "worn_volumes"}
-    assert set(tables) == over_time | {"punch", "rings", "steady_over_radius", "relaxation_times"}
-    fields = tables["over_time_and_radius"]
+    over_time = {"solver_time", "solver_time_radius", "solver_time_ring"}
+    others = {"solver", "solver_ring", "solver_radius", "solver_mode", "solver_state_ring"}
+    assert set(tables) == over_time | others
+    fields = tables["solver_time_radius"]
     assert len(fields) == results.sizes["time"] * results.sizes["radius"]
     last, pressure = fields.iloc[-1], results.pressure.sel(solver="mdr")[-1, -1]
     assert last[["solver", "time [s]", "pressure [Pa]"]].tolist() == ["mdr", 3e6, float(pressure)]
     # of direct integration there is no history, and no row
-    assert set(tables["over_time"]["solver"]) == {"mdr"}
-    assert set(tables["punch"]["solver"]) == {"mdr", "direct"}
-    edges = tables["rings"]["ring_outer_radius [m]"][:5]
+    assert set(tables["solver_time"]["solver"]) == {"mdr"}
+    assert set(tables["solver"]["solver"]) == {"mdr", "direct"}
+    edges = tables["solver_state_ring"]["ring_outer_radius [m]"][:5]
     assert edges.tolist() == Scene.load("rubber").punch.ring_edges

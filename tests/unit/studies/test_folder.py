@@ -12,7 +12,6 @@ import sys
 import time
 from contextlib import suppress
 from itertools import count
-from pathlib import Path
 
 import pytest
 
@@ -110,7 +109,6 @@ def test_any_title_can_be_drawn(tmp_path):
 def test_files_of_others_are_neither_removed_nor_written_over(tmp_path, capsys):
     (tmp_path / "notes.txt").write_text("mine", "utf-8")
     assert main([*DIRECT, str(tmp_path)]) == 0
-    assert "notes.txt" in capsys.readouterr().out
     # figures of other numbers would lie about these
     assert main([*DIRECT, str(tmp_path), "--no-figures"]) == 0
     assert contents(tmp_path).keys() == {"results.nc", "summary.json", "notes.txt"}
@@ -156,7 +154,7 @@ def write(out, names, content, command="run", killed_at=0):
 
 @pytest.mark.parametrize("foreign", ["", "notes"])
 def test_no_kill_loses_a_file_or_takes_one_for_others(foreign, tmp_path):
-    """The folder is the old or the new one; beside files of others, files change one by one."""
+    """The folder is the old or the new one, once the next run has begun."""
     mine = {"mesh": b"mesh"} | ({foreign: b"mine"} if foreign else {})
     old, new = dict.fromkeys("abc", b"old") | mine, dict.fromkeys("bcd", b"new") | mine
     seen = []
@@ -176,11 +174,7 @@ def test_no_kill_loses_a_file_or_takes_one_for_others(foreign, tmp_path):
         with suppress(KeyboardInterrupt), output_folder(out, "run"):
             seen.append(contents(out))
             raise KeyboardInterrupt
-        if foreign:
-            assert set("bc") | mine.keys() <= seen[-1].keys()
-            assert all(value in (old.get(name), new.get(name)) for name, value in seen[-1].items())
-        else:
-            assert seen[-1] in (old, new)
+        assert seen[-1] in (old, new)
         write(out, "e", "newest")
         assert contents(out) == {"e": b"newest"} | mine
         assert [entry.name for entry in tmp_path.iterdir() if entry.name.startswith(".")] == []
@@ -188,19 +182,6 @@ def test_no_kill_loses_a_file_or_takes_one_for_others(foreign, tmp_path):
             break
     assert old in seen[:-1]
     assert new in seen[:-1]
-
-
-def test_a_folder_in_which_a_shell_stands_stays(tmp_path, monkeypatch):
-    write(tmp_path, "abc", "old")
-    monkeypatch.chdir(tmp_path)
-    write(tmp_path, "bcd", "new")
-    assert contents(Path.cwd()) == dict.fromkeys("bcd", b"new")
-
-
-def test_a_new_folder_can_be_read_by_whom_it_could_be(tmp_path):
-    tmp_path.chmod(0o750)
-    write(tmp_path, "abc", "new")
-    assert tmp_path.stat().st_mode & 0o777 == 0o750
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
