@@ -44,19 +44,6 @@ def disc_displacement(disc: Array, radius: Array) -> Array:
     return 4 / np.pi * np.where(inside, disc * e, radius * outside)
 
 
-def disc_energies(discs: Array) -> Array:
-    """(N, N) ``int u_a p_b dA`` of unit pressures on discs of radii a and b.
-
-    The energy of one in the field of the other.
-    """
-    outer, inner = np.maximum(discs[:, None], discs), np.minimum(discs[:, None], discs)
-    square = (inner / outer) ** 2
-    complement = (outer - inner) * (outer + inner)
-    # (a^2 - b^2) K tends to zero as the discs become one, where K itself is infinite
-    second = complement * ellipkm1(np.maximum(complement / outer**2, np.finfo(float).tiny))
-    return 8 / 3 * outer * ((outer**2 + inner**2) * ellipe(square) - second)
-
-
 def disc_slope(disc: Array, radius: Array, gap: Array | None = None) -> Array:
     """Slope ``du/dr`` at `radius` by unit pressure on a disc; the arguments broadcast.
 

@@ -77,8 +77,7 @@ STUDIES: dict[str, Study] = {
     ),
     "refinement": Study(
         "numerics.refinement",
-        "uniform, graded and self-refining meshes, and a mesh file of your own, against what is "
-        "known",
+        "uniform and graded meshes, and a mesh file of your own, against what is known",
         7,
         options=(
             (

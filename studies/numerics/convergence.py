@@ -29,6 +29,7 @@ import numpy as np
 
 from ...fem.contact_meshes import even_half_space
 from ...mdr import direct, energy, ring_kernel
+from ...meshes import bisection
 from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.quads import graded
@@ -41,9 +42,9 @@ from ..problem.defaults import FACTOR, GROWTH
 from ..problem.problem import D0, Problem
 from ..problem.scene import Scene
 from ..tables import Row
-from .core import evaluate
-from .sequences import Family, Theory, levels, study_orders
-from .subdivision import FLAT, Discretised, condense, flat_d0, subdivided, triangulated
+from .core import FLAT, Discretised, condense, evaluate, flat_d0
+from .sequences import Family, Theory, study_orders
+from .subdivision import subdivided, triangulated
 
 PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
 """Sizes of the smallest elements: by MDR at the rim of the flat punch; of rings."""
@@ -103,7 +104,7 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
             return {"unknowns": unknowns} | errors
 
         (xlabel,) = (label for kind, label in XLABELS.items() if name.startswith(kind))
-        return Family(name, levels(sizes, solve), theory, xlabel)
+        return Family(name, sizes, solve, theory, xlabel)
 
     # errors below the floors are of roundoff, or of the innermost elements
     for degree in (1, 2) if quick else (1, 2, 3, 4):
@@ -116,14 +117,16 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
     theory = dict.fromkeys(worn, Theory(4, floor=2e-10)) | {"RMS gradient": Theory(2, RING_EDGE)}
     yield refine("MDR degree 1, rings", by_grading, sizes, worn, theory)
 
-    for field in (PUNCH_MESH, UNIFORM_MESH):
-        for degree, counts in {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}.items():
-            by_count = partial(by_triangles, field, degree, ratio)
-            name, order = ("graded", 2 * degree) if field.growth else ("uniform", 1)
-            sizes = {count: 1 / count for count in counts}
-            # the innermost elements cost d0 0.06 of their size
-            theory = {"d0": Theory(order, floor=0.06 * PUNCH_MESH.rim_size)}
-            yield refine(f"FEM P{degree}, {name}", by_count, sizes, flat, theory)
+    for degree, counts in {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}.items():
+        by_count = partial(by_triangles, degree, ratio)
+        sizes = {count: 1 / count for count in counts}
+        # the innermost elements cost d0 0.06 of their size
+        theory = {"d0": Theory(2 * degree, floor=0.06 * PUNCH_MESH.rim_size)}
+        yield refine(f"FEM P{degree}, graded", by_count, sizes, flat, theory)
+    for degree, halvings in {2: (1, 2, 3), 3: (0, 1, 2), 4: (0, 1, 2)}.items():
+        by_halving = partial(by_even_triangles, degree, ratio)
+        sizes = {count: 0.5**count for count in halvings}
+        yield refine(f"FEM P{degree}, uniform", by_halving, sizes, flat, {"d0": Theory(1)})
 
     raised = {degree: 0.1**degree for degree in QUAD_DEGREES}
     by_degree = partial(by_quads, FLAT, 0.0, ratio)
@@ -164,7 +167,8 @@ def families_of_cells(problem: Problem, quick: bool) -> Iterator[Family]:
         name = f"FEM P{degree}" if degree else "MDR"
         yield Family(
             name,
-            levels(sizes, partial(solve, degree)),
+            sizes,
+            partial(solve, degree),
             theory,
             "size of cells over that of rtol 1e-4",
         )
@@ -184,13 +188,16 @@ def by_mdr(ring_edges: Array, smallest: float, degree: int, grading: float) -> D
     return energy.compliance(space), space.size
 
 
-def by_triangles(field: SizeField, degree: int, poisson_ratio: float, count: int) -> Discretised:
-    """Discretise by triangles subdivided in log-polar coordinates about the ring edges that they
-    are graded to.
-    """
-    edges = np.array(field.ring_edges)
-    mesh = subdivided(triangulated(field), count, edges[1:] if field.growth else edges[:0])
-    return condense(mesh, edges, degree, poisson_ratio, poles=3)
+def by_triangles(degree: int, poisson_ratio: float, count: int) -> Discretised:
+    """Discretise by triangles graded to the rim, each divided into ``count^2``."""
+    mesh = subdivided(triangulated(PUNCH_MESH), count)
+    return condense(mesh, FLAT, degree, poisson_ratio, poles=3)
+
+
+def by_even_triangles(degree: int, poisson_ratio: float, halvings: int) -> Discretised:
+    """Discretise by triangles of one size, halved so many times."""
+    mesh = bisection.mesh(UNIFORM_MESH).refined(halvings)
+    return condense(mesh, FLAT, degree, poisson_ratio, poles=3)
 
 
 def by_quads(ring_edges: Array, least: float, poisson_ratio: float, degree: int) -> Discretised:

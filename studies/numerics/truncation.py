@@ -19,8 +19,9 @@ from ...meshes.compliance import Compliance
 from ...meshes.sizes import SizeField
 from ..problem.scene import Scene
 from ..tables import Row
-from .sequences import Family, Theory, levels, study_orders
-from .subdivision import FLAT, condense, flat_d0, triangulated
+from .core import FLAT, condense, flat_d0
+from .sequences import Family, Theory, study_orders
+from .subdivision import triangulated
 
 FAR_FIELDS = {"fixed": 1.0, "1 pole": 5.0, "2 poles": 9.0, "3 poles": 13.0}
 """Far fields, and the orders of what they err by."""
@@ -50,7 +51,7 @@ def move_outwards(radii: tuple[float, ...], poisson_ratio: float) -> Family:
 
     theory = {far: Theory(order, roundoff) for far, order in FAR_FIELDS.items()}
     name, sizes = f"nu = {poisson_ratio:g}", {outer: 1 / outer for outer in radii}
-    return Family(name, levels(sizes, solve), theory, f"$a/R$, {name}")
+    return Family(name, sizes, solve, theory, f"$a/R$, {name}")
 
 
 def far_field_errors(compliance: Compliance, poles: int) -> dict[str, float]:
