@@ -128,26 +128,6 @@ def limiting_profile(ring_edges: Array, pressures: Array, radii: Array) -> Array
     return greatest_displacement(ring_edges, pressures) - displacement(ring_edges, pressures, radii)
 
 
-def slope_gram(ring_edges: Array, patterns: Array) -> tuple[Array, Array]:
-    """Mean products of the slopes of several ring-wise constant pressures.
-
-    Parameters
-    ----------
-    ring_edges : (N+1,) ring edges, 0 to 1
-    patterns : (N, m) pressures
-
-    Returns
-    -------
-    (m, m) matrices: ``p.T @ gram @ p`` is the squared RMS gradient (Eq. 18) of the pressure
-    ``patterns @ p``, as an average over the radius and over the area.
-    """
-    radii, line, slopes = _slopes_everywhere(ring_edges, patterns)
-    over_line, over_area = (
-        slopes.T @ (weights[:, None] * slopes) for weights in (line, 2 * radii * line)
-    )
-    return over_line, over_area
-
-
 def _slopes_everywhere(ring_edges: Array, pressures: Array) -> tuple[Array, Array, Array]:
     """Radii (R,) and weights (R,) of a quadrature on (0, 1), and the slopes (R, M) there.
 

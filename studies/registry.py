@@ -48,8 +48,8 @@ class Study:
 STUDIES: dict[str, Study] = {
     "paper": Study(
         "paper.study",
-        "the whole paper again: Figs. 4 to 7 redrawn, every claim checked, and what it leaves open",
-        20,
+        "the whole paper again: Figs. 4 to 7 redrawn, its claims checked, and what it leaves open",
+        30,
         options=(
             (
                 "--fig",
