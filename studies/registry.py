@@ -50,16 +50,6 @@ STUDIES: dict[str, Study] = {
         "paper.study",
         "the whole paper again: Figs. 4 to 7 redrawn, its claims checked, and what it leaves open",
         30,
-        options=(
-            (
-                "--fig",
-                {
-                    "type": int,
-                    "choices": (4, 5, 6, 7),
-                    "help": "only this figure (default: all, and the tables)",
-                },
-            ),
-        ),
     ),
     "convergence": Study(
         "numerics.convergence",

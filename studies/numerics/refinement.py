@@ -104,8 +104,8 @@ def families(
     def solve(meshes: dict[str, tuple[Mesh, int]], setting: str) -> Row:
         return solve_on(*meshes[setting])
 
-    def solve_own(_: str) -> Row:
-        mesh, remark = own_mesh(problem, mesh_file)
+    def solve_own(path: str) -> Row:
+        mesh, remark = own_mesh(problem, path)
         quads = isinstance(mesh, MeshQuad)
         degree = (problem.fem.degree or 6) if quads else triangle_degree(problem)
         return dict(solve_on(mesh, degree), remark=remark)
@@ -131,7 +131,8 @@ def families(
     for way, meshes in ways.items():
         yield Family(way, dict.fromkeys(meshes, np.nan), partial(solve, meshes))
     if mesh_file:
-        yield Family(OWN, {Path(mesh_file).name: np.nan}, solve_own)
+        named = {Path(mesh_file).name: mesh_file}
+        yield Family(OWN, dict.fromkeys(named, np.nan), lambda name: solve_own(named[name]))
 
 
 def own_mesh(problem: Problem, path: str) -> tuple[Mesh, str]:

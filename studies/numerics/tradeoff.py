@@ -17,11 +17,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ..crosscheck.agreement import compare
 from ..figures.style import FAINT, legend_of, method_curve, new_figure
-from ..methods.base import method
-from ..methods.norms import Results, differences
+from ..methods.base import Solution, method
 from ..problem.problem import Problem
-from ..problem.quantities import COMPARED_MODES, GROUPS, QUANTITIES
+from ..problem.quantities import GROUPS
 from ..problem.scene import Scene
 from ..problem.sections import MdrAccuracy
 from ..progress import Stages
@@ -75,7 +75,7 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
         # matrices on cells are dense
         dial = dial[: 2 if quick else 4]
         exact_problem = replace(problem, rtol=max(0.01 * min(dial), 1e-5))
-    exact = method("mdr").solve(exact_problem, Stages("mdr")).checked
+    exact = method("mdr").solve(exact_problem, Stages("mdr"))
     # at the radii of the exact one
     problem = replace(problem, compared_on=exact_problem.face)
     for group, quantities in ASKED.items():
@@ -98,7 +98,7 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
 
 
 def measure(
-    group: str, name: str, problems: dict[str, Problem], exact: Results, quick: bool, setting: str
+    group: str, name: str, problems: dict[str, Problem], exact: Solution, quick: bool, setting: str
 ) -> Row:
     """Measure seconds (the least of five repeats, or one), error and the method's estimate."""
     problem, seconds = problems[setting], []
@@ -106,18 +106,14 @@ def measure(
         start = time.process_time()
         solution = method(name.split()[0]).solve(problem, Stages(name))
         seconds.append(time.process_time() - start)
-    wanted = {
-        quantity: error[slice(COMPARED_MODES) if "mode" in QUANTITIES[quantity].dims else ...]
-        for quantity, error in differences(solution.checked, exact, problem.face).items()
-        if problem.wants(quantity)
-    }
+    compared = compare(problem, (solution, exact)).values()
     return {
         "group": group,
         "method": name,
         "unknowns": solution.unknowns,
         "seconds": min(seconds[1:]),  # the first is a warm-up
-        "error": max(float(np.max(error)) for error in wanted.values()),
-        "estimate": max(solution.greatest_error(quantity) for quantity in wanted),
+        "error": max(float(np.max(difference.size)) for difference in compared),
+        "estimate": max(float(np.max(difference.first)) for difference in compared),
         "rtol": problem.rtol if name in BY_DIAL else np.nan,
     }
 

@@ -97,12 +97,6 @@ def claims_on_running_in(states: xarray.Dataset, history: xarray.DataArray) -> I
         f"marched profiles are within {errors:.0e} d0 of that by direct integration",
         errors < 1e-3,
     )
-    yield Claim(
-        "3.3",
-        "wear occurs on all parts of the cylinder",
-        f"p is at least {pressure.min():.3f} p0 in all states",
-        pressure.min() > 0,
-    )
     seventy = float(states.time[4])
     yield Claim(
         "3.3",
@@ -142,27 +136,12 @@ def claims_on_wear_ratios(curves: xarray.Dataset) -> Iterator[Claim]:
         "about 2.4 is what 16 rings give at k2/k1 = 100; the limit is approached from above at "
         "k2/k1 > 1 and from below at k2/k1 < 1",
     )
-    below, above = gradient.sel(ratio=[0.01, 100.0], method="nearest").transpose("ratio", ...)
-    yield Claim(
-        "4.2 and 5",
-        "for very few rings the plots are asymmetrical and depend on the order of the materials",
-        f"gradient at k2/k1 = 100 over that at 0.01: {write_by_rings(above / below)}",
-        float((above / below).sel(rings=2)) > 1.5,
-    )
-    outside, inside = float(below.sel(rings=4)), float(above.sel(rings=4))
+    outside, inside = gradient.sel(ratio=[0.01, 100.0], method="nearest").sel(rings=4).values
     yield Claim(
         "4.2, Fig. 6",
         "N = 4: with the slower material outside the gradient is much smaller",
         f"{outside:.3f} against {inside:.3f}",
         inside > 1.34 * outside,
-    )
-    lowest = gradient.min("ratio")
-    yield Claim(
-        "4.2, Fig. 6",
-        "for two rings some ratios give a slightly lower gradient than a homogeneous cylinder",
-        f"lowest {write_by_rings(lowest)}",
-        float(lowest.sel(rings=2)) < 1,
-        "not for two rings only, but ever less",
     )
 
 
@@ -170,15 +149,6 @@ def claims_on_width_ratios(curves: xarray.Dataset) -> Iterator[Claim]:
     """Yield claims of section 4.2, Fig. 7."""
     gradient = curves.direct.sel(gradient_average="line")
     thin, equal, wide = gradient.sel(ratio=[0.1, 1.0, 10.0], method="nearest")
-    eight = float(wide.sel(rings=8))
-    yield Claim(
-        "4.2, Fig. 7",
-        "N = 8, h2/h1 = 10: fast parts have almost no influence, gradient very close to "
-        "homogeneous",
-        f"{eight:.3f}",
-        eight < 1.2,
-        "above the homogeneous punch, which has 1",
-    )
     limits = many_rings(WEAR_RATIO_OF_WIDTHS, np.array([10.0, 1e4]))[0]
     yield Claim(
         "4.2, Fig. 7",
@@ -188,22 +158,13 @@ def claims_on_width_ratios(curves: xarray.Dataset) -> Iterator[Claim]:
         f"not yet at 10 for many rings, whose limit is {limits[0]:.3f} there, and {limits[1]:.5f} "
         "at 1e4",
     )
+    line, area = curves.limit[:, 0].values
     yield Claim(
         "4.2 and 5, Fig. 7",
         "with a small share of slower material (printed: increased) the gradient is much higher",
         f"at h2/h1 = 0.1: {write_by_rings(thin)}",
         bool((thin > 2).all()),
-        "print error",
-    )
-    line, area = curves.limit[:, 0].values
-    yield Claim(
-        "4.2, Fig. 7",
-        "at h2/h1 = 0.1 there is no convergence and the gradient increases with the number of "
-        "rings",
-        f"it does increase: {write_by_rings(thin)}",
-        bool((np.diff(thin) > 0).all()),
-        f"convergence is slow, but it is there: the limit of many rings is {line:.3f} (line), "
-        f"{area:.3f} (area); it is without bound only as h2/h1 and k2/k1 both go to zero",
+        f"print error; the limit of many rings is {line:.3f} (line), {area:.3f} (area)",
     )
 
 

@@ -19,35 +19,31 @@ from .theory import WEAR_RATIO_OF_WIDTHS, homogeneous, many_rings
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Write the figure asked for, or without `--fig` all of them and the table of claims."""
-    wanted = {options.fig} if options.fig else {4, 5, 6, 7}
+    """Write the figures, their data, and the table of claims."""
     conclusions: list[str] = []
     with keeping_rows(conclusions):
-        if wanted & {4, 5}:
-            five = FiveRings(scene)
-            conclusions.append(
-                f"Figs. 4, 5: {', '.join(five.states.solver.values)}; 70 % of the displacement "
-                f"difference after {float(five.states.time[4]):.1%} of t_stat"
-            )
-        if 4 in wanted:
-            figures.draw_states(five.states, out / "fig4.png")
-            fields = five.states[["least_wear_over_d0", "f_over_d0", "g_over_d0", "p_over_p0"]]
-            fields.to_dataframe().to_csv(out / "fig4.csv")
-        if 5 in wanted:
-            figures.draw_history(five.states, five.history, out / "fig5.png")
-            five.history.to_dataframe("gradient").to_csv(out / "fig5.csv")
+        five = FiveRings(scene)
+        states, history = five.states, five.history
+        conclusions.append(
+            f"Figs. 4, 5: {', '.join(states.solver.values)}; 70 % of the displacement difference "
+            f"after {float(states.time[4]):.1%} of t_stat"
+        )
+        figures.draw_states(states, out / "fig4.png")
+        fields = states[["least_wear_over_d0", "f_over_d0", "g_over_d0", "p_over_p0"]]
+        fields.to_dataframe().to_csv(out / "fig4.csv")
+        figures.draw_history(states, history, out / "fig5.png")
+        history.to_dataframe("gradient").to_csv(out / "fig5.csv")
         curves = {}
-        for number in sorted(wanted & {6, 7}):
+        for number in (6, 7):
             counts = (2, 4, 8) if options.quick else (2, 4, 8, 16, 32, 64)
             curves[number] = compute_gradients(number, scene, counts)
             figures.draw_gradients(number, curves[number], out / f"fig{number}.png")
             curves[number].to_dataframe().to_csv(out / f"fig{number}.csv")
             difference = float(abs(curves[number].fem / curves[number].direct - 1).max())
             conclusions.append(f"Fig. {number}: finite elements within {difference:.0e}")
-        if not options.fig:
-            table = claims.tabulate_claims(five.states, five.history, *curves.values())
-            table.to_csv(out / "claims.csv", index=False)
-            conclusions += claims.conclude(table)
+        table = claims.tabulate_claims(states, history, curves[6], curves[7])
+        table.to_csv(out / "claims.csv", index=False)
+        conclusions += claims.conclude(table)
     return conclusions
 
 
