@@ -83,7 +83,7 @@ STUDIES: dict[str, Study] = {
     "extremes": Study(
         "numerics.extremes",
         "a map of the limits: every method at extreme parameters against closed forms",
-        46,
+        55,
     ),
     "tradeoff": Study(
         "numerics.tradeoff",

@@ -39,10 +39,10 @@ from ..methods.evaluation import MovingContact
 from ..methods.norms import Results, differences
 from ..methods.spaces import first_contact
 from ..problem.defaults import FACTOR, GROWTH
-from ..problem.problem import D0, Problem
+from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..tables import Row
-from .core import FLAT, Discretised, condense, evaluate, flat_d0
+from .core import FLAT, Discretised, condense, evaluate, flat_d0_error
 from .sequences import Family, Theory, study_orders
 from .subdivision import subdivided, triangulated
 
@@ -85,23 +85,27 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
 def families(problem: Problem, quick: bool) -> Iterator[Family]:
     """Yield MDR and finite elements, on the flat start and on rings, by size and by degree."""
     edges, ratio = problem.merged.ring_edges, problem.poisson_ratio
-    rings = partial(ring_quantities, problem)
-    # exact values: of rings by a fine MDR, and their gradient in closed form
-    flat, worn = {"d0": D0}, rings(by_mdr(edges, RING_EDGE, 10, 0.15)[0])
-    worn["RMS gradient"] = direct.rms_slope(edges, direct.steady_pressures(*problem.merged))
+    # exact values of rings: by a fine MDR, and their gradient in closed form
+    exact = ring_quantities(problem, by_mdr(edges, RING_EDGE, 10, 0.15)[0])
+    exact["RMS gradient"] = direct.rms_slope(edges, direct.steady_pressures(*problem.merged))
+
+    def flat(compliance: Compliance) -> Row:
+        return {"d0": flat_d0_error(compliance)}
+
+    def worn(compliance: Compliance) -> Row:
+        values = ring_quantities(problem, compliance)
+        return {quantity: values[quantity] / exact[quantity] - 1 for quantity in exact}
 
     def refine(
         name: str,
         discretise: Callable[[Any], Discretised],
         sizes: Mapping[Any, float],
-        exact: Mapping[str, float],
+        errors: Callable[[Compliance], Row],
         theory: Mapping[str, Theory],
     ) -> Family:
         def solve(setting: Any) -> Row:
             compliance, unknowns = discretise(setting)
-            values = flat_d0(compliance) if exact is flat else rings(compliance)
-            errors = {quantity: values[quantity] / exact[quantity] - 1 for quantity in exact}
-            return {"unknowns": unknowns} | errors
+            return {"unknowns": unknowns, **errors(compliance)}
 
         (xlabel,) = (label for kind, label in XLABELS.items() if name.startswith(kind))
         return Family(name, sizes, solve, theory, xlabel)
@@ -114,7 +118,7 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
     # degrees above 1 meet zeros or roundoff too early
     by_grading, sizes = partial(by_mdr, edges, RING_EDGE, 1), ellipses((0.6, 0.7, 0.78, 0.84))
     # the gradient is of two orders less, and feels the smallest elements more
-    theory = dict.fromkeys(worn, Theory(4, floor=2e-10)) | {"RMS gradient": Theory(2, RING_EDGE)}
+    theory = dict.fromkeys(exact, Theory(4, floor=2e-10)) | {"RMS gradient": Theory(2, RING_EDGE)}
     yield refine("MDR degree 1, rings", by_grading, sizes, worn, theory)
 
     for degree, counts in {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}.items():
@@ -134,7 +138,7 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
     yield refine("FEM quads, digits per degree", by_degree, raised, flat, theory)
     if not quick:
         by_degree = partial(by_quads, edges, RING_EDGE, ratio)
-        theory = dict.fromkeys(worn, Theory(floor=1e-13))
+        theory = dict.fromkeys(exact, Theory(floor=1e-13))
         yield refine("FEM quads, rings, digits per degree", by_degree, raised, worn, theory)
 
 

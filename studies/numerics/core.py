@@ -11,7 +11,7 @@ from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..methods.evaluation import FullContact
 from ..methods.norms import Results
-from ..problem.problem import Problem
+from ..problem.problem import D0, Problem
 from ..wear.flat_contact import press_flat
 
 Discretised = tuple[Compliance, int]
@@ -30,9 +30,9 @@ def condense(
     return half_space.compliance(), half_space.unknowns
 
 
-def flat_d0(compliance: Compliance) -> dict[str, float]:
-    """Return the indentation of the flat start, singular at the rim."""
-    return {"d0": press_flat(compliance).indentation}
+def flat_d0_error(compliance: Compliance) -> float:
+    """Return the relative error of the indentation of the flat start, singular at the rim."""
+    return press_flat(compliance).indentation / D0 - 1
 
 
 def evaluate(problem: Problem, compliance: Compliance) -> Results:

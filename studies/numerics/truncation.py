@@ -19,7 +19,8 @@ from ...meshes.compliance import Compliance
 from ...meshes.sizes import SizeField
 from ..problem.scene import Scene
 from ..tables import Row
-from .core import FLAT, condense, flat_d0
+from ..wear.flat_contact import press_flat
+from .core import FLAT, condense
 from .sequences import Family, Theory, study_orders
 from .subdivision import triangulated
 
@@ -56,9 +57,9 @@ def move_outwards(radii: tuple[float, ...], poisson_ratio: float) -> Family:
 
 def far_field_errors(compliance: Compliance, poles: int) -> dict[str, float]:
     """Return by how much the flat start of each far field is off that with all poles."""
-    clamped = len(compliance.factor) - poles
-    starts = [
-        flat_d0(replace(compliance, factor=compliance.factor[: clamped + count]))["d0"]
-        for count in (*range(len(FAR_FIELDS)), poles)
-    ]
-    return {far: start / starts[-1] - 1 for far, start in zip(FAR_FIELDS, starts, strict=False)}
+    clamped, best = len(compliance.factor) - poles, press_flat(compliance).indentation
+    errors = {}
+    for count, far in enumerate(FAR_FIELDS):
+        fewer = replace(compliance, factor=compliance.factor[: clamped + count])
+        errors[far] = press_flat(fewer).indentation / best - 1
+    return errors
