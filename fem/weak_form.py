@@ -90,12 +90,3 @@ def tables(element: Element, points: Array) -> tuple[Array, Array]:
     """Values (n, q) and reference gradients (n, 2, q) of an element's functions."""
     pairs = [element.lbasis(points, i) for i in range(len(element.doflocs))]
     return np.array([value for value, _ in pairs]), np.array([gradient for _, gradient in pairs])
-
-
-def projection(element: Element, points: Array, weights: Array, targets: Array) -> Array:
-    """(q, targets) values at reference points of the least squares in an element's functions, by
-    values at a rule's.
-    """
-    value, _ = tables(element, points)
-    moments = value * weights
-    return np.asarray(moments.T @ np.linalg.solve(moments @ value.T, tables(element, targets)[0]))

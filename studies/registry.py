@@ -48,18 +48,8 @@ class Study:
 STUDIES: dict[str, Study] = {
     "paper": Study(
         "paper.study",
-        "the whole paper again: Figs. 4 to 7 redrawn, every claim checked, and what it leaves open",
-        20,
-        options=(
-            (
-                "--fig",
-                {
-                    "type": int,
-                    "choices": (4, 5, 6, 7),
-                    "help": "only this figure (default: all, and the tables)",
-                },
-            ),
-        ),
+        "the whole paper again: Figs. 4 to 7 redrawn, its claims checked, and what it leaves open",
+        30,
     ),
     "convergence": Study(
         "numerics.convergence",
@@ -77,8 +67,7 @@ STUDIES: dict[str, Study] = {
     ),
     "refinement": Study(
         "numerics.refinement",
-        "uniform, graded and self-refining meshes, and a mesh file of your own, against what is "
-        "known",
+        "uniform and graded meshes, and a mesh file of your own, against what is known",
         7,
         options=(
             (
@@ -94,7 +83,7 @@ STUDIES: dict[str, Study] = {
     "extremes": Study(
         "numerics.extremes",
         "a map of the limits: every method at extreme parameters against closed forms",
-        46,
+        55,
     ),
     "tradeoff": Study(
         "numerics.tradeoff",

@@ -1,7 +1,6 @@
-"""Tables of studies: on disk row by row, as CSV."""
+"""Tables of studies that were stopped: what is finished is kept."""
 
-import csv
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -9,29 +8,6 @@ from typing import Any
 from .registry import INTERRUPTED
 
 Row = Mapping[str, Any]
-
-
-class Table:
-    """Rows that are on disk as CSV as soon as they are known.
-
-    Columns that a row does not name stay empty.
-    """
-
-    def __init__(self, path: Path, fields: Iterable[str], rows: Iterable[Row] = ()) -> None:
-        self.path, self.fields = path, tuple(fields)
-        self.rows: list[Row] = []
-        self._append("w", self.fields)
-        for row in rows:
-            self.add(**row)
-
-    def add(self, **row: Any) -> None:
-        """Add a row: values by the names of their columns."""
-        self.rows.append(row)
-        self._append("a", (row.get(name, "") for name in self.fields))
-
-    def _append(self, mode: str, values: Iterable[Any]) -> None:
-        with self.path.open(mode, newline="", encoding="utf-8") as file:
-            csv.writer(file, lineterminator="\n").writerow(list(values))
 
 
 @contextmanager

@@ -20,7 +20,7 @@ have no exact closed form, but limits.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import gamma, hyp2f1
+from scipy.special import ellipe, ellipkm1, gamma, hyp2f1
 
 
 @dataclass(frozen=True)
@@ -125,3 +125,16 @@ class FrettedSphere:
         half_space = (self.indentation - beyond) * np.arcsin(c / outside) + tail
         worn = self.indentation - 2 / np.pi * half_space
         return np.where(radii > c, np.maximum(worn, unworn), unworn)
+
+
+def disc_energies(discs):
+    """(N, N) ``int u_a p_b dA`` of unit pressures on discs of radii a and b.
+
+    The energy of one in the field of the other. Plane strain modulus 1.
+    """
+    outer, inner = np.maximum(discs[:, None], discs), np.minimum(discs[:, None], discs)
+    square = (inner / outer) ** 2
+    # (a^2 - b^2) K tends to zero as the discs become one, where K itself is infinite
+    complement = (outer - inner) * (outer + inner)
+    second = complement * ellipkm1(np.maximum(complement / outer**2, np.finfo(float).tiny))
+    return 8 / 3 * outer * ((outer**2 + inner**2) * ellipe(square) - second)

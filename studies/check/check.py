@@ -34,7 +34,6 @@ def write_check(result: Checked, directory: Path) -> None:
         f"{row.at(names)}, order {row.sequence.order:.2g}": (
             row.sequence.sizes,
             row.sequence.errors,
-            np.nan,
         )
         for row in result.refinements
     }

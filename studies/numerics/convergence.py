@@ -29,6 +29,7 @@ import numpy as np
 
 from ...fem.contact_meshes import even_half_space
 from ...mdr import direct, energy, ring_kernel
+from ...meshes import bisection
 from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.quads import graded
@@ -38,12 +39,12 @@ from ..methods.evaluation import MovingContact
 from ..methods.norms import Results, differences
 from ..methods.spaces import first_contact
 from ..problem.defaults import FACTOR, GROWTH
-from ..problem.problem import D0, Problem
+from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..tables import Row
-from .core import evaluate
-from .sequences import Family, Theory, levels, study_orders
-from .subdivision import FLAT, Discretised, condense, flat_d0, subdivided, triangulated
+from .core import FLAT, Discretised, condense, evaluate, flat_d0_error
+from .sequences import Family, Theory, study_orders
+from .subdivision import subdivided, triangulated
 
 PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
 """Sizes of the smallest elements: by MDR at the rim of the flat punch; of rings."""
@@ -84,26 +85,30 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
 def families(problem: Problem, quick: bool) -> Iterator[Family]:
     """Yield MDR and finite elements, on the flat start and on rings, by size and by degree."""
     edges, ratio = problem.merged.ring_edges, problem.poisson_ratio
-    rings = partial(ring_quantities, problem)
-    # exact values: of rings by a fine MDR, and their gradient in closed form
-    flat, worn = {"d0": D0}, rings(by_mdr(edges, RING_EDGE, 10, 0.15)[0])
-    worn["RMS gradient"] = direct.rms_slope(edges, direct.steady_pressures(*problem.merged))
+    # exact values of rings: by a fine MDR, and their gradient in closed form
+    exact = ring_quantities(problem, by_mdr(edges, RING_EDGE, 10, 0.15)[0])
+    exact["RMS gradient"] = direct.rms_slope(edges, direct.steady_pressures(*problem.merged))
+
+    def flat(compliance: Compliance) -> Row:
+        return {"d0": flat_d0_error(compliance)}
+
+    def worn(compliance: Compliance) -> Row:
+        values = ring_quantities(problem, compliance)
+        return {quantity: values[quantity] / exact[quantity] - 1 for quantity in exact}
 
     def refine(
         name: str,
         discretise: Callable[[Any], Discretised],
         sizes: Mapping[Any, float],
-        exact: Mapping[str, float],
+        errors: Callable[[Compliance], Row],
         theory: Mapping[str, Theory],
     ) -> Family:
         def solve(setting: Any) -> Row:
             compliance, unknowns = discretise(setting)
-            values = flat_d0(compliance) if exact is flat else rings(compliance)
-            errors = {quantity: values[quantity] / exact[quantity] - 1 for quantity in exact}
-            return {"unknowns": unknowns} | errors
+            return {"unknowns": unknowns, **errors(compliance)}
 
         (xlabel,) = (label for kind, label in XLABELS.items() if name.startswith(kind))
-        return Family(name, levels(sizes, solve), theory, xlabel)
+        return Family(name, sizes, solve, theory, xlabel)
 
     # errors below the floors are of roundoff, or of the innermost elements
     for degree in (1, 2) if quick else (1, 2, 3, 4):
@@ -113,17 +118,19 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
     # degrees above 1 meet zeros or roundoff too early
     by_grading, sizes = partial(by_mdr, edges, RING_EDGE, 1), ellipses((0.6, 0.7, 0.78, 0.84))
     # the gradient is of two orders less, and feels the smallest elements more
-    theory = dict.fromkeys(worn, Theory(4, floor=2e-10)) | {"RMS gradient": Theory(2, RING_EDGE)}
+    theory = dict.fromkeys(exact, Theory(4, floor=2e-10)) | {"RMS gradient": Theory(2, RING_EDGE)}
     yield refine("MDR degree 1, rings", by_grading, sizes, worn, theory)
 
-    for field in (PUNCH_MESH, UNIFORM_MESH):
-        for degree, counts in {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}.items():
-            by_count = partial(by_triangles, field, degree, ratio)
-            name, order = ("graded", 2 * degree) if field.growth else ("uniform", 1)
-            sizes = {count: 1 / count for count in counts}
-            # the innermost elements cost d0 0.06 of their size
-            theory = {"d0": Theory(order, floor=0.06 * PUNCH_MESH.rim_size)}
-            yield refine(f"FEM P{degree}, {name}", by_count, sizes, flat, theory)
+    for degree, counts in {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}.items():
+        by_count = partial(by_triangles, degree, ratio)
+        sizes = {count: 1 / count for count in counts}
+        # the innermost elements cost d0 0.06 of their size
+        theory = {"d0": Theory(2 * degree, floor=0.06 * PUNCH_MESH.rim_size)}
+        yield refine(f"FEM P{degree}, graded", by_count, sizes, flat, theory)
+    for degree, halvings in {2: (1, 2, 3), 3: (0, 1, 2), 4: (0, 1, 2)}.items():
+        by_halving = partial(by_even_triangles, degree, ratio)
+        sizes = {count: 0.5**count for count in halvings}
+        yield refine(f"FEM P{degree}, uniform", by_halving, sizes, flat, {"d0": Theory(1)})
 
     raised = {degree: 0.1**degree for degree in QUAD_DEGREES}
     by_degree = partial(by_quads, FLAT, 0.0, ratio)
@@ -131,7 +138,7 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
     yield refine("FEM quads, digits per degree", by_degree, raised, flat, theory)
     if not quick:
         by_degree = partial(by_quads, edges, RING_EDGE, ratio)
-        theory = dict.fromkeys(worn, Theory(floor=1e-13))
+        theory = dict.fromkeys(exact, Theory(floor=1e-13))
         yield refine("FEM quads, rings, digits per degree", by_degree, raised, worn, theory)
 
 
@@ -164,7 +171,8 @@ def families_of_cells(problem: Problem, quick: bool) -> Iterator[Family]:
         name = f"FEM P{degree}" if degree else "MDR"
         yield Family(
             name,
-            levels(sizes, partial(solve, degree)),
+            sizes,
+            partial(solve, degree),
             theory,
             "size of cells over that of rtol 1e-4",
         )
@@ -184,13 +192,16 @@ def by_mdr(ring_edges: Array, smallest: float, degree: int, grading: float) -> D
     return energy.compliance(space), space.size
 
 
-def by_triangles(field: SizeField, degree: int, poisson_ratio: float, count: int) -> Discretised:
-    """Discretise by triangles subdivided in log-polar coordinates about the ring edges that they
-    are graded to.
-    """
-    edges = np.array(field.ring_edges)
-    mesh = subdivided(triangulated(field), count, edges[1:] if field.growth else edges[:0])
-    return condense(mesh, edges, degree, poisson_ratio, poles=3)
+def by_triangles(degree: int, poisson_ratio: float, count: int) -> Discretised:
+    """Discretise by triangles graded to the rim, each divided into ``count^2``."""
+    mesh = subdivided(triangulated(PUNCH_MESH), count)
+    return condense(mesh, FLAT, degree, poisson_ratio, poles=3)
+
+
+def by_even_triangles(degree: int, poisson_ratio: float, halvings: int) -> Discretised:
+    """Discretise by triangles of one size, halved so many times."""
+    mesh = bisection.mesh(UNIFORM_MESH).refined(halvings)
+    return condense(mesh, FLAT, degree, poisson_ratio, poles=3)
 
 
 def by_quads(ring_edges: Array, least: float, poisson_ratio: float, degree: int) -> Discretised:

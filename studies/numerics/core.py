@@ -1,25 +1,38 @@
-"""What studies measure on a compliance, and what is exact. Non-dimensional."""
+"""Finite elements condensed to a compliance, and what studies measure on it. Non-dimensional."""
 
 from dataclasses import replace
 
 import numpy as np
+from skfem import Mesh
 
-from ...mdr import energy
+from ...fem.elasticity import AxisymmetricElasticity
+from ...fem.half_space import HalfSpace, pressure_space
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..methods.evaluation import FullContact
 from ..methods.norms import Results
-from ..methods.spaces import radial_space
 from ..problem.problem import D0, Problem
+from ..wear.flat_contact import press_flat
+
+Discretised = tuple[Compliance, int]
+"""A compliance, and the number of unknowns behind it."""
+FLAT = np.array([0.0, 1.0])
+"""Edges of a punch of one ring."""
 
 
-def exact_indentation(problem: Problem) -> Array:
-    """Return the indentation (T,) by an MDR far finer than what is studied, exact in time."""
-    space = radial_space(problem, degree=9, rim_size=1e-8, ring_size=2e-5, grading=0.25)
-    alone = replace(problem, quantities=frozenset(["indentation"]))
-    values = evaluate(alone, energy.compliance(space))["indentation"]
-    # the start is known in closed form, more accurately than on any mesh
-    return np.where(problem.times == 0, D0, values)
+def condense(
+    mesh: Mesh, ring_edges: Array, degree: int, poisson_ratio: float, poles: int
+) -> Discretised:
+    """Condense the finite-element half-space on a mesh, with so many poles as its far field."""
+    solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)
+    orders = tuple(range(0, 2 * poles, 2))
+    half_space = HalfSpace(solid, pressure_space(solid, ring_edges), orders)
+    return half_space.compliance(), half_space.unknowns
+
+
+def flat_d0_error(compliance: Compliance) -> float:
+    """Return the relative error of the indentation of the flat start, singular at the rim."""
+    return press_flat(compliance).indentation / D0 - 1
 
 
 def evaluate(problem: Problem, compliance: Compliance) -> Results:

@@ -1,7 +1,8 @@
 """A map of the limits: every method at parameters far from the usual ones, against closed forms.
 
-The scenes are listed in `extremes.toml`. A cell of the map is a run of one scene by one method. Its
-verdict is the worst of its quantities and anchors (`studies/crosscheck/anchors.py`):
+The scenes are listed in `extremes.toml`. A cell of the map is a run of one scene by one method,
+beside direct integration. Its verdict is the worst of the quantities of the steady state, which
+direct integration has in closed form, and of anchors (`studies/crosscheck/anchors.py`):
 
     within      the error is within the method's own estimate, and every anchor holds
     degraded    the estimate states an error above ten times the accuracy asked for, or falls short
@@ -26,17 +27,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ...mdr import direct
 from ...meshes.errors import RingwearError
 from ...meshes.radial import ring_areas, ring_of
 from ..crosscheck.dataset import Result
 from ..crosscheck.run import run
 from ..figures.style import GREYS, RED, legend_of, new_figure
-from ..problem.problem import D0
-from ..problem.quantities import QUANTITIES
 from ..problem.scene import Scene
-from ..tables import Row, Table
-from .sequences import Family, Level, solve_all
+from ..tables import Row
+from .sequences import Family, solve_all
 
 VERDICTS: dict[str, tuple[Any, ...]] = {
     "within": ("s", "0.8", 20, "its error is within its own estimate"),
@@ -49,20 +47,19 @@ VERDICTS: dict[str, tuple[Any, ...]] = {
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Judge every cell; writes `extremes` and `extremes_limits`.
+    """Judge every cell; writes `extremes`.
 
     Of the scene, Poisson's ratio is taken.
     """
-    fields = ["family", "method", "x", "y", "verdict", "quantity", "error", "estimate", "rtol"]
-    table = Table(out / "extremes.csv", [*fields, "seconds", "message", "parameters"])
+    columns = ["family", "method", "x", "y", "verdict", "quantity", "error", "estimate"]
+    columns += ["seconds", "message", "parameters"]
     conclusions: list[str] = []
-    solve_all(families(scene.half_space.poisson_ratio, options.quick), table, conclusions)
-    if table.rows:
-        draw(table.rows, out / "extremes.png")
-        tabulate_limits(table.rows).to_csv(out / "extremes_limits.csv", index=False)
-    verdicts = [row["verdict"] for row in table.rows]
-    counted = ", ".join(f"{verdicts.count(verdict)} {verdict}" for verdict in VERDICTS)
-    conclusions.append(f"{len(verdicts)} cells: {counted}")
+    judged = families(scene.half_space.poisson_ratio, options.quick)
+    cells = solve_all(judged, out / "extremes.csv", columns, conclusions)
+    if len(cells):
+        draw(cells, out / "extremes.png")
+    counted = ", ".join(f"{(cells.verdict == verdict).sum()} {verdict}" for verdict in VERDICTS)
+    conclusions.append(f"{len(cells)} cells: {counted}")
     return conclusions
 
 
@@ -77,13 +74,13 @@ def families(poisson_ratio: float, quick: bool) -> Iterator[Family]:
         axes = [read_axis(family[axis], table["axes"]) for axis in "xy"]
         if quick:
             axes = [{x: axis[x] for x in (*list(axis)[::4], list(axis)[-1])} for axis in axes]
-        levels = []
+        scenes = {}
         for x, method, y in product(axes[0], family["methods"], axes[1]):
-            changes = {"methods": [method], "accuracy.rtol": table["rtol"][method]}
+            changes = {"accuracy.rtol": table["rtol"][method]}
             changes |= family.get("scene", {}) | axes[0][x] | axes[1][y]
-            scene = base.changed(**{key.replace(".", "__"): changes[key] for key in changes})
-            levels.append(Level((method, x, y), partial(judge, scene, method, x, y)))
-        yield Family(family["name"], levels)
+            changed = {key.replace(".", "__"): value for key, value in changes.items()}
+            scenes[method, x, y] = base.changed(**changed)
+        yield Family(family["name"], dict.fromkeys(scenes, np.nan), partial(judge, scenes))
 
 
 def read_axis(axis: str | dict[str, Any], named: dict[str, Any]) -> dict[Any, dict[str, Any]]:
@@ -97,21 +94,22 @@ def read_axis(axis: str | dict[str, Any], named: dict[str, Any]) -> dict[Any, di
     return {value: {key: [value] if key == "wear.times" else value} for value in values}
 
 
-def judge(scene: Scene, method: str, x: Any, y: Any) -> Row:
+def judge(scenes: dict[tuple[str, Any, Any], Scene], cell: tuple[str, Any, Any]) -> Row:
     """Return a row of the table: a scene by one method, by the worst of its quantities."""
-    start = time.perf_counter()
+    (method, x, y), start = cell, time.perf_counter()
     worst: dict[str, Any]
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", RuntimeWarning)
-            worst = max(judge_quantities(run(scene)), key=rank)
+            methods = dict.fromkeys([method, "direct"])
+            worst = max(judge_quantities(run(scenes[cell], list(methods))), key=rank)
     except RingwearError as error:
         worst = {"verdict": "refused", "message": str(error)}
     except Exception as error:  # whatever else comes out is what the study looks for
         worst = {"verdict": "crashed", "message": f"{type(error).__name__}: {error}"}
-    about = {"rtol": scene.accuracy.rtol, "parameters": json.dumps(scene.table())}
-    seconds = round(time.perf_counter() - start, 4)
-    return {"method": method, "x": x, "y": y} | worst | about | {"seconds": seconds}
+    seconds, parameters = round(time.perf_counter() - start, 4), json.dumps(scenes[cell].table())
+    about = {"method": method, "x": x, "y": y, "seconds": seconds, "parameters": parameters}
+    return about | worst
 
 
 def rank(judged: dict[str, Any]) -> tuple[int, float]:
@@ -120,35 +118,16 @@ def rank(judged: dict[str, Any]) -> tuple[int, float]:
 
 
 def judge_quantities(result: Result) -> Iterator[dict[str, Any]]:
-    """Yield the verdict on every number that has a closed form, and on every anchor."""
-    problem, ((_, solution),) = result.scene.problem, result.solutions.items()
-    edges, times = problem.merged.ring_edges, problem.times
-    pressures = direct.steady_pressures(*problem.merged)
-    wear_rate = pressures[0] * problem.merged.wear_coefficients[0]
-    expected: dict[str, Any] = {
-        "steady_wear_rate": wear_rate,
-        "steady_displacement_max": direct.greatest_displacement(edges, pressures),
-        "steady_rms_slope": direct.rms_slope(edges, pressures, problem.gradient_average),
-    }
-    if solution.wear and len(times):
-        # after fifty of the slowest relaxation times, 0.4 / k_min, only the steady state is left
-        late = times > 50 * 0.4 / problem.wear_coefficients.min()
-        radii, weights, _ = direct.slopes_everywhere(edges, pressures)
-        ring, areas = ring_of(edges, radii), radii * weights
-        moved = np.bincount(ring, areas * direct.displacement(edges, pressures, radii))
-        work = (pressures * ring_areas(edges)) @ (moved / np.bincount(ring, areas))
-        between = np.where(times > 0, np.nan, D0)
-        expected["indentation"] = np.where(late, wear_rate * times + work, between)
-    for name, exact in expected.items():
-        unit = getattr(problem.units, QUANTITIES[name].unit)
-        errors = np.abs(result.dataset[name].values[0] / unit / exact - 1)
-        for error, estimate in np.nditer([errors, solution.errors[name]]):
-            if np.isfinite(exact).all():
-                yield verdict_on(name, float(error), float(estimate), problem.rtol)
+    """Yield the verdict on every quantity of the steady state, which `direct` has in closed form,
+    and on every anchor.
+    """
+    rtol = result.scene.accuracy.rtol
+    for row in result.agreement:
+        yield verdict_on(row.quantity, row.difference, row.uncertainty, rtol)
     for anchor in result.anchors:
         # what is tolerated is not the method's error alone
-        rtol = max(problem.rtol, anchor.tolerance)
-        yield verdict_on(anchor.name, anchor.difference, anchor.tolerance, rtol)
+        tolerated = max(rtol, anchor.tolerance)
+        yield verdict_on(anchor.name, anchor.difference, anchor.tolerance, tolerated)
 
 
 def verdict_on(quantity: str, error: float, estimate: float, rtol: float) -> dict[str, Any]:
@@ -160,17 +139,17 @@ def verdict_on(quantity: str, error: float, estimate: float, rtol: float) -> dic
     return {"verdict": verdict, "quantity": quantity, "error": error, "estimate": estimate}
 
 
-def draw(rows: list[Row], path: Path) -> None:
+def draw(cells: pd.DataFrame, path: Path) -> None:
     """Draw one page: a panel for each family and method, a symbol for each cell."""
-    panels = pd.DataFrame(rows).groupby(["family", "method"], sort=False)
+    panels = cells.groupby(["family", "method"], sort=False)
     height = -(-len(panels) // 5)
     figure = new_figure(16, 3.2 * height)
-    for number, ((family, method), cells) in enumerate(panels, 1):
+    for number, ((family, method), panel) in enumerate(panels, 1):
         across, _, up = str(family).partition(" × ")
         axes = figure.add_subplot(height, 5, number, title=method, xlabel=across, ylabel=up)
-        (xs, x_values), (ys, y_values) = (pd.factorize(cells[axis]) for axis in "xy")
+        (xs, x_values), (ys, y_values) = (pd.factorize(panel[axis]) for axis in "xy")
         for verdict, (marker, shade, size, meaning) in VERDICTS.items():
-            these = cells.verdict == verdict
+            these = panel.verdict == verdict
             look = {"s": size, "color": shade, "marker": marker}
             axes.scatter(xs[these], ys[these], **look, label=f"{verdict}: {meaning}")
         for axis, values in ((axes.xaxis, x_values), (axes.yaxis, y_values)):
@@ -180,11 +159,3 @@ def draw(rows: list[Row], path: Path) -> None:
         axes.margins(0.1)
     legend_of(figure, figure.axes[:1])
     figure.savefig(path)
-
-
-def tabulate_limits(rows: list[Row]) -> pd.DataFrame:
-    """Count the verdicts of each family and method; at which values they are is for the map."""
-    cells = pd.DataFrame(rows)
-    panels = [cells.family, cells.method]
-    counts = pd.crosstab(panels, cells.verdict).reindex(columns=list(VERDICTS), fill_value=0)
-    return counts.assign(**{"greatest error": cells.groupby(panels).error.max()}).reset_index()

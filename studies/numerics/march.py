@@ -18,7 +18,7 @@ from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..tables import Row
 from ..wear.full_contact import RunningIn
-from .sequences import Family, Theory, levels, study_orders
+from .sequences import Family, Theory, study_orders
 
 TIME = 0.5
 """When errors are taken, non-dimensional."""
@@ -52,7 +52,7 @@ def refine_step(wear: RunningIn, march: str, count: int) -> Family:
         return {"unknowns": wear.compliance.space.size, ERROR: float(indentation / exact - 1)}
 
     sizes = {steps: TIME / steps for steps in first * 2 ** np.arange(count)}
-    return Family(f"{march} march", levels(sizes, solve), {ERROR: Theory(1.0)}, XLABEL)
+    return Family(f"{march} march", sizes, solve, {ERROR: Theory(1.0)}, XLABEL)
 
 
 def refine_grid(problem: Problem, springs: tuple[int, ...]) -> Family:
@@ -65,4 +65,4 @@ def refine_grid(problem: Problem, springs: tuple[int, ...]) -> Family:
 
     sizes = {count: 1 / count for count in springs}
     name = "explicit march on the paper's grid"
-    return Family(name, levels(sizes, solve), {LIMIT: Theory()}, "1 / number of springs")
+    return Family(name, sizes, solve, {LIMIT: Theory()}, "1 / number of springs")

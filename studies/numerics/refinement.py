@@ -1,9 +1,9 @@
 """Refining the mesh, each way against closed forms and a far finer MDR.
 
-Uniformly, graded by default sizes, in the degree, and by an indicator. A mesh file of the user's is
-one more row, tested the same way. On uniformly refined meshes d0 is of order 1 whatever the degree,
-set by the singular rim; `ringwear study convergence` has the orders of graded meshes and degrees
-beside theory.
+Uniformly, graded by default sizes, and in the degree. A mesh file of the user's is one more row,
+tested the same way. On uniformly refined meshes d0 is of order 1 whatever the degree, set by the
+singular rim; `ringwear study convergence` has the orders of graded meshes and degrees beside
+theory.
 """
 
 import argparse
@@ -17,138 +17,122 @@ import pandas as pd
 from skfem import Mesh, MeshQuad
 
 from ...mdr.direct import greatest_displacement, steady_pressures
-from ...meshes import files
+from ...meshes import bisection, files
 from ...meshes.errors import MeshError, SceneError
-from ..figures.mesh import draw_mesh
-from ..figures.style import save
+from ...meshes.half_space import truncation
+from ...meshes.sizes import SizeField
+from ..methods.base import method
 from ..methods.fem import half_space_mesh
-from ..problem.defaults import triangle_degree
-from ..problem.problem import D0, Problem, Rings
+from ..problem.defaults import WIDER_TRUNCATION, pole_orders, triangle_degree
+from ..problem.problem import Problem, Rings
 from ..problem.scene import Scene
 from ..problem.sections import FemAccuracy
-from ..tables import Row, Table
-from ..wear.flat_contact import press_flat
-from .adaptive import DEGREE, SolvedMesh, refine_adaptively, solve_on, uniform_mesh
-from .core import evaluate, exact_indentation
-from .sequences import Curves, Family, Level, draw_errors, solve_all
+from ..progress import Stages
+from ..tables import Row
+from .core import FLAT, condense, evaluate, flat_d0_error
+from .sequences import Curves, Family, draw_errors, solve_all
 
 GOAL = 1e-5
 """Error in every quantity for which the unknowns of each way are told."""
-ADAPTIVE, OWN = "adaptive triangles", "file"
-"""Ways whose finest meshes are drawn: by the indicator, and a file of the user's."""
+OWN = "file"
+"""The way of a mesh file of the user's."""
 ERRORS = ("d0", "history", "steady")
 """Errors of each mesh: of d0, the greatest of d(t), and of the greatest steady displacement."""
 
 
-class Case:
-    """A problem, with what is exact of it: its indentation at twelve times, and its greatest steady
-    displacement.
-    """
-
-    def __init__(self, name: str, problem: Problem) -> None:
-        self.name, self.problem, rings = name, problem, problem.merged
-        # meshes suit the times of the scene
-        self._watched = replace(problem, times=np.geomspace(1e-3, 20, 12))
-        self._exact = exact_indentation(self._watched)
-        self._greatest = greatest_displacement(rings.ring_edges, steady_pressures(*rings))
-
-    def row(self, solved: SolvedMesh) -> Row:
-        """Return what a mesh costs, relative errors by the name of the quantity, their estimate,
-        and the mesh itself.
-        """
-        solid, compliance = solved.half_space.solid, solved.wear.compliance
-        results = evaluate(self._watched, compliance)
-        errors = {
-            "d0": abs(press_flat(compliance).indentation / D0 - 1),
-            "history": float(np.abs(results["indentation"] / self._exact - 1).max()),
-            "steady": abs(float(results["steady_displacement_max"]) / self._greatest - 1),
-        }
-        return errors | {
-            "case": self.name,
-            "degree": solid.degree,
-            "unknowns": solved.half_space.unknowns,
-            "elements": solid.mesh.nelements,
-            "multipliers": compliance.space.size,
-            "greatest": max(errors.values()),
-            "estimate": solved.estimate,
-            "mesh": solid.mesh,
-        }
-
-
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Refine each way on each case; writes `refinement`, and figures of errors and meshes."""
-    columns = ("degree", "unknowns", "elements", "multipliers", *ERRORS, "greatest", "estimate")
-    fields = ("case", "family", "setting", *columns, "remark")
-    table, conclusions = Table(out / "refinement.csv", fields), list[str]()
-    cases = list_cases(scene.problem)
+    """Refine each way on each case; writes `refinement`, and errors over unknowns."""
+    problem, conclusions = scene.problem, list[str]()
+    cases = {"flat punch": replace(problem, rings=Rings(FLAT, np.ones(1)))}
+    if len(problem.merged.wear_coefficients) > 1:
+        cases["scene"] = problem
     if options.mesh:
         try:
-            own_mesh(cases[0].problem, options.mesh)
+            own_mesh(cases["flat punch"], options.mesh)
         except MeshError as error:  # what does not fit the flat punch fits nothing
             raise SceneError(f"--mesh {error}") from error
-    ways = (family for case in cases for family in families(case, options.quick, options.mesh))
-    solve_all(ways, table, conclusions)
-    rows = pd.DataFrame(row for row in table.rows if "greatest" in row)
-    if rows.empty:
-        return conclusions
-    conclusions[:0] = [
-        line
-        for case, of_case in rows.groupby("case", sort=False)
-        for line in conclude(case, of_case)
-    ]
+    ways = (
+        family
+        for name, case in cases.items()
+        for family in families(name, case, options.quick, options.mesh)
+    )
+    columns = ["case", "family", "setting", "degree", "unknowns", "elements", "multipliers"]
+    columns += [*ERRORS, "greatest", "remark"]
+    rows = solve_all(ways, out / "refinement.csv", columns, conclusions).dropna(subset="greatest")
     panels: dict[str, Curves] = {}
-    for (case, way), of_way in rows.groupby(["case", "family"], sort=False):
-        panels.setdefault(f"unknowns, {case}", {})[way] = of_way.unknowns, of_way.greatest, np.nan
-        if way in (ADAPTIVE, OWN):
-            path = out / f"{way} of {case}.png".replace(" ", "_")
-            edges = next(each for each in cases if each.name == case).problem.merged.ring_edges
-            save(path, draw_mesh, of_way.mesh.iloc[-1], way, edges)
+    for case, of_case in rows.groupby("case", sort=False):
+        panels[f"unknowns, {case}"] = {
+            str(way): (of_way.unknowns, of_way.greatest)
+            for way, of_way in of_case.groupby("family", sort=False)
+        }
+        conclusions += conclude(str(case), of_case)
     draw_errors(out / "error_against_unknowns.png", panels, "greatest relative error")
     return conclusions
 
 
-def list_cases(problem: Problem) -> list[Case]:
-    """Return the flat punch, and the problem if it has rings."""
-    flat = Case("flat punch", replace(problem, rings=Rings(np.array([0.0, 1.0]), np.ones(1))))
-    return [flat, Case("scene", problem)] if len(problem.merged.wear_coefficients) > 1 else [flat]
-
-
-def families(case: Case, quick: bool, mesh_file: str | None = None) -> Iterator[Family]:
+def families(
+    case: str, problem: Problem, quick: bool, mesh_file: str | None = None
+) -> Iterator[Family]:
     """Yield each way to refine a mesh of a case, from coarse to fine; last a mesh file."""
-    problem = case.problem
+    rings = problem.merged
+    edges = tuple(rings.ring_edges.tolist())
+    # meshes suit the times of the scene
+    watched = replace(problem, times=np.geomspace(1e-3, 20, 12))
+    exact = method("mdr").solve(replace(watched, rtol=1e-9), Stages("mdr")).results["indentation"]
+    greatest = greatest_displacement(rings.ring_edges, steady_pressures(*rings))
 
-    def mesh_at(rtol: float, mesher: str) -> Mesh:
-        fem = FemAccuracy.model_validate({"mesher": mesher})
-        return half_space_mesh(replace(problem, rtol=rtol, fem=fem)).mesh
+    def solve_on(mesh: Mesh, degree: int) -> Row:
+        poles = len(pole_orders(problem, truncation(mesh)))
+        compliance, unknowns = condense(
+            mesh, rings.ring_edges, degree, problem.poisson_ratio, poles
+        )
+        results = evaluate(watched, compliance)
+        errors = {
+            "d0": abs(flat_d0_error(compliance)),
+            "history": float(np.abs(results["indentation"] / exact - 1).max()),
+            "steady": abs(float(results["steady_displacement_max"]) / greatest - 1),
+        }
+        return errors | {
+            "case": case,
+            "degree": degree,
+            "unknowns": unknowns,
+            "elements": mesh.nelements,
+            "multipliers": compliance.space.size,
+            "greatest": max(errors.values()),
+        }
 
-    def solve(mesh: Mesh, degree: int) -> Row:
-        return case.row(solve_on(problem, mesh, degree))
+    def solve(meshes: dict[str, tuple[Mesh, int]], setting: str) -> Row:
+        return solve_on(*meshes[setting])
 
     def solve_own(path: str) -> Row:
         mesh = own_mesh(problem, path)
         quads = isinstance(mesh, MeshQuad)
         degree = (problem.fem.degree or 6) if quads else triangle_degree(problem)
-        return solve(mesh, degree)
+        return solve_on(mesh, degree)
 
+    def mesh_at(rtol: float, mesher: str) -> Mesh:
+        fem = FemAccuracy.model_validate({"mesher": mesher})
+        return half_space_mesh(replace(problem, rtol=rtol, fem=fem)).mesh
+
+    # of one size, smaller only where a ring edge would not be a vertex
+    size, degree = 1.2, 4
+    coarse = bisection.mesh(SizeField(edges, size, size, 0.0, WIDER_TRUNCATION, size))
     tolerances = (1e-2, GOAL) if quick else (1e-1, 1e-2, 1e-3, 1e-4, GOAL, 1e-6)
-    coarse, layered = uniform_mesh(problem.merged.ring_edges), mesh_at(1e-7, "quads")
+    layered = mesh_at(1e-7, "quads")
     ways = {
         "uniform triangles": {
-            f"halved {n} times": (coarse.refined(n), DEGREE) for n in range(3 if quick else 4)
+            f"halved {n} times": (coarse.refined(n), degree) for n in range(3 if quick else 4)
         },
-        "graded triangles": {f"rtol {x:g}": (mesh_at(x, "gmsh"), DEGREE) for x in tolerances},
+        "graded triangles": {f"rtol {x:g}": (mesh_at(x, "gmsh"), degree) for x in tolerances},
     }
     if isinstance(layered, MeshQuad):  # triangles take their place where gmsh cannot be used
         degrees = range(4, 8 if quick else 10)
         ways["quadrilaterals of rising degree"] = {f"degree {k}": (layered, k) for k in degrees}
     for way, meshes in ways.items():
-        settings = [Level(setting, partial(solve, *of)) for setting, of in meshes.items()]
-        yield Family(way, settings)
-    rounds = enumerate(refine_adaptively(problem, coarse, GOAL / 2 if quick else GOAL / 10))
-    adapted = (Level(f"round {number}", partial(case.row, solved)) for number, solved in rounds)
-    yield Family(ADAPTIVE, adapted)
+        yield Family(way, dict.fromkeys(meshes, np.nan), partial(solve, meshes))
     if mesh_file:
-        yield Family(OWN, [Level(Path(mesh_file).name, partial(solve_own, mesh_file))])
+        named = {Path(mesh_file).name: mesh_file}
+        yield Family(OWN, dict.fromkeys(named, np.nan), lambda name: solve_own(named[name]))
 
 
 def own_mesh(problem: Problem, path: str) -> Mesh:
@@ -163,17 +147,13 @@ def own_mesh(problem: Problem, path: str) -> Mesh:
 
 
 def conclude(case: str, rows: pd.DataFrame) -> Iterator[str]:
-    """Yield the errors on the user's mesh, the order on uniform ones, and the unknowns with which
-    each way reaches the goal.
+    """Yield the errors on the user's mesh, and the unknowns with which each way reaches the
+    goal.
     """
     for row in rows[rows.family == OWN].to_dict("records"):
-        errors = ", ".join(f"{name} {row[name]:.1e}" for name in (*ERRORS, "estimate"))
+        errors = ", ".join(f"{name} {row[name]:.1e}" for name in ERRORS)
         elements = f"{row['elements']} elements of degree {row['degree']}"
         yield f"{case}: {row['setting']}, {elements}, errors: {errors}"
-    finest = rows.d0[rows.family == "uniform triangles"].to_numpy()[-2:]
-    if len(finest) > 1:
-        order = np.log2(finest[0] / finest[1])
-        yield f"{case}: uniform triangles: d0 is of order {order:.2f} between the finest (theory 1)"
     reached = rows[rows.greatest <= GOAL].groupby("family").first()
     unknowns = [
         f"{way} {reached.unknowns[way]} ({reached.setting[way]})"

@@ -8,7 +8,6 @@ least squares over all that lie above the floor where roundoff or another error 
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,16 +19,16 @@ from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import RingwearError
 from ...meshes.radial import Array
-from ..figures.style import LOOKS, curve, legend_below, new_figure
+from ..figures.style import curve, legend_below, new_figure
 from ..progress import LOG
-from ..tables import Row, Table, keeping_rows
+from ..tables import Row, keeping_rows
 
 WITHIN = 0.15
 """How far an observed order may be from theory's, by least squares and between the last levels."""
 
 
-Curves = dict[str, tuple[Any, Any, float]]
-"""Sizes (n,), errors (n,) and the order in theory, NaN without, of each curve, by its label."""
+Curves = dict[str, tuple[Any, Any]]
+"""Sizes (n,) and errors (n,) of each curve, by its label."""
 
 
 class Theory(NamedTuple):
@@ -45,28 +44,23 @@ class Theory(NamedTuple):
     floor: float = 0.0
 
 
-class Level(NamedTuple):
-    """One computation: its setting, how it is solved to a row of the table, and its size."""
-
-    setting: Any
-    solve: Callable[[], Row]
-    size: float = np.nan
-
-
 class Family(NamedTuple):
-    """Levels from coarse to fine, the theory of the quantities whose orders are fitted, and what
-    their size is called.
+    """One way to refine, from coarse to fine.
+
+    Parameters
+    ----------
+    name : of the family
+    sizes : settings of its levels, each with its size; NaN where settings have none
+    solve : setting -> row of the table
+    theory : of the quantities whose orders are fitted
+    xlabel : what its size is called
     """
 
     name: str
-    levels: Iterable[Level]
+    sizes: Mapping[Any, float]
+    solve: Callable[[Any], Row]
     theory: Mapping[str, Theory] = {}
     xlabel: str = ""
-
-
-def levels(sizes: Mapping[Any, float], solve: Callable[[Any], Row]) -> list[Level]:
-    """Return levels by their settings, each with its size."""
-    return [Level(setting, partial(solve, setting), size) for setting, size in sizes.items()]
 
 
 @dataclass(frozen=True)
@@ -135,9 +129,7 @@ class Sequence:
         return f"{label} (theory {self.theory.order:.3g}: {self.verdict})"
 
     def summary(self) -> Row:
-        """Return a row of the table of orders; in brackets where not both levels count."""
-        between = self.counted[1:] & self.counted[:-1]
-        orders = zip(self.orders, between, strict=True)
+        """Return a row of the table of orders."""
         return {
             "refined": self.name,
             "quantity": self.quantity,
@@ -146,45 +138,44 @@ class Sequence:
             "least squares": self.order,
             "last levels": self.last_order,
             f"within {WITHIN}": self.verdict,
-            "between levels": " ".join(f"{p:.2f}" if both else f"({p:.2f})" for p, both in orders),
             "finest error": f"{self.errors[-1]:.1e}",
         }
 
 
-def solve_all(families: Iterable[Family], table: Table, conclusions: list[str]) -> list[Family]:
+def solve_all(
+    families: Iterable[Family], path: Path, columns: list[str], conclusions: list[str]
+) -> pd.DataFrame:
     """Solve every level of every family, each a row that is on disk as soon as it is solved.
 
     A level that fails is a row, too, and a conclusion. Ctrl-C keeps those before it.
-
-    Returns
-    -------
-    the families that were begun
     """
-    begun = []
+    rows = list[Row]()
+    pd.DataFrame(columns=columns).to_csv(path, index=False)
     with threadpool_limits(1), keeping_rows(conclusions):
         for family in families:
-            begun.append(family)
-            for level in family.levels:
-                LOG.info("   level  %s, %s ...", family.name, level.setting)
-                row = {"family": family.name, "setting": level.setting, "size": level.size}
+            for setting, size in family.sizes.items():
+                LOG.info("   level  %s, %s ...", family.name, setting)
+                row = {"family": family.name, "setting": setting, "size": size}
                 try:
-                    row |= level.solve()
+                    row |= family.solve(setting)
                 except RingwearError as error:
                     row["remark"] = f"failed: {error}"
-                    conclusions.append(f"{family.name}, {level.setting} failed: {error}")
-                table.add(**row)
-    return begun
+                    conclusions.append(f"{family.name}, {setting} failed: {error}")
+                rows.append(row)
+                last = pd.DataFrame([row], columns=columns)
+                last.to_csv(path, mode="a", header=False, index=False)
+    return pd.DataFrame(rows, columns=columns)
 
 
-def fit(families: Iterable[Family], rows: Iterable[Row]) -> list[Sequence]:
+def fit(families: Iterable[Family], rows: pd.DataFrame) -> list[Sequence]:
     """Return a sequence for each quantity of a family that has a theory, if rows tell of it."""
-    rows, sequences = list(rows), []
+    sequences = []
     for family in families:
+        solved = rows[rows.family == family.name]
         for quantity, theory in family.theory.items():
-            levels = [row for row in rows if row["family"] == family.name and quantity in row]
-            if levels:
-                sizes, signed = np.array([(row["size"], row[quantity]) for row in levels]).T
-                sequences.append(Sequence(family.name, quantity, theory, sizes, signed))
+            levels = solved[["size", quantity]].dropna().to_numpy(float)
+            if len(levels):
+                sequences.append(Sequence(family.name, quantity, theory, *levels.T))
     return sequences
 
 
@@ -198,12 +189,10 @@ def study_orders(families: Iterable[Family], out: Path, name: str, ylabel: str) 
     """
     families, conclusions = list(families), list[str]()
     quantities = dict.fromkeys(quantity for family in families for quantity in family.theory)
-    fields = ("family", "setting", "size", "unknowns", *quantities, "remark")
-    table = Table(out / f"{name}.csv", fields)
-    sequences = fit(solve_all(families, table, conclusions), table.rows)
-    pd.DataFrame(sequence.summary() for sequence in sequences).to_csv(
-        out / "orders.csv", index=False
-    )
+    columns = ["family", "setting", "size", "unknowns", *quantities, "remark"]
+    sequences = fit(families, solve_all(families, out / f"{name}.csv", columns, conclusions))
+    orders = pd.DataFrame(sequence.summary() for sequence in sequences)
+    orders.to_csv(out / "orders.csv", index=False)
     verdicts = [sequence.verdict for sequence in sequences if sequence.verdict]
     conclusions[:0] = [
         f"{verdicts.count('yes')} of {len(verdicts)} orders that theory tells are within {WITHIN} "
@@ -214,27 +203,19 @@ def study_orders(families: Iterable[Family], out: Path, name: str, ylabel: str) 
     xlabels = {family.name: family.xlabel for family in families}
     for sequence in sequences:
         curves = panels.setdefault(xlabels[sequence.name], {})
-        curves[sequence.label] = sequence.sizes, sequence.errors, sequence.theory.order
+        curves[sequence.label] = sequence.sizes, sequence.errors
     draw_errors(out / f"{name}.png", panels, ylabel)
     return conclusions
 
 
 def draw_errors(path: Path, panels: Mapping[str, Curves], ylabel: str) -> None:
-    """Draw errors over sizes or unknowns, logarithmic: a panel for each label of these.
-
-    Curves are in the colours of their methods, with orders in theory as triangles beside them.
-    """
+    """Draw errors over sizes or unknowns, logarithmic: a panel for each label of these."""
     longest = max(map(len, panels.values()), default=0)
     figure = new_figure(4.4 * max(len(panels), 1), 5 + 0.2 * longest)
     row = figure.subplots(1, max(len(panels), 1), sharey=True, squeeze=False)[0]
     for axes, (xlabel, curves) in zip(row, panels.items(), strict=False):
-        for number, (label, (places, errors, order)) in enumerate(curves.items()):
-            colors = [look["color"] for look in LOOKS.values()]
-            of_method = LOOKS.get(label.split()[0].lower(), {}).get("color")
-            look = curve(number) | {"color": of_method or colors[number % len(colors)]}
-            axes.loglog(places, np.where(errors > 0, errors, np.nan), label=label, **look)
-            if np.isfinite(order) and len(places) > 1:
-                _draw_triangle(axes, np.asarray(places), np.asarray(errors), order, look["color"])
+        for number, (label, (places, errors)) in enumerate(curves.items()):
+            axes.loglog(places, np.where(errors > 0, errors, np.nan), label=label, **curve(number))
         axes.set(xlabel=xlabel, ylabel=ylabel)
         low, high = axes.get_xlim()
         ticks = LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,))
@@ -243,13 +224,3 @@ def draw_errors(path: Path, panels: Mapping[str, Curves], ylabel: str) -> None:
         axes.label_outer()
         legend_below(axes)
     figure.savefig(path)
-
-
-def _draw_triangle(axes: Any, places: Array, errors: Array, order: float, color: str) -> None:
-    """Draw a slope below the first step of a curve, and say which it is."""
-    right, left = places[0], np.sqrt(places[0] * places[1])
-    high = errors[0] / 2
-    low = high * (left / right) ** order
-    axes.plot([left, right, right, left], [low, low, high, low], color=color, linewidth=0.6)
-    place = {"textcoords": "offset points", "xytext": (2, 0), "va": "center"}
-    axes.annotate(f"{order:.2g}", (right, np.sqrt(low * high)), fontsize=6, color=color, **place)

@@ -13,21 +13,20 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from ..crosscheck.agreement import compare
 from ..figures.style import FAINT, legend_of, method_curve, new_figure
-from ..methods.base import method
-from ..methods.norms import Results, differences
+from ..methods.base import Solution, method
 from ..problem.problem import Problem
-from ..problem.quantities import COMPARED_MODES, GROUPS, QUANTITIES
+from ..problem.quantities import GROUPS
 from ..problem.scene import Scene
 from ..problem.sections import MdrAccuracy
 from ..progress import Stages
-from ..tables import Row, Table
-from .sequences import Family, Level, solve_all
+from ..tables import Row
+from .sequences import Family, solve_all
 
 # what is asked for alone: a panel each
 ASKED = {
@@ -42,23 +41,26 @@ BY_DIAL = ("mdr", "bem", "fem")
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Measure every method; writes `tradeoff` and `digits`, what a digit more costs."""
+    """Measure every method; writes `tradeoff`, and concludes what a digit more costs."""
     problem, conclusions = replace(scene.problem, march="modal", step=None), list[str]()
     if not problem.earliest:
         problem = replace(problem, times=np.array([0.01, 0.1, 1.0]))
-    fields = ["group", "method", "setting", "unknowns", "seconds", "error", "estimate", "remark"]
-    table = Table(out / "tradeoff.csv", fields)
-    solve_all(families(problem, options.quick), table, conclusions)
-    rows = pd.DataFrame(table.rows, columns=[*fields, "rtol"]).dropna(subset="error")
+    columns = ["group", "method", "setting", "unknowns", "seconds", "error", "estimate", "rtol"]
+    measured = families(problem, options.quick)
+    table = solve_all(measured, out / "tradeoff.csv", [*columns, "remark"], conclusions)
+    rows = table.dropna(subset="error")
     draw(rows, out / "tradeoff.png")
-    digits = tabulate_digits(rows)
-    digits.to_csv(out / "digits.csv", index=False)
-    for group, of_group in digits.groupby("group", sort=False):
-        told = (
-            f"{name} {cost:.2f}"
-            for name, cost in zip(of_group.method, of_group["mean"], strict=True)
-        )
-        conclusions.append(f"{group}: a digit more costs, in times the seconds, {', '.join(told)}.")
+    for group, of_group in rows.dropna(subset="rtol").groupby("group", sort=False):
+        costs = []
+        for name, of_method in of_group.groupby("method", sort=False):
+            seconds, rtols = (of_method[column].iloc[[0, -1]] for column in ("seconds", "rtol"))
+            # of one accuracy alone, after an early interruption, no digit is told
+            if np.ptp(rtols):
+                cost = (seconds.iloc[1] / seconds.iloc[0]) ** (1 / np.ptp(np.log10(rtols)))
+                costs.append(f"{name} {cost:.2f}")
+        if costs:
+            told = f"{group}: a digit more costs, in times the seconds, {', '.join(costs)}."
+            conclusions.append(told)
     conclusions.append(f"Measured on {platform.platform()}, one thread of {os.cpu_count()}.")
     return conclusions
 
@@ -73,75 +75,47 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
         # matrices on cells are dense
         dial = dial[: 2 if quick else 4]
         exact_problem = replace(problem, rtol=max(0.01 * min(dial), 1e-5))
-    exact = method("mdr").solve(exact_problem, Stages("mdr")).checked
+    exact = method("mdr").solve(exact_problem, Stages("mdr"))
     # at the radii of the exact one
     problem = replace(problem, compared_on=exact_problem.face)
-    settings: list[tuple[str, dict[str, Any]]] = [
-        (f"rtol {rtol:.0e}", {"rtol": rtol}) for rtol in dial
-    ]
-    steps = [
-        (f"step {step:g}", {"march": "implicit", "step": step, "rtol": 1e-4})
-        for step in (0.1, 0.01, 0.001)
-    ]
-    grids = [
-        (f"n = {count}", {"mdr": MdrAccuracy(grid=count)})
-        for count in ((100, 200) if quick else (100, 200, 400))
-    ]
     for group, quantities in ASKED.items():
         alone = problem.asking_for(quantities)
+        by_dial = {f"rtol {rtol:.0e}": replace(alone, rtol=rtol) for rtol in dial}
         # nothing is steady at a fixed indentation
-        ways = {} if method("mdr").refusal(alone) else dict.fromkeys(BY_DIAL, settings)
+        ways = {} if method("mdr").refusal(alone) else dict.fromkeys(BY_DIAL, by_dial)
         if problem.full_contact and quantities <= GROUPS["history"]:
-            ways |= {"mdr implicit": steps, "mdr-grid": grids}
-        for name, changes in ways.items():
-            yield Family(
-                f"{group}, {name}",
-                [
-                    Level(
-                        setting,
-                        partial(measure, group, name, replace(alone, **change), exact, quick),
-                    )
-                    for setting, change in changes
-                ],
-            )
+            stepped = replace(alone, march="implicit", rtol=1e-4)
+            ways["mdr implicit"] = {
+                f"step {step:g}": replace(stepped, step=step) for step in (0.1, 0.01, 0.001)
+            }
+            ways["mdr-grid"] = {
+                f"n = {count}": replace(alone, mdr=MdrAccuracy(grid=count))
+                for count in ((100, 200) if quick else (100, 200, 400))
+            }
+        for name, problems in ways.items():
+            solve = partial(measure, group, name, problems, exact, quick)
+            yield Family(f"{group}, {name}", dict.fromkeys(problems, np.nan), solve)
 
 
-def measure(group: str, name: str, problem: Problem, exact: Results, quick: bool) -> Row:
+def measure(
+    group: str, name: str, problems: dict[str, Problem], exact: Solution, quick: bool, setting: str
+) -> Row:
     """Measure seconds (the least of five repeats, or one), error and the method's estimate."""
-    seconds = []
+    problem, seconds = problems[setting], []
     for _ in range(2 if quick else 6):
         start = time.process_time()
         solution = method(name.split()[0]).solve(problem, Stages(name))
         seconds.append(time.process_time() - start)
-    wanted = {
-        quantity: error[slice(COMPARED_MODES) if "mode" in QUANTITIES[quantity].dims else ...]
-        for quantity, error in differences(solution.checked, exact, problem.face).items()
-        if problem.wants(quantity)
-    }
+    compared = compare(problem, (solution, exact)).values()
     return {
         "group": group,
         "method": name,
         "unknowns": solution.unknowns,
         "seconds": min(seconds[1:]),  # the first is a warm-up
-        "error": max(float(np.max(error)) for error in wanted.values()),
-        "estimate": max(solution.greatest_error(quantity) for quantity in wanted),
+        "error": max(float(np.max(difference.size)) for difference in compared),
+        "estimate": max(float(np.max(difference.first)) for difference in compared),
         "rtol": problem.rtol if name in BY_DIAL else np.nan,
     }
-
-
-def tabulate_digits(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return by how many times the seconds grow with each digit, for each group and method."""
-    dialled = rows.dropna(subset="rtol").sort_values("rtol", ascending=False)
-    table = list[Row]()
-    for (group, name), of_method in dialled.groupby(["group", "method"], sort=False):
-        if len(of_method) < 2:  # after an early interruption
-            continue
-        digits, seconds = -np.log10(of_method.rtol.values), of_method.seconds.values
-        factors = (seconds[1:] / seconds[:-1]) ** (1 / np.diff(digits))
-        row = {"group": group, "method": name}
-        row |= {f"to 1e-{digit:.0f}": cost for digit, cost in zip(digits[1:], factors, strict=True)}
-        table.append(row | {"mean": (seconds[-1] / seconds[0]) ** (1 / np.ptp(digits))})
-    return pd.DataFrame(table, columns=None if table else ["group", "method", "mean"])
 
 
 def draw(rows: pd.DataFrame, path: Path) -> None:

@@ -19,8 +19,10 @@ from ...meshes.compliance import Compliance
 from ...meshes.sizes import SizeField
 from ..problem.scene import Scene
 from ..tables import Row
-from .sequences import Family, Theory, levels, study_orders
-from .subdivision import FLAT, condense, flat_d0, triangulated
+from ..wear.flat_contact import press_flat
+from .core import FLAT, condense
+from .sequences import Family, Theory, study_orders
+from .subdivision import triangulated
 
 FAR_FIELDS = {"fixed": 1.0, "1 pole": 5.0, "2 poles": 9.0, "3 poles": 13.0}
 """Far fields, and the orders of what they err by."""
@@ -50,14 +52,14 @@ def move_outwards(radii: tuple[float, ...], poisson_ratio: float) -> Family:
 
     theory = {far: Theory(order, roundoff) for far, order in FAR_FIELDS.items()}
     name, sizes = f"nu = {poisson_ratio:g}", {outer: 1 / outer for outer in radii}
-    return Family(name, levels(sizes, solve), theory, f"$a/R$, {name}")
+    return Family(name, sizes, solve, theory, f"$a/R$, {name}")
 
 
 def far_field_errors(compliance: Compliance, poles: int) -> dict[str, float]:
     """Return by how much the flat start of each far field is off that with all poles."""
-    clamped = len(compliance.factor) - poles
-    starts = [
-        flat_d0(replace(compliance, factor=compliance.factor[: clamped + count]))["d0"]
-        for count in (*range(len(FAR_FIELDS)), poles)
-    ]
-    return {far: start / starts[-1] - 1 for far, start in zip(FAR_FIELDS, starts, strict=False)}
+    clamped, best = len(compliance.factor) - poles, press_flat(compliance).indentation
+    errors = {}
+    for count, far in enumerate(FAR_FIELDS):
+        fewer = replace(compliance, factor=compliance.factor[: clamped + count])
+        errors[far] = press_flat(fewer).indentation / best - 1
+    return errors

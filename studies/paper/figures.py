@@ -17,16 +17,15 @@ from ..figures.style import (
     shade_rings,
 )
 from ..problem.problem import D0, Rings
-from .gradients import WEAR_RATIO_OF_WIDTHS
-from .running_in import PERCENTS, STATIONARY, FiveRings
+from .theory import PERCENTS, STATIONARY, WEAR_RATIO_OF_WIDTHS
 
 AVERAGES = ("average over the radius (line)", "average over the area")
 FIVE_RINGS = "five rings, $k_2/k_1$ = 10, $h_2/h_1$ = 1"
 
 
-def draw_states(five: FiveRings, path: Path) -> None:
+def draw_states(states: xarray.Dataset, path: Path) -> None:
     """Draw Fig. 4: profile, one-dimensional profile and pressure at seven states."""
-    rings, radii = five.problem.rings, five.problem.radii
+    rings, radii = Rings.alternating(5, 1.0, 10.0), states.radius.values
     figure = new_figure(2.05 * len(PERCENTS), 7.4)
     panels = figure.subplots(3, len(PERCENTS), sharex=True, sharey="row")
     fields = {
@@ -35,17 +34,18 @@ def draw_states(five: FiveRings, path: Path) -> None:
         "p_over_p0": "pressure $p/p_0$",
     }
     for state, percent in enumerate(PERCENTS):
-        worn = float(five.states.least_wear_over_d0[0, state])
-        when = f"$t$ = {float(five.states.time[state]):.1%} of $t_{{stat}}$"
+        worn = float(states.least_wear_over_d0[0, state])
+        when = f"$t$ = {float(states.time[state]):.1%} of $t_{{stat}}$"
         least = f"$f_{{min}}$ = {worn:.3g} $d_0$"
         title = f"{percent} %\n{when}\n{least}" if percent < 100 else "100 %\nsteady state\n"
         panels[0, state].set_title(title, fontsize=8.5)
         panels[2, state].plot(radii, 1 / np.sqrt(1 - radii**2), label="unworn", **FAINT)
         panels[2, state].set_xlabel("$r/a$, $x/a$")
         for field, axes in zip(fields, panels[:, state], strict=True):
-            curves = dict(zip(five.evolutions, five.states[field].values[:, state], strict=True))
-            if percent == 100 and field in five.limiting:
-                curves["direct"] = five.limiting[field].values
+            now = states[field].isel(time=state)
+            curves = {solver: now.sel(solver=solver).values for solver in states.solver.values}
+            if percent == 100 and field != "g_over_d0":
+                curves["direct"] = states[f"limiting_{field}"].values
             for order, (solver, values) in enumerate(curves.items()):
                 # markers of different methods on different points
                 look = method_curve(solver, len(radii)) | {"markevery": (9 * order, 28)}
@@ -56,8 +56,8 @@ def draw_states(five: FiveRings, path: Path) -> None:
     panels[0, 0].invert_yaxis()
     # a worn rim carries no line density, so that g(a) = d; at the start the pressure at the rim is
     # infinite
-    panels[1, 0].set_ylim(1.2, 1.2 * float(five.states.g_over_d0.min()))
-    panels[2, 0].set_ylim(0, 1.3 * np.quantile(five.states.p_over_p0[:, 1:], 0.98))
+    panels[1, 0].set_ylim(1.2, 1.2 * float(states.g_over_d0.min()))
+    panels[2, 0].set_ylim(0, 1.3 * np.quantile(states.p_over_p0[:, 1:], 0.98))
     legend_of(figure, panels[2, -1:])
     figure.suptitle(
         f"Fig. 4: {FIVE_RINGS}, by the displacement difference over that of the steady state; "
@@ -67,19 +67,20 @@ def draw_states(five: FiveRings, path: Path) -> None:
     figure.savefig(path)
 
 
-def draw_history(five: FiveRings, path: Path) -> None:
+def draw_history(states: xarray.Dataset, history: xarray.DataArray, path: Path) -> None:
     """Draw Fig. 5: RMS gradient over time, the states of Fig. 4 marked."""
     figure = new_figure(10, 4)
     panels = figure.subplots(1, 2, sharey=True)
-    times, gradient = five.history.time.values, five.history.gradient.values
+    times = history.time.values
     for average, axes in enumerate(panels):
-        for order, solver in enumerate(five.evolutions):
+        gradient = history.isel(average=average)
+        for order, solver in enumerate(history.solver.values):
             look = method_curve(solver, len(times)) | {"markevery": (4 * order, 12)}
-            axes.plot(times, gradient[order, average], **look)
-        states = five.states.gradient[0, average, :-1]
+            axes.plot(times, gradient.sel(solver=solver), **look)
+        marks = gradient.sel(solver="mdr", time=states.time[:-1])
         marked = {"markerfacecolor": "white", "zorder": 5, "label": "states of Fig. 4"}
-        axes.plot(states.time, states, "kD", **marked)
-        for percent, *place in zip(PERCENTS, states.time.values, states.values, strict=False):
+        axes.plot(marks.time, marks, "kD", **marked)
+        for percent, *place in zip(PERCENTS, marks.time.values, marks.values, strict=False):
             beside = {"xytext": (8, -9), "textcoords": "offset points", "fontsize": 8}
             axes.annotate(f"{percent} %", place, **beside)
         axes.axhline(1, **FAINT)
@@ -104,13 +105,13 @@ def draw_gradients(number: int, curves: xarray.Dataset, path: Path) -> None:
     figure = new_figure(13, 5)
     panels: Any = figure.subplot_mosaic("012\n013", width_ratios=[3, 3, 1.3])
     for average, title in enumerate(AVERAGES):
-        axes = panels[str(average)]
+        axes, gradient = panels[str(average)], curves.isel(gradient_average=average)
         limit = {"color": "0.65", "linewidth": 2.6, "label": r"$N \to \infty$"}
-        axes.plot(ratios, curves.limit[average], **limit)
-        for row, (rings, line) in enumerate(zip(curves.rings.values, LINES, strict=False)):
-            look = {"color": "black", "linestyle": line, "label": f"$N$ = {rings}"}
-            axes.plot(ratios, curves.direct[row, average], **look)
-        axes.plot(ratios, curves.fem[:, average].T, **fem)
+        axes.plot(ratios, gradient.limit, **limit)
+        for count, line in zip(curves.rings.values, LINES, strict=False):
+            look = {"color": "black", "linestyle": line, "label": f"$N$ = {count}"}
+            axes.plot(ratios, gradient.direct.sel(rings=count), **look)
+        axes.plot(ratios, gradient.fem, **fem)
         axes.axhline(1, **FAINT)
         axes.set(xscale="log", xlim=ratios[[0, -1]], xlabel=ratio, title=title)
         axes.set_ylabel(r"RMS gradient $\nabla f/\nabla f_0$")

@@ -1,56 +1,85 @@
-"""The whole paper again: Figs. 4 to 7, and every claim checked (`ringwear study paper`).
+"""The whole paper again: Figs. 4 to 7, and its claims checked (`ringwear study paper`).
 
-The punches are the paper's; half-space and accuracy are those of the scene.
+The punches are the paper's; Poisson's ratio and the accuracy are those of the scene.
 """
 
 import argparse
 from pathlib import Path
 
-from threadpoolctl import threadpool_limits
+import xarray
 
+from ..methods.sampler import AVERAGES
 from ..problem.scene import Scene
+from ..sweep.axes import Sweep
+from ..sweep.conduct import sweep
 from ..tables import keeping_rows
 from . import claims, figures
-from .gradients import compute_gradients
-from .running_in import FiveRings, compute_relaxation_times
+from .running_in import FiveRings
+from .theory import WEAR_RATIO_OF_WIDTHS, homogeneous, many_rings
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Write the figure asked for, or without `--fig` all of them and the table of claims."""
-    problem, quick = scene.problem, options.quick
-    wanted = {options.fig} if options.fig else {4, 5, 6, 7}
+    """Write the figures, their data, and the table of claims."""
     conclusions: list[str] = []
-    # the matrices are small: threads would only wait on each other
-    with threadpool_limits(1), keeping_rows(conclusions):
-        if wanted & {4, 5}:
-            five = FiveRings(problem)
-            conclusions.append(
-                f"Figs. 4, 5: {', '.join(five.evolutions)}; 70 % of the displacement difference "
-                f"after {float(five.states.time[4]):.1%} of t_stat"
-            )
-        if 4 in wanted:
-            figures.draw_states(five, out / "fig4.png")
-            fields = five.states[["least_wear_over_d0", "f_over_d0", "g_over_d0", "p_over_p0"]]
-            fields.to_dataframe().to_csv(out / "fig4.csv")
-        if 5 in wanted:
-            figures.draw_history(five, out / "fig5.png")
-            five.history.gradient.to_dataframe().to_csv(out / "fig5.csv")
+    with keeping_rows(conclusions):
+        five = FiveRings(scene)
+        states, history = five.states, five.history
+        conclusions.append(
+            f"Figs. 4, 5: {', '.join(states.solver.values)}; 70 % of the displacement difference "
+            f"after {float(states.time[4]):.1%} of t_stat"
+        )
+        figures.draw_states(states, out / "fig4.png")
+        fields = states[["least_wear_over_d0", "f_over_d0", "g_over_d0", "p_over_p0"]]
+        fields.to_dataframe().to_csv(out / "fig4.csv")
+        figures.draw_history(states, history, out / "fig5.png")
+        history.to_dataframe("gradient").to_csv(out / "fig5.csv")
         curves = {}
-        for number in sorted(wanted & {6, 7}):
-            counts = (2, 4, 8) if quick else (2, 4, 8, 16, 32, 64)
-            curves[number] = compute_gradients(number, problem, counts)
+        for number in (6, 7):
+            counts = (2, 4, 8) if options.quick else (2, 4, 8, 16, 32, 64)
+            curves[number] = compute_gradients(number, scene, counts)
             figures.draw_gradients(number, curves[number], out / f"fig{number}.png")
             curves[number].to_dataframe().to_csv(out / f"fig{number}.csv")
             difference = float(abs(curves[number].fem / curves[number].direct - 1).max())
             conclusions.append(f"Fig. {number}: finite elements within {difference:.0e}")
-        if not options.fig:
-            slowest = compute_relaxation_times(problem, (2, 5) if quick else (2, 4, 5, 8, 16))
-            slowest.to_dataframe("over_slower").to_csv(out / "relaxation.csv")
-            many = (64, 128) if quick else (256, 512, 1024)
-            quantities = claims.measure_running_in(five, slowest)
-            quantities |= claims.measure_wear_ratios(curves[6], many)
-            quantities |= claims.measure_width_ratios(curves[7], quantities["wear"])
-            table = claims.judge_claims(quantities)
-            table.to_csv(out / "claims.csv", index=False)
-            conclusions += [*claims.conclude(table), claims.definitions()]
+        table = claims.tabulate_claims(states, history, curves[6], curves[7])
+        table.to_csv(out / "claims.csv", index=False)
+        conclusions += claims.conclude(table)
     return conclusions
+
+
+def compute_gradients(figure: int, scene: Scene, counts: tuple[int, ...]) -> xarray.Dataset:
+    """Return the data of Fig. 6 or 7, by the bundled sweep of that name.
+
+    `direct`, and `fem` at some points, NaN elsewhere, over (ratio, rings, gradient_average);
+    `limit`, of many rings, over (gradient_average, ratio). Of the scene, Poisson's ratio and the
+    accuracy are taken.
+    """
+    bundled = Sweep.load(f"fig{figure}")
+    base, axes = bundled.table["base"], bundled.table["axes"] | {"punch.rings": list(counts)}
+    by_direct = sweep(base, axes, bundled.keep)
+    varied = ("punch.wear_ratio", "punch.width_ratio")[figure - 6]
+    ratio = varied.removeprefix("punch.")
+    some = {
+        varied: by_direct[ratio].values[::25].tolist(),
+        "punch.rings": [count for count in counts if count <= 16],
+    }
+    by_fem = sweep(
+        base
+        | {
+            "methods": ["fem"],
+            "half_space": base["half_space"] | {"poisson_ratio": scene.half_space.poisson_ratio},
+            "accuracy": {"rtol": scene.accuracy.rtol},
+        },
+        axes | some,
+        bundled.keep,
+    )
+    unit = xarray.DataArray(homogeneous(), {"gradient_average": list(AVERAGES)})
+    curves = xarray.Dataset(
+        {
+            name: slopes.steady_rms_slope.sel(solver=name, drop=True) / unit
+            for name, slopes in (("direct", by_direct), ("fem", by_fem))
+        }
+    ).rename({ratio: "ratio"})
+    ratios = curves.ratio.values
+    limit = many_rings(ratios, 1.0) if figure == 6 else many_rings(WEAR_RATIO_OF_WIDTHS, ratios)
+    return curves.assign(limit=(("gradient_average", "ratio"), limit))

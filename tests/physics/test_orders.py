@@ -1,6 +1,7 @@
 """Orders that the studies state, each with an absolute cap."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from ringwear import Scene
@@ -15,8 +16,8 @@ from ringwear.studies.numerics.convergence import (
     ellipses,
     ring_quantities,
 )
+from ringwear.studies.numerics.core import FLAT, flat_d0_error
 from ringwear.studies.numerics.sequences import WITHIN, Sequence, Theory, fit
-from ringwear.studies.numerics.subdivision import FLAT, flat_d0
 from ringwear.studies.numerics.truncation import move_outwards
 
 
@@ -29,7 +30,7 @@ def assert_order(fitted, cap):
 
 def d0_error(discretised):
     """Relative error of the flat start."""
-    return flat_d0(discretised[0])["d0"] / 0.5 - 1
+    return flat_d0_error(discretised[0])
 
 
 @pytest.mark.parametrize(("degree", "cap"), [(1, 2e-8), (2, 2e-12), (3, 5e-11), (4, 2e-13)])
@@ -86,8 +87,11 @@ def test_rings_on_quadrilaterals_by_the_degree():
 def test_truncation_by_every_far_field(ratio):
     """From R = 4 a on, against six poles on the same mesh."""
     family = move_outwards((4, 5, 6, 7), ratio)
-    rows = [{"family": family.name, "size": level.size} | level.solve() for level in family.levels]
-    fitted = {sequence.quantity: sequence for sequence in fit([family], rows)}
+    rows = [
+        {"family": family.name, "size": size} | family.solve(outer)
+        for outer, size in family.sizes.items()
+    ]
+    fitted = {sequence.quantity: sequence for sequence in fit([family], pd.DataFrame(rows))}
     caps = {"fixed": 0.3, "1 pole": 7e-5, "2 poles": 3e-8, "3 poles": 2e-11}
     for far_field, cap in caps.items():
         assert_order(fitted.pop(far_field), cap)

@@ -15,13 +15,14 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ringwear import Scene
 from ringwear.studies.cli import main
+from ringwear.studies.numerics.sequences import Family, solve_all
 from ringwear.studies.progress import LOG
 from ringwear.studies.registry import INTERRUPTED, STUDIES, Study
-from ringwear.studies.tables import Table, keeping_rows
 
 
 def rows(path):
@@ -51,11 +52,15 @@ def interrupted_at(line):
 
 
 def test_rows_are_on_disk_at_once_and_kept_on_interruption(tmp_path):
-    table, conclusions = Table(tmp_path / "t.csv", ("a", "b")), list[str]()
-    with keeping_rows(conclusions):
-        table.add(a=1, b="x")
-        assert rows(tmp_path / "t.csv") == [{"a": "1", "b": "x"}]
+    def solve(setting):
+        if setting == 1:
+            return {"b": "x"}
+        assert rows(tmp_path / "t.csv") == [{"setting": "1", "b": "x"}]
         raise KeyboardInterrupt
+
+    conclusions = list[str]()
+    family = Family("h", {1: np.nan, 2: np.nan}, solve)
+    solve_all([family], tmp_path / "t.csv", ["setting", "b"], conclusions)
     assert conclusions == [INTERRUPTED]
 
 
@@ -71,7 +76,7 @@ def test_a_study_stopped_early_keeps_its_tables(name, line, tmp_path):
 
 def test_ctrl_c_outside_of_a_studys_rows_leaves_nothing(tmp_path, monkeypatch):
     def conduct(_, out, __):
-        Table(out / "rows.csv", ("a",))
+        (out / "rows.csv").write_text("a\n", "utf-8")
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Study, "conduct", property(lambda _: conduct))
@@ -83,15 +88,15 @@ WAITING = """
 import signal, sys, time
 from ringwear.studies import registry
 from ringwear.studies.cli import main
-from ringwear.studies.tables import Table, keeping_rows
+from ringwear.studies.tables import keeping_rows
 
 # where the tests themselves run in the background, the shell has told them to ignore it
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 def conduct(scene, out, options):
-    table, conclusions = Table(out / "rows.csv", ("a",)), []
+    conclusions = []
     with keeping_rows(conclusions):
-        table.add(a=1)
+        (out / "rows.csv").write_text("a\\n1\\n", "utf-8")
         print("waiting", flush=True)
         time.sleep(60)
     return conclusions

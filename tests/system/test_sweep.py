@@ -12,10 +12,11 @@ import pytest
 import xarray
 
 from ringwear import Scene, run, sweep
+from ringwear.mdr import direct
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
-from ringwear.studies.paper import gradients
 from ringwear.studies.problem.defaults import sharpness
+from ringwear.studies.problem.problem import Rings
 from ringwear.studies.problem.quantities import QUANTITIES, error_name
 from ringwear.studies.problem.shared import Shared, groups
 from ringwear.studies.sweep.axes import ANSWERS, Sweep
@@ -93,19 +94,25 @@ def test_one_discretisation_serves_every_wear():
 
 @pytest.mark.parametrize("number", [6, 7])
 def test_the_figures_of_the_paper(number):
-    """The bundled sweeps, on fewer rings and every tenth ratio, against the study of the paper."""
+    """The bundled sweeps, on fewer rings and every tenth ratio, in closed form."""
     made = Sweep.load(f"fig{number}")
-    ratios, widths = gradients.figure_ratios(number)
-    varied, points = [("punch.wear_ratio", ratios), ("punch.width_ratio", widths)][number - 6]
+    between = np.linspace(-1, 1, 201)
+    varied, points = [
+        ("punch.wear_ratio", 10.0 ** (4 * between)),
+        ("punch.width_ratio", 10.0**between),
+    ][number - 6]
     values = made.columns[varied].values
     np.testing.assert_allclose(values, points, rtol=1e-13)
     axes = made.table["axes"] | {"punch.rings": [2, 8], varied: values[::10]}
     slopes = sweep(made.table["base"], axes, made.keep)["steady_rms_slope"].sel(solver="direct")
     for count, place in product((2, 8), range(0, 201, 10)):
-        edges = gradients.alternating_edges(count, widths[place])
-        known = gradients.direct_gradients(edges, ratios[place : place + 1])[:, 0]
-        slope = slopes.sel(rings=count)[place // 10] / gradients.homogeneous()
-        np.testing.assert_allclose(slope, known, rtol=1e-12)
+        width, ratio = (1.0, points[place]) if number == 6 else (points[place], 0.01)
+        rings = Rings.alternating(count, width, ratio)
+        pressures = direct.steady_pressures(*rings, force=np.pi)
+        for average in ("line", "area"):
+            exact = direct.rms_slope(rings.ring_edges, pressures, average)
+            slope = slopes.sel(rings=count, gradient_average=average)[place // 10]
+            assert float(slope) == pytest.approx(exact, rel=1e-12)
 
 
 def test_a_failed_scene_fails_alone():

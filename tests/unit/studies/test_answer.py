@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from closed_forms import disc_energies
 
 from ringwear import Scene, run
 from ringwear.mdr import direct
@@ -37,9 +38,8 @@ def test_running_in_against_an_independent_history(five, reference):
     assert five.answers["mdr"]["running_in_time"] == pytest.approx(slowest, rel=1e-9)
     # where the approach, less steady wear, ends for a force of 2: d F = int u p dA
     pressures = direct.steady_pressures(EDGES, K, force=2.0)
-    rate, (radii, weights, _) = K[0] * pressures[0], direct.slopes_everywhere(EDGES, pressures)
-    forces = 2 * np.pi * radii * weights * pressures[ring_of(EDGES, radii)]
-    end = forces @ direct.displacement(EDGES, pressures, radii) / 2.0
+    rate, steps = K[0] * pressures[0], direct.pressure_steps(pressures)
+    end = steps @ disc_energies(EDGES[1:]) @ steps / 2.0
     for state in reference["states"]:
         way = (state["indentation"] - rate * state["time"] - 1.0) / (end - 1.0)
         # ten times as fast as the unit of the scene, for the greatest coefficient is ten
