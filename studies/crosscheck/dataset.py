@@ -130,11 +130,6 @@ class Result:
         )
         return bool(np.all(list(given), axis=0).any())
 
-    def first_answer(self, key: str) -> Array:
-        """Return an answer by the first method that gives it; NaN if none does."""
-        values = [answers.get(key, np.asarray(np.nan)) for answers in self.answers.values()]
-        return next((value for value in values if np.isfinite(value).any()), values[0])
-
     @property
     def has_inside(self) -> bool:
         """Whether finite elements can tell what is inside the half-space, and fields are asked
@@ -176,9 +171,15 @@ class Result:
 
     def by_method(self, quantity: str, times: Any = ...) -> dict[str, Array]:
         """Return a quantity by each method that gives it, at all or at some of the times."""
+        if quantity not in self.table.variables:
+            return {}
         given = zip(self.coordinates["solver"], self.table.variables[quantity][1], strict=True)
         chosen = {name: values[times] for name, values in given}
         return {name: values for name, values in chosen.items() if not np.isnan(values).all()}
+
+    def first(self, quantity: str) -> Array:
+        """Return a quantity by the first method that gives it; NaN if none does."""
+        return next(iter(self.by_method(quantity).values()), np.asarray(np.nan))
 
     @cached_property
     def between(self) -> tuple[str, dict[str, Array]]:
@@ -194,6 +195,7 @@ class Result:
             if isinstance(wear, RunningIn):
                 # close enough, whether times are drawn in a logarithmic scale or not
                 at = np.linspace(later[0] ** 0.25, later[-1] ** 0.25, 200) ** 4
+                at = np.append(0.0, at)
                 history = replace(wear.modal(at), distances=at)
             else:
                 history = wear.between

@@ -78,7 +78,7 @@ def _mark_running_in(axes: Any, result: Result, scale: Scale) -> None:
     """Mark where 90 % and 99 % of running-in are over, by the first method that knows."""
     first, last = axes.get_xlim()
     for part, name in (("90 %", "time_to_90"), ("99 %", "time_to_99")):
-        time = scale.shown("time", float(result.first_answer(name)))
+        time = scale.shown("time", float(result.first(name)))
         if first < time < last:
             axes.axvline(time, color="0.6", linewidth=0.6, zorder=0)
             place = {"transform": axes.get_xaxis_transform(), "rotation": 90, "ha": "right"}

@@ -8,8 +8,7 @@ def print_account(account: Account, verbose: bool) -> None:
     title, *answers, verdict = account.brief
     print(f"\n{title}", *account.defaults, "", *answers, f"\n{verdict}", sep="\n")
     if not verbose:
-        errors = [] if account.agreement else account.own_errors
-        print(*errors, *account.remarks, sep="\n")
+        print(*account.remarks, sep="\n")
         print(f"By {account.answered_by}; all else: --verbose, report.html, summary.json")
         return
     print(f"\nAll answers, by {account.answered_by}", *columns(account.answers), "", sep="\n")
@@ -19,7 +18,7 @@ def print_account(account: Account, verbose: bool) -> None:
     if account.agreement:
         print("\nDifferences, relative; of each quantity the pair that differs most")
         print_table(account.agreement)
-    print(*account.comparisons, *account.own_errors, *account.remarks, "", sep="\n")
+    print(*account.comparisons, *account.remarks, "", sep="\n")
     print_scope(account.modelled, account.left_out)
 
 

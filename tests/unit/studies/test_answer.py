@@ -226,7 +226,7 @@ def test_times_that_miss_the_running_in_are_told(times, told):
         wear__times=times, methods=["mdr"], accuracy__rtol=1e-2
     )
     before = time_scale(scene)
-    assert "slowest relaxation time 0.344" in before[0]
+    assert "slowest relaxation time of the full face 0.344" in before[0]
     for lines in (before, Account(run(scene)).remarks):
         missed = [line for line in lines if "the running-in, " in line]
         assert bool(missed) == bool(told)
