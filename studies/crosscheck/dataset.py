@@ -2,11 +2,9 @@
 the scene's units.
 """
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,10 +15,7 @@ from ..methods.base import Method, Solution
 from ..methods.interior import Interior, interior
 from ..methods.sampler import Sampler
 from ..problem.quantities import (
-    ANSWER,
     FIELDS,
-    NORMS,
-    QUANTITIES,
     error_name,
 )
 from ..problem.scene import Scene
@@ -120,15 +115,8 @@ class Result:
         return answers
 
     def gives(self, *quantities: str) -> bool:
-        """Return whether a method gives all of some quantities that were asked for."""
-        variables = self.table.variables
-        if not variables.keys() >= set(quantities):
-            return False
-        given = (
-            np.isfinite(variables[name][1]).reshape(len(self.coordinates["solver"]), -1).any(axis=1)
-            for name in quantities
-        )
-        return bool(np.all(list(given), axis=0).any())
+        """Return whether a method gives all of some quantities."""
+        return bool(set.intersection(*(set(self.by_method(name)) for name in quantities)))
 
     @property
     def has_inside(self) -> bool:
@@ -184,7 +172,7 @@ class Result:
     @cached_property
     def between(self) -> tuple[str, dict[str, Array]]:
         """The first method that knows more than the times asked for, and what it says between them;
-        else none, and what the method reports that gives most.
+        else none, and what the first method reports that gives profiles.
         """
         problem = self.scene.problem
         later = problem.times[problem.distances > 0]
@@ -206,11 +194,8 @@ class Result:
             times = {"time": values["time"] * problem.units.time}
             return name, self.reported(name) | in_units(problem, values) | times
 
-        def given(name: str) -> int:
-            values = self.reported(name).values()
-            return sum(bool(np.isfinite(of).any()) for of in values if of.dtype.kind == "f")
-
-        return "", self.reported(max(self.coordinates["solver"], key=given))
+        first = next(iter(self.by_method("profile")), self.coordinates["solver"][0])
+        return "", self.reported(first)
 
     @cached_property
     def anchors(self) -> tuple[Anchor, ...]:
@@ -249,7 +234,6 @@ def summary(result: Result) -> dict[str, Any]:
     Verdict, cost, error estimates, agreement, what was modelled and what was left out.
     """
     scene, rtol = result.scene, result.scene.accuracy.rtol
-    definitions = files("ringwear.studies") / "crosscheck" / "definitions.toml"
     methods = {
         name: {
             "seconds": {
@@ -285,9 +269,6 @@ def summary(result: Result) -> dict[str, Any]:
         "operator_difference": [
             {name: getattr(row, name) for name in numbers} for row in result.operators
         ],
-        "definitions": tomllib.loads(definitions.read_text("utf-8"))
-        | {name: NORMS[quantity.norm] for name, quantity in QUANTITIES.items()}
-        | {name: quantity.definition for name, quantity in ANSWER.items()},
         "modelled": modelled(scene, result.methods),
         "left_out": left_out(scene, result.methods),
         "notes": result.notes,
