@@ -106,11 +106,9 @@ def plan(source: Source) -> list[str]:
         seconds = sum(stages.seconds.values()) * work / probed
         total += seconds
         lines.append(f"{name}: {unknowns} unknowns, {pressures} pressures, about {seconds:.2g} s")
-    memory = predict_memory(scene)
-    parts = ", ".join(f"{value:.2g} for {key}" for key, value in memory.items())
     return [
         *lines,
         f"in all: about {total:.2g} s, and a few for loading, files and figures",
-        f"memory: about {sum(memory.values()):.2g} GiB: {parts}",
+        f"memory: about {predict_memory(scene):.2g} GiB",
         *(f"note: {note}" for note in result.notes if note.startswith("meshed by")),
     ]

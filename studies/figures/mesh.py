@@ -33,13 +33,11 @@ def draw_stress(result: Result) -> Figure:
     levels = np.geomspace(0.2 * least, max(highest.max(), least), 16)
     # where nothing presses there is none
     stress = np.maximum(stress, 0.1 * levels[0])
-    corners = r[fields.triangles].min(axis=0), z[fields.triangles].min(axis=0)
-    near = (corners[0] < 1.3 * depth) & (corners[1] < depth)
     for axes, values, label, error in zip(
         panels[0], stress, fields.labels, fields.errors["von_mises"], strict=True
     ):
         filled = axes.tricontourf(
-            r, z, fields.triangles[:, near].T, values, levels, norm=LogNorm(), extend="both"
+            r, z, fields.triangles.T, values, levels, norm=LogNorm(), extend="both"
         )
         _draw_punch(axes, depth, problem.ring_edges * radius)
         axes.set(xlim=(0, 1.3 * depth), ylim=(depth, -0.08 * depth), aspect="equal")

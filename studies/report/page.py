@@ -20,7 +20,7 @@ from ..output.signals import STOPPED
 from ..problem.scene import Scene
 from ..versions import versions
 from .slides import slides
-from .words import Account, shorten
+from .words import Account
 
 
 def show(
@@ -39,7 +39,7 @@ def show(
 
 def write_report(result: Result, account: Account, pictures: Iterable[Picture], path: Path) -> None:
     """Write the page of a run with those of the pictures that stand beside it."""
-    about = {"account": account, "title": account.title, "rings": shorten(account.rings, 256)}
+    about = {"account": account, "title": account.title}
     captions = {picture.file: picture.caption for picture in pictures}
     _write(path, "run.html.j2", result.scene, captions, slides=slides(result), **about)
 

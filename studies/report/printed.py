@@ -1,6 +1,6 @@
 """What the commands print: the answer first, then the verdict in a line, then whatever else."""
 
-from .words import Account, Rows, columns, shorten
+from .words import Account, Rows, columns
 
 
 def print_account(account: Account, verbose: bool) -> None:
@@ -12,7 +12,7 @@ def print_account(account: Account, verbose: bool) -> None:
         print(f"By {account.answered_by}; all else: --verbose, report.html, summary.json")
         return
     print(f"\nAll answers, by {account.answered_by}", *columns(account.answers), "", sep="\n")
-    print_table(shorten(account.rings, 16))
+    print_table(account.rings)
     print("\nAccuracy and cost")
     print_table(account.methods)
     if account.agreement:

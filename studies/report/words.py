@@ -10,7 +10,6 @@ from ...meshes.radial import Array
 from ..crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement
 from ..crosscheck.dataset import Result
 from ..crosscheck.scope import left_out, modelled, time_scale
-from ..problem.problem import D0
 from ..problem.quantities import ANSWER, QUANTITIES, STATES
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
@@ -200,23 +199,15 @@ def _write_range(least: float, most: float) -> str:
 
 
 def beyond_the_model(scene: Scene) -> list[str]:
-    """Return warnings where the strains of a scene with units are no longer small."""
-    problem, lines = scene.problem, list[str]()
-    if UnitNames.of(scene.units).base is None:
-        return lines
-    units, fixed = problem.units, problem.indentation
-    depth = D0 * units.slope * (fixed or 1.0)
-    pressure = units.pressure / np.pi / units.modulus * (fixed or 1.0)
-    for what, size, limit in (
-        ("the indentation of the flat punch is {:.2g} of its radius", depth, 0.1),
-        ("the mean pressure is {:.2g} of the plane strain modulus", pressure, 0.01),
-    ):
-        if size > limit:
-            lines.append(
-                f"warning: {what.format(size)}, more than {limit:g}: strains are not small, and "
-                "linear elasticity, which all methods here take, does not hold"
-            )
-    return lines
+    """Return a warning where the strains of a scene with units are no longer small."""
+    problem, units = scene.problem, scene.problem.units
+    strain = units.pressure / np.pi / units.modulus * (problem.indentation or 1.0)
+    if UnitNames.of(scene.units).base is None or strain <= 0.01:
+        return []
+    return [
+        f"warning: the mean pressure is {strain:.2g} of the plane strain modulus, more than 0.01: "
+        "strains are not small, and linear elasticity, which all methods here take, does not hold"
+    ]
 
 
 def defaults_taken(scene: Scene) -> list[str]:
@@ -238,10 +229,3 @@ def columns(lines: Sequence[Sequence[str]]) -> list[str]:
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     padded = (map(str.ljust, line, widths) for line in lines)
     return [f"  {'   '.join(line)}".rstrip() for line in padded]
-
-
-def shorten(table: Rows, most: int) -> Rows:
-    """Return the first and the last rows, if there are more than so many."""
-    if len(table) <= most:
-        return table
-    return [*table[: most // 2], dict.fromkeys(table[0], "..."), *table[-(most // 2) :]]

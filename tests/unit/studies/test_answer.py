@@ -18,7 +18,7 @@ from ringwear.meshes.radial import alternating_edges, ring_areas
 from ringwear.studies.crosscheck.scope import time_scale
 from ringwear.studies.problem.unit_names import UnitNames
 from ringwear.studies.report.printed import print_account
-from ringwear.studies.report.words import Account, defaults_taken, shorten
+from ringwear.studies.report.words import Account, defaults_taken
 from ringwear.studies.wear.time_scale import slowest_relaxation_time
 
 EDGES, K = alternating_edges(5), np.array([1.0, 10.0, 1.0, 10.0, 1.0])
@@ -153,12 +153,6 @@ def test_the_answer_is_printed_before_all_else(five, capsys):
             parts += ("0.3441", "to infinity", "Accuracy", "Modelled", "Left out")
         assert [told.index(part) for part in parts] == sorted(told.index(part) for part in parts)
         assert verbose or len(told.splitlines()) < 16
-
-
-def test_many_rings_are_told_by_the_first_and_the_last():
-    rows = shorten([{"ring": str(ring)} for ring in range(1, 201)], 16)
-    told = [*range(1, 9), "...", *range(193, 201)]
-    assert [row["ring"] for row in rows] == list(map(str, told))
 
 
 def test_defaults_taken_are_said():
