@@ -70,7 +70,7 @@ class Result:
     @property
     def quantities(self) -> dict[str, str]:
         """The verdict on each quantity, over all pairs of methods."""
-        return by_quantity(self.agreement)
+        return {name: row.verdict for name, row in by_quantity(self.agreement).items()}
 
     @property
     def verdict_in_words(self) -> str:

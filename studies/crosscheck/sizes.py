@@ -37,8 +37,9 @@ def beyond_memory(needed: float, limit: float) -> str:
     if needed <= limit:
         return ""
     return (
-        f"about {needed:.2g} GiB are needed, and {limit:.2g} are allowed: ask for fewer rings, "
-        "times and radii, or a greater rtol, or give --memory GIB if there is more"
+        f"about {needed:.2g} GiB are needed, and {limit:.2g} are allowed: ask for fewer "
+        "punch.rings, wear.times and output.radii, or a greater accuracy.rtol, or give --memory "
+        "GIB if there is more"
     )
 
 

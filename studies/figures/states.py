@@ -5,14 +5,10 @@ At several times (the paper's Fig. 4), and in the steady state.
 Profiles are shown less what has worn off everywhere, which the figure names: it may be most of it.
 """
 
-from typing import Any
-
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
-from ..problem.problem import P0
 from .scale import Scale, high_pressure, least_wear, panel_tops, shown_times
 from .style import FAINT, PAGE, RED, complete, new_panels
 
@@ -26,6 +22,7 @@ def draw_states(result: Result) -> Figure:
     states = shown_times(problem.times, 2 if scale.many_rings else 5)
     radii, length = result.coordinates["radius"], problem.units.length
     figure, panels = new_panels(PAGE, 4.0, 2, len(states))
+    unworn = problem.profile(problem.radii) * problem.units.displacement
     deep, high = [], []
     for state, (upper, lower) in zip(states, panels.T, strict=True):
         profiles, pressures = (result.by_method(name, state) for name in ("profile", "pressure"))
@@ -33,7 +30,13 @@ def draw_states(result: Result) -> Figure:
         profiles = {method: heights - worn for method, heights in profiles.items()}
         scale.plot_radial(upper, "profile", radii, profiles)
         scale.plot_radial(lower, "pressure", radii, pressures)
-        unworn = _draw_unworn(upper, lower, scale, next(iter(profiles.values())))
+        faces = (
+            scale.shown("profile", unworn),
+            scale.shown("profile", next(iter(profiles.values()))),
+        )
+        places = scale.shown("radius", radii)
+        upper.plot(places, faces[0], **FAINT, label="unworn punch")
+        upper.fill_between(places, *faces, color=RED, alpha=0.15, linewidth=0, label="worn off")
         touching = np.array([values > 0 for values in pressures.values()]).any(axis=0)
         reach = min(1.25 * radii[touching].max(initial=0.0), length) or length
         near = radii <= reach
@@ -69,25 +72,6 @@ def draw_steady(result: Result) -> Figure:
     panels[0, 0].invert_yaxis()
     panels[0, 1].set_ylim(bottom=0)
     return complete(figure, (result.scene.title, "steady state"), panels[0, :1], _shaded(scale))
-
-
-def _draw_unworn(upper: Any, lower: Any, scale: Scale, worn: Array) -> Array:
-    """Draw the face before wear, and what (R,) heights have lost of it; of a flat punch the
-    pressure, too. Return the unworn heights (R,).
-    """
-    problem, look = scale.problem, FAINT | {"label": "unworn punch"}
-    unworn = problem.profile(problem.radii) * problem.units.displacement
-    if problem.full_contact:
-        inside = np.linspace(0, 1, 400)[:-1]
-        pressure = P0 * problem.units.pressure / np.sqrt(1 - inside**2)
-        places = scale.shown("radius", inside * problem.units.length)
-        lower.plot(places, scale.shown("pressure", pressure), **look)
-    else:
-        radii = scale.shown("radius", problem.radii * problem.units.length)
-        faces = scale.shown("profile", unworn), scale.shown("profile", worn)
-        upper.plot(radii, faces[0], **look)
-        upper.fill_between(radii, *faces, color=RED, alpha=0.15, linewidth=0, label="worn off")
-    return unworn
 
 
 def _shaded(scale: Scale) -> str:

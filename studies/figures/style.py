@@ -208,10 +208,8 @@ def shade_rings(
     punch.
     """
     fast = wear_coefficients > np.sqrt(wear_coefficients.min() * wear_coefficients.max())
-    spans = np.column_stack([ring_edges[:-1], np.diff(ring_edges)])[fast] * radius
-    axes.broken_barh(
-        spans, (0, 1), transform=axes.get_xaxis_transform(), color="0.9", linewidth=0, zorder=0
-    )
+    for inner, outer in zip(ring_edges[:-1][fast], ring_edges[1:][fast], strict=True):
+        axes.axvspan(inner * radius, outer * radius, color="0.9", linewidth=0, zorder=0)
     axes.set_xlim(0, radius)
     axes.locator_params(axis="x", nbins=3)
 

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ...meshes.radial import Array
-from ..crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement
+from ..crosscheck.agreement import by_quantity
 from ..crosscheck.dataset import Result
 from ..crosscheck.scope import left_out, modelled, time_scale
 from ..problem.quantities import ANSWER, QUANTITIES, STATES
@@ -31,6 +31,7 @@ class Account:
         self.left_out = left_out(self.scene, result.methods)
         self.defaults = defaults_taken(self.scene)
         self.verdict = result.verdict if result.agreement else "one method"
+        self.worst = list(by_quantity(result.agreement).values())
         timed = (name for name, solution in result.solutions.items() if solution.wear is not None)
         self.answered_by = next(timed, next(iter(result.methods)))
 
@@ -116,16 +117,6 @@ class Account:
             }
             for name, solution in self.result.solutions.items()
         ]
-
-    @cached_property
-    def worst(self) -> list[Agreement]:
-        """Each quantity by the two methods whose difference says most."""
-        order = (AGREE, UNDECIDED, DISAGREE)
-        rows = sorted(
-            self.result.agreement, key=lambda row: (order.index(row.verdict), row.difference)
-        )
-        worst = {row.quantity: row for row in rows}
-        return [worst[name] for name in QUANTITIES if name in worst]
 
     @property
     def agreement(self) -> Rows:
