@@ -8,12 +8,12 @@ from dataclasses import replace
 
 from ...meshes.errors import RingwearError
 from ..methods.base import Method, Solution
-from ..problem.defaults import at_smallest, field_accuracy, followed
+from ..problem.defaults import followed
 from ..problem.problem import Problem
 from ..problem.quantities import A_FEW, ENERGIES
 from ..problem.sections import DEGREES
 from ..progress import LOG, Stages
-from .agreement import AT_EDGES
+from .agreement import unresolved
 
 
 def solved_to_accuracy(
@@ -67,24 +67,17 @@ def solved_to_accuracy(
 
 def error_of_sizes(problem: Problem, solution: Solution) -> float:
     """Return the greatest error estimate of all quantities that finer sizes would mend."""
-    if not problem.full_contact:
-        # of what is not local to edges; cells do not mend what is far above, such as the last of a
-        # force that decays
-        promised = [name for name in solution.errors if name not in AT_EDGES]
-        error = max((solution.greatest_error(name) for name in promised), default=0.0)
-        return error if error < 40 * problem.rtol else 0.0
-    # closed forms and the uniform grid have no sizes that go by the accuracy asked for
-    discretisation = solution.parts.get("discretisation", solution.parts.get("force"))
-    if problem.march != "modal" or discretisation is None:
-        return discretisation or 0.0
-    # fields follow neither on triangles, whose degree is low, nor beyond the highest degree of
-    # quadrilaterals, where more layers bring roundoff, nor with so many rings that they take too
-    # many pressures
-    mesher, degree = solution.settings.get("mesher"), solution.settings.get("degree", 0)
-    highest = mesher in DEGREES and degree >= DEGREES[mesher][-1]
-    energies = highest or field_accuracy(problem) > problem.rtol
-    thin = ("rms_slope", "pressure") if at_smallest(problem) else ()
-    names = ENERGIES if energies else [name for name in solution.errors if name not in thin]
-    return max(
-        (solution.greatest_error(name) for name in names if name in solution.errors), default=0.0
-    )
+    names = [name for name in solution.errors if not unresolved(problem, name, "")]
+    if problem.full_contact:
+        # closed forms and the uniform grid have no sizes that go by the accuracy asked for
+        discretisation = solution.parts.get("discretisation", solution.parts.get("force"))
+        if problem.march != "modal" or discretisation is None:
+            return discretisation or 0.0
+        # fields follow neither on triangles, whose degree is low, nor beyond the highest degree of
+        # quadrilaterals, where more layers bring roundoff
+        mesher, degree = solution.settings.get("mesher"), solution.settings.get("degree", 0)
+        if mesher in DEGREES and degree >= DEGREES[mesher][-1]:
+            names = [name for name in names if name in ENERGIES]
+    error = max(map(solution.greatest_error, names), default=0.0)
+    # cells do not mend what is far above, such as the last of a force that decays
+    return error if problem.full_contact or error < 40 * problem.rtol else 0.0

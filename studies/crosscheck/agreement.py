@@ -187,20 +187,17 @@ def remedy(problem: Problem, quantity: str, blamed: str, error: float) -> str:
     return f"{blamed} states {error:.1e}; rtol = {rtol:.0e} would decide it"
 
 
-def worst_verdict(verdicts: Collection[str]) -> str:
-    """Return the least of some verdicts."""
-    return max(verdicts, key=(AGREE, UNDECIDED, DISAGREE).index, default=AGREE)
-
-
 def overall(rows: Sequence[Agreement]) -> str:
     """Return the least verdict of what is promised; what is not can still disagree."""
-    return worst_verdict([row.verdict for row in rows if row.promised or row.verdict == DISAGREE])
+    if any(row.verdict == DISAGREE for row in rows):
+        return DISAGREE
+    undecided = any(row.verdict == UNDECIDED for row in rows if row.promised)
+    return UNDECIDED if undecided else AGREE
 
 
-def by_quantity(rows: Sequence[Agreement]) -> dict[str, str]:
-    """Return the least verdict on each quantity over all pairs of methods."""
-    quantities = dict.fromkeys(row.quantity for row in rows)
-    return {
-        quantity: worst_verdict([row.verdict for row in rows if row.quantity == quantity])
-        for quantity in quantities
-    }
+def by_quantity(rows: Sequence[Agreement]) -> dict[str, Agreement]:
+    """Return of each quantity the two methods whose difference says most."""
+    order = (AGREE, UNDECIDED, DISAGREE)
+    ordered = sorted(rows, key=lambda row: (order.index(row.verdict), row.difference))
+    worst = {row.quantity: row for row in ordered}
+    return {name: worst[name] for name in QUANTITIES if name in worst}

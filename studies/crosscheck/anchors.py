@@ -32,7 +32,7 @@ from ..methods.base import Solution
 from ..methods.norms import radial_weight
 from ..problem.face import POINTS
 from ..problem.problem import D0, P0, Units
-from ..problem.quantities import ANSWER, FIELDS, QUANTITIES
+from ..problem.quantities import ANSWER, QUANTITIES, STEADY
 from ..problem.scene import Scene
 from ..wear.time_scale import COARSE, FINE, slowest_relaxation_time
 from .anchor import Anchor, judge
@@ -55,48 +55,34 @@ def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solutio
     table : what is written of it, by the names of quantities, in the scene's units
     solution : what the method said of the face, and of its own errors
     """
-    reported = _Reported(scene, table, solution)
-    groups = [
+    problem, reported = scene.problem, _Reported(scene, table, solution)
+    history, full = bool(reported.times.size), problem.full_contact
+    later, forces = full and reported.later.any(), "normal_force" if reported.fixed else ""
+    moved = "indentation profile displacement displacement_centre displacement_max"
+    checks = (
+        (True, " ".join(STEADY), reported.check_steady_state),
+        (history, "ring_force pressure", reported.check_forces),
+        (history, "ring_worn_volume", reported.check_volume),
+        (history and reported.fixed, "normal_force ring_worn_volume", reported.check_decay),
         (
-            "steady_pressure steady_profile steady_wear_rate steady_displacement_max "
-            "steady_rms_slope",
-            reported.check_steady_state,
+            history and reported.fixed,
+            "normal_force pressure profile displacement ring_worn_volume",
+            reported.check_balance,
         ),
-    ]
-    forces = "normal_force" if reported.fixed else ""
-    if reported.times.size:
-        groups += [
-            ("ring_force pressure", reported.check_forces),
-            ("ring_worn_volume", reported.check_volume),
-        ]
-    if reported.times.size and reported.fixed:
-        groups += [
-            ("normal_force ring_worn_volume", reported.check_decay),
-            (f"{forces} pressure profile displacement ring_worn_volume", reported.check_balance),
-        ]
-    if scene.problem.full_contact:
-        groups.append(("relaxation_time", reported.check_modes))
-    if scene.problem.full_contact and reported.times.size:
-        groups += [
-            ("indentation", reported.check_start),
-            ("pressure ring_force", reported.check_start_pressures),
-            (
-                "indentation profile displacement displacement_centre displacement_max",
-                reported.check_fields,
-            ),
-            ("profile rms_slope", reported.check_slopes),
-        ]
-    if scene.problem.full_contact and reported.later.any():
-        groups += [
-            (f"indentation pressure profile {forces}", reported.check_wear),
-            ("indentation pressure profile displacement", reported.check_output),
-            ("pressure", reported.check_power),
-        ]
-    given = set(filter(scene.problem.wants, solution.checked.keys() & solution.errors.keys()))
+        (full, "relaxation_time", reported.check_modes),
+        (history and full, "indentation", reported.check_start),
+        (history and full, "pressure ring_force", reported.check_start_pressures),
+        (history and full, moved, reported.check_fields),
+        (history and full, "profile rms_slope", reported.check_slopes),
+        (later, f"indentation pressure profile {forces}", reported.check_wear),
+        (later, "indentation pressure profile displacement", reported.check_output),
+        (later, "pressure", reported.check_power),
+    )
+    given = set(filter(problem.wants, solution.checked.keys() & solution.errors.keys()))
     return [
         anchor
-        for quantities, rows in groups
-        if given.issuperset(quantities.split())
+        for applies, quantities, rows in checks
+        if applies and given.issuperset(quantities.split())
         for label, *numbers in rows()
         for anchor in judge(label, name, *numbers)
     ]
@@ -133,43 +119,36 @@ class _Reported:
         self.pressing = self.problem.loading.at(times).force > 0
         self.checked, self.times = self.problem.checked[self.pressing], times[self.pressing]
         self.forces, self.distances, self.work, *_ = self.problem.loading.at(self.times)
-        self.later = self.work > 0
+        self.later, self.starts = self.work > 0, 0 in self.times
         self.fixed = self.problem.indentation is not None
         self.graded = self.problem.merged.linear
         # F = w int dA / k
         self.wear_rate = 1 / np.sum(self.face.areas / self.face.wear)
         self.steady_pressures = self.wear_rate / self.problem.merged.wear_coefficients
 
-    def _read(self, name: str) -> Array:
-        """Return a quantity of the table, non-dimensional."""
-        unit = getattr(self.units, (QUANTITIES | ANSWER)[name].unit)
-        return np.asarray(self.table[name]) / unit
+    def _take(self, name: str, on_face: bool = True) -> Array:
+        """Return a quantity, non-dimensional, at the times that are checked if it has any.
 
-    def _take(self, name: str) -> Array:
-        """Return a quantity at the times that are checked.
-
-        Fields over the face, numbers as they are reported.
+        Fields are those over the face, or at the radii that they are reported at.
         """
-        if name in FIELDS:
+        quantity = (QUANTITIES | ANSWER)[name]
+        if on_face and quantity.dims == ("time", "radius"):
             return self.solution.checked[name][self.pressing]
-        return self._read(name)[self.checked]
+        values = np.asarray(self.table[name]) / getattr(self.units, quantity.unit)
+        return values[self.checked] if "time" in quantity.dims else values
 
-    def _error(self, name: str) -> Array:
-        """Return what the method states of a quantity."""
-        error = self.solution.checked_error(self.problem, name)
-        return error[self.pressing] if "time" in QUANTITIES[name].dims else error
+    def _errors(self, *names: str) -> Array:
+        """Return what the method states of each quantity."""
+        over_time = "time" in QUANTITIES[names[0]].dims
+        chosen = self.pressing if over_time else ...
+        return np.array([self.solution.checked_error(self.problem, of)[chosen] for of in names])
 
     def _tolerate(self, *names: str) -> Array:
         """Return the accuracy asked for.
 
         Infinity where the method states more of a quantity, and is held to nothing.
         """
-        errors = [self._error(name) for name in names]
-        return np.where(np.max(errors, axis=0) > self.rtol, np.inf, self.rtol)
-
-    def _state(self, *names: str) -> Array:
-        """Return the sum of the errors that the method states."""
-        return np.sum([self._error(name) for name in names], axis=0)
+        return np.where(self._errors(*names).max(axis=0) > self.rtol, np.inf, self.rtol)
 
     def _integrate(self, values: Array, weights: Array | float) -> tuple[Array, Array]:
         """Return integrals (T,) of (T, R) values over the face, and what they may be off."""
@@ -180,7 +159,7 @@ class _Reported:
         forces, parts = self._take("ring_force"), self.face.areas * self._take("pressure")
         whole = forces.sum(axis=1)
         if not self.fixed:
-            error = np.maximum(self._error("ring_force"), EXACT)
+            error = np.maximum(self._errors("ring_force")[0], EXACT)
             yield "ring forces add up to F", whole, self.forces, error
         doubt = DOUBT * self.face.integral_doubt(parts)
         # contact may lie between the radii of the face
@@ -196,25 +175,20 @@ class _Reported:
             worn = self._take("ring_worn_volume")[self.later] / self.problem.wear_coefficients
             yield "worn volume over k, F v0 t", worn.sum(1), self.work[self.later], EXACT
 
-    @property
-    def starts(self) -> bool:
-        """Whether something presses at the time 0."""
-        return bool((self.times[:1] == 0).any())
-
     def check_decay(self) -> Rows:
         """Hold the force at a fixed indentation, which decays, to what it wears."""
         force = self._take("normal_force")
-        if self.problem.full_contact and not self.times[0]:
+        if self.problem.full_contact and self.starts:
             yield "flat start, F = 2 a E* d", force[0], 1.0, self._tolerate("normal_force")[0]
         if self.graded:
             return
         worn = (self._take("ring_worn_volume") / self.problem.wear_coefficients).sum(axis=1)
-        error, lost = self._state("normal_force") * force, self._state("ring_worn_volume") * worn
+        errors = self._errors("normal_force", "ring_worn_volume") * [force, worn]
         # at a stop nothing changes
         distances, at = np.unique(self.distances, return_index=True)
-        force, worn, error, lost = (values[at] for values in (force, worn, error, lost))
-        passed = np.diff(distances)
-        doubt = EXACT * force[0] + error[1:] + error[:-1] + (lost[1:] + lost[:-1]) / passed
+        passed, force, worn, errors = np.diff(distances), force[at], worn[at], errors[:, at]
+        error, lost = errors[:, 1:] + errors[:, :-1]
+        doubt = EXACT * force[0] + error + lost / passed
         rates, scale = np.diff(worn) / passed, np.maximum(force[:-1], np.finfo(float).tiny)
         between = np.clip(rates, force[1:], force[:-1])
         yield "worn volume over k, between F v0 t", rates, between, doubt / scale, scale
@@ -228,33 +202,34 @@ class _Reported:
         parts, doubt = self._integrate(heights - gap, 1.0)
         unseen = self._take("normal_force") - self._integrate(self._take("pressure"), 1.0)[0]
         doubt += np.abs(unseen) * uniform.max()
-        tolerance = self.rtol + self._state("pressure", "profile", "displacement") + doubt / depth
+        stated = self._errors("pressure", "profile", "displacement").sum(axis=0)
+        tolerance = self.rtol + stated + doubt / depth
         value = self._take("ring_worn_volume").sum(axis=1) + parts
         yield "worn, unworn and pressed in, pi a^2 d", value, np.pi * depth, tolerance, depth
 
     def check_start(self) -> Rows:
         depth = self._tolerate("indentation")
         if self.starts:
-            value = self._read("indentation")[0]
+            value = self._take("indentation")[0]
             yield "flat start, d = F / (2 a E*)", value, D0 * self.forces[0], depth[0]
         if self.solution.wear is not None:
-            value = self._read("indentation_start")
+            value = self._take("indentation_start")
             yield "flat start of the answer", value, D0, depth.max()
 
     def check_start_pressures(self) -> Rows:
-        edges, inside = self.problem.ring_edges, self.radii < 1
+        edges, radii = self.problem.ring_edges, self.radii[self.radii < 1]
         pressure, force = (self._tolerate(name) for name in ("pressure", "ring_force"))
         if self.starts:
-            value, reference = self._read("pressure")[0, inside], P0 / _root(self.radii[inside])
-            value = value / self.forces[0]
+            value = self._take("pressure", on_face=False)[0, self.radii < 1] / self.forces[0]
+            reference = P0 / _root(radii)
             yield "flat start, p = p0 / sqrt(1 - r^2/a^2)", value, reference, pressure[0]
-            value, reference = self._read("ring_force")[0], -np.diff(_root(edges))
-            value = value / self.forces[0]
+            value, reference = self._take("ring_force")[0] / self.forces[0], -np.diff(_root(edges))
             yield "flat start, forces of the rings", value, reference, force[0], 1.0
         if self.solution.wear is not None:
-            least, greatest = self._read("pressure_min")[0], self._read("pressure_max")[0]
-            value, reference = np.append(least, greatest[:-1]), P0 / _root(edges[:-1])
-            reference = np.append(reference, reference[1:])
+            # infinite at the rim
+            least, greatest = self._take("pressure_min")[0], self._take("pressure_max")[0, :-1]
+            reference = P0 / _root(np.append(edges[:-1], edges[1:-1]))
+            value = np.append(least, greatest)
             yield "flat start of the answer, pressures", value, reference, pressure.max()
 
     def check_wear(self) -> Rows:
@@ -268,7 +243,7 @@ class _Reported:
             doubt += self._tolerate("profile") * depth * (face.areas / face.wear).sum()
             tolerance = np.maximum(doubt[later] / work[later], self.rtol)
             yield "worn volume over k, F v0 t", worn[later], work[later], tolerance
-            worn = self._read("worn_volume") / self.problem.wear_coefficients
+            worn = self._take("worn_volume") / self.problem.wear_coefficients
             if np.isfinite(worn).all() and not self.graded:
                 name = "worn volume of the answer over k, F v0 t"
                 yield name, worn.sum(), work[-1], tolerance[-1]
@@ -323,7 +298,7 @@ class _Reported:
             if name == "pressure":
                 size = np.abs(values).max(axis=1)
             reference, doubt = self.face.interpolate(values, self.radii[inside])
-            reported = self._read(name)[self.checked][later][:, inside]
+            reported = self._take(name, on_face=False)[later][:, inside]
             # in the mean: pressures of elements have kinks of their own
             wrong, doubt = (
                 np.sqrt((part**2).mean(axis=1)) / size for part in (reported - reference, doubt)
@@ -341,7 +316,7 @@ class _Reported:
         )
         tolerance = self._tolerate("relaxation_time")[0] + DOUBT * abs(coarse / fine - 1)
         name = "slowest relaxation time, by a small problem of its own"
-        yield name, self._read("relaxation_time")[0], fine, tolerance
+        yield name, self._take("relaxation_time")[0], fine, tolerance
         if self.later.any():
             yield "modes add up to the flat start", wear.share_of_modes, 1.0, EXACT
 
@@ -349,11 +324,10 @@ class _Reported:
         """Hold the balance of power that the law of wear asks for."""
         wear, times, step = self.solution.wear, self.times, 0.005
         tolerated = self._tolerate("pressure")
-        later = np.flatnonzero(self.later & np.isfinite(tolerated))
+        some = self.later & np.isfinite(tolerated)
         marched = self.problem.march != "modal" or self.problem.loading.varies
-        if wear is None or marched or not len(later):
+        if wear is None or marched or not some.any():
             return
-        some = later[np.linspace(0, len(later) - 1, min(len(later), 6)).round().astype(int)]
         # d'(2t) by differences of fourth order, with the roundoff of d over short times
         twice = 2 * times[some]
         near = wear.modal(np.outer(twice, 1 + step * np.array([-2, -1, 1, 2])).ravel())
@@ -372,13 +346,13 @@ class _Reported:
         problem, pressures = self.problem, self.wear_rate / self.problem.merged.at(self.radii)
         name = "steady_wear_rate"
         exact = max(EXACT, self.graded * self.rtol)
-        yield f"{name} in closed form", self._read(name), self.wear_rate, exact
-        yield "steady pressures of Eq. 24", self._read("steady_pressure"), pressures, self.rtol
+        yield f"{name} in closed form", self._take(name), self.wear_rate, exact
+        yield "steady pressures of Eq. 24", self._take("steady_pressure"), pressures, self.rtol
         if self.graded:
             return
         merged = problem.merged.ring_edges, self.steady_pressures
         by_rings = self.wear_rate / problem.wear_coefficients
-        reported = np.array([self._read(name)[1] for name in ("pressure_min", "pressure_max")])
+        reported = np.array([self._take(name)[1] for name in ("pressure_min", "pressure_max")])
         yield "steady pressures of the answer", reported, by_rings, self.rtol
         greatest = direct.greatest_displacement(*merged)
         limit = greatest - self._displace(self.radii)
@@ -388,7 +362,7 @@ class _Reported:
             ("steady_profile", limit, greatest),
         ):
             tolerance = self._tolerate(name)
-            yield f"{name} in closed form", self._read(name), reference, tolerance, scale
+            yield f"{name} in closed form", self._take(name), reference, tolerance, scale
 
     def _displace(self, radii: Array) -> Array:
         """Return the steady displacement at radii."""

@@ -42,18 +42,18 @@ def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
         values["force_share"][0] = flat.ring_forces(problem.ring_edges)
     if problem.indentation is not None and "normal_force" in results:
         force = results["normal_force"]
-        values["force_end"] = force[-1]
+        values["force_end"][...] = force[-1]
         if problem.times[0] == 0:
-            values["force_start"] = force[0]
+            values["force_start"][...] = force[0]
     if (march := solution.march) is not None:
-        values["running_in_time"] = np.asarray(march.slowest_time)
+        values["running_in_time"][...] = march.slowest_time
         if not problem.loading.varies:
-            values["time_to_full_contact"] = np.asarray(march.time_of_full_contact)
+            values["time_to_full_contact"][...] = march.time_of_full_contact
         for name, part in _parts(problem).items():
-            values[name] = np.asarray(_time_left(march, part))
+            values[name][...] = _time_left(march, part)
     if solution.presses:
-        values["contact_radius_start"] = np.asarray(solution.presses[0].radius)
-        values["pressure_peak_start"] = np.asarray(_peak(solution.presses, problem.rtol))
+        values["contact_radius_start"][...] = solution.presses[0].radius
+        values["pressure_peak_start"][...] = _peak(solution.presses, problem.rtol)
     if "ring_worn_volume" in results:
         values["worn_volume"] = results["ring_worn_volume"][-1]
     elif problem.full_contact and "profile" in checked:

@@ -2,11 +2,9 @@
 the scene's units.
 """
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,10 +15,7 @@ from ..methods.base import Method, Solution
 from ..methods.interior import Interior, interior
 from ..methods.sampler import Sampler
 from ..problem.quantities import (
-    ANSWER,
     FIELDS,
-    NORMS,
-    QUANTITIES,
     error_name,
 )
 from ..problem.scene import Scene
@@ -75,7 +70,7 @@ class Result:
     @property
     def quantities(self) -> dict[str, str]:
         """The verdict on each quantity, over all pairs of methods."""
-        return by_quantity(self.agreement)
+        return {name: row.verdict for name, row in by_quantity(self.agreement).items()}
 
     @property
     def verdict_in_words(self) -> str:
@@ -120,20 +115,8 @@ class Result:
         return answers
 
     def gives(self, *quantities: str) -> bool:
-        """Return whether a method gives all of some quantities that were asked for."""
-        variables = self.table.variables
-        if not variables.keys() >= set(quantities):
-            return False
-        given = (
-            np.isfinite(variables[name][1]).reshape(len(self.coordinates["solver"]), -1).any(axis=1)
-            for name in quantities
-        )
-        return bool(np.all(list(given), axis=0).any())
-
-    def first_answer(self, key: str) -> Array:
-        """Return an answer by the first method that gives it; NaN if none does."""
-        values = [answers.get(key, np.asarray(np.nan)) for answers in self.answers.values()]
-        return next((value for value in values if np.isfinite(value).any()), values[0])
+        """Return whether a method gives all of some quantities."""
+        return bool(set.intersection(*(set(self.by_method(name)) for name in quantities)))
 
     @property
     def has_inside(self) -> bool:
@@ -176,14 +159,20 @@ class Result:
 
     def by_method(self, quantity: str, times: Any = ...) -> dict[str, Array]:
         """Return a quantity by each method that gives it, at all or at some of the times."""
+        if quantity not in self.table.variables:
+            return {}
         given = zip(self.coordinates["solver"], self.table.variables[quantity][1], strict=True)
         chosen = {name: values[times] for name, values in given}
         return {name: values for name, values in chosen.items() if not np.isnan(values).all()}
 
+    def first(self, quantity: str) -> Array:
+        """Return a quantity by the first method that gives it; NaN if none does."""
+        return next(iter(self.by_method(quantity).values()), np.asarray(np.nan))
+
     @cached_property
     def between(self) -> tuple[str, dict[str, Array]]:
         """The first method that knows more than the times asked for, and what it says between them;
-        else none, and what the method reports that gives most.
+        else none, and what the first method reports that gives profiles.
         """
         problem = self.scene.problem
         later = problem.times[problem.distances > 0]
@@ -194,6 +183,7 @@ class Result:
             if isinstance(wear, RunningIn):
                 # close enough, whether times are drawn in a logarithmic scale or not
                 at = np.linspace(later[0] ** 0.25, later[-1] ** 0.25, 200) ** 4
+                at = np.append(0.0, at)
                 history = replace(wear.modal(at), distances=at)
             else:
                 history = wear.between
@@ -204,11 +194,8 @@ class Result:
             times = {"time": values["time"] * problem.units.time}
             return name, self.reported(name) | in_units(problem, values) | times
 
-        def given(name: str) -> int:
-            values = self.reported(name).values()
-            return sum(bool(np.isfinite(of).any()) for of in values if of.dtype.kind == "f")
-
-        return "", self.reported(max(self.coordinates["solver"], key=given))
+        first = next(iter(self.by_method("profile")), self.coordinates["solver"][0])
+        return "", self.reported(first)
 
     @cached_property
     def anchors(self) -> tuple[Anchor, ...]:
@@ -247,7 +234,6 @@ def summary(result: Result) -> dict[str, Any]:
     Verdict, cost, error estimates, agreement, what was modelled and what was left out.
     """
     scene, rtol = result.scene, result.scene.accuracy.rtol
-    definitions = files("ringwear.studies") / "crosscheck" / "definitions.toml"
     methods = {
         name: {
             "seconds": {
@@ -283,9 +269,6 @@ def summary(result: Result) -> dict[str, Any]:
         "operator_difference": [
             {name: getattr(row, name) for name in numbers} for row in result.operators
         ],
-        "definitions": tomllib.loads(definitions.read_text("utf-8"))
-        | {name: NORMS[quantity.norm] for name, quantity in QUANTITIES.items()}
-        | {name: quantity.definition for name, quantity in ANSWER.items()},
         "modelled": modelled(scene, result.methods),
         "left_out": left_out(scene, result.methods),
         "notes": result.notes,

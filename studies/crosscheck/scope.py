@@ -123,36 +123,24 @@ def time_scale(scene: Scene) -> list[str]:
     slowest = slowest_relaxation_time(problem.merged, problem.indentation is not None)
     if not np.isfinite(slowest):
         return [f"running-in: not known beforehand for more than {MOST_RINGS} rings"]
-    first, last = problem.earliest / slowest, float(problem.distances[-1]) / slowest
-    names, unit = UnitNames.of(scene.units), problem.units.time
-    written = names.write(slowest * unit, "time", 3)
-    if not problem.full_contact and problem.loading.varies:
-        return [f"running-in: slowest relaxation time of the full face {written}"]
-    if not problem.full_contact:
-        starts, ends = (names.write(time * unit, "time", 2) for time in spreading(problem))
-        ends = f" to {ends}" if problem.indentation is None else " on"
-        return [
-            f"running-in: contact spreads from about {starts}{ends}; slowest relaxation time of "
-            f"the full face {written}"
-        ]
-    later = int(np.sum(problem.distances > 0))
-    return [
-        f"running-in: slowest relaxation time {written}; the {later} times after the start go "
-        f"from {first:.2g} to {last:.2g} of it",
-        *outside(first, last),
-    ]
 
+    def written(time: float) -> str:
+        return UnitNames.of(scene.units).write(time * problem.units.time, "time", 3)
 
-def outside(first: float, last: float) -> list[str]:
-    """Return a warning if no times, counted in the slowest relaxation time, show the running-in."""
+    lines = [f"running-in: slowest relaxation time of the full face {written(slowest)}"]
     remedy = 'times = "running-in" shows all of it'
-    if last < 0.01:
-        return [
-            "note: all times lie before the running-in, of which hardly anything is seen by then: "
-            f"{remedy}"
-        ]
-    if first > 5:
-        return [
-            f"note: all times lie after the running-in, so that nothing of it is seen: {remedy}"
-        ]
-    return []
+    if not problem.full_contact:
+        # contact that spreads has a time scale of its own
+        if not problem.loading.varies:
+            start, end = map(written, spreading(problem))
+            until = f" to {end}" if problem.indentation is None else " on"
+            lines.append(f"contact spreads from about {start}{until}")
+    elif problem.distances[-1] < 0.01 * slowest:
+        lines.append(
+            f"note: all times lie before the running-in, of which little is seen: {remedy}"
+        )
+    elif problem.earliest > 5 * slowest:
+        lines.append(
+            f"note: all times lie after the running-in, of which nothing is seen: {remedy}"
+        )
+    return lines

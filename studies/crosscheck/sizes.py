@@ -11,10 +11,10 @@ from ..problem.scene import Scene
 GIB = 2.0**30
 
 
-def predict_memory(scene: Scene) -> dict[str, float]:
-    """Return about how many GiB a run will need, by the scene keys that cause it.
+def predict_memory(scene: Scene) -> float:
+    """Return about how many GiB a run will need.
 
-    They are for some 14 dense matrices, for the sparse factor, and for fields over time. All
+    They are for libraries, some 14 dense matrices, the sparse factor, and fields over time. All
     methods have about as many pressures as dimensionality reduction, and 40 to 130 finite elements'
     unknowns go with each.
     """
@@ -28,22 +28,18 @@ def predict_memory(scene: Scene) -> dict[str, float]:
         slower = max(1.0, 0.5 / (problem.fem.growth or 0.5))
         unknowns = 90 * space.size * slower**2
         numbers += 50 * unknowns * np.log2(unknowns)
-    fields = 6.0 * len(problem.times) * len(problem.radii) * len(scene.methods)
-    return {
-        "libraries": 0.23,
-        "punch.rings and accuracy": float(8 * numbers / GIB),
-        "wear.times and output.radii": 8 * fields / GIB,
-    }
+    numbers += 6.0 * len(problem.times) * len(problem.radii) * len(scene.methods)
+    return 0.23 + float(8 * numbers / GIB)
 
 
-def beyond_memory(memory: dict[str, float], limit: float) -> str:
-    """Say why a run would not fit into so many GiB, and by which key; empty if it fits."""
-    total, key = sum(memory.values()), max(memory, key=memory.__getitem__)
-    if total <= limit:
+def beyond_memory(needed: float, limit: float) -> str:
+    """Say why a run would not fit into so many GiB; empty if it fits."""
+    if needed <= limit:
         return ""
     return (
-        f"about {total:.2g} GiB are needed, {memory[key]:.2g} of them for {key}, and {limit:.2g} "
-        "are allowed: ask for less there, or give --memory GIB if there is more"
+        f"about {needed:.2g} GiB are needed, and {limit:.2g} are allowed: ask for fewer "
+        "punch.rings, wear.times and output.radii, or a greater accuracy.rtol, or give --memory "
+        "GIB if there is more"
     )
 
 

@@ -46,46 +46,46 @@ def tabulate(
     given_answers: Mapping[str, dict[str, Array]],
 ) -> Table:
     """Return all results of methods, with their answers, NaN where one does not give a quantity."""
-    problem = scene.problem
+    problem, reported = scene.problem, []
     units, names = problem.units, UnitNames.of(scene.units)
-    reported, table = [], dict[str, Quantity]()
     for name, solution in solutions.items():
-        given = in_units(problem, solution.results)
+        results, march = solution.results, solution.march
+        if scene.output.every_step and march is not None:
+            offsets = [0.0, problem.profile.standoff, 0.0, 0.0]
+            results = results | dict(zip(STEPS, (march.path + offsets).T, strict=True))
         errors = {error_name(key): error for key, error in solution.errors.items()}
-        reported.append(given | errors | given_answers[name])
+        reported.append(in_units(problem, results) | errors | given_answers[name])
 
-    def gives(name: str) -> bool:
-        return any(name in given for given in reported)
+    def longest(name: str) -> int:
+        return max((given[name].shape[-1] for given in reported if name in given), default=0)
 
-    for name, quantity in QUANTITIES.items():
-        # a flat punch has no more to say
-        if (name not in OF_PROFILES or gives(name)) and problem.wants(name):
-            table[name] = quantity
-            if name not in ("contact", "contact_edge"):
-                definition = ERROR.format(name, NORMS[quantity.norm])
-                table[error_name(name)] = Quantity(quantity.error_dims, "number", definition)
-    edges = [given["contact_edge"].shape[1] for given in reported if "contact_edge" in given]
     sizes = {
         "time": len(problem.times),
         "radius": len(problem.radii),
         "ring": len(problem.wear_coefficients),
         "mode": SHOWN,
         "state": len(STATES),
-        "edge": max(edges, default=0),
+        "edge": longest("contact_edge"),
+        "step": longest("step_time"),
     }
+    # not every run has these
+    optional = {*OF_PROFILES, *STEPS, *(name for name, of in ANSWER.items() if not of.always)}
+    table = dict[str, Quantity]()
+    for name, quantity in (QUANTITIES | STEPS | ANSWER).items():
+        if name in optional and not any(name in given for given in reported):
+            continue
+        if name in QUANTITIES and not problem.wants(name):
+            continue
+        table[name] = quantity
+        if name in QUANTITIES and name not in ("contact", "contact_edge"):
+            definition = ERROR.format(name, NORMS[quantity.norm])
+            table[error_name(name)] = Quantity(quantity.error_dims, "number", definition)
 
     def describe(definition: str, kind: str) -> dict[str, str]:
         return {"long_name": definition, "units": names.name(kind)}
 
     variables: Labelled = {}
-    answers = {name: of for name, of in ANSWER.items() if of.always or gives(name)}
-    steps = _of_steps(problem, solutions) if scene.output.every_step else {}
-    sizes["step"] = max((len(given["step_time"]) for given in steps.values()), default=0)
-    if steps:
-        for row, name in enumerate(solutions):
-            reported[row] |= steps.get(name, {})
-        table |= STEPS
-    for name, quantity in (table | answers).items():
+    for name, quantity in table.items():
         gathered = np.full((len(reported), *(sizes[dim] for dim in quantity.dims)), np.nan)
         for row, given in enumerate(reported):
             if name in given:
@@ -138,14 +138,4 @@ def in_units(problem: Problem, results: Results) -> dict[str, Array]:
         name: value * getattr(problem.units, described[name].unit)
         for name, value in results.items()
         if name in described
-    }
-
-
-def _of_steps(problem: Problem, solutions: Mapping[str, Solution]) -> dict[str, dict[str, Array]]:
-    """Return what is told at each step, by method: nothing of what has no steps."""
-    offsets = np.array([0.0, problem.profile.standoff, 0.0, 0.0])
-    return {
-        name: in_units(problem, dict(zip(STEPS, (solution.march.path + offsets).T, strict=True)))
-        for name, solution in solutions.items()
-        if solution.march is not None
     }

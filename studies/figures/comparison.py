@@ -23,16 +23,13 @@ def draw_comparison(a: Result, b: Result) -> Figure:
     for name, axes in zip(names, panels.flat, strict=True):
         over, marks = ("radius", {"marker": ""}) if "steady" in name else ("time", {})
         for number, (drawn, result) in enumerate(((scale, a), (other, b))):
-            if result.gives(name):
+            if result.by_method(name):
                 look = curve(number) | marks | {"label": "AB"[number]}
-                values = next(iter(result.by_method(name).values()))
-                drawn.plot(axes, name, over, result.coordinates[over], values, **look)
+                drawn.plot(axes, name, over, result.coordinates[over], result.first(name), **look)
         if not axes.lines:
             figure.delaxes(axes)
     if not figure.axes:
         raise SceneError("neither has a history or a steady state: nothing can be compared")
     panels[0, 0].invert_yaxis()
     first, second = (result.scene.title or "untitled" for result in (a, b))
-    note = f"{scale.note} of A" if scale.note else ""
-    titles = "A", f"{first}; B: {second}"
-    return complete(figure, titles, figure.axes, note, across=0.56, down=0.5)
+    return complete(figure, ("A", f"{first}; B: {second}"), figure.axes, down=0.5)

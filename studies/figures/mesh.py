@@ -7,7 +7,6 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from ...meshes.half_space import contact_radii, quality, truncation
 from ...meshes.radial import Array
@@ -15,58 +14,46 @@ from ..crosscheck.dataset import Result
 from ..methods.interior import NEAR
 from ..problem.scene import Scene
 from .scale import Scale
-from .style import PAGE, RED, complete, hide_inner_ticks, new_panels, power_of_ten, save
+from .style import PAGE, RED, complete, new_panels, power_of_ten, save
 
 
 def draw_stress(result: Result) -> Figure:
     """Draw the von Mises stress under the rings, at every state whose inside was recovered."""
-    fields, scale, count = result.inside, Scale(result.scene), len(result.inside.labels)
+    fields, scale, problem = result.inside, Scale(result.scene), result.scene.problem
+    count = len(fields.labels)
     width = min(PAGE, 1.4 + 2.7 * count)
-    height = 0.78 * (width - 1.6) / count + 1.25
-    ratios = [1.0] * count + [0.05]
-    figure, panels = new_panels(width, height, columns=count + 1, width_ratios=ratios)
-    *views, bar = panels[0]
-    radius = scale.shown("radius", result.scene.problem.units.length)
+    figure, panels = new_panels(width, 0.78 * (width - 1.6) / count + 1.25, columns=count)
+    radius = scale.shown("radius", problem.units.length)
     r, z = fields.points * radius
     depth = float(fields.reach.max()) * radius
-    beneath = (r < 1.3 * depth) & (z > 0.04 * depth) & (z < depth)
-    stress = scale.shown("von_mises", fields.von_mises * result.scene.problem.units.pressure)
-    highest = 1.2 * stress[:, beneath].max(axis=1)
-    levels, norm = np.array(MaxNLocator(12).tick_values(0, float(highest.max()))), None
-    if highest.max() > 10 * highest.min() > 0:
-        # three to a decade
-        low, high = 3 * np.log10([0.1 * highest.min(), highest.max()])
-        levels, norm = 10 ** (np.arange(np.floor(low), high + 1) / 3), LogNorm()
-    corners = r[fields.triangles].min(axis=0), z[fields.triangles].min(axis=0)
-    near = (corners[0] < 1.3 * depth) & (corners[1] < depth)
+    stress = scale.shown("von_mises", fields.von_mises * problem.units.pressure)
+    beneath = stress[:, (r < 1.3 * depth) & (z > 0.04 * depth) & (z < depth)]
+    highest = beneath.max(axis=1)
+    least = min(highest[highest > 0], default=1.0)
+    levels = np.geomspace(0.2 * least, max(highest.max(), least), 16)
+    # where nothing presses there is none
+    stress = np.maximum(stress, 0.1 * levels[0])
     for axes, values, label, error in zip(
-        views, stress, fields.labels, fields.errors["von_mises"], strict=True
+        panels[0], stress, fields.labels, fields.errors["von_mises"], strict=True
     ):
         filled = axes.tricontourf(
-            r,
-            z,
-            fields.triangles[:, near].T,
-            values,
-            levels,
-            norm=norm,
-            cmap="viridis",
-            extend="both" if norm else "max",
+            r, z, fields.triangles.T, values, levels, norm=LogNorm(), extend="both"
         )
-        _draw_punch(axes, depth, result.scene.problem.ring_edges * radius)
+        _draw_punch(axes, depth, problem.ring_edges * radius)
         axes.set(xlim=(0, 1.3 * depth), ylim=(depth, -0.08 * depth), aspect="equal")
-        axes.set_xlabel(scale.label("radius"))
+        axes.set(xlabel=scale.label("radius"), ylabel=scale.label("depth"))
         state = "steady state" if label == "steady" else scale.when(float(label.removeprefix("t=")))
         axes.set_title(f"{state}\nerrors up to {error:.0e} pₘ")
-        hide_inner_ticks(axes)
-    views[0].set_ylabel(scale.label("depth"))
-    figure.colorbar(filled, cax=bar, label=scale.label("von_mises"))
+        axes.label_outer()
     note = (
         f"errors: estimates, over pₘ = F/(πc²), c the radius of the contact, beyond {NEAR:g} c "
         "of its edges and ring edges (marked)"
     )
     titles = result.scene.title, "von Mises stress under the rings"
-    note = "\n".join(filter(None, (note, scale.note)))
-    return complete(figure, titles, note=note, across=0.2, right=0.5)
+    complete(figure, titles, note=note, across=0.15)
+    beside = {"fraction": 0.1, "pad": 0.02, "ticks": levels[::3], "format": "%.2g"}
+    figure.colorbar(filled, ax=panels[0], label=scale.label("von_mises"), **beside)
+    return figure
 
 
 def draw_result_mesh(result: Result) -> Figure:
@@ -82,27 +69,26 @@ def draw_mesh(mesh: Any, mesher: str, ring_edges: Array) -> Figure:
     rim = max(30 * float(np.diff(contact_radii(mesh)).min()), 1e-6)
     power = 10 ** np.floor(np.log10(rim))
     views = (
-        ("whole", 0.0, truncation(mesh), "r/a"),
-        ("under the punch", 0.0, 1.15, "r/a"),
-        ("at the rim", -rim, rim, f"(r − a)/a in {power_of_ten(power)}"),
+        ("the whole", 0.0, 1.0, 0.0, truncation(mesh), "r/a"),
+        ("under the punch", 0.0, 1.0, 0.0, 1.15, "r/a"),
+        ("at the rim", 1.0, power, -rim, rim, f"(r − a)/a in {power_of_ten(power)}"),
     )
     figure, panels = new_panels(PAGE, 2.75, columns=len(views))
-    for axes, (name, low, high, label) in zip(panels[0], views, strict=True):
-        centre, unit = (1.0, power) if low else (0.0, 1.0)
-        depth = high - low
-        corners = mesh.p[:, mesh.t].transpose(2, 1, 0) - [centre, 0.0]
-        least, most = corners.min(axis=1), corners.max(axis=1)
-        shown = corners[(most[:, 0] >= low) & (least[:, 0] <= high) & (least[:, 1] <= depth)]
-        width = 0.35 if len(shown) < 3000 else 0.15
+    for axes, (name, centre, unit, low, high, label) in zip(panels[0], views, strict=True):
+        elements = (mesh.p[:, mesh.t].transpose(2, 1, 0) - [centre, 0.0]) / unit
         axes.add_collection(
-            PolyCollection(shown / unit, facecolors="none", edgecolors="black", linewidths=width)
+            PolyCollection(elements, facecolors="none", edgecolors="black", linewidths=0.3)
         )
-        _draw_punch(axes, depth / unit, (ring_edges - centre) / unit)
-        axes.set(xlim=(low / unit, high / unit), ylim=(depth / unit, -0.06 * depth / unit))
-        axes.set(aspect="equal", xlabel=label, title=f"{name}: {len(shown)} elements")
+        depth = (high - low) / unit
+        _draw_punch(axes, depth, (ring_edges - centre) / unit)
+        axes.set(xlim=(low / unit, high / unit), ylim=(depth, -0.06 * depth))
+        axes.set(aspect="equal", xlabel=label, title=name)
     panels[0, 0].set_ylabel("depth z/a")
-    title = f"half-space mesh by {mesher}; the punch is red, ring edges are marked"
-    return complete(figure, [title], across=0.4)
+    title = (
+        f"half-space mesh by {mesher}, {mesh.nelements} elements; the punch is red, ring edges are "
+        "marked"
+    )
+    return complete(figure, [title])
 
 
 def _draw_punch(axes: Any, depth: float, ring_edges: Array) -> None:

@@ -1,12 +1,10 @@
 """What a scene's figures are drawn in, and its quantities over the radius or over time.
 
-SI units with their prefixes, or over a, d0 and p0 as in the paper: ``d0 = F/(2 a E*)`` is the
-indentation of the unworn punch and ``p0 = F/(2 pi a^2)`` its least pressure; a figure that uses
-them says so.
+Numbers are those of the scene and of `results.nc`, in SI units with their prefixes if it has units.
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -17,43 +15,23 @@ from ..problem.unit_names import UnitNames
 from .style import broken_at, method_curve, set_logarithmic, shade_rings
 
 LABELS = {
-    "radius": ("radius", "r", "length"),
-    "depth": ("depth", "z", "length"),
-    "time": ("time", "t", "time"),
-    "profile": ("profile", "Δf", "height"),
-    "pressure": ("pressure", "p", "pressure"),
-    "steady_profile": ("limiting profile", "fₛₜₐₜ", "height"),
-    "steady_pressure": ("steady pressure", "p", "pressure"),
-    "displacement_max": ("greatest displacement", "uₘₐₓ", "displacement"),
-    "indentation": ("indentation", "d", "displacement"),
-    "rms_slope": ("RMS slope", "s", "slope"),
-    "contact_edge": ("contact (shaded), its edges", "r", "length"),
-    "ring_force": ("force", "Fₙ", "force"),
-    "normal_force": ("force", "Fₙ", "force"),
-    "ring_worn_volume": ("worn volume", "V", "volume"),
-    "von_mises": ("von Mises stress", "σ", "pressure"),
+    "radius": ("radius r", "length"),
+    "depth": ("depth z", "length"),
+    "time": ("time t", "time"),
+    "profile": ("profile Δf", "height"),
+    "pressure": ("pressure p", "pressure"),
+    "steady_profile": ("limiting profile fₛₜₐₜ", "height"),
+    "steady_pressure": ("steady pressure p", "pressure"),
+    "displacement_max": ("greatest displacement uₘₐₓ", "displacement"),
+    "indentation": ("indentation d", "displacement"),
+    "rms_slope": ("RMS slope s", "slope"),
+    "contact_edge": ("contact (shaded), its edges r", "length"),
+    "ring_force": ("force Fₙ", "force"),
+    "normal_force": ("force Fₙ", "force"),
+    "ring_worn_volume": ("worn volume V", "volume"),
+    "von_mises": ("von Mises stress σ", "pressure"),
 }
-"""What is drawn: its name, symbol and kind of unit."""
-MANY = 24
-"""Rings from which on curves are thin and without marks, over the whole width of a page."""
-
-
-class Axis(NamedTuple):
-    """What a kind of quantity is drawn in.
-
-    Parameters
-    ----------
-    unit : float
-        Of the axis, in the units of the scene.
-    name : str
-        Of the unit, in SI.
-    over : str
-        Symbol of what values are divided by, where they are not in SI.
-    """
-
-    unit: float
-    name: str
-    over: str = ""
+"""What is drawn: its name with its symbol, and its kind of unit."""
 
 
 class Scale:
@@ -61,47 +39,48 @@ class Scale:
 
     Attributes
     ----------
-    axes : dict of Axis
-        By the kind of quantity.
+    axes : dict of (float, str)
+        By the kind of quantity: the unit that it is drawn in, in the units of the scene, and its
+        name.
     logarithmic : bool
         Whether times span so much that they are drawn from the first after the start.
+    many_rings : bool
+        Whether there are so many rings that panels are wide, and curves thin and without marks.
     """
 
     def __init__(self, scene: Scene) -> None:
         self.names, self.problem = UnitNames.of(scene.units), scene.problem
-        units = scene.problem.units
-        slid = max(scene.problem.distances, default=0.0) or 1.0
-        unworn = scene.problem.profile(scene.problem.radii)
-        self.axes = {}
-        for kind, size, symbol in (
-            ("length", 1.0, "a"),
-            ("displacement", D0, "d₀"),
-            ("height", D0, "d₀"),
-            ("pressure", P0, "p₀"),
-            ("slope", D0, "(d₀/a)"),
-            ("force", 1.0, "F"),
-            ("volume", 1.0, "(Fa/E*)"),
-        ):
-            of = "displacement" if kind == "height" else kind
-            stored = size * getattr(units, of)
-            # units of volume are far apart, and a face is higher than it is pressed in
-            taller = {"volume": 100 * slid, "height": max(unworn.max(), 1.0)}
-            unit, name = self.names.readable(stored * taller.get(kind, 1.0), of)
-            self.axes[kind] = Axis(unit, name) if self.names.base else Axis(stored, "", symbol)
-        later = [time for time in scene.wear.times if time] or [0.0]
-        self.axes["time"] = Axis(*self.names.readable(float(np.sqrt(later[0] * later[-1])), "time"))
+        units, times = self.problem.units, [time for time in scene.wear.times if time] or [0.0]
+        # a face is higher than it is pressed in, and units of volume are far apart
+        highest = max(self.problem.profile(self.problem.radii).max(), 1.0)
+        slid = max(self.problem.distances, default=0.0) or 1.0
+        sizes = {
+            "length": units.length,
+            "time": float(np.sqrt(times[0] * times[-1])),
+            "displacement": D0 * units.displacement,
+            "height": D0 * units.displacement * highest,
+            "pressure": P0 * units.pressure,
+            "slope": units.slope,
+            "force": units.force,
+            "volume": 100 * slid * units.volume,
+        }
+        self.axes = {
+            kind: self.names.readable(size, "displacement" if kind == "height" else kind)
+            for kind, size in sizes.items()
+        }
         # where loads vary, late times have as much to show as early ones
-        self.logarithmic = later[-1] > 30 * later[0] and not scene.problem.loading.varies
+        self.logarithmic = times[-1] > 30 * times[0] and not self.problem.loading.varies
+        self.many_rings = len(self.problem.wear_coefficients) > 24
 
     def shown(self, name: str, values: Any) -> Any:
         """Return values of a quantity, in the units of the scene, as they are drawn."""
-        return values / self.axes[LABELS[name][2]].unit
+        return values / self.axes[LABELS[name][1]][0]
 
     def label(self, name: str) -> str:
-        """Return the label of an axis, as ``pressure p (MPa)`` or ``pressure p/p₀``."""
-        what, symbol, kind = LABELS[name]
-        _, unit, over = self.axes[kind]
-        return f"{what} {symbol}{f'/{over}' if over else ''}" + (f" ({unit})" if unit else "")
+        """Return the label of an axis, as ``pressure p (MPa)``."""
+        what, kind = LABELS[name]
+        _, unit = self.axes[kind]
+        return f"{what} ({unit})" if unit else what
 
     def plot(
         self, axes: Any, name: str, over: str, places: Array, heights: Array, **look: Any
@@ -118,37 +97,17 @@ class Scale:
 
     def plot_radial(self, axes: Any, name: str, radii: Array, values: dict[str, Array]) -> None:
         """Draw a quantity over the radius by every method that gives it, and shade the rings."""
-        rings = self.problem.rings
         for method, curve in values.items():
             given = ~np.isnan(curve)
             look = method_curve(method, int(given.sum()))
-            if len(rings.wear_coefficients) > MANY:
+            if self.many_rings:
                 look |= {"marker": "", "linewidth": 0.5 * look["linewidth"]}
             self.plot(axes, name, "radius", radii[given], curve[given], **look)
-        shade_rings(axes, *rings, self.shown("radius", self.problem.units.length))
+        shade_rings(axes, *self.problem.rings, self.shown("radius", self.problem.units.length))
 
     def when(self, time: float) -> str:
-        """Return a time in the scene's numbers, for people."""
+        """Return a time, for people."""
         return f"t = {self.names.write(time, 'time', 3)}"
-
-    def worn(self, height: float) -> str:
-        """Return a height, for people."""
-        if self.names.base:
-            return self.names.write(height, "displacement", 2)
-        return f"{self.shown('profile', height):.2g} d₀"
-
-    @property
-    def note(self) -> str:
-        """What the axes are over."""
-        if self.names.base:
-            return ""
-        units, write = self.problem.units, self.names.write
-        force = "F" if self.problem.indentation is None else "F = 2aE*d"
-        return (
-            f"a = {write(units.length, 'length', 3)}, {force} = {write(units.force, 'force', 3)}, "
-            f"d₀ = F/(2aE*) = {write(D0 * units.displacement, 'displacement', 3)}, "
-            f"p₀ = F/(2πa²) = {write(P0 * units.pressure, 'pressure', 3)}"
-        )
 
 
 def least_wear(problem: Problem, profiles: Array) -> Any:

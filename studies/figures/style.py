@@ -93,31 +93,23 @@ def complete(
     titles: Iterable[str],
     axes: Iterable[Any] = (),
     note: str = "",
-    across: float = 0.1,
+    across: float = 0.6,
     down: float = 0.1,
-    right: float = 0.13,
 ) -> Figure:
-    """Add titles in plain text above, one legend of some axes and a note below; return the figure.
+    """Add a title in plain text above, one legend of some axes and a note below; return the figure.
 
-    Two lines of title are shown, and every label once. A scene may have no title. Panels are as far
-    apart across and down, and from the right, in inches, as what is written there needs.
+    Every label is shown once. A scene may have no title. Panels are as far apart across and down,
+    in inches, as what is written there needs.
     """
-    lines = textwrap.fill(
-        ": ".join(filter(None, titles)),
-        int(figure.get_figwidth() * 16),
-        max_lines=2,
-        placeholder=" ...",
-    )
     width, height = figure.get_size_inches()
-    figure.suptitle(lines, y=1 - 0.05 / height, parse_math=False)
+    title = textwrap.shorten(": ".join(filter(None, titles)), int(16 * width), placeholder=" ...")
+    figure.suptitle(title, y=1 - 0.05 / height, parse_math=False)
     grid: Any = figure.axes[0].get_gridspec()
     rows, columns = grid.get_geometry()
-    above = max(len(panel.get_title().splitlines()) for panel in figure.axes[:columns])
     # lines of text are an eighth of an inch; ticks and labels take half an inch left of panels, and
     # a third below them
-    top = 0.17 + 0.135 * len(lines.splitlines()) + 0.125 * above
-    bottom = 0.36 + legend_of(figure, axes, note)
-    left = 0.56
+    top = 0.31 + 0.125 * len(figure.axes[0].get_title().splitlines())
+    left, right, bottom = 0.56, 0.13, 0.36 + legend_of(figure, axes, note)
     panel_width = (width - left - right - (columns - 1) * across) / columns
     panel_height = (height - top - bottom - (rows - 1) * down) / rows
     figure.subplots_adjust(
@@ -184,17 +176,6 @@ def set_logarithmic(axes: Any, *directions: str) -> None:
         axis.set_minor_locator(NullLocator())
 
 
-def hide_inner_ticks(axes: Any, values_differ: bool = False) -> None:
-    """Leave ticks to the first of the panels in a row, and to the last of those in a column, and
-    to all of a row whose values differ.
-    """
-    place = axes.get_subplotspec()
-    axes.xaxis.set_visible(place.is_last_row())
-    axes.yaxis.set_visible(values_differ or place.is_first_col())
-    if not place.is_first_col():
-        axes.set_ylabel("")
-
-
 def power_of_ten(value: float) -> str:
     """Return 0.01 as 10⁻²."""
     superscripts = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -227,10 +208,8 @@ def shade_rings(
     punch.
     """
     fast = wear_coefficients > np.sqrt(wear_coefficients.min() * wear_coefficients.max())
-    spans = np.column_stack([ring_edges[:-1], np.diff(ring_edges)])[fast] * radius
-    axes.broken_barh(
-        spans, (0, 1), transform=axes.get_xaxis_transform(), color="0.9", linewidth=0, zorder=0
-    )
+    for inner, outer in zip(ring_edges[:-1][fast], ring_edges[1:][fast], strict=True):
+        axes.axvspan(inner * radius, outer * radius, color="0.9", linewidth=0, zorder=0)
     axes.set_xlim(0, radius)
     axes.locator_params(axis="x", nbins=3)
 

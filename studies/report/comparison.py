@@ -29,8 +29,10 @@ def answer_rows(a: Result, b: Result) -> pd.DataFrame:
     """Return each number of the punch on both sides, and the relative difference."""
     names, rows = UnitNames.of(a.scene.units), []
     for name, quantity in (ANSWER | QUANTITIES).items():
-        first, second = _number(a, name), _number(b, name)
-        if quantity.dims or np.isnan([first, second]).all():
+        if quantity.dims:
+            continue
+        first, second = float(a.first(name)), float(b.first(name))
+        if np.isnan([first, second]).all():
             continue
         change = second / first - 1 if first else np.nan
         rows.append(
@@ -42,12 +44,6 @@ def answer_rows(a: Result, b: Result) -> pd.DataFrame:
             }
         )
     return pd.DataFrame(rows)
-
-
-def _number(result: Result, name: str) -> float:
-    """Return a number of the punch by the first method that gives it; NaN if none does."""
-    values = result.table.variables[name][1] if name in result.table.variables else np.empty(0)
-    return float(next(iter(values[np.isfinite(values)]), np.nan))
 
 
 def _cut(text: str) -> str:

@@ -4,10 +4,8 @@ One file that opens from disk, without a network, and prints on A4.
 """
 
 import base64
-import csv
 from collections.abc import Iterable, Sequence
 from functools import partial
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +18,7 @@ from ..output.signals import STOPPED
 from ..problem.scene import Scene
 from ..versions import versions
 from .slides import slides
-from .words import Account, shorten
+from .words import Account
 
 
 def show(
@@ -39,7 +37,7 @@ def show(
 
 def write_report(result: Result, account: Account, pictures: Iterable[Picture], path: Path) -> None:
     """Write the page of a run with those of the pictures that stand beside it."""
-    about = {"account": account, "title": account.title, "rings": shorten(account.rings, 256)}
+    about = {"account": account, "title": account.title}
     captions = {picture.file: picture.caption for picture in pictures}
     _write(path, "run.html.j2", result.scene, captions, slides=slides(result), **about)
 
@@ -48,14 +46,16 @@ def write_study(
     name: str, purpose: str, scene: Scene, conclusions: Iterable[str], path: Path
 ) -> None:
     """Write the page of a study; its figures and tables are those that stand beside it."""
-    tables = {}
-    for file in sorted(path.parent.glob("*.csv")):
-        with file.open(encoding="utf-8", newline="") as lines:
-            rows = islice(csv.DictReader(lines), 200)
-            tables[_plain(file)] = [{head: _short(row[head]) for head in row} for row in rows]
+    import pandas as pd  # runs do without
+
+    tables = {
+        _plain(file): pd.read_csv(file, dtype=str, keep_default_na=False, nrows=200).map(_short)
+        for file in sorted(path.parent.glob("*.csv"))
+    }
+    rows = {name: table.to_dict("records") for name, table in tables.items()}
     # tables stand below
     told = [line for line in conclusions if not line.startswith("|")]
-    about = {"title": f"Study: {name}", "purpose": purpose, "conclusions": told, "tables": tables}
+    about = {"title": f"Study: {name}", "purpose": purpose, "conclusions": told, "tables": rows}
     captions = {file.name: _plain(file) for file in sorted(path.parent.glob("*.png"))}
     _write(path, "study.html.j2", scene, captions, **about)
 

@@ -1,6 +1,6 @@
 """What the commands print: the answer first, then the verdict in a line, then whatever else."""
 
-from .words import Account, Rows, columns, shorten
+from .words import Account, Rows, columns
 
 
 def print_account(account: Account, verbose: bool) -> None:
@@ -8,18 +8,17 @@ def print_account(account: Account, verbose: bool) -> None:
     title, *answers, verdict = account.brief
     print(f"\n{title}", *account.defaults, "", *answers, f"\n{verdict}", sep="\n")
     if not verbose:
-        errors = [] if account.agreement else account.own_errors
-        print(*errors, *account.remarks, sep="\n")
+        print(*account.remarks, sep="\n")
         print(f"By {account.answered_by}; all else: --verbose, report.html, summary.json")
         return
     print(f"\nAll answers, by {account.answered_by}", *columns(account.answers), "", sep="\n")
-    print_table(shorten(account.rings, 16))
+    print_table(account.rings)
     print("\nAccuracy and cost")
     print_table(account.methods)
     if account.agreement:
         print("\nDifferences, relative; of each quantity the pair that differs most")
         print_table(account.agreement)
-    print(*account.comparisons, *account.own_errors, *account.remarks, "", sep="\n")
+    print(*account.comparisons, *account.remarks, "", sep="\n")
     print_scope(account.modelled, account.left_out)
 
 

@@ -6,11 +6,10 @@ from functools import cached_property
 
 import numpy as np
 
-from ...meshes.radial import Array, ring_areas
-from ..crosscheck.agreement import AGREE, DISAGREE, UNDECIDED
+from ...meshes.radial import Array
+from ..crosscheck.agreement import by_quantity
 from ..crosscheck.dataset import Result
-from ..crosscheck.scope import left_out, modelled, outside
-from ..problem.problem import D0
+from ..crosscheck.scope import left_out, modelled, time_scale
 from ..problem.quantities import ANSWER, QUANTITIES, STATES
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
@@ -25,38 +24,16 @@ class Account:
     """
 
     def __init__(self, result: Result) -> None:
-        self.result, self.scene, self.problem = result, result.scene, result.scene.problem
-        self.names, self.title = (
-            UnitNames.of(self.scene.units),
-            self.scene.title or "Untitled scene",
-        )
+        self.result, self.scene = result, result.scene
+        self.names = UnitNames.of(self.scene.units)
+        self.title = self.scene.title or "Untitled scene"
         self.modelled = modelled(self.scene, result.methods)
         self.left_out = left_out(self.scene, result.methods)
         self.defaults = defaults_taken(self.scene)
         self.verdict = result.verdict if result.agreement else "one method"
+        self.worst = list(by_quantity(result.agreement).values())
         timed = (name for name, solution in result.solutions.items() if solution.wear is not None)
         self.answered_by = next(timed, next(iter(result.methods)))
-
-    def answer(self, key: str) -> Array | None:
-        """Return an answer; None if no method gives it."""
-        value = self.result.first_answer(key)
-        return value if np.isfinite(value).all() else None
-
-    def write(self, key: str, digits: int = 4) -> str:
-        """Return an answer with its unit."""
-        unit = (ANSWER | QUANTITIES)[key].unit
-        return self.names.write(float(self.result.first_answer(key)), unit, digits)
-
-    @property
-    def last_time(self) -> str:
-        return self.names.write(self.scene.wear.times[-1], "time", 3)
-
-    @property
-    def worn_heights(self) -> Array | None:
-        """Mean height worn off each ring."""
-        worn = self.answer("worn_volume")
-        areas = ring_areas(self.problem.ring_edges) * self.problem.units.length**2
-        return None if worn is None else worn / areas
 
     @property
     def answers(self) -> list[tuple[str, str, str]]:
@@ -67,15 +44,14 @@ class Account:
             *("time_to_90", "time_to_99", "indentation_start", "indentation_steady"),
             *("steady_wear_rate", "steady_rms_slope", "running_in_time"),
         )
-        return [
-            (
-                key.replace("_", " ").replace("rms", "RMS"),
-                self.write(key),
-                (ANSWER | QUANTITIES)[key].definition,
-            )
-            for key in keys
-            if self.answer(key) is not None
-        ]
+        lines = []
+        for key in keys:
+            value, quantity = float(self.result.first(key)), (ANSWER | QUANTITIES)[key]
+            if np.isfinite(value):
+                what = key.replace("_", " ").replace("rms", "RMS")
+                written = self.names.write(value, quantity.unit)
+                lines.append((what, written, quantity.definition))
+        return lines
 
     @property
     def brief(self) -> list[str]:
@@ -93,69 +69,31 @@ class Account:
         Wear coefficients k, pressures p and shares of the force at the start and when steady,
         volume and mean height worn off.
         """
-        units, coefficients = self.problem.units, self.problem.wear_coefficients
-        columns = {"ring": [str(ring + 1) for ring in range(len(coefficients))]}
+        problem, result = self.scene.problem, self.result
+        units, edges = problem.units, problem.ring_edges * problem.units.length
+        columns = {"ring": [str(ring + 1) for ring in range(len(edges) - 1)]}
 
         def add(what: str, kind: str, least: Array, most: Array, typical: float = 0.0) -> None:
             unit, name = self.names.readable(typical or float(most.max()), kind)
             ends = zip(least / unit, most / unit, strict=True)
             columns[f"{what}, {name}" if name else what] = [_write_range(*pair) for pair in ends]
 
-        edges = self.problem.ring_edges * units.length
         add("radii", "length", edges[:-1], edges[1:])
-        coefficients = coefficients * units.wear_coefficient
+        coefficients = problem.wear_coefficients * units.wear_coefficient
         add("k", "wear_coefficient", coefficients, coefficients)
-        least, most, force = (
-            self.result.first_answer(key) for key in ("pressure_min", "pressure_max", "force_share")
-        )
-        for state, when in enumerate(STATES):
-            if np.isfinite(least[state]).all():
-                add(f"p {when}", "pressure", least[state], most[state], units.pressure / np.pi)
-                columns[f"force {when}"] = [f"{100 * part:.3g} %" for part in force[state]]
-        worn, heights = self.answer("worn_volume"), self.worn_heights
-        if worn is not None and heights is not None:
+        if result.by_method("pressure_min"):
+            least, most = result.first("pressure_min"), result.first("pressure_max")
+            for state, when in enumerate(STATES):
+                if np.isfinite(least[state]).all():
+                    add(f"p {when}", "pressure", least[state], most[state], units.pressure / np.pi)
+                    forces = result.first("force_share")[state]
+                    columns[f"force {when}"] = [f"{100 * part:.3g} %" for part in forces]
+        if result.by_method("worn_volume"):
+            worn = result.first("worn_volume")
+            heights = worn / np.pi / np.diff(edges**2)
             add("worn", "volume", worn, worn)
             add("mean height", "displacement", heights, heights)
         return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-
-    @property
-    def sentences(self) -> list[str]:
-        """Tell how long running-in takes, and which ring wears how much."""
-        told = []
-        if self.answer("force_start") is not None and self.answer("force_end") is not None:
-            half = self.answer("time_to_half_force")
-            told.append(
-                f"The force falls from {self.write('force_start', 3)} to "
-                f"{self.write('force_end', 3)} by t = {self.last_time}"
-                + (
-                    "."
-                    if half is None
-                    else f", to half after {self.write('time_to_half_force', 3)}."
-                )
-            )
-        if self.answer("time_to_full_contact") is not None:
-            told.append(f"All of the face carries after {self.write('time_to_full_contact', 3)}.")
-        if (ninety := self.answer("time_to_90")) is not None:
-            told.append(
-                f"Running-in takes {self.write('time_to_99', 3)}: by then 99 % of it is over, and "
-                f"90 % after {self.write('time_to_90', 3)}."
-            )
-            if self.scene.wear.times[-1] < ninety:
-                told.append(f"The times asked for end at {self.last_time}, before that.")
-        if self.answer("steady_wear_rate") is not None:
-            told.append(
-                f"In the steady state every ring loses {self.write('steady_wear_rate', 3)} of "
-                "height, and the profile stays as it is."
-            )
-        if (heights := self.worn_heights) is not None and heights.any():
-            written = [self.names.write(float(height), "displacement", 3) for height in heights]
-            most, least = int(heights.argmax()), int(heights.argmin())
-            others = f", the most, and ring {least + 1} by {written[least]}, the least"
-            told.append(
-                f"By t = {self.last_time} ring {most + 1} has worn by {written[most]} on average"
-                f"{others if len(heights) > 1 else ''}."
-            )
-        return told
 
     @property
     def verdict_line(self) -> str:
@@ -180,42 +118,35 @@ class Account:
             for name, solution in self.result.solutions.items()
         ]
 
-    @cached_property
+    @property
     def agreement(self) -> Rows:
-        """Each quantity by the two methods whose difference says most."""
-        order = (AGREE, UNDECIDED, DISAGREE)
-        rows = sorted(
-            self.result.agreement, key=lambda row: (order.index(row.verdict), row.difference)
-        )
-        worst = {row.quantity: row for row in rows}
+        """Of each quantity the difference that says most."""
         return [
             {
-                "quantity": name,
-                "methods": ", ".join(worst[name].methods),
-                "difference": f"{worst[name].difference:.1e}",
-                "uncertainty": f"{worst[name].uncertainty:.1e}",
-                "verdict": worst[name].verdict,
+                "quantity": row.quantity,
+                "methods": ", ".join(row.methods),
+                "difference": f"{row.difference:.1e}",
+                "uncertainty": f"{row.uncertainty:.1e}",
+                "verdict": row.verdict,
             }
-            for name in QUANTITIES
-            if name in worst
+            for row in self.worst
         ]
 
-    @cached_property
+    @property
     def anchors(self) -> Rows:
         """Each anchor by the method that is furthest off."""
         anchors = sorted(
             self.result.anchors, key=lambda anchor: (not anchor.holds, anchor.difference)
         )
-        worst = {anchor.name: anchor for anchor in anchors}
         return [
             {
-                "anchor": name,
+                "anchor": anchor.name,
                 "method": anchor.method,
                 "difference": f"{anchor.difference:.1e}",
                 "tolerated": f"{anchor.tolerance:.1e}",
                 "": "holds" if anchor.holds else "DOES NOT HOLD",
             }
-            for name, anchor in worst.items()
+            for anchor in {anchor.name: anchor for anchor in anchors}.values()
         ]
 
     @property
@@ -229,45 +160,24 @@ class Account:
         ]
 
     @property
-    def own_errors(self) -> list[str]:
-        """What methods say of themselves that is more than was asked for."""
-        rtol, lines = self.scene.accuracy.rtol, list[str]()
-        for name, solution in self.result.solutions.items():
-            if beyond := solution.beyond(rtol):
-                listed = ", ".join(f"{quantity} {error:.1e}" for quantity, error in beyond.items())
-                lines.append(
-                    f"{name} says of itself that it errs by more than the {rtol:.0e} asked for in: "
-                    f"{listed}"
-                )
-        return lines
-
-    @property
     def remarks(self) -> list[str]:
         """What else a user has to know."""
-        result = self.result
+        result, rtol = self.result, self.scene.accuracy.rtol
         lines = beyond_the_model(self.scene) + [
             f"{anchor.method} does not hold to {anchor.name}: off by {anchor.difference:.1e}, more "
             f"than {anchor.tolerance:.1e}."
             for anchor in result.anchors
             if not anchor.holds
         ]
-        undecided = sorted(
-            (row for row in result.agreement if row.remark), key=lambda row: row.uncertainty
-        )
-        worst = {row.quantity: row for row in undecided}
-        rows = [worst[name] for name in QUANTITIES if name in worst]
-        for remark in dict.fromkeys(row.remark for row in worst.values()):
-            listed = ", ".join(
-                f"{row.quantity} ({row.when})" if row.when else row.quantity
-                for row in rows
-                if row.remark == remark
-            )
+        for remark in dict.fromkeys(row.remark for row in self.worst if row.remark):
+            rows = [row for row in self.worst if row.remark == remark]
+            listed = ", ".join(f"{row.quantity} {row.when}".rstrip() for row in rows)
             lines.append(f"undecided: {listed}: {remark}")
-        slowest = self.answer("running_in_time")
-        # contact that spreads has a time scale of its own
-        if slowest is not None and self.problem.earliest and self.problem.full_contact:
-            scale = self.problem.units.time / float(slowest)
-            lines += outside(self.problem.earliest * scale, self.problem.distances[-1] * scale)
+        for name, solution in result.solutions.items():
+            if beyond := solution.beyond(rtol):
+                listed = ", ".join(f"{quantity} {error:.1e}" for quantity, error in beyond.items())
+                lines.append(f"{name} states errors above the {rtol:.0e} asked for: {listed}")
+        lines += [line for line in time_scale(self.scene) if line.startswith("note")]
         return lines + [f"note: {note}" for note in result.notes]
 
 
@@ -280,23 +190,15 @@ def _write_range(least: float, most: float) -> str:
 
 
 def beyond_the_model(scene: Scene) -> list[str]:
-    """Return warnings where the strains of a scene with units are no longer small."""
-    problem, lines = scene.problem, list[str]()
-    if UnitNames.of(scene.units).base is None:
-        return lines
-    units, fixed = problem.units, problem.indentation
-    depth = D0 * units.slope * (fixed or 1.0)
-    pressure = units.pressure / np.pi / units.modulus * (fixed or 1.0)
-    for what, size, limit in (
-        ("the indentation of the flat punch is {:.2g} of its radius", depth, 0.1),
-        ("the mean pressure is {:.2g} of the plane strain modulus", pressure, 0.01),
-    ):
-        if size > limit:
-            lines.append(
-                f"warning: {what.format(size)}, more than {limit:g}: strains are not small, and "
-                "linear elasticity, which all methods here take, does not hold"
-            )
-    return lines
+    """Return a warning where the strains of a scene with units are no longer small."""
+    problem, units = scene.problem, scene.problem.units
+    strain = units.pressure / np.pi / units.modulus * (problem.indentation or 1.0)
+    if UnitNames.of(scene.units).base is None or strain <= 0.01:
+        return []
+    return [
+        f"warning: the mean pressure is {strain:.2g} of the plane strain modulus, more than 0.01: "
+        "strains are not small, and linear elasticity, which all methods here take, does not hold"
+    ]
 
 
 def defaults_taken(scene: Scene) -> list[str]:
@@ -318,10 +220,3 @@ def columns(lines: Sequence[Sequence[str]]) -> list[str]:
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     padded = (map(str.ljust, line, widths) for line in lines)
     return [f"  {'   '.join(line)}".rstrip() for line in padded]
-
-
-def shorten(table: Rows, most: int) -> Rows:
-    """Return the first and the last rows, if there are more than so many."""
-    if len(table) <= most:
-        return table
-    return [*table[: most // 2], dict.fromkeys(table[0], "..."), *table[-(most // 2) :]]

@@ -86,9 +86,8 @@ def test_running_in_of_a_sphere_that_comes_to_bear(worn):
 
 
 def test_the_words_tell_it(worn):
-    told = " ".join(Account(worn).sentences)
-    assert "All of the face carries after" in told
-    assert "Running-in takes" in told
+    told = [what for what, _, _ in Account(worn).answers]
+    assert {"time to full contact", "time to 90", "time to 99"} <= set(told)
 
 
 def test_the_force_of_a_given_indentation():
@@ -102,7 +101,8 @@ def test_the_force_of_a_given_indentation():
     half = float(answers["time_to_half_force"])
     finer = run(scene.changed(wear__times=[half], accuracy__rtol=1e-4), methods=["fem"])
     assert float(finer.dataset.normal_force[0, 0]) == pytest.approx(FORCE / 2, rel=2e-3)
-    assert "The force falls from" in " ".join(Account(result).sentences)
+    told = [what for what, _, _ in Account(result).answers]
+    assert told[:3] == ["force start", "force end", "time to half force"]
 
 
 @pytest.mark.parametrize("name", ["cone", "recessed_binder", "rounded_rim"])
@@ -130,7 +130,7 @@ def test_a_rigid_sphere_wears_off_its_overlap():
     worn = np.pi * 2.0**4 / (4 * CURVATURE * 0.5 * FORCE * 3.0)
     assert end * problem.units.time == pytest.approx(worn, rel=1e-4)
     assert start < 1e-3 * end
-    assert "contact spreads from" in time_scale(sphere([0.0, 1.0]))[0]
+    assert "contact spreads from" in time_scale(sphere([0.0, 1.0]))[1]
 
 
 def test_counts_of_the_slowest_time_of_the_full_face():

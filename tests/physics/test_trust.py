@@ -182,7 +182,7 @@ def test_the_default_scene_reaches_its_accuracy_by_its_own_word():
     result = run(FIVE)
     assert result.verdict == "agree"
     assert not any(method["beyond_rtol"] for method in result.summary["methods"].values())
-    assert not any("says of itself" in line for line in Account(result).own_errors)
+    assert not any("states errors" in line for line in Account(result).remarks)
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from ringwear.meshes.radial import alternating_edges, ring_areas, ring_of
 from ringwear.studies.crosscheck.scope import time_scale
 from ringwear.studies.problem.unit_names import UnitNames
 from ringwear.studies.report.printed import print_account
-from ringwear.studies.report.words import Account, defaults_taken, shorten
+from ringwear.studies.report.words import Account, defaults_taken
 from ringwear.studies.wear.time_scale import slowest_relaxation_time
 
 EDGES, K = alternating_edges(5), np.array([1.0, 10.0, 1.0, 10.0, 1.0])
@@ -106,10 +106,6 @@ def test_summary_and_dataset_hold_the_answer(five):
     np.testing.assert_array_equal(dataset.wear_coefficient, K)
     np.testing.assert_array_equal(dataset.ring_outer_radius, EDGES[1:])
     np.testing.assert_array_equal(dataset.sel(solver="mdr").worn_volume, told["mdr"]["worn_volume"])
-    assert set(told["mdr"]) <= set(five.summary["definitions"]) | {
-        "steady_wear_rate",
-        "steady_rms_slope",
-    }
 
 
 @pytest.mark.parametrize(
@@ -158,12 +154,6 @@ def test_the_answer_is_printed_before_all_else(five, capsys):
             parts += ("0.3441", "to infinity", "Accuracy", "Modelled", "Left out")
         assert [told.index(part) for part in parts] == sorted(told.index(part) for part in parts)
         assert verbose or len(told.splitlines()) < 16
-
-
-def test_many_rings_are_told_by_the_first_and_the_last():
-    rows = shorten([{"ring": str(ring)} for ring in range(1, 201)], 16)
-    told = [*range(1, 9), "...", *range(193, 201)]
-    assert [row["ring"] for row in rows] == list(map(str, told))
 
 
 def test_defaults_taken_are_said():
@@ -227,7 +217,7 @@ def test_times_that_miss_the_running_in_are_told(times, told):
         wear__times=times, methods=["mdr"], accuracy__rtol=1e-2
     )
     before = time_scale(scene)
-    assert "slowest relaxation time 0.344" in before[0]
+    assert "slowest relaxation time of the full face 0.344" in before[0]
     for lines in (before, Account(run(scene)).remarks):
         missed = [line for line in lines if "the running-in, " in line]
         assert bool(missed) == bool(told)
