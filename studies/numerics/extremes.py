@@ -28,7 +28,6 @@ import numpy as np
 import pandas as pd
 
 from ...meshes.errors import RingwearError
-from ...meshes.radial import ring_areas, ring_of
 from ..crosscheck.dataset import Result
 from ..crosscheck.run import run
 from ..figures.style import GREYS, RED, legend_of, new_figure

@@ -15,7 +15,7 @@ from closed_forms import disc_energies
 from ringwear import Scene, run
 from ringwear.mdr import direct
 from ringwear.meshes.errors import SceneError
-from ringwear.meshes.radial import alternating_edges, ring_areas, ring_of
+from ringwear.meshes.radial import alternating_edges, ring_areas
 from ringwear.studies.crosscheck.scope import time_scale
 from ringwear.studies.problem.unit_names import UnitNames
 from ringwear.studies.report.printed import print_account
