@@ -34,14 +34,12 @@ def steady_pressures(ring_edges: Array, wear_coefficients: Array, force: float =
 
 def disc_displacement(disc: Array, radius: Array) -> Array:
     """Displacement at `radius` by unit pressure on a disc; the arguments broadcast."""
-    inside = radius <= disc
-    ratio = np.where(inside, radius, disc) / np.where(inside, disc, radius)
-    square = ratio**2
-    e = ellipe(square)
+    ratio = np.minimum(radius, disc) / np.maximum(radius, disc)
+    e = ellipe(ratio**2)
     # (1 - m) K(m) tends to zero at the edge, where K itself is infinite
     complement = (1 - ratio) * (1 + ratio)
     outside = e - complement * ellipkm1(np.maximum(complement, np.finfo(float).tiny))
-    return 4 / np.pi * np.where(inside, disc * e, radius * outside)
+    return 4 / np.pi * np.where(radius <= disc, disc * e, radius * outside)
 
 
 def disc_slope(disc: Array, radius: Array, gap: Array | None = None) -> Array:
