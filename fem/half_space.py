@@ -62,7 +62,7 @@ class HalfSpace:
 
     solid: AxisymmetricElasticity
     space: PressureSpace
-    poles: tuple[int, ...] = (0, 2, 4)
+    poles: tuple[int, ...]
 
     @property
     def unknowns(self) -> int:

@@ -27,9 +27,9 @@ from ..meshes.radial import Array, graded_breakpoints, ring_areas, unit_gauss
 AT_ONCE = 2**16
 
 
-def steady_pressures(ring_edges: Array, wear_coefficients: Array, force: float = 1.0) -> Array:
-    """Eqs. 24 and 26 for any rings: ``p_j = F / (k_j sum_i A_i / k_i)``."""
-    return force / (wear_coefficients * np.sum(ring_areas(ring_edges) / wear_coefficients))
+def steady_pressures(ring_edges: Array, wear_coefficients: Array) -> Array:
+    """Eqs. 24 and 26 for any rings and the force 1: ``p_j = F / (k_j sum_i A_i / k_i)``."""
+    return 1 / (wear_coefficients * np.sum(ring_areas(ring_edges) / wear_coefficients))
 
 
 def disc_displacement(disc: Array, radius: Array) -> Array:
