@@ -194,18 +194,17 @@ class AxisymmetricElasticity:
         return Batch(self, degree, elements, functions, unknowns, numbers[:, inside])
 
     def with_insides(self, displacement: Array) -> Array:
-        """(states, dofs, 2) coefficients of all functions, by (states, nodes, 2) ones of those not
-        inside elements.
+        """(states, dofs, 2) radial and axial coefficients of all functions, by the (2 nodes,
+        states) unknowns of those not inside elements.
         """
-        states = len(displacement)
+        states, values = displacement.shape[1], np.pad(displacement, ((0, 1), (0, 0)))
         out = np.zeros((states, int(self.dofs.N), 2))
-        out[:, : self.nodes] = displacement
-        values = np.concatenate([*np.moveaxis(displacement, 2, 0), np.zeros((states, 1))], axis=1)
+        out[:, : self.nodes] = displacement.reshape(2, -1, states).T
         for batch in self.batches:
             _, from_boundary = batch.condensed
-            outer = values[:, batch.unknowns]
-            inside = np.einsum("mib,smb->smi", from_boundary, outer, optimize=True)
-            out[:, batch.inside] = np.stack(np.split(inside, 2, axis=2), axis=-1)
+            inside = from_boundary @ values[batch.unknowns]
+            shape = len(inside), 2, -1, states
+            out[:, batch.inside] = inside.reshape(shape).transpose(3, 0, 2, 1)
         return out
 
     def lower_triangle(self, position: Indices) -> coo_matrix:

@@ -62,7 +62,7 @@ class HalfSpace:
 
     solid: AxisymmetricElasticity
     space: PressureSpace
-    poles: tuple[int, ...] = (0, 2, 4)
+    poles: tuple[int, ...]
 
     @property
     def unknowns(self) -> int:
@@ -80,7 +80,7 @@ class HalfSpace:
         contact by radius.
         """
         solid, n = self.solid, self.solid.nodes
-        free = np.stack([~solid.fixed, ~solid.fixed])
+        free = np.tile(~solid.fixed, (2, 1))
         far, contact = solid.boundary("far"), solid.boundary("contact")
         free[0, solid.boundary("axis")] = False
         free[:, far] = False
@@ -158,10 +158,10 @@ class HalfSpace:
             raise SolverError(
                 "the stiffness of the half-space is singular: no displacement can be recovered"
             )
-        free, nodes = len(self._order), self.solid.nodes
+        free = len(self._order)
         moved = self._far_fields @ solution[free:]
         moved[self._order] = solution[:free]
-        return self.solid.with_insides(np.stack([moved[:nodes].T, moved[nodes:].T], axis=-1))
+        return self.solid.with_insides(moved)
 
     def compliance(self) -> Compliance:
         """Condense the half-space to its compliance on the pressure space.

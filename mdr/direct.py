@@ -27,21 +27,19 @@ from ..meshes.radial import Array, graded_breakpoints, ring_areas, unit_gauss
 AT_ONCE = 2**16
 
 
-def steady_pressures(ring_edges: Array, wear_coefficients: Array, force: float = 1.0) -> Array:
-    """Eqs. 24 and 26 for any rings: ``p_j = F / (k_j sum_i A_i / k_i)``."""
-    return force / (wear_coefficients * np.sum(ring_areas(ring_edges) / wear_coefficients))
+def steady_pressures(ring_edges: Array, wear_coefficients: Array) -> Array:
+    """Eqs. 24 and 26 for any rings and the force 1: ``p_j = F / (k_j sum_i A_i / k_i)``."""
+    return 1 / (wear_coefficients * np.sum(ring_areas(ring_edges) / wear_coefficients))
 
 
 def disc_displacement(disc: Array, radius: Array) -> Array:
     """Displacement at `radius` by unit pressure on a disc; the arguments broadcast."""
-    inside = radius <= disc
-    ratio = np.where(inside, radius, disc) / np.where(inside, disc, radius)
-    square = ratio**2
-    e = ellipe(square)
+    ratio = np.minimum(radius, disc) / np.maximum(radius, disc)
+    e = ellipe(ratio**2)
     # (1 - m) K(m) tends to zero at the edge, where K itself is infinite
     complement = (1 - ratio) * (1 + ratio)
     outside = e - complement * ellipkm1(np.maximum(complement, np.finfo(float).tiny))
-    return 4 / np.pi * np.where(inside, disc * e, radius * outside)
+    return 4 / np.pi * np.where(radius <= disc, disc * e, radius * outside)
 
 
 def disc_slope(disc: Array, radius: Array, gap: Array | None = None) -> Array:

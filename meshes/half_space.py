@@ -84,7 +84,7 @@ def turned(mesh: MeshQuad) -> MeshQuad:
     # whether the first and the second pair of opposite sides run as numbered now; the corner where
     # both start comes first
     forward, upward = (along[i] == upwards[mesh.t2f[i]] for i in (0, 1))
-    shift = np.select([forward & upward, ~forward & upward, ~forward & ~upward], [0, 1, 2], 3)
+    shift = np.where(upward, np.where(forward, 0, 1), np.where(forward, 3, 2))
     corners = (np.arange(4)[:, None] + shift) % 4
     return replace(mesh, t=np.take_along_axis(mesh.t, corners, axis=0))
 

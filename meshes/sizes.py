@@ -58,8 +58,7 @@ class SizeField:
         """(n,) sizes at (n, 2) points."""
         radius, depth = points.T
         size = np.full(len(points), self.largest)
-        sizes = (self.centre_size, *self.ring_sizes, self.rim_size)
-        for edge, smallest in zip(self.ring_edges, sizes, strict=True):
+        for edge, smallest in zip(self.ring_edges, self.sizes, strict=True):
             size = np.minimum(size, smallest + self.growth * np.hypot(radius - edge, depth))
         if self.cells:
             away = np.hypot(depth, np.maximum(radius - 1, 0))
@@ -68,9 +67,9 @@ class SizeField:
 
     def coarser(self) -> "SizeField":
         """The sizes of a mesh whose difference shows what this one errs by."""
-        larger = tuple(2 * size for size in self.ring_sizes)
+        _, *rings, rim = (2 * self.sizes).tolist()
         growth = min(1.5 * self.growth, 2.0)
-        return replace(self, rim_size=2 * self.rim_size, ring_size=larger, growth=growth)
+        return replace(self, rim_size=rim, ring_size=tuple(rings), growth=growth)
 
     @property
     def largest(self) -> float:
@@ -78,9 +77,10 @@ class SizeField:
         return self.truncation * self.far_size
 
     @property
-    def ring_sizes(self) -> tuple[float, ...]:
-        """Size at each ring edge between the centre and the rim."""
-        return tuple(np.broadcast_to(self.ring_size, len(self.ring_edges) - 2).tolist())
+    def sizes(self) -> Array:
+        """Size at the centre, at each ring edge and at the rim."""
+        rings = np.broadcast_to(self.ring_size, len(self.ring_edges) - 2)
+        return np.concatenate([[self.centre_size], rings, [self.rim_size]])
 
 
 def patch_widths(ring_edges: Array) -> Array:

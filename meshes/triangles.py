@@ -29,9 +29,9 @@ def mesh(field: SizeField) -> MeshTri:
         ]
         geometry.addPlaneSurface([geometry.addCurveLoop(curves)])
         geometry.synchronize()
-        sizes = np.array([field.centre_size, *field.ring_sizes, field.rim_size])
-        wanted = sizes < field.largest
-        set_sizes(gmsh, np.array(on_contact)[wanted], sizes[wanted], field.growth, field.largest)
+        wanted = field.sizes < field.largest
+        points, sizes = np.array(on_contact)[wanted], field.sizes[wanted]
+        set_sizes(gmsh, points, sizes, field.growth, field.largest)
         gmsh.model.mesh.generate(2)
-        points, triangles = elements(gmsh, TRIANGLE)
-    return as_half_space(MeshTri(points, triangles), np.array(field.ring_edges))
+        mesh = MeshTri(*elements(gmsh, TRIANGLE))
+    return as_half_space(mesh, np.array(field.ring_edges))

@@ -37,7 +37,7 @@ def test_running_in_against_an_independent_history(five, reference):
     slowest = reference["slowest_relaxation_times"][0]
     assert five.answers["mdr"]["running_in_time"] == pytest.approx(slowest, rel=1e-9)
     # where the approach, less steady wear, ends for a force of 2: d F = int u p dA
-    pressures = direct.steady_pressures(EDGES, K, force=2.0)
+    pressures = 2 * direct.steady_pressures(EDGES, K)
     rate, steps = K[0] * pressures[0], direct.pressure_steps(pressures)
     end = steps @ disc_energies(EDGES[1:]) @ steps / 2.0
     for state in reference["states"]:
@@ -55,7 +55,7 @@ def test_start_and_steady_state_in_closed_form(five):
     close(answer["pressure_min"][0], pressures[:-1], rtol=1e-4)
     close(answer["pressure_max"][0], pressures[1:], rtol=1e-4)
     close(answer["force_share"][0], -np.diff(root), rtol=0, atol=1e-8)
-    steady = direct.steady_pressures(EDGES, K, force=2.0)
+    steady = 2 * direct.steady_pressures(EDGES, K)
     for answer in five.answers.values():
         close(answer["pressure_min"][1], steady, rtol=1e-10)
         close(answer["pressure_max"][1], steady, rtol=1e-10)
