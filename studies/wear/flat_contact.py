@@ -122,11 +122,7 @@ class FittedPress:
     def ring_forces(self, ring_edges: Array) -> Array:
         """Return the force on each of the N rings between edges (N+1,)."""
         scaled = np.minimum(ring_edges / self.radius, 1.0)
-        used = np.append(True, np.diff(scaled) > 0)
-        out = np.zeros(len(ring_edges) - 1)
-        forces = self.radius**2 * self.space.ring_forces(scaled[used]) @ self.pressure
-        out[: len(forces)] = forces
-        return out
+        return np.asarray(self.radius**2 * self.space.ring_forces(scaled) @ self.pressure)
 
 
 @lru_cache(maxsize=8)

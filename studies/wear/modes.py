@@ -51,25 +51,22 @@ class BandedCholesky:
                 f"the radial mesh is too extreme for double precision: {error}"
             ) from error
 
-    def forward(self, right: Array) -> Array:
+    def forward(self, right: Array, trans: str = "N") -> Array:
         """``L^-1`` times a vector or the columns of a matrix."""
-        return self._triangular(right, "N")
-
-    def backward(self, right: Array) -> Array:
-        """``L^-T`` times a vector or the columns of a matrix."""
-        return self._triangular(right, "T")
-
-    def solve(self, right: Array) -> Array:
-        """The inverse of the matrix times a vector or the columns of a matrix."""
-        return self.backward(self.forward(right))
-
-    def _triangular(self, right: Array, trans: str) -> Array:
         if not right.size:
             # LAPACK's wrapper writes where it should not
             return right
         columns = right.reshape(len(right), -1)
         solution, _ = dtbtrs(self._band, columns, uplo="L", trans=trans)
         return np.asarray(solution).reshape(right.shape)
+
+    def backward(self, right: Array) -> Array:
+        """``L^-T`` times a vector or the columns of a matrix."""
+        return self.forward(right, "T")
+
+    def solve(self, right: Array) -> Array:
+        """The inverse of the matrix times a vector or the columns of a matrix."""
+        return self.backward(self.forward(right))
 
 
 class TooEarlyError(SolverError):
