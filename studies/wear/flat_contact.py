@@ -78,7 +78,7 @@ def flat_start(
     forces = np.zeros(count)
     forces[0] = 2 * np.pi
     displaced = compliance.factor @ projected
-    coefficients, indentation = _press(displaced.T @ displaced, forces, indentation)
+    coefficients, depth = _press(displaced.T @ displaced, forces, indentation)
     # the mean displacement under the first of them, and that weighted by its pressure
     uniform = compliance.factor @ np.where(space.order == 1, 1.0, 0.0)
     mean, weighted = (
@@ -87,7 +87,7 @@ def flat_start(
     )
     if abs(mean / weighted - 1) > 0.1:
         return press_flat(compliance, indentation)
-    return FlatStart(coefficients, projected @ coefficients, indentation)
+    return FlatStart(coefficients, projected @ coefficients, depth)
 
 
 @dataclass(frozen=True, eq=False)
