@@ -5,6 +5,7 @@ Intervals of the radius by the nodes that carry, and cells fine enough for where
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.sparse.linalg import splu
@@ -20,11 +21,10 @@ from .unilateral import Contact, Interval, Load, Mask, Press
 
 def nodes(space: PressureSpace) -> tuple[Array, Indices]:
     """(size,) radius and ring of the node of each linear pressure."""
-    index = np.arange(space.size)
-    last = np.append(space.dofs[:-1, 1][np.diff(space.ring) > 0], space.size)
-    ring = np.searchsorted(last, index, side="left")
-    ring[ring > space.ring[-1]] = space.ring[-1]
-    return space.breakpoints[index - ring], ring
+    radius, ring = np.empty(space.size), np.empty(space.size, dtype=np.int64)
+    radius[space.dofs] = np.stack([space.breakpoints[:-1], space.breakpoints[1:]], axis=1)
+    ring[space.dofs] = space.ring[:, None]
+    return radius, ring
 
 
 def contact_runs(contact: Mask, broken: Mask) -> list[tuple[int, int]]:
@@ -78,12 +78,12 @@ def located(
 ) -> tuple[tuple[Interval, ...], ContactCells]:
     """Where contact begins, and cells with a spot wherever it begins on a narrow part of the face.
 
-    The looks end where the first contact is many cells wide, or where spots come back to where they
-    were before: from then on they would stay, or go round.
+    The looks end where the first contact is many cells wide, or where there are as many cells as
+    there were before: from then on spots would stay, or go round.
     """
     # that narrow first contacts may take
     most = 5 * len(cells.breakpoints())
-    seen = [cells]
+    seen: set[int] = set()
     for _ in range(24):
         space = cells.space()
         matrix = compliance(space).matrix
@@ -107,9 +107,9 @@ def located(
             int(np.sum((carrying >= part.inner) & (carrying <= part.outer))) for part in spreading
         ]
         wide = min(counts, default=12) >= min(12, 0.5 / spotted.spread)
-        if (wide and not unfelt) or any(_same_spots(spotted, earlier) for earlier in seen):
+        if (wide and not unfelt) or space.size in seen:
             return intervals, spotted
-        seen.append(spotted)
+        seen.add(space.size)
         cells = spotted
     return intervals, cells
 
@@ -129,15 +129,6 @@ def _with_spots(
             return spotted
         cells = replace(cells, spread=2 * cells.spread)
     return None
-
-
-def _same_spots(cells: ContactCells, other: ContactCells) -> bool:
-    """Return whether two have the same spots, to less than a cell of theirs."""
-    if cells.spread != other.spread or len(cells.spots) != len(other.spots):
-        return False
-    moved = np.abs(np.array(cells.spots) - np.array(other.spots))
-    sizes = [size for _, _, size in cells.spots]
-    return all(move[:2].max() < size for move, size in zip(moved, sizes, strict=True))
 
 
 def _unfelt(
@@ -165,36 +156,30 @@ def worn_edges(space: PressureSpace, contact: Mask, worn: Array) -> list[tuple[f
     depth of the nodes before says where it begins.
     """
     radius, _ = nodes(space)
-    out = []
-    for first, last in contact_runs(contact, np.zeros(space.size - 1, dtype=bool)):
+    runs = contact_runs(contact, np.zeros(space.size - 1, dtype=bool))
+    if not runs:
+        return []
+    # edges that are extrapolated do not cross: none goes beyond the middle between two parts
+    middles = [(radius[last] + radius[first]) / 2 for (_, last), (first, _) in pairwise(runs)]
+    edges = []
+    for (first, last), least, greatest in zip(runs, [0.0, *middles], [*middles, 1.0], strict=True):
         few = last - first < 8
-        ends = [_worn_end(radius, worn, node, way, few) for node, way in ((first, -1), (last, 1))]
-        out.append((ends[0], ends[1]))
-    return _apart(out)
-
-
-def _apart(parts: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return parts whose extrapolated edges do not cross: two that do meet in the middle."""
-    edges = np.ravel(parts)
-    crossed = np.flatnonzero(edges[1:-1:2] > edges[2::2])
-    for first in 2 * crossed + 1:
-        edges[first : first + 2] = edges[first : first + 2].mean()
-    return [(float(inner), float(outer)) for inner, outer in edges.reshape(-1, 2)]
+        inner = _worn_end(radius, worn, first, -1, few)
+        outer = _worn_end(radius, worn, last, 1, few)
+        edges.append((float(max(inner, least)), float(min(outer, greatest))))
+    return edges
 
 
 def _worn_end(radius: Array, worn: Array, node: int, way: int, few: bool) -> float:
+    """Return the edge beyond the last node that carries, to a cell."""
     other = node + way
     if not 0 <= other < len(radius):
         return float(radius[node])
-    middle = float((radius[node] + radius[other]) / 2)
     # nearer to the edge the cells are felt
     near, far = node - 2 * way, node - 4 * way
     if few or worn[other] > 0 or not worn[far] > worn[near] > 0:
-        return middle
+        return float((radius[node] + radius[other]) / 2)
     edge = radius[near] - worn[near] * (radius[near] - radius[far]) / (worn[near] - worn[far])
-    cell = abs(float(radius[node] - radius[node - way]))
-    return float(
-        np.clip(
-            edge, min(radius[node], radius[other]) - cell, max(radius[node], radius[other]) + cell
-        )
-    )
+    cell = abs(radius[node] - radius[node - way])
+    inner, outer = sorted((radius[node], radius[other]))
+    return float(np.clip(edge, inner - cell, outer + cell))

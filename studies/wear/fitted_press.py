@@ -25,8 +25,6 @@ from ...mdr import energy
 from ...meshes.compliance import Compliance
 from ...meshes.contact_cells import fitted_space
 from ...meshes.errors import SolverError
-from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Indices
 from ..problem.profile import InitialProfile
 from .flat_contact import FittedPress
 from .moments import moments
@@ -136,7 +134,9 @@ def _solve(
         tuple(edge / radius for edge in edges), tuple(infinite[edge] for edge in edges)
     )
     space = compliance.space
-    carries = _carrying(space, intervals, radius)
+    middle = radius * (space.breakpoints[1:] + space.breakpoints[:-1]) / 2
+    inside = [(middle > part.inner) & (middle < part.outer) for part in intervals]
+    carries = np.setdiff1d(space.dofs[np.any(inside, axis=0)], space.size)
     weights = space.weights[carries] * radius**2
     of_profile = moments(profile, space, radius)[carries] * radius**2
     try:
@@ -157,10 +157,3 @@ def _solve(
     pressure[carries] = indentation * by_weights - by_moments
     force = float(weights @ pressure[carries])
     return FittedPress(space, pressure, float(indentation), force, intervals)
-
-
-def _carrying(space: PressureSpace, intervals: Intervals, radius: float) -> Indices:
-    """Functions on elements in contact."""
-    middle = radius * (space.breakpoints[1:] + space.breakpoints[:-1]) / 2
-    inside = [(middle > part.inner) & (middle < part.outer) for part in intervals]
-    return np.setdiff1d(space.dofs[np.any(inside, axis=0)], space.size)

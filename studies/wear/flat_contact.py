@@ -78,7 +78,7 @@ def flat_start(
     forces = np.zeros(count)
     forces[0] = 2 * np.pi
     displaced = compliance.factor @ projected
-    coefficients, indentation = _press(displaced.T @ displaced, forces, indentation)
+    coefficients, depth = _press(displaced.T @ displaced, forces, indentation)
     # the mean displacement under the first of them, and that weighted by its pressure
     uniform = compliance.factor @ space.uniform
     mean, weighted = (
@@ -87,7 +87,7 @@ def flat_start(
     )
     if abs(mean / weighted - 1) > 0.1:
         return press_flat(compliance, indentation)
-    return FlatStart(coefficients, projected @ coefficients, indentation)
+    return FlatStart(coefficients, projected @ coefficients, depth)
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,11 +122,7 @@ class FittedPress:
     def ring_forces(self, ring_edges: Array) -> Array:
         """Return the force on each of the N rings between edges (N+1,)."""
         scaled = np.minimum(ring_edges / self.radius, 1.0)
-        used = np.append(True, np.diff(scaled) > 0)
-        out = np.zeros(len(ring_edges) - 1)
-        forces = self.radius**2 * self.space.ring_forces(scaled[used]) @ self.pressure
-        out[: len(forces)] = forces
-        return out
+        return np.asarray(self.radius**2 * self.space.ring_forces(scaled) @ self.pressure)
 
 
 @lru_cache(maxsize=8)

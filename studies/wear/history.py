@@ -4,7 +4,7 @@ Non-dimensional.
 """
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -133,7 +133,7 @@ class History:
 
     def then(self, later: "History") -> "History":
         """Return it with what comes later."""
-        arrays = {
+        arrays: dict[str, Any] = {
             name: np.concatenate([getattr(self, name), getattr(later, name)]) for name in OVER_TIME
         }
         return replace(self, **arrays)

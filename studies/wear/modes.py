@@ -16,6 +16,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, cholesky_banded, eigh, eigh_tridiagonal, svd
 from scipy.linalg.blas import dsymv
 from scipy.linalg.lapack import dtbtrs
+from scipy.optimize import brentq
 from scipy.sparse import csr_matrix, tril
 from scipy.sparse.linalg import eigsh
 
@@ -50,25 +51,22 @@ class BandedCholesky:
                 f"the radial mesh is too extreme for double precision: {error}"
             ) from error
 
-    def forward(self, right: Array) -> Array:
+    def forward(self, right: Array, trans: str = "N") -> Array:
         """``L^-1`` times a vector or the columns of a matrix."""
-        return self._triangular(right, "N")
-
-    def backward(self, right: Array) -> Array:
-        """``L^-T`` times a vector or the columns of a matrix."""
-        return self._triangular(right, "T")
-
-    def solve(self, right: Array) -> Array:
-        """The inverse of the matrix times a vector or the columns of a matrix."""
-        return self.backward(self.forward(right))
-
-    def _triangular(self, right: Array, trans: str) -> Array:
         if not right.size:
             # LAPACK's wrapper writes where it should not
             return right
         columns = right.reshape(len(right), -1)
         solution, _ = dtbtrs(self._band, columns, uplo="L", trans=trans)
         return np.asarray(solution).reshape(right.shape)
+
+    def backward(self, right: Array) -> Array:
+        """``L^-T`` times a vector or the columns of a matrix."""
+        return self.forward(right, "T")
+
+    def solve(self, right: Array) -> Array:
+        """The inverse of the matrix times a vector or the columns of a matrix."""
+        return self.backward(self.forward(right))
 
 
 class TooEarlyError(SolverError):
@@ -108,14 +106,12 @@ class Modes:
         There is one such time.
         """
         # the slowest mode alone would take longest
-        earlier, later = 0.0, float(self.relaxation[0]) * np.log(1 / (1 - share))
-        for _ in range(60):
-            middle = (earlier + later) / 2
-            if self.left(np.array([middle]))[0] > 1 - share:
-                earlier = middle
-            else:
-                later = middle
-        return later
+        latest = 1.01 * float(self.relaxation[0]) * np.log(1 / (1 - share))
+
+        def excess(time: float) -> float:
+            return float(self.left(np.array([time]))[0] - (1 - share))
+
+        return float(brentq(excess, 0.0, latest, xtol=1e-15 * latest, rtol=1e-14))
 
     def excite(self, before: Array | float, state: State) -> Array:
         """Return what there is of each mode (T, m) at states of a load.
@@ -252,25 +248,20 @@ def excited_modes(energy: Array, weights: Array | None, moments: Array, earliest
 
     Parameters as for `every_mode`; `earliest` is above 0.
     """
-    energy = np.asfortranarray(energy)
-    steady, size = np.zeros(len(moments)), len(moments)
-    if weights is not None:
-        steady, size = weights / np.linalg.norm(weights), size - 1
-    # rows are touched, and so take memory, only as they are filled
-    basis = np.empty((size, len(moments)))
+    energy, size = np.asfortranarray(energy), len(moments)
+    # rows are touched, and so take memory, only as they are filled; the first is the steady state
+    basis = np.empty((size + 1, size))
+    basis[0] = 0.0 if weights is None else weights / np.linalg.norm(weights)
+    size -= weights is not None
     diagonal, beside = np.empty(size), np.empty(size)
-    vector = moments - steady * (steady @ moments)
-    vector /= np.linalg.norm(vector)
-    look = min(40, size)
+    image, look = moments - basis[0] * (basis[0] @ moments), min(40, size)
     for k in range(size):
-        basis[k] = vector
+        vector = basis[k + 1] = image / np.linalg.norm(image)
         image = dsymv(1.0, energy, vector)
-        for again in (False, True):
-            image -= steady * (steady @ image)
-            parts = basis[: k + 1] @ image
-            image -= parts @ basis[: k + 1]
-            if not again:
-                diagonal[k] = parts[k]
+        diagonal[k] = vector @ image
+        # twice, or roundoff of the first time would grow
+        for _ in range(2):
+            image -= (basis[: k + 2] @ image) @ basis[: k + 2]
         beside[k] = np.linalg.norm(image)
         # below the roundoff of the image, nothing is left that the flat start excites
         ended = beside[k] <= 100 * np.finfo(float).eps * diagonal[0] or k + 1 == size
@@ -280,11 +271,10 @@ def excited_modes(energy: Array, weights: Array | None, moments: Array, earliest
             if ended or _carried(relaxation, within, lost, earliest):
                 break
             look = min(int(1.2 * look), size)
-        vector = image / beside[k]
     felt = _felt(relaxation, earliest)
     relaxation, within, lost = relaxation[felt][::-1], within[:, felt][:, ::-1], lost[felt][::-1]
     exact = int(np.argmin(np.append(lost <= np.sqrt(NEGLIGIBLE) * relaxation, False)))
-    return modes_of(relaxation, basis[: len(within)].T @ within, moments, max(exact, 1))
+    return modes_of(relaxation, basis[1 : len(within) + 1].T @ within, moments, max(exact, 1))
 
 
 def _carried(relaxation: Array, within: Array, lost: Array, earliest: float) -> bool:

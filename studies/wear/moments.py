@@ -77,9 +77,7 @@ def _points(profile: InitialProfile, space: PressureSpace, radius: float) -> _Po
     # more than a polynomial of its degree needs: heights may be anything
     node, weight = unit_gauss(space.top + 8)
     width = np.diff(cuts)[:, None]
-    element = np.clip(
-        np.searchsorted(space.breakpoints, cuts[:-1], side="right") - 1, 0, len(space.degrees) - 1
-    )
+    element = np.searchsorted(space.breakpoints, cuts[:-1], side="right") - 1
     radii = cuts[:-1, None] + width * node
     left, whole = space.breakpoints[element, None], np.diff(space.breakpoints)[element, None]
     # by coordinates within the elements: by radii, those of small ones would lose digits

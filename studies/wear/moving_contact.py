@@ -23,7 +23,7 @@ Once all of the face carries, the rest is linear: ``A p' = d' b - K p``, and mod
 """
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -92,17 +92,17 @@ class ContactMarch:
         self.wear = space.mass(wear_coefficients)
         # a norm of worn depths: their root mean square over the face
         self._norm = space.mass(wear_coefficients**2) / np.pi
-        self._dense_wear = self.wear.toarray()
-        self._contacts: dict[float, Contact] = {}
+        dense = self.wear.toarray()
+        # contact problems of stages, with their factors, by their lengths: neighbours share one
+        self._contact = lru_cache(maxsize=6)(
+            lambda dt: Contact(compliance.matrix + dt * dense, space.weights)
+        )
         self._iterations: list[int] = []
         # of the last march: at the start, and after each step; since when contact is full, and the
         # history from then on
         self._moments: list[_Moment] = []
         self._since: _Moment | None = None
         self._later: History | None = None
-
-    def _press(self, moments: Array, load: Load) -> Press:
-        return Contact(self.compliance.matrix, self.weights).press(moments, load)
 
     def adaptive(self, times: Array, tolerance: float) -> History:
         """March in steps of second order that suit a tolerance, until contact is full.
@@ -161,7 +161,7 @@ class ContactMarch:
                         f"{now.distance:.3g}: give a larger rtol"
                     )
             if load.force is not None and now.press.force != load.force:
-                press = self._press(self.moments + self.wear @ now.integral, load)
+                press = self._contact(0.0).press(self.moments + self.wear @ now.integral, load)
                 before = now = now._replace(press=press)
             now = now._replace(time=float(event), distance=float(until), work=work)
             if event > self._moments[-1].time:
@@ -206,7 +206,7 @@ class ContactMarch:
 
     def _begin(self) -> _Moment:
         """Return the unworn punch, pressed on, and forget the last march."""
-        press = self._press(self.moments, self._at(0.0)[0])
+        press = self._contact(0.0).press(self.moments, self._at(0.0)[0])
         start = _Moment(0.0, 0.0, press, np.zeros(len(self.weights)))
         self._iterations, self._moments, self._since, self._later = [], [start], None, None
         return start
@@ -231,15 +231,6 @@ class ContactMarch:
             np.reshape([press.contact for press in presses], integrals.shape).astype(bool),
             steps=replace(steps, iterations=tuple(self._iterations)),
         )
-
-    def _contact(self, dt: float) -> Contact:
-        """Return the contact problem of a stage, with its factor if a recent one was as long."""
-        if dt not in self._contacts:
-            if len(self._contacts) >= 6:
-                del self._contacts[next(iter(self._contacts))]
-            matrix = self.compliance.matrix + dt * self._dense_wear
-            self._contacts[dt] = Contact(matrix, self.weights)
-        return self._contacts[dt]
 
     def _stage(
         self, dt: float, distance: float, integral: Array, load: Load, before: _Moment, now: _Moment

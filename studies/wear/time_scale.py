@@ -47,15 +47,12 @@ def spreading(problem: Problem) -> tuple[float, float]:
     means = (heights[1:] + heights[:-1]) / 2
     order = np.argsort(means)
     depths, cut = means[order], np.cumsum(areas[order])
-    overlap = 0.0
-    if problem.indentation is None:
-        softness = 1 / problem.merged.at(between)
-        overlap = float((heights.max() - means) * softness @ areas)
     stiffness = 2 * np.sqrt(cut / np.pi)
     if problem.indentation is None:
+        overlap = float((heights.max() - means) / problem.merged.at(between) @ areas)
         at = int(np.searchsorted(depths * stiffness, 1.0))
     else:
-        at = int(np.searchsorted(depths, problem.indentation)) - 1
+        overlap, at = 0.0, int(np.searchsorted(depths, problem.indentation)) - 1
     at = min(max(at, 0), len(cut) - 1)
     # d over the mean pressure, which is stiffness times d over the area
     return float(0.01 * cut[at] / stiffness[at]), overlap

@@ -109,7 +109,7 @@ class Contact:
         ----------
         moments : (n,) of the profile
         load : force or indentation
-        start : (n,) nodes to try first; None to find them on coarser and coarser nodes
+        start : (n,) nodes to try first; all of them if not given
 
         Raises
         ------
@@ -121,18 +121,11 @@ class Contact:
             indentation = float((moments / self.weights).min())
             gap, none = moments - indentation * self.weights, np.zeros(len(moments))
             return Press(none, gap, indentation, 0.0, none > 0, 1)
-        if start is None:
-            start = self._coarse_start(moments, load)
-        contact = self._not_empty(start, moments)
+        contact = np.ones(len(moments), dtype=bool) if start is None else start
+        if load.force is not None:
+            contact = self._not_empty(contact, moments)
         for count in range(1, 4000):
-            if load.force is None and not contact.any():
-                pressure = np.zeros(len(moments))
-                gap, indentation = (
-                    moments - (load.indentation or 0.0) * self.weights,
-                    load.indentation or 0.0,
-                )
-            else:
-                pressure, gap, indentation = self._solved(moments, load, contact)
+            pressure, gap, indentation = self._solved(moments, load, contact)
             # what roundoff makes of a gap that is zero
             noise = 1e-15 * (np.abs(moments) + abs(indentation) * self.weights)
             wrong = np.where(contact, pressure < 0, gap < -noise)
@@ -152,14 +145,3 @@ class Contact:
         if contact.any():
             return contact
         return np.arange(len(gap)) == np.argmin(gap / self.weights)
-
-    def _coarse_start(self, moments: Array, load: Load) -> Mask:
-        count = len(moments)
-        if count < 32:
-            return np.ones(count, dtype=bool)
-        # so many neighbours are one node of a coarser problem
-        group = np.arange(count) // 8
-        first = np.flatnonzero(np.diff(group, prepend=-1))
-        rows = np.add.reduceat(self.matrix, first, axis=0)
-        coarse = Contact(np.add.reduceat(rows, first, axis=1), np.add.reduceat(self.weights, first))
-        return np.asarray(coarse.press(np.add.reduceat(moments, first), load).contact[group])
