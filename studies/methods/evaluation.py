@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
@@ -246,7 +247,7 @@ class MovingContact(Evaluation):
         error, later = self.safety_of(name) * difference, times > 0
         if later.any():
             among = np.pad(error[later], 3)
-            error[later] = np.lib.stride_tricks.sliding_window_view(among, 7).max(axis=1)
+            error[later] = sliding_window_view(among, 7).max(axis=1)
         return np.maximum(error[np.isin(times, self.problem.times)], self._least_error(name))
 
     def safety_of(self, name: str) -> float:
@@ -283,7 +284,7 @@ class MovingContact(Evaluation):
             first = np.where(full, force, force.max())
             decayed = first / np.maximum(force, np.finfo(float).tiny)
             return 2 * np.maximum(least, np.minimum(self._unresolved * decayed, 5.0))
-        heights = QUANTITIES[name].norm == "indentation" or name == "indentation"
+        heights = QUANTITIES[name].norm == "indentation"
         # the unworn face is given, and a press that is fitted to its edges integrates all of it
         exact = name == "profile" or (name == "indentation" and self.start is not None)
         felt = heights & (later | (not exact))

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ...mdr.uniform_grid import UniformGrid
 from ...meshes.pressure_space import PressureSpace
@@ -93,8 +94,7 @@ def _marched(problem: Problem, count: int, step: float) -> tuple[Sampler, Histor
 
 def _near(difference: Array) -> Array:
     """The greatest of each time and its neighbours: differences cross zero now and then."""
-    padded = np.concatenate([difference[:1], difference, difference[-1:]])
-    return np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
+    return sliding_window_view(np.pad(difference, 1), 3).max(axis=1)
 
 
 METHOD = MdrGrid()

@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 
 # state -> state after a step
@@ -38,14 +37,8 @@ def take_steps(
     wearing : which state of a step wears: the one before it (0), or after it (1)
     state : (n,) at the start
 
-    Raises
-    ------
-    SceneError
-        if there are too many steps
     """
     steps = steps_between(times, step)
-    if refusal := refused_steps(float(steps.sum()), "give a larger wear.step, or march = 'modal'"):
-        raise SceneError(refusal)
     worn, now = np.zeros_like(state), 0.0
     states, profiles = [], []
     for time, count in zip(times, steps, strict=True):

@@ -165,9 +165,10 @@ class Problem:
         else:
             ring_edges = np.array([0.0, *punch.ring_edges]) / length
             ring_edges[-1] = 1.0
-        count, coefficients, graded = len(ring_edges) - 1, np.array(punch.coefficients), None
-        if not punch.table and len(coefficients) != count:
-            coefficients = coefficients[np.arange(count) % 2]
+        coefficients, graded = np.array(punch.coefficients), None
+        if not punch.table:
+            # two alternate from the centre
+            coefficients = np.resize(coefficients, len(ring_edges) - 1)
         fastest = float(coefficients.max())
         coefficients = coefficients / fastest
         if punch.table:
@@ -177,8 +178,8 @@ class Problem:
         modulus = half_space.plane_strain_modulus or (half_space.youngs_modulus or 0.0) / (
             1 - half_space.poisson_ratio**2
         )
-        force = load.greatest_force(length)
-        force = force or 2 * length * modulus * _approach(punch, load, ring_edges)
+        flat_force = 2 * length * modulus
+        force = load.greatest_force(length) or flat_force * _approach(punch, load, ring_edges)
         time = length / modulus / fastest / load.sliding.greatest
         units = Units(length, modulus, force, time, fastest)
         profile = unworn(punch, ring_edges, length, units.displacement)
