@@ -37,12 +37,8 @@ class MdrGrid(Method):
                 "mdr-grid knows wear that is constant on rings: leave it out of methods, or give "
                 "steps or many rings in place of punch.wear_coefficient along the radius"
             )
-        if not problem.full_contact:
-            return (
-                "mdr-grid uses the rule of springs, q = d - g, which holds only while contact is "
-                "one disc, and an initial "
-                "profile or a fixed indentation may break that: leave it out of methods"
-            )
+        if refused := super().refusal(problem):
+            return refused
         if problem.loading.varies:
             return (
                 "mdr-grid knows one force and one sliding speed: leave it out of methods, or give "
