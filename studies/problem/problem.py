@@ -8,7 +8,6 @@ units are kept here.
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from ...meshes.radial import (
     ring_areas,
     ring_of,
 )
+from ...meshes.sizes import Sharpness
 from .face import Face, Rings
 from .loading import Loading
 from .profile import FLAT, InitialProfile, unworn
@@ -41,22 +41,6 @@ D0, P0 = 0.5, 1 / (2 * np.pi)  # the paper's d0 = F/(2 a E*) and p0 = F/(2 pi a^
 
 # times at which whole fields are compared, and by which errors are estimated
 MOST_CHECKED, MOST_ESTIMATED = 40, 60
-
-
-class Blunted(NamedTuple):
-    """What wear has blunted.
-
-    Parameters
-    ----------
-    slow : (N,) length at the first time after the start, beside each edge but the centre, on the
-        side that wears slower; infinite if no history is wanted
-    ratio : (N,) of the length on the other side to it, at least 1
-    span : last time over the first
-    """
-
-    slow: Array
-    ratio: Array
-    span: float
 
 
 @dataclass(frozen=True)
@@ -242,14 +226,14 @@ class Problem:
         return float(min(self.distances[self.distances > 0], default=0.0))
 
     @property
-    def blunted(self) -> Blunted:
-        """What wear has blunted, by which sizes go."""
+    def sharpness(self) -> Sharpness:
+        """Of the pressures that are asked for, by what wear has blunted: sizes go by it."""
         (inner, wear), earliest = self.merged.ends, self.earliest or np.inf
         outside = np.append(inner[1:], wear[-1])
         slower = np.minimum(wear, outside)
         span = float(self.distances[-1] / earliest) if self.earliest else 1.0
         slow = np.where(self.merged.smooth, np.inf, slower * earliest)
-        return Blunted(slow, np.maximum(wear, outside) / slower, span)
+        return Sharpness(self.rtol, slow, np.maximum(wear, outside) / slower, span)
 
     def sizes_given(self, method: str) -> bool:
         """Return whether the user has given the sizes of a method, which then stay as they are."""
@@ -317,11 +301,11 @@ class Problem:
         if self.compared_on is not None:
             return self.compared_on
         rings = self.merged
-        rim = float(np.clip(0.1 * self.blunted.slow[-1], 1e-12, 1e-6))
+        rim = float(np.clip(0.1 * self.sharpness.slow[-1], 1e-12, 1e-6))
         nearest = 1e-4 * rings.narrower
         if self.full_contact:
             # slopes of early times are steepest within what wear has blunted beside an edge
-            nearest = np.clip(0.1 * self.blunted.slow[:-1], 1e-12, 1e-8 * rings.narrower)
+            nearest = np.clip(0.1 * self.sharpness.slow[:-1], 1e-12, 1e-8 * rings.narrower)
         breakpoints = graded_breakpoints(rings.ring_edges, nearest, rim, factor=0.4)
         # the integral over each ring that the scene names, also where nothing happens at its edge
         breakpoints = np.union1d(breakpoints, self.ring_edges)
