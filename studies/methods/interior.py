@@ -29,7 +29,6 @@ from ..problem.problem import D0, P0, Problem, Units
 from ..problem.scene import Scene
 from ..wear.full_contact import RunningIn
 from .base import Solution
-from .evaluation import FullContact, MovingContact
 
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace
@@ -128,7 +127,10 @@ def interior(scene: Scene, fem: Solution) -> Interior:
                 space = pressure_space(solid, ring_edges) if flat else half_space.space
                 spaces.append(HalfSpace(solid, space, tied))
             fine, coarse = spaces
-            pressures = pressures_of(inside, fine), pressures_of(inside, coarse, coarse=True)
+            pressures = (
+                pressures_of(inside, fem, fine, coarse=False),
+                pressures_of(inside, fem, coarse, coarse=True),
+            )
             result = held_against(problem, spaces, pressures, labels, refinements)
             excess = result.errors["stress"].max() / (SHARE * problem.rtol)
             # matrices of more pressures are dense, and not worth it for the sake of the inside
@@ -138,13 +140,14 @@ def interior(scene: Scene, fem: Solution) -> Interior:
             degree = min(degree + ceil(log(excess, 3)), highest)
 
 
-def pressures_of(problem: Problem, half_space: "HalfSpace", coarse: bool = False) -> Array:
+def pressures_of(problem: Problem, fem: Solution, half_space: "HalfSpace", coarse: bool) -> Array:
     """Return the pressures (states, size) at a problem's times, and when steady; of a march on
     every second cell, if coarse, whose steps may err by more.
     """
     compliance, space = half_space.compliance(), half_space.space
+    assert fem.evaluate is not None
     if problem.full_contact:
-        within, wear = space, FullContact(problem, compliance).wear
+        within, wear = space, fem.evaluate(problem, compliance).wear
         # no modes are needed for the start
         pressures = np.outer(problem.loading.at(problem.times).force, wear.flat.pressure)
         if problem.earliest:
@@ -153,7 +156,7 @@ def pressures_of(problem: Problem, half_space: "HalfSpace", coarse: bool = False
         within = space.coarser() if coarse else space
         compliance = compliance.restricted(within)
         wear = RunningIn(compliance, problem.merged.wear_coefficients, continuous=False)
-        pressures = MovingContact(problem, compliance, looser=1 + 3 * coarse).history.pressure
+        pressures = fem.evaluate(problem, compliance, looser=1 + 3 * coarse).history.pressure
     if problem.steady:
         pressures = np.vstack([pressures, wear.steady.pressure])
     return np.asarray(pressures @ space.embedding(within).T)

@@ -23,7 +23,7 @@ from ...meshes.radial import (
 from ...meshes.sizes import Sharpness
 from .face import Face, Rings
 from .loading import Loading
-from .profile import FLAT, InitialProfile, unworn
+from .profile import FLAT, InitialProfile
 from .quantities import ENERGIES, GROUPS, HISTORIES, OF_PROFILES, STEADY, expand
 from .sections import (
     AccuracySection,
@@ -52,7 +52,9 @@ class Units:
     force: float = 1.0
     time: float = 1.0
     wear_coefficient: float = 1.0
+    # of what has none
     share: float = 1.0
+    number: float = 1.0
 
     @property
     def pressure(self) -> float:
@@ -68,11 +70,6 @@ class Units:
     def volume(self) -> float:
         """Of worn volume, a^2 times that of heights."""
         return self.displacement * self.length**2
-
-    @property
-    def number(self) -> float:
-        """Of what has no unit."""
-        return 1.0
 
     @property
     def slope(self) -> float:
@@ -162,11 +159,12 @@ class Problem:
         modulus = half_space.plane_strain_modulus or (half_space.youngs_modulus or 0.0) / (
             1 - half_space.poisson_ratio**2
         )
-        flat_force = 2 * length * modulus
-        force = load.greatest_force(length) or flat_force * _approach(punch, load, ring_edges)
+        force = load.greatest_force(length)
+        if load.indentation is not None:
+            force = 2 * length * modulus * _approach(punch, load.indentation, ring_edges)
         time = length / modulus / fastest / load.sliding.greatest
         units = Units(length, modulus, force, time, fastest)
-        profile = unworn(punch, ring_edges, length, units.displacement)
+        profile = punch.unworn(ring_edges, units.displacement)
         if graded:
             recess = profile.recess[ring_of(ring_edges, graded.ring_edges[:-1])]
             profile = replace(profile, ring_edges=graded.ring_edges, recess=recess)
@@ -344,7 +342,7 @@ class Problem:
         return np.unique(np.concatenate(times))
 
 
-def _approach(punch: PunchSection, load: LoadSection, ring_edges: Array) -> float:
+def _approach(punch: PunchSection, given: float, ring_edges: Array) -> float:
     """Return by how much a given indentation is beyond the first touch, in the scene's units.
 
     Raises
@@ -352,7 +350,7 @@ def _approach(punch: PunchSection, load: LoadSection, ring_edges: Array) -> floa
     SceneError
         if nothing touches
     """
-    given, least = load.indentation or 0.0, unworn(punch, ring_edges, punch.radius, 1.0).standoff
+    least = punch.unworn(ring_edges, 1.0).standoff
     if given <= least:
         raise SceneError(
             f"load.indentation = {given:.6g} is too small to touch: the punch stands {least:.6g} "

@@ -65,7 +65,7 @@ class Scene(Section):
     ('SI', 0.005, 2000000000.0)
     """
 
-    title: str = Field(default="", description="a line of text")
+    title: str = ""
     units: str = Field(
         default="",
         description="'SI', or consistent units of length, force, pressure and time, such as "
