@@ -38,6 +38,7 @@ class Solution:
     half_space : the finite-element half-space, if there is one
     march : the `ContactMarch` of a contact that opens, closes and spreads, if it is one
     presses : its start, fitted to the edges of the contact, and a coarser one; empty if that failed
+    evaluate : (problem, compliance) -> the `Evaluation` of another compliance
     """
 
     results: Results
@@ -51,6 +52,7 @@ class Solution:
     half_space: "HalfSpace | None" = None
     march: Any = None
     presses: tuple[FittedPress, ...] = ()
+    evaluate: Callable[..., Any] | None = None
 
     @property
     def error_estimate(self) -> float:

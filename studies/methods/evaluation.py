@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
@@ -247,7 +248,7 @@ class MovingContact(Evaluation):
         later = (times > 0) | self._starts_on_cells
         if later.any():
             among = np.pad(error[later], 3)
-            error[later] = np.lib.stride_tricks.sliding_window_view(among, 7).max(axis=1)
+            error[later] = sliding_window_view(among, 7).max(axis=1)
         return np.maximum(error[np.isin(times, self.problem.times)], self._least_error(name))
 
     @property
@@ -291,7 +292,7 @@ class MovingContact(Evaluation):
             first = np.where(full, force, force.max())
             decayed = first / np.maximum(force, np.finfo(float).tiny)
             return 2 * np.maximum(least, np.minimum(self._unresolved * decayed, 5.0))
-        heights = QUANTITIES[name].norm == "indentation" or name == "indentation"
+        heights = QUANTITIES[name].norm == "indentation"
         # the unworn face is given, and a press that is fitted to its edges integrates all of it
         exact = name == "profile" or (name == "indentation" and self.start is not None)
         felt = heights & (later | (not exact))

@@ -129,8 +129,6 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
         "mesher": meshed.mesher,
         "elements": meshed.mesh.nelements,
         "degree": half_space.solid.degree,
-        "multipliers": fine.space.size,
-        "far_field": problem.fem.far_field,
         "poles": 0 if fixed else len(half_space.poles),
         "truncation": truncation(meshed.mesh),
         "solver": solver(),

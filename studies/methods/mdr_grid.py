@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ...mdr.uniform_grid import UniformGrid
 from ...meshes.pressure_space import PressureSpace
@@ -36,12 +37,8 @@ class MdrGrid(Method):
                 "mdr-grid knows wear that is constant on rings: leave it out of methods, or give "
                 "steps or many rings in place of punch.wear_coefficient along the radius"
             )
-        if not problem.full_contact:
-            return (
-                "mdr-grid uses the rule of springs, q = d - g, which holds only while contact is "
-                "one disc, and an initial "
-                "profile or a fixed indentation may break that: leave it out of methods"
-            )
+        if refused := super().refusal(problem):
+            return refused
         if problem.loading.varies:
             return (
                 "mdr-grid knows one force and one sliding speed: leave it out of methods, or give "
@@ -93,8 +90,7 @@ def _marched(problem: Problem, count: int, step: float) -> tuple[Sampler, Histor
 
 def _near(difference: Array) -> Array:
     """The greatest of each time and its neighbours: differences cross zero now and then."""
-    padded = np.concatenate([difference[:1], difference, difference[-1:]])
-    return np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
+    return sliding_window_view(np.pad(difference, 1), 3).max(axis=1)
 
 
 METHOD = MdrGrid()

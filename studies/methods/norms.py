@@ -50,11 +50,8 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
         )
     else:
         difference = np.abs(value - reference)
-        over = tuple(
-            QUANTITIES[name].dims.index(dim)
-            for dim in QUANTITIES[name].dims
-            if dim in ("radius", "ring")
-        )
+        dims = enumerate(QUANTITIES[name].dims)
+        over = tuple(axis for axis, dim in dims if dim in ("radius", "ring"))
         difference = difference.max(axis=over, initial=0.0)
         unit = np.ones(())
         # the greatest so far: under a force that falls it comes back
@@ -62,7 +59,7 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
         if beyond_touch.ndim:
             beyond_touch = np.maximum.accumulate(beyond_touch)
         scale = {
-            "value": np.abs(beyond_touch if name == "indentation" else reference),
+            "value": np.abs(reference),
             "indentation": beyond_touch,
             "steady": against.get("steady_displacement_max", unit),
             "force": against.get("normal_force", unit),

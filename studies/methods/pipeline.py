@@ -179,6 +179,7 @@ def _solution(made: Discretised, fine: Evaluation, coarse: Evaluation) -> Soluti
         made.notes,
         fine.wear,
         made.half_space,
+        evaluate=type(fine),
     )
 
 

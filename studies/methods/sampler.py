@@ -199,7 +199,8 @@ class Sampler:
         # where pressures may be infinite
         infinite = history.distances == 0 if pressed is None else pressed.force > 0
         wanted = self._wanted(values, *measures)
-        return wanted | {"time": history.distances, "pressed": infinite}
+        wanted |= {"time": history.distances, "pressed": np.asarray(infinite)}
+        return wanted
 
     def _edges(self, history: History) -> Array:
         """Return inner and outer radius of every part of the contact in turn (T, E), nan where
@@ -214,8 +215,8 @@ class Sampler:
             for row in np.flatnonzero(history.pressed.force):
                 parts[row] = fitted
         edges = np.full((len(parts), 2 * max(map(len, parts), default=0)), np.nan)
-        for row, of_time in zip(edges, parts, strict=True):
-            row[: 2 * len(of_time)] = np.ravel(of_time)
+        for time, of_time in enumerate(parts):
+            edges[time, : 2 * len(of_time)] = np.ravel(of_time)
         return edges
 
     def steady(self, state: SteadyState, on_face: bool = False) -> Results:

@@ -15,7 +15,7 @@ from ...meshes.errors import SceneError
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, Indices, graded_breakpoints, ring_of
 from ...meshes.sizes import spared_degrees
-from ..problem.defaults import affordable, cells_of, mdr_sizes, sharpness
+from ..problem.defaults import affordable, cells_of, mdr_sizes
 from ..problem.problem import Problem
 from ..wear.contact_edges import located
 from ..wear.unilateral import Interval, Load
@@ -101,7 +101,7 @@ def degrees(
     from_outer = edges[ring + 1] - breakpoints[:-1]
     nearest = np.where(from_outer <= from_inner, ring, ring - 1)
     distance, half = np.minimum(from_inner, from_outer), np.diff(edges)[ring] / 2
-    behind = sharpness(affordable(problem, grading))(distance, half, nearest)
+    behind = affordable(problem, grading).sharpness(distance, half, nearest)
     layer = np.log(np.minimum(distance / half, 1.0)) / np.log(grading)
     least = np.maximum(np.ceil(of_modes * 0.5**layer), 2).astype(np.int64)
     lower = highest - spared_degrees(behind.max() / behind, grading)

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...meshes.contact_cells import ContactCells
 from ...meshes.radial import Array
-from ...meshes.sizes import Sharpness, SizeField, convergence
+from ...meshes.sizes import SizeField, convergence
 from .problem import Problem
 from .quantities import COMPARED_MODES, FINEST
 from .sections import DEGREES
@@ -30,14 +30,9 @@ FACTOR, GROWTH = 0.25, 0.5
 SMALLEST, SMALLEST_RIM = 1e-12, 1e-14
 
 
-def sharpness(problem: Problem) -> Sharpness:
-    """Of the pressures that a problem asks for."""
-    return Sharpness(problem.rtol, *problem.blunted)
-
-
 def pressure_degree(problem: Problem, ratio: float) -> float:
     """Highest degree of the pressure that an accuracy asks for."""
-    half, behind = problem.merged.widths / 2, sharpness(problem)
+    half, behind = problem.merged.widths / 2, problem.sharpness
     edges = np.arange(len(half))
     greatest = max(
         float(behind(half, half, edges).max()),
@@ -91,32 +86,23 @@ def field_accuracy(problem: Problem) -> float:
     return affordable(problem, FACTOR).rtol
 
 
-def _rim_at_start(problem: Problem) -> float:
-    """Return the size at the rim that the flat start asks for.
-
-    Its pressures err by up to three times that size, its energy by a tenth.
-    """
-    return (0.5 if problem.energies_only else 0.03) * problem.rtol
-
-
 def mdr_sizes(problem: Problem) -> dict[str, Any]:
     """Of the radial mesh of the MDR and of boundary elements."""
-    chosen, grading, at_start = problem.mdr, problem.mdr.grading or 0.2, _rim_at_start(problem)
-    modes = np.ceil(degree_of_modes(problem))
-    problem = affordable(problem, grading)
-    degree = np.ceil(pressure_degree(problem, grading))
+    chosen, grading = problem.mdr, problem.mdr.grading or 0.2
+    fields, modes = affordable(problem, grading), np.ceil(degree_of_modes(problem))
+    degree = np.ceil(pressure_degree(fields, grading))
     return {
         "degree": chosen.degree or min(int(degree), 20),
         "degree_of_modes": chosen.degree or min(int(modes), 20),
-        "rim_size": chosen.rim_size or min(rim_size(problem), at_start),
-        "ring_size": chosen.ring_size or ring_sizes(problem),
+        "rim_size": chosen.rim_size or rim_size(problem, fields),
+        "ring_size": chosen.ring_size or ring_sizes(fields),
         "grading": grading,
     }
 
 
 def edge_sizes(problem: Problem) -> Array:
     """(N,) wanted sizes at every ring edge but the centre, the rim last."""
-    rtol, narrower, blunted = problem.rtol, problem.merged.narrower, sharpness(problem)
+    rtol, narrower, blunted = problem.rtol, problem.merged.narrower, problem.sharpness
     narrower = np.append(narrower, problem.merged.widths[-1])
     at_rim = np.arange(len(narrower)) == len(narrower) - 1
     sharp = np.where(at_rim, 1.0, np.minimum(1.0, blunted.fast / narrower))
@@ -138,9 +124,13 @@ def at_smallest(problem: Problem) -> bool:
     return bool(edge_sizes(problem).min() <= SMALLEST)
 
 
-def rim_size(problem: Problem) -> float:
-    """Wanted size at the rim."""
-    return float(edge_sizes(problem)[-1])
+def rim_size(problem: Problem, fields: Problem) -> float:
+    """Wanted size at the rim, of a problem and of the one with the accuracy of its fields.
+
+    Pressures of the flat start err by up to three times that size, its energy by a tenth.
+    """
+    at_start = (0.5 if problem.energies_only else 0.03) * problem.rtol
+    return float(min(edge_sizes(fields)[-1], at_start))
 
 
 def ring_sizes(problem: Problem) -> Array:
@@ -150,17 +140,16 @@ def ring_sizes(problem: Problem) -> Array:
 
 def quad_sizes(problem: Problem) -> dict[str, Any]:
     """Of quadrilaterals in geometric layers, by the names of `meshes.quads.graded`."""
-    chosen, at_start = problem.fem, _rim_at_start(problem)
-    problem = affordable(problem, FACTOR)
-    wanted = ring_sizes(problem)
+    chosen, fields = problem.fem, affordable(problem, FACTOR)
+    wanted = ring_sizes(fields)
     far = TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION
     return {
         "sizes": np.full(len(wanted), chosen.ring_size) if chosen.ring_size else wanted,
-        "rim_size": chosen.rim_size or max(min(rim_size(problem), at_start), SMALLEST),
+        "rim_size": chosen.rim_size or max(rim_size(problem, fields), SMALLEST),
         "factor": FACTOR,
         "growth": chosen.growth or GROWTH,
         "outer": chosen.truncation or far,
-        "sharpness": sharpness(problem),
+        "sharpness": fields.sharpness,
     }
 
 

@@ -8,7 +8,6 @@ units are kept here.
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -21,9 +20,10 @@ from ...meshes.radial import (
     ring_areas,
     ring_of,
 )
+from ...meshes.sizes import Sharpness
 from .face import Face, Rings
 from .loading import Loading
-from .profile import FLAT, InitialProfile, unworn
+from .profile import FLAT, InitialProfile
 from .quantities import ENERGIES, GROUPS, HISTORIES, OF_PROFILES, STEADY, expand
 from .sections import (
     AccuracySection,
@@ -43,22 +43,6 @@ D0, P0 = 0.5, 1 / (2 * np.pi)  # the paper's d0 = F/(2 a E*) and p0 = F/(2 pi a^
 MOST_CHECKED, MOST_ESTIMATED = 40, 60
 
 
-class Blunted(NamedTuple):
-    """What wear has blunted.
-
-    Parameters
-    ----------
-    slow : (N,) length at the first time after the start, beside each edge but the centre, on the
-        side that wears slower; infinite if no history is wanted
-    ratio : (N,) of the length on the other side to it, at least 1
-    span : last time over the first
-    """
-
-    slow: Array
-    ratio: Array
-    span: float
-
-
 @dataclass(frozen=True)
 class Units:
     """Sizes of the non-dimensional units in the scene's own."""
@@ -68,7 +52,9 @@ class Units:
     force: float = 1.0
     time: float = 1.0
     wear_coefficient: float = 1.0
+    # of what has none
     share: float = 1.0
+    number: float = 1.0
 
     @property
     def pressure(self) -> float:
@@ -84,11 +70,6 @@ class Units:
     def volume(self) -> float:
         """Of worn volume, a^2 times that of heights."""
         return self.displacement * self.length**2
-
-    @property
-    def number(self) -> float:
-        """Of what has no unit."""
-        return 1.0
 
     @property
     def slope(self) -> float:
@@ -165,9 +146,10 @@ class Problem:
         else:
             ring_edges = np.array([0.0, *punch.ring_edges]) / length
             ring_edges[-1] = 1.0
-        count, coefficients, graded = len(ring_edges) - 1, np.array(punch.coefficients), None
-        if not punch.table and len(coefficients) != count:
-            coefficients = coefficients[np.arange(count) % 2]
+        coefficients, graded = np.array(punch.coefficients), None
+        if not punch.table:
+            # two alternate from the centre
+            coefficients = np.resize(coefficients, len(ring_edges) - 1)
         fastest = float(coefficients.max())
         coefficients = coefficients / fastest
         if punch.table:
@@ -178,10 +160,11 @@ class Problem:
             1 - half_space.poisson_ratio**2
         )
         force = load.greatest_force(length)
-        force = force or 2 * length * modulus * _approach(punch, load, ring_edges)
+        if load.indentation is not None:
+            force = 2 * length * modulus * _approach(punch, load.indentation, ring_edges)
         time = length / modulus / fastest / load.sliding.greatest
         units = Units(length, modulus, force, time, fastest)
-        profile = unworn(punch, ring_edges, length, units.displacement)
+        profile = punch.unworn(ring_edges, units.displacement)
         if graded:
             recess = profile.recess[ring_of(ring_edges, graded.ring_edges[:-1])]
             profile = replace(profile, ring_edges=graded.ring_edges, recess=recess)
@@ -241,14 +224,14 @@ class Problem:
         return float(min(self.distances[self.distances > 0], default=0.0))
 
     @property
-    def blunted(self) -> Blunted:
-        """What wear has blunted, by which sizes go."""
+    def sharpness(self) -> Sharpness:
+        """Of the pressures that are asked for, by what wear has blunted: sizes go by it."""
         (inner, wear), earliest = self.merged.ends, self.earliest or np.inf
         outside = np.append(inner[1:], wear[-1])
         slower = np.minimum(wear, outside)
         span = float(self.distances[-1] / earliest) if self.earliest else 1.0
         slow = np.where(self.merged.smooth, np.inf, slower * earliest)
-        return Blunted(slow, np.maximum(wear, outside) / slower, span)
+        return Sharpness(self.rtol, slow, np.maximum(wear, outside) / slower, span)
 
     def sizes_given(self, method: str) -> bool:
         """Return whether the user has given the sizes of a method, which then stay as they are."""
@@ -316,11 +299,11 @@ class Problem:
         if self.compared_on is not None:
             return self.compared_on
         rings = self.merged
-        rim = float(np.clip(0.1 * self.blunted.slow[-1], 1e-12, 1e-6))
+        rim = float(np.clip(0.1 * self.sharpness.slow[-1], 1e-12, 1e-6))
         nearest = 1e-4 * rings.narrower
         if self.full_contact:
             # slopes of early times are steepest within what wear has blunted beside an edge
-            nearest = np.clip(0.1 * self.blunted.slow[:-1], 1e-12, 1e-8 * rings.narrower)
+            nearest = np.clip(0.1 * self.sharpness.slow[:-1], 1e-12, 1e-8 * rings.narrower)
         breakpoints = graded_breakpoints(rings.ring_edges, nearest, rim, factor=0.4)
         # the integral over each ring that the scene names, also where nothing happens at its edge
         breakpoints = np.union1d(breakpoints, self.ring_edges)
@@ -359,7 +342,7 @@ class Problem:
         return np.unique(np.concatenate(times))
 
 
-def _approach(punch: PunchSection, load: LoadSection, ring_edges: Array) -> float:
+def _approach(punch: PunchSection, given: float, ring_edges: Array) -> float:
     """Return by how much a given indentation is beyond the first touch, in the scene's units.
 
     Raises
@@ -367,7 +350,7 @@ def _approach(punch: PunchSection, load: LoadSection, ring_edges: Array) -> floa
     SceneError
         if nothing touches
     """
-    given, least = load.indentation or 0.0, unworn(punch, ring_edges, punch.radius, 1.0).standoff
+    least = punch.unworn(ring_edges, 1.0).standoff
     if given <= least:
         raise SceneError(
             f"load.indentation = {given:.6g} is too small to touch: the punch stands {least:.6g} "

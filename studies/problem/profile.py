@@ -10,15 +10,13 @@ A face may stand off its plane everywhere. That distance is taken off before any
 and added to what is reported, so that no step, tolerance or norm depends on it.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from ...meshes.errors import SceneError
 from ...meshes.radial import Array, Indices, ring_of
 from .fields import Height
-from .sections import PunchSection
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,45 +77,5 @@ class InitialProfile:
         heights = [self.in_ring(part, np.full(len(part), ring)) for ring, part in enumerate(parts)]
         return np.concatenate(parts), np.concatenate(heights)
 
-    def nearest(self) -> float:
-        """The least height, by a fine sample of every ring."""
-        return float(self.sampled()[1].min())
-
 
 FLAT = InitialProfile(np.array([0.0, 1.0]), np.zeros(1))
-
-
-def unworn(punch: PunchSection, ring_edges: Array, length: float, unit: float) -> InitialProfile:
-    """The face of a punch before wear.
-
-    Parameters
-    ----------
-    punch : as the scene gives it
-    ring_edges : (N+1,) over the punch radius
-    length, unit : punch radius, and what heights are measured in
-
-    Raises
-    ------
-    SceneError
-        if a function of the user's gives heights that are negative or not finite
-    """
-    recess = np.zeros(len(ring_edges) - 1) + np.array(punch.recess or 0.0) / unit
-    if not (punch.profile or punch.heights or recess.any()):
-        return InitialProfile(ring_edges, recess)
-    functions: list[Height] = list(punch.heights)
-    kinks: tuple[float, ...] = ()
-    if punch.profile is not None:
-        functions.append(punch.profile.height_over(length))
-        kinks = tuple(kink / length for kink in punch.profile.kinks)
-
-    def scaled(height: Height) -> Height:
-        return lambda radii: np.asarray(height(radii * length), dtype=float) / unit
-
-    profile = InitialProfile(ring_edges, recess, tuple(map(scaled, functions)), kinks)
-    least = profile.nearest()
-    if punch.heights and not least >= 0:
-        raise SceneError(
-            f"the height of the punch is {least * unit:.3g} somewhere: heights are material that "
-            "is missing, 0 or more and finite; add a constant to them"
-        )
-    return replace(profile, recess=recess - least, standoff=least)

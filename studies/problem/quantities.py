@@ -71,7 +71,10 @@ QUANTITIES = {
         "indentation",
     ),
     "indentation": Quantity(
-        ("time",), "displacement", "indentation d(t) of the unworn face plane of the punch"
+        ("time",),
+        "displacement",
+        "indentation d(t) of the unworn face plane of the punch",
+        "indentation",
     ),
     "displacement_centre": Quantity(("time",), "displacement", "u_z at the centre", "indentation"),
     "displacement_max": Quantity(

@@ -10,6 +10,7 @@ from contextlib import suppress
 from functools import cached_property
 from importlib.resources import files
 from itertools import pairwise
+from math import isnan
 from pathlib import Path
 from typing import Annotated, Any, Self, get_args
 
@@ -64,7 +65,7 @@ class Scene(Section):
     ('SI', 0.005, 2000000000.0)
     """
 
-    title: str = Field(default="", description="a line of text")
+    title: str = ""
     units: str = Field(
         default="",
         description="'SI', or consistent units of length, force, pressure and time, such as "
@@ -157,15 +158,11 @@ class Scene(Section):
         """Return the times at counts of the slowest relaxation time, to three digits."""
         from ..wear.time_scale import running_in
 
-        if self.problem.loading.varies:
-            raise SceneError(
-                "wear.times by running-in is known for one force and one sliding speed: with a "
-                "load that varies give times as numbers"
-            )
         exact = (running_in(self.problem, counts) * self.problem.units.time).tolist()
-        if exact[-1] != exact[-1]:
+        if self.problem.loading.varies or isnan(exact[-1]):
             raise SceneError(
-                "wear.times by running-in is known for up to 64 rings: give times as numbers"
+                "wear.times by running-in is known for one force, one sliding speed and up to 64 "
+                "rings: give times as numbers"
             )
         times = [float(f"{time:.3g}") for time in exact]
         if any(after <= before for before, after in pairwise(times)):

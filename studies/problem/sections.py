@@ -4,13 +4,17 @@ Descriptions follow the word "give" in messages about a key.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
+from ...meshes.errors import SceneError
+from ...meshes.radial import Array
 from .fields import (
     Cone,
+    Height,
     HeightTable,
     Increasing,
     NotNegative,
@@ -25,6 +29,7 @@ from .fields import (
     optional,
     over_time,
 )
+from .profile import InitialProfile
 from .quantities import expand
 
 
@@ -133,6 +138,35 @@ class PunchSection(Section):
         """The wear coefficient along the radius."""
         return self.wear_coefficient if isinstance(self.wear_coefficient, WearTable) else None
 
+    def unworn(self, ring_edges: Array, unit: float) -> InitialProfile:
+        """Return the face before wear, between (N+1,) edges over the radius, in a unit of heights.
+
+        Raises
+        ------
+        SceneError
+            if a function of the user's gives heights that are negative or not finite
+        """
+        recess = np.zeros(len(ring_edges) - 1) + np.array(self.recess or 0.0) / unit
+        if not (self.profile or self.heights or recess.any()):
+            return InitialProfile(ring_edges, recess)
+        functions: list[Height] = list(self.heights)
+        kinks: tuple[float, ...] = ()
+        if self.profile is not None:
+            functions.append(self.profile.height_over(self.radius))
+            kinks = tuple(kink / self.radius for kink in self.profile.kinks)
+
+        def scaled(height: Height) -> Height:
+            return lambda radii: np.asarray(height(radii * self.radius), dtype=float) / unit
+
+        profile = InitialProfile(ring_edges, recess, tuple(map(scaled, functions)), kinks)
+        least = float(profile.sampled()[1].min())
+        if self.heights and not least >= 0:
+            raise SceneError(
+                f"the height of the punch is {least * unit:.3g} somewhere: heights are material "
+                "that is missing, 0 or more and finite; add a constant to them"
+            )
+        return replace(profile, recess=recess - least, standoff=least)
+
 
 class HalfSpaceSection(Section):
     plane_strain_modulus: Positive | None = optional("E* = E/(1 - nu^2), a positive pressure")
@@ -201,10 +235,8 @@ class WearSection(Section):
         "of the slowest relaxation time, { tau = [0.1, 1.0, 5.0] }",
     )
     tau: list[float] | None = optional("it within times: times = { tau = [...] }", exclude=True)
-    steady: bool = Field(default=True, description="true or false")
-    march: Literal["modal", "implicit", "explicit"] = Field(
-        default="modal", description="modal, implicit or explicit"
-    )
+    steady: bool = True
+    march: Literal["modal", "implicit", "explicit"] = "modal"
     step: Positive | None = optional("the time step of the implicit or explicit march")
 
     @model_validator(mode="before")
@@ -255,9 +287,7 @@ class FemAccuracy(Sizes):
     mesher: Literal["quads", "gmsh", "bisection"] | None = optional(
         "quads (quadrilaterals), gmsh or bisection (triangles of degree 2 to 4)"
     )
-    far_field: Literal["boussinesq", "fixed"] = Field(
-        default="boussinesq", description="boussinesq or fixed"
-    )
+    far_field: Literal["boussinesq", "fixed"] = "boussinesq"
     poles: int | None = optional("Boussinesq poles tied to the outer boundary, 1 to 8", ge=1, le=8)
     truncation: float | None = optional("radius of the half-space in a, 2 to 1e6", ge=2, le=1e6)
     degree: int | None = optional("2 to 4 on triangles, 4 to 16 on quadrilaterals", ge=2, le=16)
@@ -305,8 +335,8 @@ class OutputSection(Section):
     field_times: Increasing | None = optional(
         "times at which the inside of the half-space is written, increasing", min_length=1
     )
-    gradient_average: Literal["line", "area"] = Field(default="line", description="line or area")
-    every_step: bool = Field(default=False, description="true or false")
+    gradient_average: Literal["line", "area"] = "line"
+    every_step: bool = False
     quantities: Annotated[list[str], AfterValidator(check_quantities)] = Field(
         default=["all"],
         min_length=1,

@@ -13,7 +13,8 @@ from typing import Self
 
 import numpy as np
 
-from .problem import Blunted, Problem
+from ...meshes.sizes import Sharpness
+from .problem import Problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,15 +35,16 @@ class Shared(Problem):
         return cls(**first | {"rtol": rtol}, members=tuple(members))
 
     @property
-    def blunted(self) -> Blunted:
-        blunted = [member.blunted for member in self.members]
+    def sharpness(self) -> Sharpness:
+        blunted = [member.sharpness for member in self.members]
         slow = np.min([lengths.slow for lengths in blunted], axis=0)
         ratio = np.max([lengths.ratio for lengths in blunted], axis=0)
         latest = max(
             lengths.span * member.earliest
             for lengths, member in zip(blunted, self.members, strict=True)
         )
-        return Blunted(slow, ratio, latest / self.earliest if self.earliest else 1.0)
+        span = latest / self.earliest if self.earliest else 1.0
+        return Sharpness(self.rtol, slow, ratio, span)
 
     @property
     def earliest(self) -> float:
@@ -63,7 +65,7 @@ def groups(problems: Sequence[Problem]) -> list[list[int]]:
     # greatest ratio of the lengths that wear has blunted in problems that share a discretisation:
     # pressures that the sharper needs cost the others their third power
     widest = 100.0
-    sharpest = [float(problem.blunted.slow.min()) for problem in problems]
+    sharpest = [float(problem.sharpness.slow.min()) for problem in problems]
     parts, latest = list[list[int]](), dict[Hashable, list[int]]()
     for number in np.argsort(sharpest, kind="stable").tolist():
         kind = discretised_alike(problems[number])

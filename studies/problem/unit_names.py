@@ -146,11 +146,9 @@ class UnitNames:
         if not np.isfinite(value):
             return "infinite" if np.isinf(value) else "not computed"
         unit, name = self.readable(value, kind)
-        number = f"{value / unit:.{digits}g}"
         # 190, not 1.9e+02
-        if 1 <= abs(value / unit) < 1e4:
-            number = f"{float(number):g}"
-        return f"{number} {name}".rstrip()
+        number = float(f"{value / unit:.{digits}g}")
+        return f"{number:g} {name}".rstrip()
 
 
 def without_quantities(table: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from wear_reference import Reference
 from ringwear import Scene, run
 from ringwear.mdr import energy
 from ringwear.meshes.contact_cells import ContactCells
+from ringwear.meshes.errors import SceneError
 from ringwear.studies.crosscheck.anchors import anchors
 from ringwear.studies.problem.profile import InitialProfile
 from ringwear.studies.wear.moments import moments
@@ -38,6 +39,11 @@ def force_at(problem, times):
     carried = (shapes @ punch.weights.ravel()) ** 2 / singular**2
     force = np.exp(-times[:, None] / singular**2) @ carried * problem.indentation
     return singular[0] ** 2, force
+
+
+def test_the_uniform_grid_knows_no_fixed_indentation():
+    with pytest.raises(SceneError, match="mdr-grid knows flat punches under a force"):
+        run(held().changed(methods=["mdr-grid"]))
 
 
 @pytest.mark.gmsh

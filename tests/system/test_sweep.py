@@ -15,7 +15,6 @@ from ringwear import Scene, run, sweep
 from ringwear.mdr import direct
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
-from ringwear.studies.problem.defaults import sharpness
 from ringwear.studies.problem.problem import Rings
 from ringwear.studies.problem.quantities import QUANTITIES, error_name
 from ringwear.studies.problem.shared import Shared, groups
@@ -88,8 +87,8 @@ def test_one_discretisation_serves_every_wear():
     for problem, distance in product(problems[1:4], np.geomspace(1e-10, 0.1, 40)):
         # sharper at every distance from every edge
         distances = np.full(5, distance)
-        sharpest = sharpness(shared)(distances, halves, edges)
-        assert (sharpest >= sharpness(problem)(distances, halves, edges)).all()
+        sharpest = shared.sharpness(distances, halves, edges)
+        assert (sharpest >= problem.sharpness(distances, halves, edges)).all()
 
 
 @pytest.mark.parametrize("number", [6, 7])

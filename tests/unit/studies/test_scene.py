@@ -114,9 +114,9 @@ def assert_refused(words, make, *arguments, **named):
     ("name", "value"), [(name, value) for name in BAD_VALUES for value in BAD_VALUES[name]], ids=str
 )
 def test_bad_values(name, value):
-    """The message has the key and the remedy that is declared with it."""
+    """The message has the key and the remedy that is declared with it, if its type says not all."""
     path = name.split("__")
-    words = ".".join(path), declaration(path)[1].description
+    words = ".".join(path), declaration(path)[1].description or "should be"
     assert_refused(words, GOOD.changed, **{name: value})
 
 
