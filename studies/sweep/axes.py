@@ -294,11 +294,9 @@ def _checked_keep(keep: Any, problems: list[Problem], axes: Iterable[str]) -> tu
     """
     given = set[str]().union(*map(_given, problems)) - set(axes)
     if keep is None:
-        alone = {"radius", "ring"}
-        if not len(problems[0].times):
-            alone.add("mode")
+        left_out = {"radius", "ring"} if len(problems[0].times) else {"radius", "ring", "mode"}
         return tuple(
-            name for name in KEEPABLE if name in given and not alone & set(KEEPABLE[name].dims)
+            name for name in KEEPABLE if name in given and left_out.isdisjoint(KEEPABLE[name].dims)
         )
     computed = {of for of in KEEPABLE if not given.isdisjoint(ANSWERS.get(of, (of,)))}
     if not keep or not set(map(str, keep)) <= computed:

@@ -148,7 +148,7 @@ def compute_block(sweep: Sweep, blank: xarray.Dataset) -> dict[str, Array]:
 
     Returns
     -------
-    (scenes, ...) values of each variable of the store
+    values of each variable, in the shape that they have in the store
     """
     values = {
         str(name): np.stack([variable.values] * sweep.count)
@@ -168,7 +168,8 @@ def compute_block(sweep: Sweep, blank: xarray.Dataset) -> dict[str, Array]:
             for start in range(0, len(group), 64):
                 together = {numbers[at]: problems[numbers[at]] for at in group[start : start + 64]}
                 _compute_together(together, solvers, sweep.keep, values)
-    return values
+    shape = sweep.sizes.values()
+    return {name: array.reshape(*shape, *array.shape[1:]) for name, array in values.items()}
 
 
 def _compute_together(

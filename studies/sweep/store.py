@@ -90,15 +90,14 @@ def block_sizes(sweep: Sweep, blank: xarray.Dataset) -> dict[str, int]:
         )
     larger = min(max(sweep.count // 8192, 1), 64)
     in_memory = 2**27 * sweep.count // blank.nbytes
-    block = dict.fromkeys(sweep.sizes, 1)
     unlike = {column.dim for key, column in sweep.columns.items() if not key.startswith(sharing)}
+    block: dict[str, int] = {}
     # the last dimensions first, as their scenes stand side by side in the store
-    for scenes, shared in ((64, True), (8, False)):
-        for dim, size in reversed(sweep.sizes.items()):
-            if shared == (dim not in unlike):
-                room = min(scenes * larger, in_memory) // prod(block.values())
-                block[dim] = max(1, min(room, size))
-    return block
+    last_first = list(sweep.sizes)[::-1]
+    for dim in sorted(last_first, key=unlike.__contains__):
+        most = min((8 if dim in unlike else 64) * larger, in_memory)
+        block[dim] = max(1, min(most // prod(block.values()), sweep.sizes[dim]))
+    return {dim: block[dim] for dim in sweep.sizes}
 
 
 class Store:
@@ -181,11 +180,8 @@ class Store:
 
     def write(self, number: int, values: dict[str, Array]) -> None:
         """Write the results of a block."""
-        region = self._regions[number]
-        shape = self._sweep.part(region).sizes.values()
         for name, array in values.items():
-            place = tuple(region.values())
-            self._group[name][place] = array.reshape(*shape, *array.shape[1:])
+            self._group[name][tuple(self._regions[number].values())] = array
 
     def dataset(self) -> xarray.Dataset:
         """Return what is there so far, read when it is used."""

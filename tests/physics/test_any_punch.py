@@ -124,7 +124,7 @@ def test_files_are_those_of_this_punch(tmp_path):
     scene = RECESSED.changed(methods=["fem"], accuracy__rtol=1e-2)
     assert main(["run", write_scene(scene, tmp_path), "--out", str(out), "--csv"]) in (0, 3)
     files = {file.name for file in out.iterdir()}
-    assert {"contact.png", "history.png", "results.nc", "contact_edges.csv"} <= files
+    assert {"contact.png", "history.png", "results.nc", "solver_time_edge.csv"} <= files
     assert {"half_space.vtu", "stress.png", "mesh.png"} <= files
     page = (out / "report.html").read_text("utf-8")
     assert "of the unworn face plane" in page
