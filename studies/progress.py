@@ -1,16 +1,12 @@
-"""What happens, as it happens: the log, timed stages of a method, and progress through long
-work.
-"""
+"""What happens, as it happens: the log, and timed stages of a method."""
 
 import logging
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TypeVar
 
-T = TypeVar("T")
 LOG = logging.getLogger("ringwear")
 STAGES = LOG.getChild("stages")  # of single methods: more than a study wants to show
 
@@ -29,20 +25,6 @@ class Stages:
         yield
         self.seconds[stage] = self.seconds.get(stage, 0.0) + time.perf_counter() - start
         STAGES.info("%8s  %-13s %8.3f s", self.name, stage, self.seconds[stage])
-
-
-def progress(items: Sequence[T], of: str, label: Callable[[T], object] = str) -> Iterator[T]:
-    """The items one by one, each logged with its number, the time gone by and about the
-    time left.
-    """
-    start = time.perf_counter()
-    for number, item in enumerate(items):
-        gone = time.perf_counter() - start
-        ahead = f", about {gone / number * (len(items) - number):.0f} s left" if number else ""
-        LOG.info(
-            "%8s  %d of %d, %.0f s%s: %s ...", of, number + 1, len(items), gone, ahead, label(item)
-        )
-        yield item
 
 
 def show_progress(of_stages: bool) -> None:

@@ -24,7 +24,7 @@ from ..problem.shared import Shared
 from ..progress import Stages
 from ..wear.fitted_press import fit_presses
 from ..wear.flat_contact import FittedPress
-from .base import Discretised, Method, Solution, method
+from .base import Discretised, Method, Solution
 from .evaluation import Evaluation, FullContact, MovingContact
 from .norms import differences, radial_weight
 from .spaces import first_contact, load_at_start, pressure_spaces
@@ -252,10 +252,3 @@ def _beside(history: Solution, steady: Solution) -> Solution:
             "steady_state": {**steady.settings, "unknowns": steady.unknowns},
         },
     )
-
-
-def compliance_method(name: str) -> ComplianceMethod:
-    """Return the method of that name, which must yield a compliance."""
-    named = method(name)
-    assert isinstance(named, ComplianceMethod)
-    return named

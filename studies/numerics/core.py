@@ -36,6 +36,7 @@ def flat_d0_error(compliance: Compliance) -> float:
 
 
 def evaluate(problem: Problem, compliance: Compliance) -> Results:
-    """Return all that a problem asks for, steady state included, exact in time on a compliance."""
-    modal = replace(problem, march="modal", step=None, steady=True, gradient_average="line")
+    """Return all quantities of a problem, steady state included, exact in time on a compliance."""
+    modal = replace(problem, march="modal", step=None, steady=True, quantities=None)
+    modal = replace(modal, gradient_average="line")
     return FullContact(modal, compliance).results

@@ -26,7 +26,7 @@ from ..methods.fem import half_space_mesh
 from ..problem.defaults import WIDER_TRUNCATION, pole_orders, triangle_degree
 from ..problem.problem import Problem, Rings
 from ..problem.scene import Scene
-from ..problem.sections import FemAccuracy
+from ..problem.sections import FemAccuracy, MdrAccuracy
 from ..progress import Stages
 from ..tables import Row
 from .core import FLAT, condense, evaluate, flat_d0_error
@@ -76,8 +76,9 @@ def families(
     """Yield each way to refine a mesh of a case, from coarse to fine; last a mesh file."""
     rings = problem.merged
     edges = tuple(rings.ring_edges.tolist())
-    # meshes suit the times of the scene
-    watched = replace(problem, times=np.geomspace(1e-3, 20, 12))
+    # meshes suit the times of the scene; what they are held to knows nothing of its settings
+    watched = replace(problem, times=np.geomspace(1e-3, 20, 12), quantities=None)
+    watched = replace(watched, march="modal", step=None, mdr=MdrAccuracy())
     exact = method("mdr").solve(replace(watched, rtol=1e-9), Stages("mdr")).results["indentation"]
     greatest = greatest_displacement(rings.ring_edges, steady_pressures(*rings))
 
