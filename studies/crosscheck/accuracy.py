@@ -19,50 +19,50 @@ from .agreement import unresolved
 def solved_to_accuracy(
     method: Method, problems: Sequence[Problem], stages: Stages
 ) -> list[Solution]:
-    """Solve problems on the same ring edges, and those again whose estimates fall short.
+    """Solve problems on the same ring edges, and each again whose estimates fall short."""
+    solutions = method.solve_all(problems, stages)
+    return [
+        refined(method, problem, solution, stages)
+        for problem, solution in zip(problems, solutions, strict=True)
+    ]
+
+
+def refined(method: Method, problem: Problem, solution: Solution, stages: Stages) -> Solution:
+    """Return a solution, or one of finer sizes if its estimates fall short.
 
     Sizes given by the user stay, and what finer sizes do not mend (roundoff, a time step, layers
     thinner than coordinates can tell) is left to the verdict. A refinement asks for sizes of at
     most ten times the accuracy, and is followed by another if it has halved the error.
     """
-    solutions = method.solve_all(problems, stages)
-    errors = [error_of_sizes(*pair) for pair in zip(problems, solutions, strict=True)]
+    error = error_of_sizes(problem, solution)
     # where edges move, half of the uncertainty that two methods may have
-    allowed = [of.rtol * (1.0 if of.full_contact else A_FEW / 2) for of in problems]
-    limits = [
-        followed(problem, solution.settings.get("pressures", 0))
-        for problem, solution in zip(problems, solutions, strict=True)
-    ]
-    working = [min(problem.rtol, most) for problem, (_, most) in zip(problems, limits, strict=True)]
-    short = [at for at, problem in enumerate(problems) if not problem.sizes_given(method.name)]
+    allowed = problem.rtol * (1.0 if problem.full_contact else A_FEW / 2)
+    least, most = followed(problem, solution.settings.get("pressures", 0))
+    rtol = min(problem.rtol, most)
+    if problem.sizes_given(method.name):
+        return solution
     for _ in range(4):
-        short = [at for at in short if working[at] > limits[at][0] and errors[at] > allowed[at]]
-        if not short:
+        if rtol <= least or error <= allowed:
             break
-        for at in short:
-            ratio = max(0.5 * allowed[at] / errors[at], 0.1)
-            working[at] = max(limits[at][0], working[at] * ratio)
-            numbers = method.name, errors[at], allowed[at]
-            LOG.info("%8s  its estimate %.1e is above %.1e: refining ...", *numbers)
-        finer = [replace(problems[at], rtol=working[at]) for at in short]
+        rtol = max(least, rtol * max(0.5 * allowed / error, 0.1))
+        numbers = method.name, error, allowed
+        LOG.info("%8s  its estimate %.1e is above %.1e: refining ...", *numbers)
         try:
-            refined = method.solve_all(finer, stages)
+            finer = method.solve(replace(problem, rtol=rtol), stages)
         except RingwearError as failure:
             # what is there is as good as it says
             LOG.info("%8s  cannot be refined: %s", method.name, failure)
             break
-        for at, solution in zip(short[:], refined, strict=True):
-            error = error_of_sizes(problems[at], solution)
-            if 2 * error > errors[at]:
-                short.remove(at)
-            if error < errors[at]:
-                note = (
-                    f"{method.name}: refined from rtol {problems[at].rtol:.1e} to "
-                    f"{working[at]:.1e}, for its estimates fell short"
-                )
-                solutions[at] = replace(solution, notes=(*solution.notes, note))
-                errors[at] = error
-    return solutions
+        before, after = error, error_of_sizes(problem, finer)
+        if after < before:
+            note = (
+                f"{method.name}: refined from rtol {problem.rtol:.1e} to {rtol:.1e}, for its "
+                "estimates fell short"
+            )
+            solution, error = replace(finer, notes=(*finer.notes, note)), after
+        if 2 * after > before:
+            break
+    return solution
 
 
 def error_of_sizes(problem: Problem, solution: Solution) -> float:

@@ -32,7 +32,7 @@ from ..methods.base import Solution
 from ..methods.norms import radial_weight
 from ..problem.face import POINTS
 from ..problem.problem import D0, P0, Units
-from ..problem.quantities import ANSWER, QUANTITIES, STEADY
+from ..problem.quantities import ANSWER, HISTORIES, QUANTITIES, STEADY
 from ..problem.scene import Scene
 from ..wear.time_scale import COARSE, FINE, slowest_relaxation_time
 from .anchor import Anchor, judge
@@ -56,29 +56,28 @@ def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solutio
     solution : what the method said of the face, and of its own errors
     """
     problem, reported = scene.problem, _Reported(scene, table, solution)
-    history, full = bool(reported.times.size), problem.full_contact
-    later, forces = full and reported.later.any(), "normal_force" if reported.fixed else ""
+    full, fixed = problem.full_contact, reported.fixed
+    later, forces = full and reported.later.any(), "normal_force" if fixed else ""
     moved = "indentation profile displacement displacement_centre displacement_max"
+    balanced = "normal_force pressure profile displacement ring_worn_volume"
     checks = (
         (True, " ".join(STEADY), reported.check_steady_state),
-        (history, "ring_force pressure", reported.check_forces),
-        (history, "ring_worn_volume", reported.check_volume),
-        (history and reported.fixed, "normal_force ring_worn_volume", reported.check_decay),
-        (
-            history and reported.fixed,
-            "normal_force pressure profile displacement ring_worn_volume",
-            reported.check_balance,
-        ),
+        (True, "ring_force pressure", reported.check_forces),
+        (True, "ring_worn_volume", reported.check_volume),
+        (fixed, "normal_force ring_worn_volume", reported.check_decay),
+        (fixed, balanced, reported.check_balance),
         (full, "relaxation_time", reported.check_modes),
-        (history and full, "indentation", reported.check_start),
-        (history and full, "pressure ring_force", reported.check_start_pressures),
-        (history and full, moved, reported.check_fields),
-        (history and full, "profile rms_slope", reported.check_slopes),
+        (full, "indentation", reported.check_start),
+        (full, "pressure ring_force", reported.check_start_pressures),
+        (full, moved, reported.check_fields),
+        (full, "profile rms_slope", reported.check_slopes),
         (later, f"indentation pressure profile {forces}", reported.check_wear),
         (later, "indentation pressure profile displacement", reported.check_output),
         (later, "pressure", reported.check_power),
     )
     given = set(filter(problem.wants, solution.checked.keys() & solution.errors.keys()))
+    if not reported.times.size:
+        given -= HISTORIES
     return [
         anchor
         for applies, quantities, rows in checks

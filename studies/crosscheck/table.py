@@ -116,7 +116,7 @@ def tabulate(
         ("edge", "edge of the contact: inner and outer of each part in turn, from the centre"),
     ):
         if sizes[dim]:
-            coordinates[dim] = ((dim,), np.arange(1, sizes[dim] + 1), {"long_name": meaning})
+            coordinates[dim] = ((dim,), np.array(range(1, sizes[dim] + 1)), {"long_name": meaning})
     about = {
         "title": scene.title,
         "units": scene.units or NO_UNIT,

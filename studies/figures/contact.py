@@ -16,8 +16,9 @@ def draw_contact(result: Result) -> Figure:
     figure, panels = new_panels(PAGE, 2.9, columns=3)
     where, force, volume = panels.flat
     for number, (method, radii) in enumerate(result.by_method("contact_edge").items()):
-        look = {"linestyle": "", "marker": "ox+^"[number % 4], "markerfacecolor": "none"}
-        look |= {"color": method_curve(method)["color"], "label": method.upper(), "clip_on": False}
+        color, marker = method_curve(method)["color"], "ox+^"[number % 4]
+        look = curve(number) | {"color": color, "marker": marker, "label": method.upper()}
+        look |= {"linestyle": "", "clip_on": False}
         scale.plot(where, "contact_edge", "time", result.coordinates["time"], radii, **look)
     for height in scale.shown("radius", result.coordinates["ring_outer_radius"][:-1]):
         where.axhline(height, color="0.75", linewidth=0.6, zorder=0, label="ring edge")
@@ -30,7 +31,7 @@ def draw_contact(result: Result) -> Figure:
         look = curve(number) | {"marker": "", "label": f"ring {ring + 1}"}
         for axes, name in ((force, "ring_force"), (volume, "ring_worn_volume")):
             scale.plot(axes, name, "time", between["time"], between[name][:, ring], **look)
-    look = {"color": "black", "linewidth": 0.8, "label": "all rings"}
+    look = curve(0) | {"marker": "", "color": "0.75", "linewidth": 2.0, "label": "all rings"}
     scale.plot(force, "normal_force", "time", between["time"], between["normal_force"], **look)
     for axes in panels.flat:
         axes.set_ylim(0, 1.04 * axes.dataLim.y1)

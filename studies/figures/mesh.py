@@ -50,9 +50,11 @@ def draw_stress(result: Result) -> Figure:
         "of its edges and ring edges (marked)"
     )
     titles = result.scene.title, "von Mises stress under the rings"
-    complete(figure, titles, note=note, across=0.15)
-    beside = {"fraction": 0.1, "pad": 0.02, "ticks": levels[::3], "format": "%.2g"}
-    figure.colorbar(filled, ax=panels[0], label=scale.label("von_mises"), **beside)
+    complete(figure, titles, note=note, across=0.25)
+    bar = figure.colorbar(
+        filled, ax=panels[0], ticks=levels[::3], format="%.2g", fraction=0.1, pad=0.02
+    )
+    bar.set_label(scale.label("von_mises"))
     return figure
 
 
