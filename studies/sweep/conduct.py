@@ -9,6 +9,7 @@ from typing import Any
 
 import xarray
 
+from ..figures.style import new_figure, set_logarithmic
 from ..output.folder import lock_folder
 from ..problem.scene import Scene
 from ..progress import LOG
@@ -108,9 +109,10 @@ def conduct(source: str, out: Path, options: argparse.Namespace) -> tuple[list[s
     kinds = options.resume, options.retry_failed
     workers = options.workers, options.scheduler, options.memory
     dataset = compute(plan, out, *kinds, *workers)
+    draw(dataset, plan, out / "sweep.png")
     status, reasons = dataset["status"].values, dataset["reason"].to_series()
     done, failed, left = (int((status == flag).sum()) for flag in (DONE, FAILED, PENDING))
-    lines = [f"{done} scenes finished, {failed} failed, {left} left: {out / 'sweep.zarr'}"]
+    lines = [f"{done} scenes finished, {failed} failed, {left} left: sweep.zarr and sweep.png in {out}"]
     for reason, count in reasons[reasons != ""].value_counts().head(10).items():
         lines.append(f"{reason} ({count} scenes)")
     if failed or left:
@@ -119,3 +121,28 @@ def conduct(source: str, out: Path, options: argparse.Namespace) -> tuple[list[s
     if disagreeing:
         lines.append(f"methods disagree in {disagreeing} scenes")
     return lines, done == plan.count, not disagreeing
+
+
+def draw(dataset: xarray.Dataset, plan: Sweep, file: Path) -> None:
+    """Draw up to four of the quantities kept over the two longest axes of numbers.
+
+    By the first method that has them, at the first value of other axes, and at the last time.
+    """
+    numbers = (of for of in plan.columns.values() if dataset[of.name].dtype.kind in "fi")
+    places = {of.dim: of.name for of in numbers}
+    across = sorted(places, key=lambda dim: -plan.sizes[dim])[:2]
+    shown = [name for name in plan.keep if not {"radius", "ring"} & {*dataset[name].dims}][:4]
+    figure = new_figure(6.0, 0.6 + 3.5 * len(shown))
+    for number, name in enumerate(shown if across else (), 1):
+        axes = figure.add_subplot(len(shown), 1, number)
+        part = dataset[name].dropna("solver", how="all")
+        others = {dim: -(dim == "time") for dim in part.dims if dim not in across}
+        if part.size:
+            part, x = part.isel(others), places[across[0]]
+            if part[across[-1]].size > 8 and len(across) > 1:
+                part.plot.pcolormesh(x=x, y=places[across[1]], ax=axes)
+            else:
+                part.plot.line(".", x=x, ax=axes)
+            if 0 < 20 * dataset[x].min() < dataset[x].max():
+                set_logarithmic(axes, "x")
+    figure.savefig(file)
