@@ -19,7 +19,6 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
-from scipy.optimize import root_scalar
 
 from ...mdr import energy
 from ...meshes.compliance import Compliance
@@ -62,9 +61,13 @@ def fit_presses(
     ]
     if any(edges[:-1]):
         raise SolverError("it ends where the face is smooth, and not at its outermost edge alone")
+    slope = None
     if outermost:
-        intervals = fit_press(profile, load, intervals, _roughly).intervals
-    fine, coarse = (fit_press(profile, load, intervals, on_edges) for on_edges in compliances)
+        rough, slope = fit_press(profile, load, intervals, _roughly)
+        intervals = rough.intervals
+    # in turn, each from where the last found the edge
+    coarse, slope = fit_press(profile, load, intervals, compliances[1], slope)
+    fine, _ = fit_press(profile, load, coarse.intervals, compliances[0], slope)
     for press in (fine, coarse):
         radii, _, _ = press.space.quadrature
         pressure = press.space.matrix(radii.ravel()) @ press.pressure
@@ -80,9 +83,16 @@ def _roughly(edges: tuple[float, ...], infinite: tuple[bool, ...]) -> Compliance
 
 
 def fit_press(
-    profile: InitialProfile, load: Load, intervals: Intervals, on_edges: CompliancesOn
-) -> FittedPress:
+    profile: InitialProfile,
+    load: Load,
+    intervals: Intervals,
+    on_edges: CompliancesOn,
+    slope: float | None = None,
+) -> tuple[FittedPress, float | None]:
     """Press an unworn punch, and find its outermost edge from a start near it, if that is free.
+
+    Returns by how much the load is missed for how much that edge is, too, and takes it from where
+    it is about the same.
 
     Raises
     ------
@@ -103,13 +113,24 @@ def fit_press(
             return float(np.sqrt(press.indentation / float(load.indentation or 1.0)) - 1)
         return float(np.cbrt(press.force / load.force) - 1)
 
-    if last.outer_free:
-        root = root_scalar(miss, x0=radius, x1=0.999 * radius, rtol=1e-7, maxiter=30)
-        if not root.converged:
-            raise SolverError("the edge of the contact was not found")
-        radius = root.root
-    # d by the load, of which an edge a little off takes nothing in the first order
-    return solve(radius, load)
+    if not last.outer_free:
+        return solve(radius, load), None
+    step, before = 0.0, 0.0
+    for _ in range(30):
+        wrong = miss(radius)
+        if step:
+            slope = (wrong - before) / step
+        elif slope is None:
+            slope = (wrong - miss(0.999 * radius)) / (0.001 * radius)
+        if not slope:
+            break
+        step, before = -wrong / slope, wrong
+        radius += step
+        # secants converge faster than linearly: the error is far below the last step
+        if abs(step) <= 1e-7 * radius:
+            # d by the load, of which an edge a little off takes nothing in the first order
+            return solve(radius, load), slope
+    raise SolverError("the edge of the contact was not found")
 
 
 def _solve(

@@ -41,7 +41,7 @@ SPHERE = rings([0, 1], [0], parabola)
 
 
 def press(method, profile, load, *parts, degree=DEGREE):
-    return fit_press(profile, load, parts, partial(compliance_on, method, degree))
+    return fit_press(profile, load, parts, partial(compliance_on, method, degree))[0]
 
 
 def ring_stiffness(method, inner, degree=DEGREE):
