@@ -31,10 +31,7 @@ def write_check(result: Checked, directory: Path) -> None:
     rows.to_csv(directory / "check.csv", index=False)
     names = UnitNames.of(result.scene.units)
     curves = {
-        f"{row.at(names)}, order {row.sequence.order:.2g}": (
-            row.sequence.sizes,
-            row.sequence.errors,
-        )
+        f"{row.at(names)}, order {row.sequence.order:.2g}": row.sequence
         for row in result.refinements
     }
     if curves:

@@ -202,24 +202,50 @@ def held_against(
     return Interior(*fine, labels, solid.degree, reaches, errors)
 
 
-def write_half_space(fields: Interior, units: Units, path: Path) -> None:
-    """Write the fields as VTU, in the scene's units, each by its name and its state.
+def write_half_space(fields: Interior, units: Units, path: Path, series: bool) -> None:
+    """Write the fields as VTU, in the scene's units and upright; as a series also in files of one
+    time each, and a collection (.pvd) that ParaView goes through.
 
     X is the radius, y the height (depth is negative).
     """
+    states = [_upright(fields, state, units) for state in range(len(fields.labels))]
+    labelled = {
+        f"{name} {label}": values
+        for label, state in zip(fields.labels, states, strict=True)
+        for name, values in state.items()
+    }
+    _write_vtu(fields, units, path, labelled)
+    times = [label.removeprefix("t=") for label in fields.labels if label != "steady"]
+    if series and len(times) > 1:
+        sets = []
+        for number, (time, state) in enumerate(zip(times, states, strict=False)):
+            file = path.with_stem(f"{path.stem}_{number}")
+            _write_vtu(fields, units, file, state)
+            sets.append(f'<DataSet timestep="{time}" file="{file.name}"/>')
+        collection = "\n".join(["<Collection>", *sets, "</Collection>"])
+        path.with_suffix(".pvd").write_text(
+            f'<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n{collection}\n'
+            "</VTKFile>\n",
+            "utf-8",
+        )
+
+
+def _upright(fields: Interior, state: int, units: Units) -> dict[str, Array]:
+    """Return what is known at the points in a state, y upwards, in the scene's units."""
+    radial, down = fields.displacement[state].T * units.displacement
+    stress = (fields.stress[state] * [1, 1, -1, 1] * units.pressure).T
+    return {
+        "displacement": np.stack([radial, -down, np.zeros_like(radial)], axis=1),
+        **dict(zip(("stress_rr", "stress_zz", "stress_rz", "stress_hoop"), stress, strict=True)),
+        "von_mises": fields.von_mises[state] * units.pressure,
+    }
+
+
+def _write_vtu(fields: Interior, units: Units, path: Path, data: dict[str, Array]) -> None:
     import meshio
 
-    def upright(vectors: Array) -> Array:
-        radial, down = vectors.T
-        return np.stack([radial, -down, np.zeros_like(radial)], axis=1)
-
-    data = {}
-    for state, label in enumerate(fields.labels):
-        data[f"displacement {label}"] = upright(fields.displacement[state]) * units.displacement
-        rr, zz, rz, hoop = fields.stress[state].T * units.pressure
-        components = {"rr": rr, "zz": zz, "rz": -rz, "hoop": hoop}
-        data |= {f"stress_{name} {label}": values for name, values in components.items()}
-        data[f"von_mises {label}"] = fields.von_mises[state] * units.pressure
-    cells = [("triangle", fields.triangles.T)]
-    mesh = meshio.Mesh(upright(fields.points.T * units.length), cells, point_data=data)
-    mesh.write(path, file_format="vtu", compression=None)
+    r, z = fields.points * units.length
+    upright = np.stack([r, -z, np.zeros_like(r)], axis=1)
+    meshio.Mesh(upright, [("triangle", fields.triangles.T)], point_data=data).write(
+        path, file_format="vtu", compression=None
+    )

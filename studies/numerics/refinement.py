@@ -30,7 +30,7 @@ from ..problem.sections import FemAccuracy, MdrAccuracy
 from ..progress import Stages
 from ..tables import Row
 from .core import FLAT, condense, evaluate, flat_d0_error
-from .sequences import Curves, Family, draw_errors, solve_all
+from .sequences import Curves, Family, Sequence, Theory, draw_errors, solve_all
 
 GOAL = 1e-5
 """Error in every quantity for which the unknowns of each way are told."""
@@ -59,10 +59,10 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     columns = ["case", "family", "setting", "degree", "unknowns", "elements", "multipliers"]
     columns += [*ERRORS, "greatest", "remark"]
     rows = solve_all(ways, out / "refinement.csv", columns, conclusions).dropna(subset="greatest")
-    panels: dict[str, Curves] = {}
+    panels, drawn = dict[str, Curves](), ["unknowns", "greatest"]
     for case, of_case in rows.groupby("case", sort=False):
         panels[f"unknowns, {case}"] = {
-            str(way): (of_way.unknowns, of_way.greatest)
+            str(way): Sequence(str(way), "greatest", Theory(), *of_way[drawn].to_numpy(float).T)
             for way, of_way in of_case.groupby("family", sort=False)
         }
         conclusions += conclude(str(case), of_case)

@@ -19,16 +19,12 @@ from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import RingwearError
 from ...meshes.radial import Array
-from ..figures.style import curve, legend_below, new_figure
+from ..figures.style import LOOKS, curve, legend_below, new_figure
 from ..progress import LOG
 from ..tables import Row, keeping_rows
 
 WITHIN = 0.15
 """How far an observed order may be from theory's, by least squares and between the last levels."""
-
-
-Curves = dict[str, tuple[Any, Any]]
-"""Sizes (n,) and errors (n,) of each curve, by its label."""
 
 
 class Theory(NamedTuple):
@@ -142,6 +138,10 @@ class Sequence:
         }
 
 
+Curves = dict[str, Sequence]
+"""Of a panel, by their labels."""
+
+
 def solve_all(
     families: Iterable[Family], path: Path, columns: list[str], conclusions: list[str]
 ) -> pd.DataFrame:
@@ -202,20 +202,28 @@ def study_orders(families: Iterable[Family], out: Path, name: str, ylabel: str) 
     panels: dict[str, Curves] = {}
     xlabels = {family.name: family.xlabel for family in families}
     for sequence in sequences:
-        curves = panels.setdefault(xlabels[sequence.name], {})
-        curves[sequence.label] = sequence.sizes, sequence.errors
+        panels.setdefault(xlabels[sequence.name], {})[sequence.label] = sequence
     draw_errors(out / f"{name}.png", panels, ylabel)
     return conclusions
 
 
 def draw_errors(path: Path, panels: Mapping[str, Curves], ylabel: str) -> None:
-    """Draw errors over sizes or unknowns, logarithmic: a panel for each label of these."""
+    """Draw errors over sizes or unknowns, logarithmic: a panel for each label of these.
+
+    Curves are in the colours of their methods, with orders in theory as triangles beside them.
+    """
     longest = max(map(len, panels.values()), default=0)
     figure = new_figure(4.4 * max(len(panels), 1), 5 + 0.2 * longest)
     row = figure.subplots(1, max(len(panels), 1), sharey=True, squeeze=False)[0]
     for axes, (xlabel, curves) in zip(row, panels.items(), strict=False):
-        for number, (label, (places, errors)) in enumerate(curves.items()):
-            axes.loglog(places, np.where(errors > 0, errors, np.nan), label=label, **curve(number))
+        for number, (label, sequence) in enumerate(curves.items()):
+            colors = [look["color"] for look in LOOKS.values()]
+            of_method = LOOKS.get(label.split()[0].lower(), {}).get("color")
+            look = curve(number) | {"color": of_method or colors[number % len(colors)]}
+            errors = np.where(sequence.errors > 0, sequence.errors, np.nan)
+            axes.loglog(sequence.sizes, errors, label=label, **look)
+            if np.isfinite(sequence.theory.order) and len(errors) > 1:
+                _draw_triangle(axes, sequence, look["color"])
         axes.set(xlabel=xlabel, ylabel=ylabel)
         low, high = axes.get_xlim()
         ticks = LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,))
@@ -224,3 +232,13 @@ def draw_errors(path: Path, panels: Mapping[str, Curves], ylabel: str) -> None:
         axes.label_outer()
         legend_below(axes)
     figure.savefig(path)
+
+
+def _draw_triangle(axes: Any, sequence: Sequence, color: str) -> None:
+    """Draw the slope of theory below the first step of a curve, and say which it is."""
+    right, second, *_ = sequence.sizes
+    left, high, order = np.sqrt(right * second), sequence.errors[0] / 2, sequence.theory.order
+    low = high * (left / right) ** order
+    axes.plot([left, right, right, left], [low, low, high, low], color=color, linewidth=0.6)
+    place = {"textcoords": "offset points", "xytext": (2, 0), "va": "center"}
+    axes.annotate(f"{order:.2g}", (right, np.sqrt(low * high)), fontsize=6, color=color, **place)

@@ -112,7 +112,7 @@ def conduct(source: str, out: Path, options: argparse.Namespace) -> tuple[list[s
     draw(dataset, plan, out / "sweep.png")
     status, reasons = dataset["status"].values, dataset["reason"].to_series()
     done, failed, left = (int((status == flag).sum()) for flag in (DONE, FAILED, PENDING))
-    lines = [f"{done} scenes finished, {failed} failed, {left} left: sweep.zarr and sweep.png in {out}"]
+    lines = [f"{done} scenes finished, {failed} failed, {left} left: see {out}"]
     for reason, count in reasons[reasons != ""].value_counts().head(10).items():
         lines.append(f"{reason} ({count} scenes)")
     if failed or left:
