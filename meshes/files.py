@@ -68,7 +68,8 @@ def content_of(path: Path) -> Any:
     import meshio
 
     if not path.is_file():
-        raise MeshError("no such file")
+        what = "this is a directory" if path.is_dir() else "no such file"
+        raise MeshError(f"{what}: give a mesh file")
     printed = io.StringIO()
     try:
         # meshio prints its complaints, and leaves by SystemExit where no reader understands a file
