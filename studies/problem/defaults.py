@@ -38,9 +38,12 @@ def pressure_degree(problem: Problem, ratio: float) -> float:
         float(behind(half, half, edges).max()),
         float(behind(half[1:], half[1:], edges[:-1]).max(initial=0.0)),
     )
-    degree = np.log(greatest / problem.rtol) / convergence(ratio)
-    # enough, of the degree that sharpness asks for
-    return float(max(degree - min(0.1 * degree, 0.7), 2))
+    return float(max(_enough(np.log(greatest / problem.rtol) / convergence(ratio)), 2))
+
+
+def _enough(degree: Array | float) -> Array | float:
+    """Degrees that are enough, of those that sharpness asks for."""
+    return degree - np.minimum(0.1 * degree, 0.7)
 
 
 def degree_of_modes(problem: Problem) -> float:
@@ -58,10 +61,21 @@ def degree_of_modes(problem: Problem) -> float:
 
 def pressures(problem: Problem, ratio: float) -> float:
     """About how many pressures a mesh takes whose elements shrink by a ratio towards every ring
-    edge and the rim: two patches of layers in each ring, of half the highest degree in the mean.
+    edge and the rim.
     """
-    layers = np.log(2 * edge_sizes(problem) / problem.merged.widths) / np.log(ratio)
-    return float(layers.sum()) * (pressure_degree(problem, ratio) + 2)
+    half, sizes, behind = problem.merged.widths / 2, edge_sizes(problem), problem.sharpness
+    total, most = 0.0, pressure_degree(problem, ratio)
+    # on the inner side of each edge, and on the outer side of all but the rim
+    for reach, size, edges in (
+        (half, sizes, np.arange(len(half))),
+        (half[1:], sizes[:-1], np.arange(len(half) - 1)),
+    ):
+        distance = reach[:, None] * ratio ** np.arange(np.ceil(np.log(sizes.min()) / np.log(ratio)))
+        edges = np.broadcast_to(edges[:, None], distance.shape)
+        digits = np.log(behind(distance, reach[:, None], edges) / problem.rtol)
+        degrees = np.clip(_enough(digits / convergence(ratio)), 2, most)
+        total += float(np.sum(degrees, where=distance > size[:, None]))
+    return total
 
 
 def affordable(problem: Problem, ratio: float) -> Problem:
@@ -74,7 +88,7 @@ def affordable(problem: Problem, ratio: float) -> Problem:
     fields = min(3 * problem.rtol**0.5, 0.3) if problem.energies_only else problem.rtol
     fewer = replace(problem, rtol=fields)
     # dense matrices cost the third power of the pressures
-    while fewer.rtol < problem.rtol**0.5 and pressures(fewer, ratio) > 1100:
+    while fewer.rtol < problem.rtol**0.5 and pressures(fewer, ratio) > 1000:
         fewer = replace(fewer, rtol=min(2 * fewer.rtol, problem.rtol**0.5))
     return fewer
 
