@@ -11,7 +11,16 @@ from matplotlib.figure import Figure
 from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
 from .scale import Scale
-from .style import FAINT, PAGE, complete, curve, method_curve, new_panels, set_logarithmic
+from .style import (
+    FAINT,
+    PAGE,
+    complete,
+    curve,
+    label_of,
+    method_curve,
+    new_panels,
+    set_logarithmic,
+)
 
 
 def draw_history(result: Result) -> Figure:
@@ -65,7 +74,7 @@ def _draw_differences(axes: Any, times: Array, methods: dict[str, Array], scale:
     for number, (method, heights) in enumerate(others):
         differences = np.abs(heights - reference) / reference_size
         look = curve(number) | {"markersize": 2.5, "linewidth": 0.8}
-        label = f"{method.upper()} from {first.upper()}"
+        label = f"{label_of(method)} from {label_of(first)}"
         shown = np.where(differences > 0, differences, np.nan)
         axes.plot(scale.shown("time", times), shown, **look, label=label)
     set_logarithmic(axes, "y")

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from ...meshes.radial import Array
+from ..registry import METHODS
 
 # curves by the name of their method; those of a user's own join at their first figure
 LOOKS: dict[str, dict[str, Any]] = {
@@ -134,10 +135,8 @@ def legend_of(figure: Figure, axes: Iterable[Any], note: str = "") -> float:
         for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
     }
     # a label, and the piece of its curve, take about 16 letters an inch
-    columns = int(
-        18 * figure.get_figwidth() / (8 + np.mean([len(label) for label in handles] or 0))
-    )
-    columns = max(1, min(len(handles), columns))
+    longest = max(map(len, handles), default=0)
+    columns = max(1, min(len(handles), int(18 * figure.get_figwidth() / (8 + longest))))
     legend = figure.legend(
         handles.values(),
         handles.keys(),
@@ -194,10 +193,15 @@ def curve(number: int) -> dict[str, Any]:
     }
 
 
+def label_of(name: str) -> str:
+    """Return what a method is called in figures; names of others stay as they are."""
+    return name.upper() if name in METHODS else name
+
+
 def method_curve(name: str, points: int = 0) -> dict[str, Any]:
     """Return the curve of a method, with about 24 markers on so many points."""
     look = LOOKS.setdefault(name, curve(len(LOOKS)))
-    look = {"linewidth": 1.0, "markersize": 3.0} | look | {"label": name.upper()}
+    look = {"linewidth": 1.0, "markersize": 3.0, "label": label_of(name)} | look
     return look | {"markevery": max(1, points // 24)} if "marker" in look and points else look
 
 
