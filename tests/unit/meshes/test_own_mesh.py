@@ -165,7 +165,7 @@ def test_the_message_says_how_to_export(tmp_path, settings, message):
         ("absent.msh", "no such file"),
         ("text.msh", "not a mesh"),
         ("text.xyz", "not a mesh"),
-        ("", "no such file"),
+        ("", "this is a directory"),
     ],
 )
 def test_what_is_not_a_mesh_is_refused(tmp_path, capsys, name, message):
