@@ -18,7 +18,6 @@ import numpy as np
 import pandas as pd
 
 from ..crosscheck.agreement import compare
-from ..figures.style import FAINT, legend_of, method_curve, new_figure
 from ..methods.base import Solution, method
 from ..problem.problem import Problem
 from ..problem.quantities import GROUPS
@@ -26,9 +25,9 @@ from ..problem.scene import Scene
 from ..problem.sections import MdrAccuracy
 from ..progress import Stages
 from ..tables import Row
-from .sequences import Family, solve_all
+from .sequences import Curves, Family, Sequence, Theory, draw_errors, solve_all
 
-# what is asked for alone: a panel each
+# what is asked for alone
 ASKED = {
     "indentation, force, relaxation times": frozenset(
         ["indentation", "normal_force", "relaxation_time"]
@@ -119,17 +118,10 @@ def measure(
 
 
 def draw(rows: pd.DataFrame, path: Path) -> None:
-    """Draw errors over seconds, a panel for each group; dotted, what was asked for."""
-    figure = new_figure(3.2 * len(ASKED), 4.2)
-    panels = figure.subplots(1, len(ASKED), sharex=True, sharey=True)
-    for axes, group in zip(panels, ASKED, strict=True):
-        for name, of_method in rows[rows.group == group].groupby("method", sort=False):
-            look = method_curve(str(name)) | {"alpha": 1.0, "linewidth": 1.2, "markersize": 4}
-            axes.loglog(of_method.seconds, of_method.error, **look)
-            asked_for = {"color": look["color"], "label": "asked for"}
-            axes.loglog(of_method.seconds, of_method.rtol, **FAINT | asked_for)
-        axes.set(title=group, xlabel="processor seconds", ylabel="greatest relative error")
-        axes.grid(True, which="major", color="0.88", linewidth=0.6)
-        axes.label_outer()
-    legend_of(figure, panels)
-    figure.savefig(path)
+    """Draw errors over seconds, a panel for each group."""
+    panels = dict[str, Curves]()
+    for (group, name), of_method in rows.groupby(["group", "method"], sort=False):
+        values = of_method[["seconds", "error"]].to_numpy(float).T
+        curve = Sequence(name, group, Theory(), *values)
+        panels.setdefault(f"processor seconds, {group}", {})[name] = curve
+    draw_errors(path, panels, "greatest relative error")
