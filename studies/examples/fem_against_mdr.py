@@ -1,4 +1,4 @@
-"""Finite elements against dimensionality reduction: profiles, pressures, and how far they differ."""
+"""Finite elements against dimensionality reduction: profiles, pressures, how far they differ."""
 
 from ringwear import Scene, run
 
