@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..methods.base import Method, method
+from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
 from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time, spreading
@@ -128,19 +129,23 @@ def time_scale(scene: Scene) -> list[str]:
         return UnitNames.of(scene.units).write(time * problem.units.time, "time", 3)
 
     lines = [f"running-in: slowest relaxation time of the full face {written(slowest)}"]
+    # contact that spreads has a time scale of its own
+    if not problem.full_contact and not problem.loading.varies:
+        start, end = map(written, spreading(problem))
+        until = f" to {end}" if problem.indentation is None else " on"
+        lines.append(f"contact spreads from about {start}{until}")
+    return lines + outside(problem, slowest)
+
+
+def outside(problem: Problem, slowest: float) -> list[str]:
+    """Return a note if no time of a flat punch shows its running-in, whose slowest relaxation time
+    this is, non-dimensional; NaN if it is not known.
+    """
     remedy = 'times = "running-in" shows all of it'
-    if not problem.full_contact:
-        # contact that spreads has a time scale of its own
-        if not problem.loading.varies:
-            start, end = map(written, spreading(problem))
-            until = f" to {end}" if problem.indentation is None else " on"
-            lines.append(f"contact spreads from about {start}{until}")
-    elif problem.distances[-1] < 0.01 * slowest:
-        lines.append(
-            f"note: all times lie before the running-in, of which little is seen: {remedy}"
-        )
-    elif problem.earliest > 5 * slowest:
-        lines.append(
-            f"note: all times lie after the running-in, of which nothing is seen: {remedy}"
-        )
-    return lines
+    if not (problem.full_contact and problem.earliest):
+        return []
+    if problem.distances[-1] < 0.01 * slowest:
+        return [f"note: all times lie before the running-in, of which little is seen: {remedy}"]
+    if problem.earliest > 5 * slowest:
+        return [f"note: all times lie after the running-in, of which nothing is seen: {remedy}"]
+    return []

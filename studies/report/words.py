@@ -9,7 +9,7 @@ import numpy as np
 from ...meshes.radial import Array
 from ..crosscheck.agreement import by_quantity
 from ..crosscheck.dataset import Result
-from ..crosscheck.scope import left_out, modelled, time_scale
+from ..crosscheck.scope import left_out, modelled, outside
 from ..problem.quantities import ANSWER, QUANTITIES, STATES
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
@@ -177,7 +177,8 @@ class Account:
             if beyond := solution.beyond(rtol):
                 listed = ", ".join(f"{quantity} {error:.1e}" for quantity, error in beyond.items())
                 lines.append(f"{name} states errors above the {rtol:.0e} asked for: {listed}")
-        lines += [line for line in time_scale(self.scene) if line.startswith("note")]
+        problem = self.scene.problem
+        lines += outside(problem, float(result.first("running_in_time")) / problem.units.time)
         return lines + [f"note: {note}" for note in result.notes]
 
 

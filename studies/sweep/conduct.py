@@ -3,6 +3,7 @@
 import argparse
 import time
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 import xarray
 
 from ..figures.style import new_figure, set_logarithmic
+from ..output.files import make
 from ..output.folder import lock_folder
 from ..problem.scene import Scene
 from ..progress import LOG
@@ -109,7 +111,7 @@ def conduct(source: str, out: Path, options: argparse.Namespace) -> tuple[list[s
     kinds = options.resume, options.retry_failed
     workers = options.workers, options.scheduler, options.memory
     dataset = compute(plan, out, *kinds, *workers)
-    draw(dataset, plan, out / "sweep.png")
+    failures = make(out / "sweep.png", partial(draw, dataset, plan))
     status, reasons = dataset["status"].values, dataset["reason"].to_series()
     done, failed, left = (int((status == flag).sum()) for flag in (DONE, FAILED, PENDING))
     lines = [f"{done} scenes finished, {failed} failed, {left} left: see {out}"]
@@ -120,7 +122,7 @@ def conduct(source: str, out: Path, options: argparse.Namespace) -> tuple[list[s
     disagreeing = int((dataset["disagreement"] > 1).sum()) if "disagreement" in dataset else 0
     if disagreeing:
         lines.append(f"methods disagree in {disagreeing} scenes")
-    return lines, done == plan.count, not disagreeing
+    return lines + failures, done == plan.count and not failures, not disagreeing
 
 
 def draw(dataset: xarray.Dataset, plan: Sweep, file: Path) -> None:

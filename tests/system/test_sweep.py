@@ -278,3 +278,23 @@ def test_blocks_cover_the_grid(tmp_path, ratios, more, shape):
     assert list(blocks[0].sizes.values()) == shape
     seen = [tuple(changes.values()) for block in blocks.values() for changes in block.changes()]
     assert len(seen) == len(set(seen)) == made.count
+
+
+def test_a_map_is_drawn_and_a_picture_that_fails_loses_itself_alone(tmp_path, monkeypatch, capsys):
+    file, out = tmp_path / "map.toml", tmp_path / "out"
+    file.write_text(
+        'base = "five_rings"\nkeep = ["steady_wear_rate"]\n[axes]\n"punch.rings" = [2, 4]'
+    )
+    call = ["sweep", str(file), "--out", str(out), "--workers", "1"]
+    assert main(call) == 0
+    assert (out / "sweep.png").stat().st_size > 1000
+
+    def fail(*_):
+        raise ValueError("no room")
+
+    monkeypatch.setattr("ringwear.studies.sweep.conduct.draw", fail)
+    assert main([*call, "--resume"]) == 1
+    assert "sweep.png could not be made: no room" in capsys.readouterr().out
+    assert not (out / "sweep.png").exists()
+    dataset = xarray.open_zarr(out / "sweep.zarr", decode_timedelta=False)
+    assert dataset["status"].values.tolist() == [1, 1]
