@@ -15,7 +15,7 @@ from scipy.sparse.linalg import splu
 from skfem import Element, ElementQuadP, Mesh
 from skfem.assembly import Dofs
 
-from ..meshes.half_space import DEEP, LOWER, facet_ends, segments
+from ..meshes.half_space import DEEP, LOWER, facet_ends, radial_ranks, segments
 from ..meshes.radial import Array, Indices
 from ..meshes.sizes import LOWEST
 from .weak_form import element_of_degree, stiffness
@@ -244,8 +244,9 @@ class AxisymmetricElasticity:
         mesh, (_, part) = self.mesh, self.parts
         numbers = self.dofs.get_facet_dofs(mesh.boundaries[name]).flatten()
         numbers = numbers[~self.fixed[numbers]]
-        radii = np.append(mesh.p[0], mesh.p[0, mesh.facets].mean(axis=0))[part[numbers]]
-        return np.asarray(numbers[np.argsort(radii, kind="stable")], dtype=np.int64)
+        ranks = radial_ranks(mesh)
+        order = np.append(ranks, ranks[mesh.facets].mean(axis=0))[part[numbers]]
+        return np.asarray(numbers[np.argsort(order, kind="stable")], dtype=np.int64)
 
     def interpolate(self, name: str, fields: Callable[[Array], Array]) -> Array:
         """(functions, ...) coefficients of fields on a named boundary, in its order, by values (n,

@@ -23,7 +23,7 @@ from skfem import MeshQuad
 
 from ..meshes.compliance import Compliance
 from ..meshes.errors import SolverError
-from ..meshes.half_space import contact_facets, contact_radii, segments
+from ..meshes.half_space import contact_facets, contact_vertices, low_parts, segments
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array, Indices, gauss, layer_degrees
 from .condensation import SYMMETRIC, fill_reducing_order, symmetric, trailing_factor
@@ -34,9 +34,11 @@ from .weak_form import moduli
 
 def pressure_space(solid: AxisymmetricElasticity, ring_edges: Array) -> PressureSpace:
     """The pressure space on the contact facets of a solid that goes with its displacements."""
-    breakpoints = contact_radii(solid.mesh)
+    vertices = contact_vertices(solid.mesh)
+    breakpoints, below = solid.mesh.p[0, vertices], low_parts(solid.mesh)[vertices]
     # ring edges exactly as they are
-    breakpoints[np.abs(breakpoints[:, None] - ring_edges).argmin(axis=0)] = ring_edges
+    at_edges = np.abs((breakpoints[:, None] - ring_edges) + below[:, None]).argmin(axis=0)
+    breakpoints[at_edges], below[at_edges] = ring_edges, 0.0
     if isinstance(solid.mesh, MeshQuad):
         # one degree below the displacement, near incompressibility, some pressures would have but 2
         # per cent of their energy
@@ -46,7 +48,7 @@ def pressure_space(solid: AxisymmetricElasticity, ring_edges: Array) -> Pressure
         # low one is as accurate
         highest, lowest = solid.degree - 1, max(1, solid.degree - 2)
         degrees = layer_degrees(breakpoints, ring_edges, highest, rise=0.5, lowest=lowest)
-    return PressureSpace(breakpoints, degrees, ring_edges)
+    return PressureSpace(breakpoints, degrees, ring_edges, below)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +137,7 @@ class HalfSpace:
         """(contact nodes + k, size) ``int v_i phi_j dA``; the poles do not touch the contact."""
         solid, space = self.solid, self.space
         node, weight = gauss(solid.degree + space.top)
-        half = np.diff(space.breakpoints)[:, None] / 2
+        half = space.widths[:, None] / 2
         radii = space.breakpoints[:-1, None] + half * (1 + node)
         area = diags((2 * np.pi * radii * half * weight).ravel())
         displacements = solid.trace(contact_facets(solid.mesh), (1 + node) / 2)

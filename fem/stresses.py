@@ -5,6 +5,7 @@ from numpy.polynomial.legendre import legvander2d
 from skfem import MeshQuad
 from skfem.quadrature import get_quadrature
 
+from ..meshes.half_space import derivatives
 from ..meshes.radial import Array, Indices
 from .elasticity import AxisymmetricElasticity
 from .half_space import HalfSpace
@@ -24,7 +25,8 @@ def stresses(
     degree = int(solid.degrees[elements[0]])
     rule, weights = get_quadrature(solid.element, 2 * degree + 1)
     mapping = solid.mesh.mapping()
-    volume = weights * np.abs(mapping.detDF(rule, elements)) * mapping.F(rule, elements)[0]
+    areas = np.abs(derivatives(solid.mesh).detDF(rule, elements))
+    volume = weights * areas * mapping.F(rule, elements)[0]
     _, (rr, zz, _, hoop) = _strains(solid, displacement, elements, rule)
     at_rule, at_points = _polynomials(degree - 1, rule), _polynomials(degree - 1, points)
     count = len(at_rule)
@@ -55,7 +57,7 @@ def _strains(
     """
     value, gradient = tables(solid.element, points)
     mapping = solid.mesh.mapping()
-    r, inverse = mapping.F(points, elements)[0], mapping.invDF(points, elements)
+    r, inverse = mapping.F(points, elements)[0], derivatives(solid.mesh).invDF(points, elements)
     # by field: radial, axial (2, states, m, functions)
     coefficients = np.moveaxis(displacement[:, solid.dofs.element_dofs[:, elements].T], -1, 0)
     moved = coefficients @ value

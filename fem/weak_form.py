@@ -15,6 +15,7 @@ import skfem
 from skfem import Element, Mesh, MeshQuad
 from skfem.quadrature import get_quadrature
 
+from ..meshes.half_space import derivatives
 from ..meshes.radial import Array, Indices
 
 
@@ -54,8 +55,9 @@ def stiffness(
     points, weights, *at_points = _at_rule(element, order)
     value, gradient = (table[functions] for table in at_points)
     mapping = mesh.mapping()
-    r, inverse = mapping.F(points, elements)[0], mapping.invDF(points, elements)
-    root = np.sqrt(2 * np.pi * r * np.abs(mapping.detDF(points, elements)) * weights)
+    exact = derivatives(mesh)
+    r, inverse = mapping.F(points, elements)[0], exact.invDF(points, elements)
+    root = np.sqrt(2 * np.pi * r * np.abs(exact.detDF(points, elements)) * weights)
     m, n, q = len(elements), len(value), len(weights)
     # du_r/dr, u_r/r and du_r/dz (or du_z/dz) of every function at every point, and the products of
     # every two

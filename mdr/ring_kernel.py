@@ -94,7 +94,7 @@ def _touching(space: PressureSpace) -> _Blocks:
 def _separate(space: PressureSpace) -> _Blocks:
     """Elements with others between them, grouped by the rules that the two want."""
     first, second = np.triu_indices(len(space.degrees), 2)
-    gap = space.breakpoints[second] - space.breakpoints[first + 1]
+    gap = space.distance(first + 1, second)
     rules = [*map(unit_gauss, GAUSS_LADDER), _flattened(space.top)]
     group = _rung(space, first, gap) * len(rules) + _rung(space, second, gap)
     for number in np.unique(group):
@@ -110,7 +110,7 @@ def _rung(space: PressureSpace, element: Indices, gap: Array) -> Indices:
     has the element for its foci and goes through the singularity; Gauss points are exact up to
     twice their number.
     """
-    width = np.diff(space.breakpoints)[element]
+    width = space.widths[element]
     decay = 2 * np.arcsinh(np.sqrt(gap / width))
     count = (space.degrees[element] + 2 - np.log(1e-16) / decay) / 2
     return np.searchsorted(GAUSS_LADDER, count)
@@ -147,13 +147,14 @@ def _integrate(space: PressureSpace, first: Indices, second: Indices, rule: _Rul
         shapes(2 * rule.first - 1, space.top),
         shapes(2 * rule.second - 1, space.top),
     ).reshape(-1, local**2)
-    left, right = space.breakpoints[:-1, None], space.breakpoints[1:, None]
+    left, widths = space.breakpoints[:-1, None], space.widths[:, None]
     # a million values of the kernel, or entries of blocks, at a time
     count = max(1, 10**6 // max(len(rule.weight), local**2))
     for start in range(0, len(first), count):
         inner, outer = first[start : start + count], second[start : start + count]
-        inner_width, outer_width = (right - left)[inner], (right - left)[outer]
-        gap = np.maximum(left[outer] - right[inner], 0.0)  # an element with itself has none
+        inner_width, outer_width = widths[inner], widths[outer]
+        # an element with itself has none
+        gap = np.maximum(space.distance(inner + 1, outer), 0.0)[:, None]
         distance = gap + inner_width * rule.apart[0] + outer_width * rule.apart[1]
         kernel = _weighted_kernel(
             left[inner] + inner_width * rule.first,

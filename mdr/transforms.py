@@ -10,28 +10,41 @@ punch.
 import numpy as np
 
 from ..meshes.pressure_space import PressureSpace, shapes
-from ..meshes.radial import Array, Indices, gauss, unit_gauss
+from ..meshes.radial import Array, Indices, exact_sum, gauss, unit_gauss
 
 
-def line_density(space: PressureSpace, positions: Array) -> Array:
-    """(len(positions), size) line density ``q(x)`` of each pressure function at positions in (0,
-    1).
+def line_density(space: PressureSpace, positions: Array, low_parts: Array | None = None) -> Array:
+    """Return the line density ``q(x)`` (P, size) of each pressure function at positions in (0, 1).
+
+    Parameters
+    ----------
+    space : of the pressures
+    positions : (P,) array
+    low_parts : (P,) array, optional
+        What rounding has taken from the positions, which may lie closer to a ring edge than the
+        roundoff of its radius.
     """
     out = np.empty((len(positions), space.size))
+    low_parts = np.zeros(len(positions)) if low_parts is None else low_parts
     # the pairs of positions and elements outgrow fast memory long before the result does
     for start in range(0, len(positions), 512):
         rows = slice(start, start + 512)
-        out[rows] = _rows(space, positions[rows])
+        out[rows] = _rows(space, positions[rows], low_parts[rows])
     return out
 
 
-def _rows(space: PressureSpace, positions: Array) -> Array:
-    point, element = np.nonzero(space.breakpoints[1:] > positions[:, None])
-    width = np.diff(space.breakpoints)
-    far = space.breakpoints[element] - positions[point] >= width[element] / 2
+def _rows(space: PressureSpace, positions: Array, low_parts: Array) -> Array:
+    ends = np.arange(1, len(space.breakpoints))
+    point, element = np.nonzero(
+        space.distance_from(positions[:, None], low_parts[:, None], ends[None]) > 0
+    )
+    x, below = positions[point], low_parts[point]
+    # distances from the position to both ends of the element, the first of either sign
+    to_left, to_right = (space.distance_from(x, below, element + end) for end in (0, 1))
+    far = to_left >= space.widths[element] / 2
     values = np.empty((len(point), space.top + 1))
-    values[far] = _from_afar(space, positions[point[far]], element[far])
-    values[~far] = _from_near(space, positions[point[~far]], element[~far])
+    values[far] = _from_afar(space, x[far], to_left[far], element[far])
+    values[~far] = _from_near(space, x[~far], to_left[~far], to_right[~far], element[~far])
     out = np.zeros((len(positions), space.size + 1))
     # each position meets each element once, and neighbours share hats: add the hats one after the
     # other
@@ -40,16 +53,16 @@ def _rows(space: PressureSpace, positions: Array) -> Array:
     return out[:, :-1]
 
 
-def _from_afar(space: PressureSpace, x: Array, element: Indices) -> Array:
-    """Integrals over elements at least half their width away, where the root is smooth.
+def _from_afar(space: PressureSpace, x: Array, to_left: Array, element: Indices) -> Array:
+    """Return integrals over elements at least half their width away, where the root is smooth.
 
     Plain Gauss in the radius.
 
     The further away the element, the wider the ellipse round it in which the root is analytic, and
     the fewer points reach roundoff.
     """
-    left, half = space.breakpoints[element], np.diff(space.breakpoints)[element] / 2
-    outside = 1 + (left - x) / half
+    left, half = space.breakpoints[element], space.widths[element] / 2
+    outside = 1 + to_left / half
     count = (space.degrees[element] + 1 - np.log(1e-17) / np.arccosh(outside)) / 2
     rounded = 4 * np.ceil(count / 4).astype(np.int64)
     values = np.empty((len(x), space.top + 1))
@@ -58,24 +71,29 @@ def _from_afar(space: PressureSpace, x: Array, element: Indices) -> Array:
         node, weight = gauss(int(points))
         # the gap r - x as a sum, not a difference: elements may be as small as roundoff allows
         within = half[group, None] * (1 + node)
-        r, gap = left[group, None] + within, (left - x)[group, None] + within
+        r, gap = left[group, None] + within, to_left[group, None] + within
         kernel = 2 * half[group, None] * r / np.sqrt(gap * (r + x[group, None]))
         values[group] = kernel @ (weight[:, None] * shapes(node, space.top))
     return values
 
 
-def _from_near(space: PressureSpace, x: Array, element: Indices) -> Array:
-    """Integrals over elements at or around x: with ``r = x cosh(theta)`` the integrand is entire.
+def _from_near(
+    space: PressureSpace, x: Array, to_left: Array, to_right: Array, element: Indices
+) -> Array:
+    """Return integrals over elements at or around x.
 
-    No difference of close numbers is formed, so elements may be as small as roundoff allows.
+    With ``r = x cosh(theta)`` the integrand is entire. No difference of close numbers is formed, so
+    elements may be as small as roundoff allows.
     """
     # Gauss points that integrate a polynomial in exp(theta) to roundoff, by (degree x length of the
     # interval) from these on
     reaches, gauss_points = (0.25, 1, 4, 12, 40, 100), np.array([10, 14, 20, 32, 56, 100, 200])
-    left, right = space.breakpoints[element], space.breakpoints[element + 1]
-    lower = np.maximum(left, x)
-    lower_root, upper_root = np.sqrt((lower - x) * (lower + x)), np.sqrt((right - x) * (right + x))
-    span = np.arcsinh((right - lower) * (right + lower) / (upper_root * lower + lower_root * right))
+    # the part that is integrated begins at x if x is inside the element; all distances are from x
+    to_lower, width = np.maximum(to_left, 0.0), space.widths[element]
+    lower, right = x + to_lower, x + to_right
+    lower_root, upper_root = np.sqrt(to_lower * (lower + x)), np.sqrt(to_right * (right + x))
+    length = to_right - to_lower
+    span = np.arcsinh(length * (right + lower) / (upper_root * lower + lower_root * right))
     reach = (space.degrees[element] + 1) * span
     count = gauss_points[np.searchsorted(reaches, reach, side="right")]
     values = np.empty((len(x), space.top + 1))
@@ -86,14 +104,15 @@ def _from_near(space: PressureSpace, x: Array, element: Indices) -> Array:
         root, low = lower_root[group, None], lower[group, None]
         above = 2 * sinh * (root * np.sqrt(1 + sinh**2) + low * sinh)
         radius = low + above
-        local = 2 * ((lower - left)[group, None] + above) / (right - left)[group, None] - 1
+        local = 2 * ((to_lower - to_left)[group, None] + above) / width[group, None] - 1
         weighted = (radius * weight * span[group, None])[:, None, :]
         values[group] = (weighted @ shapes(local, space.top))[:, 0]
     return values
 
 
-def panel_quadrature(space: PressureSpace) -> tuple[Array, Array]:
-    """Positions and weights on (0, 1) that integrate products of line densities of the space.
+def panel_quadrature(space: PressureSpace) -> tuple[Array, Array, Array]:
+    """Return positions, weights and low parts of the positions on (0, 1), (P,) each, that integrate
+    products of line densities of the space.
 
     A line density has a square-root singularity on the left of every breakpoint and ``x^2 log x``
     at the axis; squares substituted at those ends make the integrand smooth.
@@ -103,15 +122,21 @@ def panel_quadrature(space: PressureSpace) -> tuple[Array, Array]:
     first, folded = space.breakpoints[1], node * (2 - node)
     positions = [first * (1 - folded) * (1 + folded)]
     weights = [first * 4 * folded * (1 - node) * weight]
+    low_parts = [np.zeros(len(node))]
     for degree in np.unique(space.degrees):
         node, weight = unit_gauss(2 * int(degree) + 8)
         panels = 1 + np.flatnonzero(space.degrees[1:] == degree)
-        right, width = space.breakpoints[panels + 1], np.diff(space.breakpoints)[panels]
-        positions.append((right[:, None] - width[:, None] * node**2).ravel())
+        right, width = space.breakpoints[panels + 1], space.widths[panels]
+        position, low = exact_sum(right[:, None], -width[:, None] * node**2)
+        # the right end has a low part of its own
+        position, low = exact_sum(position, low + space.sort_keys.imag[panels + 1][:, None])
+        positions.append(position.ravel())
+        low_parts.append(low.ravel())
         weights.append((width[:, None] * 2 * node * weight).ravel())
     # along the radius, as pressures are numbered
-    order = np.argsort(np.concatenate(positions))
-    return np.concatenate(positions)[order], np.concatenate(weights)[order]
+    position, weight, low = map(np.concatenate, (positions, weights, low_parts))
+    order = np.argsort(position + 1j * low)
+    return position[order], weight[order], low[order]
 
 
 def profile_transform(radii: Array, positions: Array) -> Array:

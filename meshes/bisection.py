@@ -5,6 +5,7 @@ holds dyadic radii only, so the field is followed on a dyadic image of the punch
 moved radially at the end, by the piecewise linear map that carries dyadic radii to ring edges.
 """
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,16 @@ from .errors import MeshError
 from .half_space import as_half_space
 from .radial import Array, Indices
 from .sizes import SizeField
+
+# greatest length of a side over the size that is wanted there
+LONGEST = 1.25
+# rounds of refinement over the halvings from the whole to the smallest size: usually so many are
+# enough, and beyond the second number there is no hope
+ROUNDS, MOST_ROUNDS = 2, 10
+# Where sizes are even, a triangle that is refined may make its neighbour too long, that one the
+# next, and so on along the contact, one in a round. After the usual rounds this length over the
+# size is refined, so that all of them are at once.
+LONGEST_OF_CHAINS = 1.2
 
 
 def mesh(field: SizeField) -> MeshTri:
@@ -27,10 +38,17 @@ def mesh(field: SizeField) -> MeshTri:
     ring_edges = np.array(field.ring_edges)
     dyadic, spacing = _dyadic_image(ring_edges)
     current = _polar_quarter_disc(field.truncation)
-    for _ in range(80):
+    for count in itertools.count():
         corners = _moved(current.p, dyadic, ring_edges)[:, current.t]
         longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max(axis=0)
-        too_long = np.flatnonzero(longest > 1.25 * field(corners.mean(axis=1).T))
+        wanted = field(corners.mean(axis=1).T)
+        halvings = np.log2(field.truncation / wanted.min())
+        if count > MOST_ROUNDS * halvings:
+            raise MeshError(
+                "local refinement did not reach the sizes: ask for larger ones, or gmsh"
+            )
+        allowed = LONGEST if count <= ROUNDS * halvings else LONGEST_OF_CHAINS
+        too_long = np.flatnonzero(longest > allowed * wanted)
         marked = np.union1d(too_long, _spans_an_edge(current, dyadic, spacing))
         if not len(marked):
             break
@@ -40,8 +58,6 @@ def mesh(field: SizeField) -> MeshTri:
         arc = boundary[(points[:, boundary] > 0).all(axis=0)]
         points[:, arc] *= field.truncation / np.hypot(*points[:, arc])
         current = replace(current, doflocs=points)
-    else:
-        raise MeshError("local refinement did not reach the sizes: ask for larger ones, or gmsh")
     points = _moved(current.p, dyadic, ring_edges)
     return as_half_space(replace(current, doflocs=points), ring_edges)
 

@@ -54,4 +54,23 @@ class Compliance:
 
     def restricted(self, space: PressureSpace) -> "Compliance":
         """Return the compliance of the same half-space on a space within its own."""
-        return Compliance(space, (self.space.embedding(space).T @ self.factor.T).T)
+        return RestrictedCompliance(space, (self.space.embedding(space).T @ self.factor.T).T, self)
+
+
+@dataclass(frozen=True, eq=False)
+class RestrictedCompliance(Compliance):
+    """A compliance on a space within that of another, whose matrix it takes.
+
+    Parameters
+    ----------
+    space, factor : as of any compliance
+    whole : the other
+    """
+
+    whole: Compliance
+
+    @cached_property
+    def matrix(self) -> Array:
+        """(size, size) the compliance `A` itself, without a product of factors."""
+        embedding = self.whole.space.embedding(self.space)
+        return np.asarray(embedding.T @ (embedding.T @ self.whole.matrix).T)

@@ -7,11 +7,48 @@ same field as a radial mesh. Lengths in punch radii.
 
 import itertools
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from .pressure_space import PressureSpace
 from .radial import Array, graded_breakpoints, layer_degrees
+
+# points of the grid on which 1 / size is integrated, towards an end of a ring or a free edge
+GRID_POINTS = 400
+
+
+class FreeEdge(NamedTuple):
+    """Cells beside an edge of the first contact that lies within the face, where pressures may be
+    nearly infinite.
+
+    Parameters
+    ----------
+    radius : of the edge
+    size : of the cells at the edge
+    growth_below, growth_above : growth of the size with the distance, on the side of the axis and
+        on that of the rim
+    """
+
+    radius: float
+    size: float
+    growth_below: float
+    growth_above: float
+
+    def sizes(self, radii: Array) -> Array:
+        """Return the greatest size at radii that this edge allows."""
+        distance = radii - self.radius
+        growth = np.where(distance < 0, self.growth_below, self.growth_above)
+        return np.asarray(self.size + growth * np.abs(distance))
+
+    def scaled(self, factor: float) -> "FreeEdge":
+        """Return the same edge with cells larger by a factor everywhere."""
+        return FreeEdge(
+            self.radius,
+            factor * self.size,
+            factor * self.growth_below,
+            factor * self.growth_above,
+        )
 
 
 @dataclass(frozen=True)
@@ -26,6 +63,7 @@ class ContactCells:
     growth : growth of the size with the distance from them
     spread : growth of the size with the distance from where contact begins
     spots : where it does, and the size there: (inner radius, outer radius, size)
+    free_edges : edges of the first contact that need smaller cells
     """
 
     ring_edges: tuple[float, ...]
@@ -34,15 +72,18 @@ class ContactCells:
     growth: float = 0.4
     spread: float = 0.2
     spots: tuple[tuple[float, float, float], ...] = ()
+    free_edges: tuple[FreeEdge, ...] = ()
 
     def __call__(self, radii: Array) -> Array:
         """Sizes at radii, of any shape."""
         size = np.full(np.shape(radii), self.largest)
-        for edge in self.ring_edges[1:]:
-            size = np.minimum(size, self.edge_size + self.growth * np.abs(radii - edge))
+        for ring_edge in self.ring_edges[1:]:
+            size = np.minimum(size, self.edge_size + self.growth * np.abs(radii - ring_edge))
         for inner, outer, smallest in self.spots:
             away = np.maximum(np.maximum(inner - radii, radii - outer), 0.0)
             size = np.minimum(size, smallest + self.spread * away)
+        for edge in self.free_edges:
+            size = np.minimum(size, edge.sizes(radii))
         return size
 
     def breakpoints(self) -> Array:
@@ -51,8 +92,11 @@ class ContactCells:
         for inner, outer in itertools.pairwise(self.ring_edges):
             width = outer - inner
             # fine enough to integrate 1 / size: crowded at both ends, where sizes are small
-            depth = np.geomspace(1e-3 * min(self.edge_size, width), width / 2, 400)
+            depth = np.geomspace(1e-3 * min(self.edge_size, width), width / 2, GRID_POINTS)
             spots = [r for spot in self.spots for r in spot[:2]]
+            for edge in self.free_edges:
+                near = np.geomspace(0.1 * edge.size, 1.0, GRID_POINTS)
+                spots += [edge.radius, *(edge.radius - near), *(edge.radius + near)]
             marks = np.concatenate(
                 [inner + depth, outer - depth, np.linspace(inner, outer, 401), spots]
             )

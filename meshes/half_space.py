@@ -6,7 +6,9 @@ zero. Boundaries are `contact` (surface under the punch), `free` (surface beside
 are turned so that elements of any degree conform on them.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -21,6 +23,69 @@ from .radial import Array, Indices
 LOWER = "degree -"
 # where fields are smoothest: away from every edge, and below the surface
 DEEP = "deep"
+
+
+@dataclass(repr=False)
+class ExactQuads(MeshQuad):  # type: ignore[misc]
+    """A scikit-fem mesh of quadrilaterals with exact radii.
+
+    Layers round a ring edge may be far thinner than the roundoff of its radius: at r = 0.5
+    neighbouring doubles are 1e-16 apart. So each vertex has its rounded radius, which scikit-fem
+    sees, and what rounding has taken from it. Depths need no such thing, because the surface is
+    depth 0.
+
+    Parameters
+    ----------
+    low_parts : (n,) what rounding has taken from the radius of each vertex
+    """
+
+    low_parts: Array | None = None
+
+    @cached_property
+    def in_own_coordinates(self) -> Any:
+        """The mapping of the same elements, each with its first corner at the origin.
+
+        Its derivatives have all digits.
+        """
+        offsets = corner_offsets(self)
+        corners = offsets.transpose(0, 2, 1).reshape(2, -1)
+        numbers = np.arange(corners.shape[1]).reshape(-1, len(self.t)).T
+        return MeshQuad(np.ascontiguousarray(corners), np.ascontiguousarray(numbers)).mapping()
+
+
+def low_parts(mesh: Mesh) -> Array:
+    """Return what rounding has taken from the radius of each vertex (n,)."""
+    exact = mesh.low_parts if isinstance(mesh, ExactQuads) else None
+    return np.zeros(mesh.p.shape[1]) if exact is None else np.asarray(exact)
+
+
+def rounded(mesh: Mesh) -> Mesh:
+    """Return a mesh as scikit-fem's files hold it, without what rounding has taken."""
+    if not isinstance(mesh, ExactQuads):
+        return mesh
+    named = {"_boundaries": mesh.boundaries, "_subdomains": mesh.subdomains}
+    return MeshQuad(mesh.p, mesh.t, **named)
+
+
+def derivatives(mesh: Mesh) -> Any:
+    """Return the scikit-fem mapping whose derivatives have all digits; its places may be others."""
+    return mesh.in_own_coordinates if isinstance(mesh, ExactQuads) else mesh.mapping()
+
+
+def corner_offsets(mesh: Mesh) -> Array:
+    """Return the coordinates (2, corners, m) of the corners of elements, from the first of each."""
+    corners, below = mesh.p[:, mesh.t], low_parts(mesh)[mesh.t]
+    offsets = corners - corners[:, :1]
+    offsets[0] += below - below[:1]
+    return np.asarray(offsets)
+
+
+def radial_ranks(mesh: Mesh) -> Indices:
+    """Return the place of each vertex (n,) in the order of the exact radii."""
+    ranks = np.empty(mesh.p.shape[1], dtype=np.int64)
+    # equal rounded radii are told apart by what rounding has taken
+    ranks[np.lexsort((low_parts(mesh), mesh.p[0]))] = np.arange(len(ranks))
+    return ranks
 
 
 def as_half_space(mesh: Mesh, ring_edges: Array) -> Mesh:
@@ -38,8 +103,13 @@ def as_half_space(mesh: Mesh, ring_edges: Array) -> Mesh:
     """
     used, t = np.unique(mesh.t, return_inverse=True)
     points = np.ascontiguousarray(mesh.p[:, used])
-    points[points < 1e-14] = 0.0
-    mesh = replace(mesh, doflocs=points, t=t.reshape(mesh.t.shape), _boundaries=None)
+    kept = {"doflocs": points, "t": t.reshape(mesh.t.shape), "_boundaries": None}
+    if isinstance(mesh, ExactQuads):
+        kept["low_parts"] = low_parts(mesh)[used]
+    else:
+        # what meshers leave of zero
+        points[points < 1e-14] = 0.0
+    mesh = replace(mesh, **kept)
     if isinstance(mesh, MeshQuad):
         mesh = turned(mesh)
     if np.bincount(mesh.t2f.ravel()).max() > 2:
@@ -47,7 +117,9 @@ def as_half_space(mesh: Mesh, ring_edges: Array) -> Mesh:
     outer = mesh.boundary_facets()
     r, z = mesh.p[:, mesh.facets[:, outer]]
     surface, axis = (z == 0).all(axis=0), (r == 0).all(axis=0)
-    inside = r.mean(axis=0) < 1  # however small the facets beside the rim
+    # however small the facets beside the rim, one of their ends is nearer to the axis
+    below = low_parts(mesh)[mesh.facets[:, outer]]
+    inside = ((r < 1) | ((r == 1) & (below < 0))).any(axis=0)
     names = {
         "contact": surface & inside,
         "free": surface & ~inside,
@@ -123,18 +195,25 @@ def truncation(mesh: Mesh) -> float:
 def contact_facets(mesh: Mesh) -> Indices:
     """Facets of the contact, from the axis to the rim."""
     facets = mesh.boundaries["contact"]
-    return np.asarray(facets[np.argsort(mesh.p[0, mesh.facets[:, facets]].sum(axis=0))])
+    return np.asarray(facets[np.argsort(radial_ranks(mesh)[mesh.facets[:, facets]].sum(axis=0))])
 
 
 def contact_radii(mesh: Mesh) -> Array:
-    """Radii of the vertices on the contact, from 0 to 1."""
-    return np.sort(mesh.p[0, np.unique(mesh.facets[:, mesh.boundaries["contact"]])])
+    """Return the radii of the vertices on the contact, from 0 to 1."""
+    return np.asarray(mesh.p[0, contact_vertices(mesh)])
+
+
+def contact_vertices(mesh: Mesh) -> Indices:
+    """Return the vertices on the contact, from the axis to the rim."""
+    vertices = np.unique(mesh.facets[:, mesh.boundaries["contact"]])
+    return np.asarray(vertices[np.argsort(radial_ranks(mesh)[vertices])])
 
 
 def facet_ends(mesh: Mesh, facets: Indices) -> Indices:
     """(2, k) vertices of facets, those nearer to the axis first."""
     ends = mesh.facets[:, facets]
-    return np.take_along_axis(ends, np.argsort(mesh.p[0, ends], axis=0, kind="stable"), axis=0)
+    order = np.argsort(radial_ranks(mesh)[ends], axis=0, kind="stable")
+    return np.take_along_axis(ends, order, axis=0)
 
 
 def segments(mesh: Mesh, facets: Indices) -> Array:
@@ -155,7 +234,7 @@ def quality(mesh: Mesh) -> Array:
 
     .87 for an equilateral triangle, 1 for a rectangle, 0 if flat.
     """
-    corners = mesh.p[:, mesh.t]
+    corners = corner_offsets(mesh)
     sides = np.roll(corners, -1, axis=1) - corners
     sides = sides / np.linalg.norm(sides, axis=0)
     before = np.roll(sides, 1, axis=1)

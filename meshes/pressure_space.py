@@ -29,11 +29,44 @@ class PressureSpace:
     breakpoints : (n+1,) element boundaries, 0 to 1
     degrees : (n,) polynomial degree of each element, at least 1
     ring_edges : (N+1,) ring edges, each one a breakpoint
+    low_parts : (n+1,) what rounding has taken from each breakpoint, so that elements beside an edge
+        may be far narrower than the roundoff of its radius; nothing if not given
     """
 
     breakpoints: Array
     degrees: Indices
     ring_edges: Array
+    low_parts: Array | None = None
+
+    @cached_property
+    def _low(self) -> Array:
+        return np.zeros(len(self.breakpoints)) if self.low_parts is None else self.low_parts
+
+    @cached_property
+    def widths(self) -> Array:
+        """(n,) widths of the elements, to all digits."""
+        return np.diff(self.breakpoints) + np.diff(self._low)
+
+    @cached_property
+    def sort_keys(self) -> Any:
+        """(n+1,) complex numbers in the order of the breakpoints.
+
+        numpy orders complex numbers by their real parts, the rounded breakpoints, and equal ones by
+        their imaginary parts, which are what rounding has taken.
+        """
+        return self.breakpoints + 1j * self._low
+
+    def distance(self, first: Indices, second: Indices) -> Array:
+        """Return the distances from some breakpoints to others, given by number, to all digits."""
+        rounded = self.breakpoints[second] - self.breakpoints[first]
+        return np.asarray(rounded + (self._low[second] - self._low[first]))
+
+    def distance_from(self, radii: Array, low_parts: Array, number: Indices) -> Array:
+        """Return the distances from radii to breakpoints, given by number, to all digits.
+
+        `low_parts` are what rounding has taken from the radii.
+        """
+        return np.asarray((self.breakpoints[number] - radii) + (self._low[number] - low_parts))
 
     @cached_property
     def size(self) -> int:
@@ -48,7 +81,7 @@ class PressureSpace:
     @cached_property
     def ring(self) -> Indices:
         """Ring that each element belongs to."""
-        return ring_of(self.ring_edges, (self.breakpoints[1:] + self.breakpoints[:-1]) / 2)
+        return np.searchsorted(self.ring_edges + 0j, self.sort_keys[:-1], side="right") - 1
 
     @cached_property
     def dofs(self) -> Indices:
@@ -85,9 +118,9 @@ class PressureSpace:
             np.searchsorted(self.breakpoints, radii, side="right") - 1, 0, len(self.degrees) - 1
         )
         left, right = self.breakpoints[element], self.breakpoints[element + 1]
-        return self._values(
-            element, ((radii - left) - (right - radii)) / (right - left), derivative
-        )
+        below, above = self._low[element], self._low[element + 1]
+        local = ((radii - left) - below) - ((right - radii) + above)
+        return self._values(element, np.clip(local / self.widths[element], -1.0, 1.0), derivative)
 
     def on_elements(self, local: Array, derivative: bool = False) -> csr_matrix:
         """(elements x points, size) values, or slopes, of the basis at local coordinates in [-1, 1]
@@ -105,7 +138,7 @@ class PressureSpace:
         values = shapes(local, self.top)
         if derivative:
             values = shape_slopes(local, self.top)
-            values *= (2 / np.diff(self.breakpoints)[element])[:, None]
+            values *= (2 / self.widths[element])[:, None]
         rows = np.arange(len(local))[:, None]
         return self._assembled(values, rows, self.dofs[element], len(local))
 
@@ -125,7 +158,7 @@ class PressureSpace:
         Radii (n, q), weights of dr (n, q), local coordinate (q,); exact for products of the basis.
         """
         local, weight = gauss(self.top + 2)
-        left, half = self.breakpoints[:-1, None], np.diff(self.breakpoints)[:, None] / 2
+        left, half = self.breakpoints[:-1, None], self.widths[:, None] / 2
         return left + half * (1 + local), half * weight, local
 
     def mass(self, ring_values: ArrayLike = 1.0) -> csr_matrix:
@@ -159,8 +192,15 @@ class PressureSpace:
         (any edges).
         """
         ring_edges = np.asarray(ring_edges, dtype=float)
-        cuts = np.union1d(self.breakpoints, ring_edges)
         node, weight = gauss(self.top + 2)
+        if np.isin(ring_edges, self.breakpoints).all():
+            radii, lengths, _ = self.quadrature
+            ring = np.searchsorted(ring_edges + 0j, self.sort_keys[:-1], side="right")[:, None] - 1
+            values = np.einsum("eq,qi->ei", 2 * np.pi * radii * lengths, shapes(node, self.top))
+            return np.asarray(
+                self._assembled(values, ring, self.dofs, len(ring_edges) - 1).toarray()
+            )
+        cuts = np.union1d(self.breakpoints, ring_edges)
         half = np.diff(cuts)[:, None] / 2
         element = np.searchsorted(self.breakpoints, cuts[:-1], side="right") - 1
         left, width = self.breakpoints[element, None], np.diff(self.breakpoints)[element, None]
@@ -194,23 +234,27 @@ class PressureSpace:
         """Return a space within this one: of a degree less in every element, and an element less on
         each side of every ring edge but the axis; of degree 1, of every second element.
         """
-        count, edges = len(self.breakpoints), np.searchsorted(self.breakpoints, self.ring_edges)
+        count, edges = len(self.breakpoints), np.searchsorted(self.sort_keys, self.ring_edges + 0j)
         dropped = np.arange(1, count, 2)
         if self.top > 1:
             dropped = np.concatenate([edges[1:] - 1, edges[1:-1] + 1])
         remaining = np.setdiff1d(np.arange(count), np.setdiff1d(dropped, edges))
         lowest = np.minimum.reduceat(self.degrees, remaining[:-1])
         return PressureSpace(
-            self.breakpoints[remaining], np.maximum(lowest - 1, 1), self.ring_edges
+            self.breakpoints[remaining],
+            np.maximum(lowest - 1, 1),
+            self.ring_edges,
+            None if self.low_parts is None else self.low_parts[remaining],
         )
 
     def embedding(self, coarse: "PressureSpace") -> csr_matrix:
         """(size, coarse size) coefficients, on this space, of the functions of one within it."""
-        parent = np.searchsorted(coarse.breakpoints, self.breakpoints[1:]) - 1
-        left, width = coarse.breakpoints[parent, None], np.diff(coarse.breakpoints)[parent, None]
+        parent = np.searchsorted(coarse.sort_keys, self.sort_keys[1:]) - 1
+        left, width = coarse.breakpoints[parent, None], coarse.widths[parent, None]
         node = gauss(self.top + 1)[0]
         within = self.breakpoints[:-1, None] - left
-        within = within + np.diff(self.breakpoints)[:, None] * (1 + node) / 2
+        within = within + (self._low[:-1] - coarse._low[parent])[:, None]
+        within = within + self.widths[:, None] * (1 + node) / 2
         values = shapes(2 * within / width - 1, coarse.top)
         coefficients = np.linalg.inv(shapes(node, self.top)) @ values
         # a vertex between two elements counts once

@@ -20,8 +20,8 @@ from skfem import MeshQuad
 
 from .errors import MeshError
 from .gmsh_session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
-from .half_space import DEEP, LOWER, as_half_space, quality
-from .radial import Array, Indices
+from .half_space import DEEP, LOWER, ExactQuads, as_half_space, quality
+from .radial import Array, Indices, exact_sum
 from .sizes import LARGEST, Behind, Sharpness, beside, falls, patch_layers, patch_widths
 
 
@@ -59,8 +59,10 @@ class GradedQuads:
         MeshError
             if it is not what was asked for
         """
-        points, quadrilaterals, lower = self._patches()
+        points, low, quadrilaterals, lower = self._patches()
         outside, between = self.between
+        # what gmsh leaves of zero
+        outside = np.where(np.abs(outside) < 1e-14, 0.0, outside)
         # the corners of the outlines are there twice
         distance, nearest = cKDTree(outside.T).query(points.T)
         scale = np.repeat(self.widths.min(axis=1), 5 * (self.layers + 1) + 1)
@@ -69,22 +71,24 @@ class GradedQuads:
         cells = np.concatenate([number[quadrilaterals], between], axis=1)
         parts = {f"{LOWER}{k}": np.flatnonzero(lower == k) for k in np.unique(lower[lower > 0])}
         parts[DEEP] = len(lower) + np.flatnonzero(outside[1, between].min(axis=0) > 0)
-        mesh = MeshQuad(np.concatenate([outside, points[:, ~same]], axis=1), cells)
+        vertices = np.concatenate([outside, points[:, ~same]], axis=1)
+        low_parts = np.append(np.zeros(outside.shape[1]), low[~same])
+        mesh = ExactQuads(vertices, cells, low_parts=low_parts)
         return as_half_space(mesh.with_subdomains(parts), self.ring_edges)
 
     def coarser(self) -> "GradedQuads":
         """The same without the innermost layer of every patch that has more than one."""
         return replace(self, layers=np.maximum(self.layers - 1, 1))
 
-    def _patches(self) -> tuple[Array, Indices, Indices]:
-        """Points (2, n) of the patches, their quadrilaterals (4, m), and how much lower the degree
-        of each may be (m,).
+    def _patches(self) -> tuple[Array, Array, Indices, Indices]:
+        """Return points (2, n) of the patches, what rounding has taken from their radii (n,), their
+        quadrilaterals (4, m), and how much lower the degree of each may be (m,).
         """
         outline = np.array([[-1.0, 0.0], [-0.5, 0.5], [0.0, 1.0], [0.5, 0.5], [1.0, 0.0]])
         # corners of a layer of half-width 1, from the surface inside the singular point to that
         # outside it; and of the outermost
         layer = np.array([[-1.0, 0.0], [-0.75, 0.75], [0.0, 1.0], [0.75, 0.75], [1.0, 0.0]])
-        points, quadrilaterals, lower, count = [], [], [], 0
+        points, low_parts, quadrilaterals, lower, count = [], [], [], [], 0
         lowered = falls(self.widths, self.layers, self.factor, self.sharpness)
         for centre, (inner, outer), fall in zip(
             self.ring_edges[1:], self.widths, lowered, strict=True
@@ -92,9 +96,11 @@ class GradedQuads:
             depth = len(fall) - 1
             shapes = np.stack([outline, *[layer] * depth])
             shapes = shapes * self.factor ** np.arange(depth + 1.0)[:, None, None]
-            x = centre + np.where(shapes[..., 0] < 0, inner, outer) * shapes[..., 0]
+            away = np.where(shapes[..., 0] < 0, inner, outer) * shapes[..., 0]
+            x, low = exact_sum(centre, away)
             z = (inner + outer) / 2 * shapes[..., 1]
             points.append(np.stack([np.append(x, centre), np.append(z, 0.0)]))
+            low_parts.append(np.append(low, 0.0))
             corners = count + np.arange(x.size).reshape(-1, 5)
             count += x.size + 1
             around = np.stack(
@@ -108,6 +114,7 @@ class GradedQuads:
             lower += [np.repeat(fall[:-1], 4), np.repeat(fall[-1:], 2)]
         return (
             np.concatenate(points, axis=1),
+            np.concatenate(low_parts),
             np.concatenate(quadrilaterals, axis=1),
             np.concatenate(lower),
         )

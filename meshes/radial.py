@@ -56,7 +56,7 @@ def graded_breakpoints(
     factor: float,
     axis_size: float | None = None,
 ) -> Array:
-    """Element boundaries that shrink by `factor` per element towards every ring edge and the rim.
+    """Return element boundaries that shrink by `factor` per element towards ring edges and rim.
 
     Parameters
     ----------
@@ -66,19 +66,49 @@ def graded_breakpoints(
     rim_size : the same at the rim
     factor : below 1
     axis_size : the same at the axis; by default the innermost ring is refined towards its outer
-        edge only, for every field that is smooth in ``r^2`` needs nothing there
+        edge only, because every field that is smooth in ``r^2`` needs nothing there
+    """
+    return exact_graded_breakpoints(ring_edges, edge_size, rim_size, factor, axis_size)[0]
+
+
+def exact_graded_breakpoints(
+    ring_edges: ArrayLike,
+    edge_size: ArrayLike,
+    rim_size: float,
+    factor: float,
+    axis_size: float | None = None,
+) -> tuple[Array, Array]:
+    """Return the boundaries of `graded_breakpoints`, and what rounding has taken from each.
+
+    With both, elements beside an edge can be far narrower than the roundoff of its radius.
     """
     ring_edges = np.asarray(ring_edges, dtype=float)
     sizes = np.append(np.broadcast_to(edge_size, len(ring_edges) - 2), rim_size)
-    pieces, at_inner = [], axis_size
+    rounded, low_parts, at_inner = [], [], axis_size
     for (inner, outer), at_outer in zip(itertools.pairwise(ring_edges), sizes, strict=True):
         # both families of layers end in the middle of the ring
         span = (outer - inner) / (1 if at_inner is None else 2)
-        from_inner = [] if at_inner is None else inner + layers(span, at_inner, factor)[:0:-1]
-        from_outer = outer - layers(span, at_outer, factor)
-        pieces += [[inner], from_inner, from_outer[1:] if at_inner is None else from_outer]
+        from_inner = np.zeros(1)
+        from_outer = layers(span, at_outer, factor)
+        if at_inner is None:
+            # the outermost boundary of the layers is the centre itself
+            from_outer = from_outer[1:]
+        else:
+            from_inner = np.append(from_inner, layers(span, at_inner, factor)[:0:-1])
+        for edge, distances in ((inner, from_inner), (outer, -from_outer)):
+            boundaries, low = exact_sum(edge, distances)
+            rounded.append(boundaries)
+            low_parts.append(low)
         at_inner = at_outer
-    return np.concatenate([*pieces, ring_edges[-1:]])
+    return np.concatenate([*rounded, ring_edges[-1:]]), np.concatenate([*low_parts, np.zeros(1)])
+
+
+def exact_sum(first: ArrayLike, second: ArrayLike) -> tuple[Array, Array]:
+    """Return the sum of two arrays as rounded, and what rounding has taken from it (Knuth)."""
+    first, second = np.broadcast_arrays(np.asarray(first, float), np.asarray(second, float))
+    rounded = first + second
+    part = rounded - first
+    return rounded, (first - (rounded - part)) + (second - part)
 
 
 def layers(span: float, smallest: float, factor: float) -> Array:

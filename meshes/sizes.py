@@ -137,12 +137,16 @@ class Sharpness:
         the centre, on the side that wears slower; infinite if no history is wanted
     ratio : (N,) of the length on the other side to it, at least 1
     span : last time over the first
+    kinks : (N,) how strong the kink of the wear coefficient is at each edge, 1 where it has a step
+    narrower : (N,) width of the narrower ring beside each edge; not felt if not given
     """
 
     accuracy: float
     slow: Array
     ratio: Array
     span: float = 1.0
+    kinks: Array | None = None
+    narrower: Array | None = None
 
     @property
     def fast(self) -> Array:
@@ -159,9 +163,16 @@ class Sharpness:
         blunted = np.maximum(
             distance, np.minimum(np.maximum(fast, distance * ratio), fast * self.span)
         )
-        whole = np.where(at_rim, 1.0, np.sqrt(np.minimum(1.0, blunted / half)))
-        pressure = whole * sharp**1.5
-        slope = 3 * np.sqrt(self.accuracy * np.maximum(whole**2 * within, distance / half))
+        whole = np.sqrt(np.minimum(1.0, blunted / half))
+        if self.narrower is not None:
+            # a narrow ring is felt beside it over a few times its own width
+            width = self.narrower[edge]
+            of_narrow = np.sqrt(np.minimum(1.0, 2 * blunted / width))
+            whole = np.maximum(whole, np.minimum(1.0, width / distance) * of_narrow)
+        whole = np.where(at_rim, 1.0, whole)
+        kink = 1.0 if self.kinks is None else self.kinks[edge]
+        pressure = kink * whole * sharp**1.5
+        slope = 3 * np.sqrt(self.accuracy * np.maximum(whole**2 * within, distance / half)) * kink
         return np.asarray(np.maximum(np.maximum(pressure, slope), distance))
 
 

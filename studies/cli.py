@@ -46,8 +46,8 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         with ending_on_signals():
             return COMMANDS[options.command].conduct(options)
-    except KeyboardInterrupt:
-        told = "stopped; nothing half-written was left"
+    except KeyboardInterrupt as stop:
+        told = str(stop) or "stopped; nothing half-written was left"
     except SceneError as error:
         print(f"ringwear: {error}", file=sys.stderr)
         return Status.BAD_INPUT
@@ -203,6 +203,7 @@ def _compare(options: argparse.Namespace) -> Status:
         from .output.stored import load
         from .report.comparison import answer_rows, refuse_other_units, scene_rows
         from .report.printed import print_table
+        from .tables import write_csv
 
         given = (options.A, options.B)
         sources = [load(each) if Path(each).is_dir() else Scene.load(each) for each in given]
@@ -210,7 +211,7 @@ def _compare(options: argparse.Namespace) -> Status:
         sides = [run(each) if isinstance(each, Scene) else each for each in sources]
         tables = scene_rows(*sides), answer_rows(*sides)
         for file, table in zip(files, tables, strict=False):
-            table.to_csv(folder.hidden / file, index=False)
+            write_csv(table, folder.hidden / file)
         save(folder.hidden / files[-1], draw_comparison, *sides)
     print(f"A: {options.A}\nB: {options.B}")
     for table in tables:

@@ -20,6 +20,7 @@ have no exact closed form, but limits.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 from scipy.special import ellipe, ellipkm1, gamma, hyp2f1
 
 
@@ -53,6 +54,80 @@ class PowerPunch:
         depth = np.sqrt((1 - inside) * (1 + inside))
         shape = depth * hyp2f1(1.0, 1 - n / 2, 1.5, depth**2)
         return np.asarray(n * self.kappa * self.coefficient / np.pi * radius ** (n - 1) * shape)
+
+
+@dataclass(frozen=True)
+class RoundedPunch:
+    """A flat face of radius b that falls away beyond it as a parabola, ``f = (r - b)^2 / (2 R)``.
+
+    M. Ciavarella, Indentation by nominally flat or conical indenters with rounded corners, Int. J.
+    Solids Struct. 36 (1999) 4149; first by G. Schubert, Ing.-Arch. 13 (1942) 132. By the
+    one-dimensional profile ``g(x) = x int_b^x f'(r) dr / sqrt(x^2 - r^2)`` it is, with ``cos(phi) =
+    b / c``, ``g(c) = c b (tan(phi) - phi) / R = d``, and ``F = 2 E* (d c - int_b^c g dx)``.
+    """
+
+    flat_radius: float
+    curvature_radius: float
+
+    def indentation(self, radius):
+        """By the radius of contact."""
+        phi = np.arccos(self.flat_radius / radius)
+        return radius * self.flat_radius * (np.tan(phi) - phi) / self.curvature_radius
+
+    def force(self, radius):
+        """By the radius of contact."""
+        b, phi = self.flat_radius, np.arccos(self.flat_radius / radius)
+        s = b * np.tan(phi)
+        under = s**3 / 3 + b**2 * s / 2 - b * radius**2 * phi / 2
+        return 2 * (self.indentation(radius) * radius - under / self.curvature_radius)
+
+    def contact_radius(self, force):
+        b = self.flat_radius
+        return float(brentq(lambda c: self.force(c) - force, b * (1 + 1e-9), 1e3 * b, xtol=1e-15))
+
+
+@dataclass(frozen=True)
+class TruncatedCone:
+    """A cone of slope s without its tip, ``f = s (r - b)`` beyond the flat face of radius b.
+
+    By the one-dimensional profile ``g(x) = s x arccos(b / x)``; Popov, Hess and Willert, Handbook
+    of Contact Mechanics (2019), section 2.5.9. Plane strain modulus 1.
+    """
+
+    flat_radius: float
+    slope: float
+
+    def indentation(self, radius):
+        """By the radius of contact."""
+        return self.slope * radius * np.arccos(self.flat_radius / radius)
+
+    def force(self, radius):
+        """By the radius of contact, ``2 (d c - int_b^c g dx)``."""
+        b, c = self.flat_radius, radius
+        under = c**2 / 2 * np.arccos(b / c) - b / 2 * np.sqrt((c - b) * (c + b))
+        return 2 * (self.indentation(c) * c - self.slope * under)
+
+
+@dataclass(frozen=True)
+class TruncatedParaboloid:
+    """A paraboloid without its tip, ``f = (r^2 - b^2) / (2 R)`` beyond the flat face of radius b.
+
+    By ``g(x) = x sqrt(x^2 - b^2) / R``; the same handbook, section 2.5.10. Plane strain modulus 1.
+    """
+
+    flat_radius: float
+    curvature_radius: float
+
+    def indentation(self, radius):
+        """By the radius of contact."""
+        b, c = self.flat_radius, radius
+        return c * np.sqrt((c - b) * (c + b)) / self.curvature_radius
+
+    def force(self, radius):
+        """By the radius of contact, ``2 (d c - int_b^c g dx)``."""
+        b, c = self.flat_radius, radius
+        under = ((c - b) * (c + b)) ** 1.5 / (3 * self.curvature_radius)
+        return 2 * (self.indentation(c) * c - under)
 
 
 def annulus_stiffness(hole):

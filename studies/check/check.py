@@ -20,6 +20,7 @@ from ..numerics.sequences import draw_errors
 from ..problem.scene import Scene, Source, listed
 from ..problem.unit_names import UnitNames
 from ..registry import METHODS
+from ..tables import write_csv
 from .checked import Checked
 from .given import Given
 from .tables import read
@@ -28,7 +29,7 @@ from .tables import read
 def write_check(result: Checked, directory: Path) -> None:
     """Write the errors of theirs, and a figure of them over the size of a refinement."""
     rows = pd.DataFrame(asdict(row) for row in result.verdicts)
-    rows.to_csv(directory / "check.csv", index=False)
+    write_csv(rows, directory / "check.csv")
     names = UnitNames.of(result.scene.units)
     curves = {
         f"{row.at(names)}, order {row.sequence.order:.2g}": row.sequence

@@ -13,10 +13,10 @@ import numpy as np
 
 from ...meshes.radial import Array
 from ..methods.base import method
-from ..methods.norms import Results
 from ..problem.quantities import QUANTITIES
 from ..problem.scene import Scene
 from ..progress import Stages
+from ..sampling.norms import Results
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from typing import ClassVar
 import pandas as pd
 
 from ..methods.base import Method, Solution
-from ..methods.norms import Results
 from ..problem.problem import Problem
 from ..problem.quantities import FIELDS, QUANTITIES
 from ..problem.scene import Scene
 from ..progress import Stages
+from ..sampling.norms import Results
 
 
 @dataclass(frozen=True, eq=False)

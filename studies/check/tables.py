@@ -15,6 +15,8 @@ import numpy as np
 import pandas as pd
 
 from ...meshes.errors import MeshError, SceneError
+from ..crosscheck.sizes import refuse_large
+from ..problem.fields import refuse_device
 from ..problem.quantities import FIELDS, QUANTITIES
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
@@ -88,7 +90,10 @@ def _open(path: Path) -> Any:
         if path.suffix == ".nc":
             import xarray
 
-            return xarray.load_dataset(path)
+            with xarray.open_dataset(path) as data:
+                refuse_large(path, data)
+                return data.load()
+        refuse_device(path)
         lines = path.read_text("utf-8-sig").replace('"', "").splitlines()
     except (OSError, ValueError) as error:
         raise SceneError(

@@ -8,12 +8,12 @@ import numpy as np
 
 from ...meshes.radial import Array
 from ..methods.base import Solution
-from ..methods.norms import differences
 from ..problem.face import Face
 from ..problem.quantities import FIELDS
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
 from ..progress import LOG
+from ..sampling.norms import differences
 
 Solutions = Mapping[str, Solution]
 

@@ -10,10 +10,13 @@ from ...meshes.errors import RingwearError
 from ..methods.base import Method, Solution
 from ..problem.defaults import followed
 from ..problem.problem import Problem
-from ..problem.quantities import A_FEW, ENERGIES
+from ..problem.quantities import ENERGIES
 from ..problem.sections import DEGREES
 from ..progress import LOG, Stages
-from .agreement import unresolved
+from .promise import BY_CELLS, allowed_error, unresolved
+
+# a refinement that leaves more than this part of an error is not followed by another
+LITTLE_GAIN = 0.5
 
 
 def solved_to_accuracy(
@@ -32,11 +35,11 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
 
     Sizes given by the user stay, and what finer sizes do not mend (roundoff, a time step, layers
     thinner than coordinates can tell) is left to the verdict. A refinement asks for sizes of at
-    most ten times the accuracy, and is followed by another if it has halved the error.
+    most ten times the accuracy, and is followed by another if it was worth its time.
     """
     error = error_of_sizes(problem, solution)
     # where edges move, half of the uncertainty that two methods may have
-    allowed = problem.rtol * (1.0 if problem.full_contact else A_FEW / 2)
+    allowed = allowed_error(problem)
     least, most = followed(problem, solution.settings.get("pressures", 0))
     rtol = min(problem.rtol, most)
     if problem.sizes_given(method.name):
@@ -44,7 +47,8 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
     for _ in range(4):
         if rtol <= least or error <= allowed:
             break
-        rtol = max(least, rtol * max(0.5 * allowed / error, 0.1))
+        # sizes and degrees are whole numbers of layers: less than that may hardly change them
+        rtol = max(least, rtol * max(0.25 * allowed / error, 0.1))
         numbers = method.name, error, allowed
         LOG.info("%8s  its estimate %.1e is above %.1e: refining ...", *numbers)
         try:
@@ -60,24 +64,27 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
                 "estimates fell short"
             )
             solution, error = replace(finer, notes=(*finer.notes, note)), after
-        if 2 * after > before:
+        if after > LITTLE_GAIN * before:
             break
     return solution
 
 
 def error_of_sizes(problem: Problem, solution: Solution) -> float:
     """Return the greatest error estimate of all quantities that finer sizes would mend."""
-    names = [name for name in solution.errors if not unresolved(problem, name, "")]
+    # closed forms and the uniform grid have no sizes that follow the accuracy asked for
+    discretisation = solution.parts.get("discretisation", solution.parts.get("force"))
+    if problem.full_contact and (problem.march != "modal" or discretisation is None):
+        return discretisation or 0.0
+    solutions = {"": solution}
+    names = [
+        name
+        for name in solution.errors
+        if name in BY_CELLS or not unresolved(problem, name, solutions)
+    ]
     if problem.full_contact:
-        # closed forms and the uniform grid have no sizes that go by the accuracy asked for
-        discretisation = solution.parts.get("discretisation", solution.parts.get("force"))
-        if problem.march != "modal" or discretisation is None:
-            return discretisation or 0.0
         # fields follow neither on triangles, whose degree is low, nor beyond the highest degree of
         # quadrilaterals, where more layers bring roundoff
         mesher, degree = solution.settings.get("mesher"), solution.settings.get("degree", 0)
         if mesher in DEGREES and degree >= DEGREES[mesher][-1]:
             names = [name for name in names if name in ENERGIES]
-    error = max(map(solution.greatest_error, names), default=0.0)
-    # cells do not mend what is far above, such as the last of a force that decays
-    return error if problem.full_contact or error < 40 * problem.rtol else 0.0
+    return max(map(solution.greatest_error, names), default=0.0)

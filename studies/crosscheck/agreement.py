@@ -1,15 +1,22 @@
 """How far two methods agree, in three words.
 
-Every quantity that both give, in its norm, against what each says of itself. A method states an
-**error estimate**; a difference of two has an **uncertainty**, the sum of their estimates.
+Every quantity and every number of the answer that both methods give is compared in its norm. A
+method states an **error estimate**; a difference of two methods has an **uncertainty**, the sum of
+their estimates. With the accuracy `rtol` that the scene asks for, and ``allowed = rtol`` (2 rtol
+where edges of the contact move),
 
-They agree where their difference is within its uncertainty, or within the accuracy asked for, and
-that uncertainty within a few times this. They disagree where the difference is beyond both, and
-neither says of itself that it errs by more than was asked for. All else is undecided, and it is
-said what would decide it.
+- they **agree** if, at every time, each states at most `allowed` and they differ by at most twice
+  that;
+- they **disagree** if they differ by more than twice `allowed` and by more than the uncertainty;
+- everything else is **undecided**, at times that are named, with what would decide it.
+
+So a larger error estimate can turn *agree* or *disagree* into *undecided*, but nothing into
+*agree*. A difference that is not a number never agrees, and a quantity whose error a method should
+estimate, but does not, is undecided. What cannot be promised at some times (`studies/crosscheck/
+promise.py`) is undecided there, without making the verdict on the run undecided.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
@@ -19,23 +26,18 @@ from numpy.typing import NDArray
 
 from ...meshes.radial import Array
 from ..methods.base import Solution
-from ..methods.norms import common, differences
-from ..problem.defaults import at_smallest, field_accuracy
 from ..problem.problem import Problem
-from ..problem.quantities import A_FEW, COMPARED_MODES, ENERGIES, FINEST, QUANTITIES
-
-# where contact ends within the face: resolved to a cell, whatever the accuracy asked for
-AT_EDGES = (
-    "pressure",
-    "profile",
-    "displacement",
-    "displacement_centre",
-    "displacement_max",
-    "rms_slope",
-    "contact_radius",
+from ..problem.quantities import (
+    ANSWER,
+    COMPARED_MODES,
+    DESCRIBED,
+    FINEST,
+    QUANTITIES,
+    STEADY,
 )
-# of a flat punch: where wear has made layers thinner than coordinates can tell
-EARLY = ("rms_slope", "pressure")
+from ..sampling.norms import answer_differences, common, differences
+from .promise import allowed_error, unresolved
+
 AGREE, DISAGREE, UNDECIDED = "agree", "disagree", "undecided"
 
 
@@ -48,9 +50,10 @@ class Agreement:
     quantity, methods : what is compared
     difference, uncertainty : relative, in the norm of the quantity, where they decide the verdict
     verdict : `agree`, `disagree` or `undecided`
-    when, remark : of what is undecided: the times, and by whose fault, and what would decide it
-    promised : whether the verdict on the run waits for it; where edges of a contact move, not for
-        what is local to them, nor for fields of a flat punch that cannot be resolved
+    remark : what would decide it, if it is undecided
+    promised : whether the verdict on the run depends on it; False if it is undecided only at times
+        at which the accuracy cannot be promised
+    when : the times at which it is undecided, in words; empty if at all of them
     """
 
     quantity: str
@@ -78,50 +81,101 @@ class Difference(NamedTuple):
     def uncertainty(self) -> Array:
         return self.first + self.second
 
-    def over_bound(self, rtol: float) -> Array:
-        """Return the differences over the bound beyond which the methods disagree.
+    def over_bound(self, allowed: float) -> Array:
+        """Return the differences over the bound beyond which the methods disagree."""
+        over = self.size / np.maximum(self.uncertainty, 2 * allowed)
+        return np.where(np.isfinite(self.size), over, np.inf)
 
-        It is 0 where one of them says of itself that it errs by more than was asked for.
-        """
-        decisive = np.maximum(self.first, self.second) <= rtol
-        return np.where(decisive, self.size / np.maximum(self.uncertainty, rtol), 0.0)
+    def doubtful(self, allowed: float) -> NDArray[np.bool_]:
+        """Return where a method states more than is allowed, or nothing, or they differ by more."""
+        stated = np.maximum(self.first, self.second)
+        # comparisons with NaN are False
+        return ~((stated <= allowed) & (self.size <= 2 * allowed))
 
 
 def compare(problem: Problem, solutions: Sequence[Solution]) -> dict[str, Difference]:
-    """Return the differences of two solutions in every quantity whose error both estimate."""
+    """Return the differences of two solutions in everything whose error both estimate."""
     first, second = solutions
+    found = differences(first.checked, second.checked, problem.face)
+    found |= answer_differences(first.answers, second.answers)
     compared = {}
-    for name, difference in differences(first.checked, second.checked, problem.face).items():
-        if name in first.errors and name in second.errors and problem.wants(name):
-            parts = [difference, *(each.checked_error(problem, name) for each in solutions)]
-            if "mode" in QUANTITIES[name].dims:
-                parts = [part[:COMPARED_MODES] for part in parts]
-            shared = common(*(part.shape for part in parts))
-            compared[name] = Difference(*(np.atleast_1d(part[shared]) for part in parts))
+    for name, difference in found.items():
+        if name not in first.errors or name not in second.errors or not problem.wants(name):
+            continue
+        parts = [difference, *(each.checked_error(problem, name) for each in solutions)]
+        if "mode" in DESCRIBED[name].dims:
+            parts = [part[:COMPARED_MODES] for part in parts]
+        shared = common(*(part.shape for part in parts))
+        size, *stated = (np.atleast_1d(part[shared]) for part in parts)
+        if name in ANSWER:
+            # closed forms give no start, and shaped punches no pressures then
+            given = ~np.isnan(size)
+            size, stated = size[given], [error[given] for error in stated]
+        if size.size:
+            compared[name] = Difference(size, *stated)
     return compared
+
+
+def due(problem: Problem) -> set[str]:
+    """Return what two methods that lack nothing have to be compared in."""
+    names = set(QUANTITIES) - {"contact", "contact_edge"} - STEADY
+    names -= {"contact_radius"} if problem.full_contact else {"relaxation_time"}
+    if problem.full_contact and problem.indentation is None:
+        names -= {"ring_worn_volume"}
+        names -= set() if problem.loading.varies else {"normal_force"}
+    if not len(problem.times):
+        names = {"relaxation_time"} & names if problem.quantities else set()
+    elif problem.full_contact:
+        names |= {"running_in_time", "indentation_start", "force_share", "worn_volume"}
+        names |= problem.parts_left.keys()
+    if problem.steady:
+        names |= STEADY
+    return {name for name in names if problem.wants(name)}
 
 
 def agreements(
     problem: Problem, names: tuple[str, str], solutions: tuple[Solution, Solution]
 ) -> list[Agreement]:
-    """Compare two methods in every quantity that both give, at the times that are checked."""
-    rtol, rows = problem.rtol, []
-    for quantity, difference in compare(problem, solutions).items():
-        size, first, second = difference
-        over, uncertainty = difference.over_bound(rtol), difference.uncertainty
-        doubtful = (uncertainty > A_FEW * rtol) | (size > np.maximum(uncertainty, rtol))
-        # where many are as uncertain, the one that differs most
-        worst = int(np.lexsort((size, uncertainty, doubtful))[-1])
-        verdict, remark, when, promised = AGREE, "", "", not unresolved(problem, quantity, "")
-        if (over > 1).any():
-            worst, verdict, promised = int(np.argmax(over)), DISAGREE, True
-        elif doubtful.any():
-            loser, verdict = names[int(second[worst] > first[worst])], UNDECIDED
-            remark = remedy(problem, quantity, loser, float(uncertainty[worst]))
-            when = _when(problem, quantity, doubtful)
-        numbers = float(size[worst]), float(uncertainty[worst])
-        rows.append(Agreement(quantity, names, *numbers, verdict, remark, promised, when))
-    return rows
+    """Compare two methods in everything that both give, at the times that are compared."""
+    compared, expected = compare(problem, solutions), due(problem)
+    if any(each.wear is None and each.march is None for each in solutions):
+        # one of them lacks the history
+        expected &= solutions[0].checked.keys() & solutions[1].checked.keys()
+    missing = [
+        Agreement(quantity, names, np.inf, np.inf, UNDECIDED, "a method states no error of it")
+        for quantity in sorted(expected - compared.keys())
+    ]
+    by_name = dict(zip(names, solutions, strict=True))
+    rows = [_judge(problem, by_name, *item) for item in compared.items()]
+    return missing + rows
+
+
+def _judge(
+    problem: Problem, solutions: Mapping[str, Solution], quantity: str, difference: Difference
+) -> Agreement:
+    """Return the verdict on one quantity of two methods."""
+    first_name, second_name = names = tuple(solutions)
+    size, first, second = difference
+    allowed, uncertainty = allowed_error(problem), difference.uncertainty
+    over, doubtful = difference.over_bound(allowed), difference.doubtful(allowed)
+    # where many are as uncertain, the one that differs most
+    worst = int(np.lexsort((size, uncertainty, doubtful))[-1])
+    verdict, remark, when, promised = AGREE, "", "", True
+    if (over > 1).any():
+        worst, verdict = int(np.argmax(over)), DISAGREE
+    elif doubtful.any():
+        verdict, blamed = UNDECIDED, names[int(second[worst] > first[worst])]
+        reasons = [
+            unresolved(problem, quantity, solutions, int(at)) for at in np.flatnonzero(doubtful)
+        ]
+        promised = not all(reasons)
+        remark = next(filter(None, reasons), "")
+        if promised:
+            remark = remedy(problem, blamed, float(uncertainty[worst]))
+        when = when_in_words(problem, quantity, doubtful)
+    numbers = float(size[worst]), float(uncertainty[worst])
+    pair = first_name, second_name
+    return Agreement(quantity, pair, *numbers, verdict, remark, promised, when)
 
 
 def disagreement(problem: Problem, solutions: Collection[Solution], keep: Collection[str]) -> float:
@@ -133,49 +187,27 @@ def disagreement(problem: Problem, solutions: Collection[Solution], keep: Collec
     for pair in combinations(solutions, 2):
         compared = compare(problem, pair)
         for name in compared.keys() & set(keep):
-            over = compared[name].over_bound(problem.rtol)
+            over = compared[name].over_bound(allowed_error(problem))
             greatest = np.fmax(greatest, np.max(over, initial=0.0))
     return float(greatest)
 
 
-def unresolved(problem: Problem, quantity: str, blamed: str) -> str:
-    """Return why the accuracy asked for is not promised of a quantity; empty if it is."""
-    if not problem.full_contact:
-        edges = "pressures may be infinite at edges"
-        if problem.earliest:
-            edges = "pressures jump at edges of worn faces that move"
-        words = f"{edges}, and fields are known to a cell there; ask for a smaller rtol"
-        return words if quantity in AT_EDGES else ""
-    if quantity in EARLY and at_smallest(problem):
-        return (
-            f"the layers that wear makes by the first times are thinner than {blamed} can resolve; "
-            "ask for later times"
-        )
-    if quantity not in ENERGIES and (accuracy := field_accuracy(problem)) > problem.rtol:
-        return (
-            f"with so many rings fields are resolved to {accuracy:.0e} only; give degree and "
-            f"ring_size of {blamed} for more"
-        )
-    return ""
-
-
-def _when(problem: Problem, quantity: str, undecided: NDArray[np.bool_]) -> str:
-    if QUANTITIES[quantity].dims[:1] != ("time",) or undecided.all():
+def when_in_words(problem: Problem, quantity: str, some: NDArray[np.bool_]) -> str:
+    """Return some of the compared times in words; empty if they are all, or there are none."""
+    if DESCRIBED[quantity].dims[:1] != ("time",) or some.all():
         return ""
     times = problem.times[problem.checked] * problem.units.time
-    last = int(np.flatnonzero(undecided)[-1])
-    if not undecided[: last + 1].all():
-        return f"at {undecided.sum()} of {len(times)} times"
+    last = int(np.flatnonzero(some)[-1])
+    if not some[: last + 1].all():
+        return f"at {some.sum()} of {len(times)} times"
     return f"{'up to' if last else 'at'} t = {times[last]:.3g}"
 
 
-def remedy(problem: Problem, quantity: str, blamed: str, error: float) -> str:
+def remedy(problem: Problem, blamed: str, error: float) -> str:
     """Return what would decide a quantity: an accuracy to ask for, other sizes, or other times."""
     rtol = problem.rtol**2 / error
     if blamed == "fem" and problem.fem.far_field == "fixed":
         return "the clamped boundary errs by 1.1 a/R; far_field = 'boussinesq' does not"
-    if reason := unresolved(problem, quantity, blamed):
-        return reason
     if blamed == "mdr-grid":
         return f"{blamed} is of first order; give a finer accuracy.mdr.grid"
     if problem.sizes_given(blamed):
@@ -188,7 +220,12 @@ def remedy(problem: Problem, quantity: str, blamed: str, error: float) -> str:
 
 
 def overall(rows: Sequence[Agreement]) -> str:
-    """Return the least verdict of what is promised; what is not can still disagree."""
+    """Return the least verdict of what is promised; what is not promised can still disagree.
+
+    Without anything to compare, as with one method, nothing is decided.
+    """
+    if not rows:
+        return UNDECIDED
     if any(row.verdict == DISAGREE for row in rows):
         return DISAGREE
     undecided = any(row.verdict == UNDECIDED for row in rows if row.promised)
@@ -200,4 +237,4 @@ def by_quantity(rows: Sequence[Agreement]) -> dict[str, Agreement]:
     order = (AGREE, UNDECIDED, DISAGREE)
     ordered = sorted(rows, key=lambda row: (order.index(row.verdict), row.difference))
     worst = {row.quantity: row for row in ordered}
-    return {name: worst[name] for name in QUANTITIES if name in worst}
+    return {name: worst[name] for name in DESCRIBED if name in worst}

@@ -11,7 +11,7 @@ over the whole space, where the shortest pressures are never resolved.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigh, solve_triangular
+from scipy.linalg import cholesky, eigh, solve_triangular
 
 from ...meshes.compliance import Compliance
 from ...meshes.errors import SolverError
@@ -44,20 +44,32 @@ class OperatorDifference:
     wavelengths: Array
     differences: Array
 
-    def check_multipliers(self) -> None:
-        """Refuse multipliers of the first method that no longer see the displacement: a
-        checkerboard has next to no energy.
 
-        Raises
-        ------
-        SolverError
-            if pressures exist that it gives less than a hundredth of their energy
-        """
-        if self.stability < 0.01:
-            raise SolverError(
-                f"the multipliers of {self.methods[0]} are unstable on this mesh: some pressures "
-                f"have {self.stability:.1e} of their energy; choose another degree"
-            )
+# part of the energy of every pressure that stable multipliers give it at the least
+STABLE = 0.01
+# pressures beyond which eigenvalues of all of them would take longer than the run itself
+MOST_PRESSURES = 1500
+
+
+def check_multipliers(name: str, first: Compliance, second: Compliance) -> None:
+    """Refuse multipliers of the first method that no longer see the displacement.
+
+    A checkerboard has next to no energy. The energies differ by a positive definite matrix if no
+    pressure has so little of it.
+
+    Raises
+    ------
+    SolverError
+        if the first compliance gives some pressure less than `STABLE` times its energy by the
+        second
+    """
+    try:
+        cholesky(first.matrix - STABLE * second.matrix, check_finite=False)
+    except np.linalg.LinAlgError:
+        raise SolverError(
+            f"the multipliers of {name} are unstable on this mesh: some pressures have less than "
+            f"{STABLE:g} of their energy; choose another degree"
+        ) from None
 
 
 def difference(

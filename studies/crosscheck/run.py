@@ -15,7 +15,7 @@ from ..progress import Stages
 from .accuracy import solved_to_accuracy
 from .agreement import agreements
 from .dataset import Result
-from .operators import OperatorDifference, difference
+from .operators import MOST_PRESSURES, OperatorDifference, check_multipliers, difference
 from .scope import methods_of, refusals
 
 
@@ -77,8 +77,9 @@ def compare_operators(
         other = methods[b]
         if problem.full_contact and isinstance(other, AnySpaceMethod):
             with Stages("check")(f"{a} against {b}"):
-                second = replace(wears[a], compliance=other.compliance(wears[a].compliance.space))
-                compared = difference(problem, (a, b), wears[a], second)
-            if a not in anywhere:
-                compared.check_multipliers()
-            yield compared
+                first, space = wears[a], wears[a].compliance.space
+                second = replace(first, compliance=other.compliance(space))
+                if a not in anywhere:
+                    check_multipliers(a, first.compliance, second.compliance)
+                if space.size <= MOST_PRESSURES:
+                    yield difference(problem, (a, b), first, second)

@@ -40,8 +40,8 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
     if problem.loading.varies:
         lines.append(
             "load over time: linear between the times given, and wear goes by the sliding "
-            "distance; the answer, the steady state and relaxation times are those of the "
-            "greatest force and speed, held for ever"
+            "distance; the steady state is that of the force and speed held last, relaxation times "
+            "are those of the greatest speed"
         )
         if not problem.loading.forces.all():
             lines.append(
@@ -86,6 +86,8 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
         reasons["steady state"] = (
             "at a fixed indentation wear goes on until nothing presses any more"
         )
+    elif scene.wear.steady and problem.why_never_steady:
+        reasons["steady state"] = problem.why_never_steady
     elif not problem.steady:
         reasons["steady state"] = alone if scene.wear.steady else "the scene says steady = false"
     for name, entry in methods.items():

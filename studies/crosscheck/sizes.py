@@ -1,6 +1,8 @@
 """About how much memory a run will need, before anything is meshed and any library loaded."""
 
 import os
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -46,3 +48,22 @@ def beyond_memory(needed: float, limit: float) -> str:
 def machine_memory() -> float:
     """Return the GiB of this machine."""
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB
+
+
+def refuse_large(path: Path, data: Any) -> None:
+    """Refuse a dataset that would not fit into the memory; it is opened, and not loaded yet.
+
+    A compressed file may declare far more than it holds.
+
+    Raises
+    ------
+    ValueError
+        naming its size
+    """
+    # what is read is copied a few times
+    most = machine_memory() * GIB / 8
+    if data.nbytes > most:
+        raise ValueError(
+            f"it declares {data.nbytes / 1e9:.3g} GB, and {path.stat().st_size / 1e6:.3g} MB are "
+            f"there; give at most {most / 1e9:.2g} GB"
+        )

@@ -8,10 +8,10 @@ import numpy as np
 
 from ...meshes.radial import Array
 from ..methods.base import Solution
-from ..methods.norms import Results, common
 from ..problem.problem import Problem
 from ..problem.quantities import (
     ANSWER,
+    DESCRIBED,
     ERROR,
     NORMS,
     OF_PROFILES,
@@ -23,6 +23,7 @@ from ..problem.quantities import (
 )
 from ..problem.scene import Scene
 from ..problem.unit_names import NO_UNIT, UnitNames
+from ..sampling.norms import Results, common
 from ..versions import versions
 from ..wear.modes import SHOWN
 
@@ -77,7 +78,7 @@ def tabulate(
         if name in QUANTITIES and not problem.wants(name):
             continue
         table[name] = quantity
-        if name in QUANTITIES and name not in ("contact", "contact_edge"):
+        if name in DESCRIBED and name not in ("contact", "contact_edge"):
             definition = ERROR.format(name, NORMS[quantity.norm])
             table[error_name(name)] = Quantity(quantity.error_dims, "number", definition)
 

@@ -8,7 +8,6 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from ...meshes.half_space import contact_radii, quality, truncation
 from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
 from ..methods.interior import NEAR
@@ -68,6 +67,8 @@ def draw_result_mesh(result: Result) -> Figure:
 
 def draw_mesh(mesh: Any, mesher: str, ring_edges: Array) -> Figure:
     """Draw the whole mesh, the mesh under the punch, and the mesh at the rim."""
+    from ...meshes.half_space import contact_radii, truncation  # a run without fem needs no skfem
+
     rim = max(30 * float(np.diff(contact_radii(mesh)).min()), 1e-6)
     power = 10 ** np.floor(np.log10(rim))
     views = (
@@ -109,7 +110,10 @@ def write_mesh(scene: Scene, mesh: Any, mesher: str, directory: Path) -> None:
     """
     from skfem.io.meshio import to_meshio
 
-    content = to_meshio(mesh.scaled(scene.punch.radius), cell_data={"quality": [quality(mesh)]})
+    from ...meshes.half_space import quality, rounded
+
+    scaled = rounded(mesh).scaled(scene.punch.radius)
+    content = to_meshio(scaled, cell_data={"quality": [quality(mesh)]})
     content.points = np.column_stack([content.points, np.zeros(len(content.points))])
     content.write(directory / "mesh.vtu", file_format="vtu")
     save(directory / "mesh.png", draw_mesh, mesh, mesher, scene.problem.ring_edges)

@@ -11,12 +11,12 @@ import numpy as np
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..problem.problem import Problem
-from ..problem.quantities import COMPARED_MODES, QUANTITIES
+from ..problem.quantities import ANSWER, COMPARED_MODES, DESCRIBED
 from ..progress import Stages
+from ..sampling.norms import Results
 from ..wear.fitted_press import CompliancesOn
 from ..wear.flat_contact import FittedPress
 from ..wear.full_contact import RunningIn
-from .norms import Results
 
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace
@@ -31,13 +31,16 @@ class Solution:
     results : its quantities at the times and radii asked for; non-dimensional
     checked : the same at some of the times, on the face of the punch: what is compared with other
         methods
-    errors : relative, of each quantity in its norm, by the method's own estimate
+    errors : relative, of each quantity and of each number of the answer in its norm, by the
+        method's own estimate
     parts : of the indentation, by what causes it
     unknowns, settings, notes : of what was solved
     wear : the running-in on the method's compliance, if it has one
     half_space : the finite-element half-space, if there is one
+    smallest : least size of the elements that the method can have beside a ring edge
     march : the `ContactMarch` of a contact that opens, closes and spreads, if it is one
     presses : its start, fitted to the edges of the contact, and a coarser one; empty if that failed
+    answers : the numbers of the answer
     evaluate : (problem, compliance) -> the `Evaluation` of another compliance
     """
 
@@ -50,8 +53,10 @@ class Solution:
     notes: tuple[str, ...] = ()
     wear: RunningIn | None = None
     half_space: "HalfSpace | None" = None
+    smallest: float = 0.0
     march: Any = None
     presses: tuple[FittedPress, ...] = ()
+    answers: Results = field(default_factory=dict)
     evaluate: Callable[..., Any] | None = None
 
     @property
@@ -69,14 +74,18 @@ class Solution:
     def checked_error(self, problem: Problem, name: str) -> Array:
         """Return the error of a quantity at the times that are checked."""
         error = self.errors[name]
-        return error[problem.checked] if QUANTITIES[name].dims[:1] == ("time",) else error
+        return error[problem.checked] if DESCRIBED[name].dims[:1] == ("time",) else error
 
     def greatest_error(self, name: str) -> float:
         """Return the greatest error of a quantity over all times, of relaxation times that of the
         slowest.
         """
-        shown = slice(COMPARED_MODES) if "mode" in QUANTITIES[name].dims else ...
-        return float(np.max(self.errors[name][shown], initial=0.0))
+        shown = slice(COMPARED_MODES) if "mode" in DESCRIBED[name].dims else ...
+        errors = self.errors[name][shown]
+        if name in ANSWER:
+            # a part that the method does not give has no error
+            errors = errors[~np.isnan(errors)]
+        return float(np.max(errors, initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +112,8 @@ class Discretised:
         degree, for the start of a shaped punch; without, it is as accurate as the march.
     safety : float
         What the difference to the coarser one is multiplied by, of flat punches.
+    smallest : float
+        Least size of the elements that the method can have beside a ring edge, in punch radii.
     """
 
     compliance: Compliance
@@ -113,6 +124,7 @@ class Discretised:
     notes: tuple[str, ...] = ()
     fitted: tuple[CompliancesOn, CompliancesOn] | None = None
     safety: float = 1.5
+    smallest: float = 0.0
 
 
 class Method(ABC):

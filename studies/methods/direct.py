@@ -7,11 +7,13 @@ import numpy as np
 
 from ...mdr import direct
 from ...meshes.radial import Array, ring_of
+from ..problem.face import Face
 from ..problem.problem import Problem
-from ..problem.quantities import STEADY
+from ..problem.quantities import ANSWER, STEADY
 from ..progress import Stages
+from ..sampling.answers import steady_answers
+from ..sampling.norms import Results
 from .base import Method, Solution
-from .norms import Results
 
 
 class Direct(Method):
@@ -40,7 +42,10 @@ class Direct(Method):
         slopes = greatest = np.full(len(problems), np.nan)
         wanted = {name for name in STEADY for problem in problems if problem.wants(name)}
         with stages("integrating"):
-            pressures = [direct.steady_pressures(*problem.merged) for problem in problems]
+            pressures = [
+                problem.loading.forces[-1] * direct.steady_pressures(*problem.merged)
+                for problem in problems
+            ]
             columns = np.stack(pressures, axis=1)
             if "steady_rms_slope" in wanted:
                 slopes = direct.rms_slope(ring_edges, columns, problems[0].gradient_average)
@@ -54,26 +59,36 @@ class Direct(Method):
 def _solution(problem: Problem, pressures: Array, greatest: float, slope: float) -> Solution:
     """Return the steady state of ring pressures (N,); nan is what is not wanted."""
     ring_edges, wear_coefficients = problem.merged
+    force, speed = problem.loading.forces[-1], problem.loading.speeds[-1]
 
-    def sample(radii: Array) -> Results:
+    def sample(at: Problem | Face) -> Results:
         values: dict[str, Callable[[], Array]] = {
-            "steady_pressure": lambda: pressures[ring_of(ring_edges, radii)],
+            "steady_pressure": lambda: pressures[ring_of(ring_edges, at.radii)],
             "steady_profile": lambda: np.maximum(
-                greatest - direct.displacement(ring_edges, pressures, radii), 0.0
+                greatest - direct.displacement(ring_edges, pressures, at.radii), 0.0
             ),
             "steady_displacement_max": lambda: np.asarray(greatest),
             "steady_rms_slope": lambda: np.asarray(slope),
-            "steady_wear_rate": lambda: np.asarray(wear_coefficients[0] * pressures[0]),
+            "steady_wear_rate": lambda: np.asarray(speed * wear_coefficients[0] * pressures[0]),
         }
         return {name: value() for name, value in values.items() if problem.wants(name)}
 
     # a narrow ring of high pressure is the small difference of two discs
     lost = float(np.abs(direct.pressure_steps(pressures)) @ ring_edges[1:])
     # the mean displacement is at least that of the mean pressure at the rim (Betti)
-    roundoff = 1e-12 + 4 * np.finfo(float).eps * lost / float(np.fmax(greatest, 4 / np.pi**2))
-    results = sample(problem.radii)
+    roundoff = 1e-12 + 4 * np.finfo(float).eps * lost / float(
+        np.fmax(greatest, 4 / np.pi**2 * force)
+    )
+    results = sample(problem)
     errors = dict.fromkeys(results, np.asarray(roundoff))
-    return Solution(results, sample(problem.face.radii), errors, {"roundoff": roundoff})
+    # scalars need no radii, which take as long as they do
+    on_fields = {"steady_pressure", "steady_profile"} & results.keys()
+    checked = sample(problem.face) if on_fields else results
+    answers = steady_answers(problem, checked)
+    for name, value in answers.items():
+        stated = np.where(np.isnan(value), np.nan, roundoff)
+        errors[name] = stated[..., 0] if "ring" in ANSWER[name].dims else stated
+    return Solution(results, checked, errors, {"roundoff": roundoff}, answers=answers)
 
 
 METHOD = Direct()

@@ -4,24 +4,26 @@ Flat punches under a force keep full contact, and are exact in time; any other c
 """
 
 from abc import ABC, abstractmethod
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
+from ..problem.defaults import missing_layers
 from ..problem.problem import Problem
-from ..problem.quantities import CHANCE, CHANCE_OF_ENERGIES, ENERGIES, QUANTITIES
-from ..wear.flat_contact import FittedPress
+from ..problem.quantities import CHANCE, CHANCE_OF_ENERGIES, DESCRIBED, ENERGIES, IN_LAYERS
+from ..sampling.answers import flat_answers
+from ..sampling.norms import Results
+from ..sampling.sampler import Sampler
 from ..wear.full_contact import RunningIn
-from ..wear.history import History, Pressed
-from ..wear.moments import moments, unresolved_height
-from ..wear.moving_contact import ContactMarch
-from .norms import Results
-from .sampler import Sampler
-from .spaces import load_of
+from ..wear.history import History
+
+# times the error estimate where wear varies along the radius: kinks of its table ask for fewer
+# layers, so that a coarser solution differs by less (tests/physics/test_graded.py)
+OF_GRADED_WEAR = 1.5
+# the first and the last of the times
+ENDS = np.array([0, -1])
 
 
 class Evaluation(ABC):
@@ -31,7 +33,7 @@ class Evaluation(ABC):
 
     def __init__(self, problem: Problem, compliance: Compliance) -> None:
         self.problem, self.compliance = problem, compliance
-        self.sampler = Sampler(problem, compliance.space)
+        self.sampler = Sampler(problem, compliance.space, compliance)
 
     @property
     @abstractmethod
@@ -60,6 +62,23 @@ class Evaluation(ABC):
         time, where they say nothing.
         """
 
+    @property
+    @abstractmethod
+    def answers(self) -> Results:
+        """The numbers of the answer."""
+
+    @property
+    @abstractmethod
+    def answers_exact_in_time(self) -> Results:
+        """The numbers of the answer, to the accuracy asked for in time."""
+
+    @abstractmethod
+    def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
+        """Return the error of a number of the answer by its difference to a coarser evaluation.
+
+        `errors` are those of the quantities at the times asked for.
+        """
+
     @cached_property
     def results(self) -> Results:
         """The quantities at the times and radii asked for."""
@@ -80,10 +99,16 @@ class Evaluation(ABC):
         """The quantities at the times that are checked, on the face of the punch: what is compared
         with another method.
         """
-        results = self._timeless(on_face=True)
+        results = self._timeless_on_face
         if len(self.problem.times):
-            results |= self.sampler.history(self.history[self.problem.checked], on_face=True)
+            results = results | self.sampler.history(
+                self.history[self.problem.checked], on_face=True
+            )
         return results
+
+    @cached_property
+    def _timeless_on_face(self) -> Results:
+        return self._timeless(on_face=True)
 
     def _timeless(self, on_face: bool) -> Results:
         """Return the quantities of no time."""
@@ -97,11 +122,19 @@ class FullContact(Evaluation):
     ----------
     problem, compliance : on a space that suits singular pressures at ring edges and rim
     safety : what differences to a coarser one are multiplied by
+    smallest : least size of the elements that the method can have beside a ring edge
     """
 
-    def __init__(self, problem: Problem, compliance: Compliance, safety: float = 1.5) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        compliance: Compliance,
+        safety: float = 1.5,
+        smallest: float = 0.0,
+    ) -> None:
         super().__init__(problem, compliance)
-        self.safety = safety
+        graded = OF_GRADED_WEAR if problem.merged.linear else 1.0
+        self.safety, self.smallest, self._graded = graded * safety, smallest, graded
         wear_coefficients = problem.merged.wear_coefficients
         self.wear: RunningIn = RunningIn(
             compliance,
@@ -122,9 +155,9 @@ class FullContact(Evaluation):
 
     @cached_property
     def for_estimate(self) -> Results:
-        results, times = self._timeless(on_face=True), self.problem.estimate_times
+        results, times = self._timeless_on_face, self.problem.estimate_times
         if len(times):
-            results |= self.sampler.history(self.wear.modal(times), on_face=True)
+            results = results | self.sampler.history(self.wear.modal(times), on_face=True)
         return results
 
     def _timeless(self, on_face: bool) -> Results:
@@ -138,32 +171,82 @@ class FullContact(Evaluation):
             results |= self.sampler.steady(self.wear.steady, on_face=on_face)
         return results
 
+    @cached_property
+    def answers(self) -> Results:
+        return self._answers(self.history[ENDS] if len(self.problem.times) else None)
+
+    @property
+    def answers_exact_in_time(self) -> Results:
+        times = self.problem.times
+        return self._answers(self.wear.modal(times[ENDS]) if len(times) else None)
+
+    def _answers(self, ends: History | None) -> Results:
+        """Return the answer by the history at the first and the last time."""
+        return flat_answers(self.problem, self.wear, self._timeless_on_face, ends)
+
     def safety_of(self, name: str) -> float:
         return self.safety
 
+    @cached_property
+    def _missing_layers(self) -> Array:
+        return missing_layers(self.problem, self.smallest)
+
     def estimate(self, name: str, difference: Array) -> Array:
         error = self.safety_of(name) * difference
-        if QUANTITIES[name].dims[:1] == ("time",):
+        if name in IN_LAYERS and self.problem.march == "modal":
+            # the coarser one lacks one layer more, and each of them makes about the same difference
+            error = error * (1 + self._missing_layers)
+        if DESCRIBED[name].dims[:1] == ("time",):
             grid, times, factor = self.problem.estimate_times, self.problem.times[:, None], 2.5
             near = (grid >= times / factor) & (grid <= times * factor)
             error = np.where(near, error, 0.0).max(axis=1)
         return np.maximum(error, self._least_error(name))
 
+    def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
+        return np.maximum(self.safety_of(name) * difference, self._least_error_of_answer(name))
+
+    def _least_error_of_answer(self, name: str) -> float:
+        """Return what a number of the answer is not known better than."""
+        chance = self._chance(name)
+        if name in ("indentation_start", "force_start"):
+            return max(chance, self._stiffness_at_rim)
+        return chance
+
+    def _chance(self, name: str) -> float:
+        """Return by how much two computations may agree by chance, of sums over the elements."""
+        part = CHANCE_OF_ENERGIES if name in ENERGIES else CHANCE
+        elements = len(self.compliance.space.degrees)
+        return max(self._graded * self.problem.rtol * part, 1e-14 * elements)
+
+    @property
+    def _rim_size(self) -> float:
+        """Width of the element at the rim."""
+        return float(self.compliance.space.widths[-1])
+
+    @property
+    def _unknown_rim_force(self) -> float:
+        """Part of the force that roundoff in the width of the element at the rim leaves unknown.
+
+        That element carries the root of its width, which is known where low parts of radii are.
+        """
+        if self.compliance.space.low_parts is not None:
+            return 0.0
+        return float(np.finfo(float).eps / np.sqrt(self._rim_size))
+
+    @property
+    def _stiffness_at_rim(self) -> float:
+        """By how much the flat start errs because of the element at the rim.
+
+        Measured: .06 to .11 of its size.
+        """
+        return 0.2 * self._rim_size + 0.1 * self._unknown_rim_force
+
     def _least_error(self, name: str) -> Array | float:
         """Return what a quantity is not known better than."""
-        breakpoints = self.compliance.space.breakpoints
-        chance = self.problem.rtol * (CHANCE_OF_ENERGIES if name in ENERGIES else CHANCE)
-        # of the numbers of elements
-        least = max(chance, 1e-14 * len(breakpoints))
-        size = float(np.diff(breakpoints)[-1])
-        # the width of the element at the rim is known to roundoff, with the force that it carries,
-        # the root of its width
-        unknown = float(np.finfo(float).eps / np.sqrt(size))
-        # measured: the element at the rim costs the flat start .06 to .11 of its size
-        stiffness = 0.2 * size + 0.1 * unknown
+        least, size, unknown = self._chance(name), self._rim_size, self._unknown_rim_force
         at_start = {
-            "indentation": stiffness,
-            "normal_force": stiffness,
+            "indentation": self._stiffness_at_rim,
+            "normal_force": self._stiffness_at_rim,
             # it moves the other functions that the start is sought among
             "pressure": 3.0 * size + unknown,
             "ring_force": unknown,
@@ -172,181 +255,3 @@ class FullContact(Evaluation):
             return least
         pressed = self.problem.loading.pressed(self.problem.times) > 0
         return np.where(pressed, max(at_start[name], least), least)
-
-
-class MovingContact(Evaluation):
-    """A punch whose contact opens, closes and spreads.
-
-    Parameters
-    ----------
-    problem, compliance : on linear pressures over cells
-    start : a press of the unworn face that is fitted to the edges of the contact
-    looser : how many times larger the error of a step in time may be
-    """
-
-    # edges move, and seldom to the same place in a cell
-    safety = 2.5
-
-    def __init__(
-        self,
-        problem: Problem,
-        compliance: Compliance,
-        start: FittedPress | None = None,
-        looser: float = 1.0,
-    ) -> None:
-        super().__init__(problem, compliance)
-        self.start, self.looser = start, looser
-        # of the accuracy asked for, that each step may add to the worn depth: cells do not get
-        # coarser than 1e-3 asks for, and steps, too few to tell their error by, would save nothing
-        self._tolerance = 0.05 * looser * min(problem.rtol, 1e-3)
-        if np.ptp(problem.loading.forces):
-            # measured: while a force rises from zero, little has worn for how deep the punch is
-            self._tolerance *= 0.02
-
-    @cached_property
-    def march(self) -> ContactMarch:
-        """The punch on its compliance."""
-        problem, compliance = self.problem, self.compliance
-        of_profile = moments(problem.profile, compliance.space)
-        wear_coefficients, load = problem.merged.wear_coefficients, load_of(problem)
-        return ContactMarch(compliance, wear_coefficients, of_profile, load, problem.loading)
-
-    @cached_property
-    def exact_in_time(self) -> History:
-        return self._started(self.march.adaptive(self.problem.times, self._tolerance))
-
-    @cached_property
-    def history(self) -> History:
-        if self.problem.step is None:
-            return self.exact_in_time
-        return self._started(self.march.implicit(self.problem.times, self.problem.step))
-
-    def _started(self, history: History) -> History:
-        # what does not press yet just touches
-        resting = (history.distances == 0) & (history.force == 0)
-        history = replace(history, indentation=np.where(resting, 0.0, history.indentation))
-        if self.start is None:
-            return history
-        started = (history.distances == 0) & (history.force == history.force[0])
-        indentation = np.where(started, self.start.indentation, history.indentation)
-        pressed = Pressed(
-            self.start,
-            np.where(started, self.start.force, 0.0),
-            np.where(started[:, None], 0.0, history.pressure),
-        )
-        return replace(history, indentation=indentation, pressed=pressed)
-
-    @cached_property
-    def for_estimate(self) -> Results:
-        # the coarser one is asked for all of the times that are watched
-        watched = self._started(self.march.watched) if self.looser == 1 else self.history
-        return self.sampler.history(watched, on_face=True)
-
-    def estimate(self, name: str, difference: Array) -> Array:
-        times = self.march.times
-        error = self.safety_of(name) * difference
-        later = (times > 0) | self._starts_on_cells
-        if later.any():
-            among = np.pad(error[later], 3)
-            error[later] = sliding_window_view(among, 7).max(axis=1)
-        return np.maximum(error[np.isin(times, self.problem.times)], self._least_error(name))
-
-    @property
-    def _starts_on_cells(self) -> bool:
-        """Whether what presses at the time 0 is not fitted to the edges of its contact."""
-        return self.start is None and self.problem.loading.forces[0] > 0
-
-    def safety_of(self, name: str) -> float:
-        if self._decays(name):
-            # forces at a given indentation go as no more than the square of the depth, and their
-            # errors stay while they decay
-            return 2 * self.safety
-        # under one load energies and volumes are of second order and more in the cells, which makes
-        # a difference three times the error
-        converges = name in (*ENERGIES, "ring_worn_volume") and not self.problem.loading.varies
-        return 1.5 if converges else self.safety
-
-    def _decays(self, name: str) -> bool:
-        return self.problem.indentation is not None and name in ("normal_force", "ring_force")
-
-    def _least_error(self, name: str) -> Array:
-        """Return what a quantity is not known better than, at the times asked for."""
-        later = self.problem.times > 0
-        if self._starts_on_cells and name != "profile":
-            later = np.ones_like(later)
-        # slopes of the unworn face are differences of heights; edges are sought to a few times
-        # their tolerance; at the start nothing has worn; and edges of the contact leave more to
-        # chance
-        at_start = {"rms_slope": 1e-8, "contact_radius": 5e-8}.get(name, 1e-12)
-        least = np.where(later, 2 * CHANCE * self.problem.rtol, at_start)
-        if name in ("profile", "displacement"):
-            # cells lose this of the bend of fields: where an edge stays in a cell of both meshes,
-            # their difference says nothing of it. Of punches drawn at random none penetrates by
-            # more than .23 of it where cells hold the face
-            lost = 0.25 * self._bends * self._per_depth
-            least = np.maximum(least, np.where(later | (name != "profile"), lost, 0.0))
-        if self._decays(name):
-            # of a force in the end, when little of what was pressed in still overlaps, nothing is
-            # known but that it is small
-            force, full = self.history.force, self.history.contact.all(axis=1)
-            first = np.where(full, force, force.max())
-            decayed = first / np.maximum(force, np.finfo(float).tiny)
-            return 2 * np.maximum(least, np.minimum(self._unresolved * decayed, 5.0))
-        heights = QUANTITIES[name].norm == "indentation"
-        # the unworn face is given, and a press that is fitted to its edges integrates all of it
-        exact = name == "profile" or (name == "indentation" and self.start is not None)
-        felt = heights & (later | (not exact))
-        return np.where(felt, np.maximum(least, self._unresolved), least)
-
-    @cached_property
-    def _unresolved(self) -> Array:
-        """(T,) by how much heights of the face differ from what cells hold, over the
-        indentation.
-        """
-        depth, space = float(self.history.indentation.max()), self.compliance.space
-        return unresolved_height(self.problem.profile, space, depth) * self._per_depth
-
-    @property
-    def _per_depth(self) -> Array:
-        """(T,) the inverse of the indentation, of which nothing is promised while that is zero."""
-        depth = self.history.indentation
-        return np.divide(1.0, depth, out=np.zeros(len(depth)), where=depth > 0)
-
-    @cached_property
-    def _bends(self) -> Array:
-        """(T,) greatest change of a slope from a cell to the next, times the wider of them, of the
-        worn depth and of the displacement.
-        """
-        history, space = self.history, self.compliance.space
-        width = np.diff(space.breakpoints)
-        wider = np.where(np.diff(space.ring) == 0, np.maximum(width[1:], width[:-1]), 0.0)
-        greatest = np.zeros(len(history.distances))
-        for field in (history.profile, self.sampler.displaced(history)):
-            slope = (field[:, space.dofs[:, 1]] - field[:, space.dofs[:, 0]]) / width
-            # at the axis the next cell is the same on the other side
-            change = np.abs(np.diff(slope, axis=1, prepend=-slope[:, :1]))
-            greatest = np.maximum(greatest, (change * np.append(width[0], wider)).max(axis=1))
-        return greatest
-
-    @property
-    def settings(self) -> dict[str, int]:
-        """How large the march was, for the summary."""
-        space = self.compliance.space
-        settings = {
-            "cells": len(space.degrees),
-            "pressures": space.size,
-            "steps": self.history.steps.taken,
-        }
-        if self.start is not None:
-            settings["start_pressures"] = len(self.start.pressure)
-        return settings
-
-    def notes(self) -> list[str]:
-        """Say what the user should know of the cells."""
-        missed, cells = float(self._unresolved.max()), len(self.compliance.space.degrees)
-        if missed <= self.problem.rtol:
-            return []
-        return [
-            f"the face is finer than the {cells} cells resolve: heights differ from what they hold "
-            f"by up to {missed:.1e} of the indentation; a smaller rtol makes more cells"
-        ]

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ...fem.condensation import solver
 from ...meshes.errors import MeshError
 from ...meshes.sizes import NARROWEST
@@ -143,7 +145,20 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
         meshed.notes,
         # on triangles, whose degree is low, meshes of two sizes may miss the same
         safety=1.5 if meshed.mesher == "quads" else 8.0,
+        smallest=_smallest(problem, meshed),
     )
+
+
+def _smallest(problem: Problem, meshed: Meshed) -> float:
+    """Return the least size of elements beside a ring edge that a mesher is asked for.
+
+    Triangles, whose degree is low, are as small as they are, because smaller ones would not help.
+    """
+    from ...meshes.half_space import contact_radii
+
+    if meshed.mesher == "quads":
+        return defaults.fem_smallest(problem)
+    return float(np.diff(contact_radii(meshed.mesh)).min())
 
 
 def _on_cells(problem: Problem, stages: Stages) -> Discretised:

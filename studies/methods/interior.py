@@ -25,7 +25,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ...meshes.radial import Array, Indices
-from ..problem.problem import D0, P0, Problem, Units
+from ..problem.problem import D0, P0, Problem
+from ..problem.quantities import Units
 from ..problem.scene import Scene
 from ..wear.full_contact import RunningIn
 from .base import Solution
@@ -158,7 +159,7 @@ def pressures_of(problem: Problem, fem: Solution, half_space: "HalfSpace", coars
         wear = RunningIn(compliance, problem.merged.wear_coefficients, continuous=False)
         pressures = fem.evaluate(problem, compliance, looser=1 + 3 * coarse).history.pressure
     if problem.steady:
-        pressures = np.vstack([pressures, wear.steady.pressure])
+        pressures = np.vstack([pressures, problem.loading.forces[-1] * wear.steady.pressure])
     return np.asarray(pressures @ space.embedding(within).T)
 
 

@@ -16,10 +16,10 @@ from ..problem.defaults import grid_step
 from ..problem.marching import refused_steps, steps_between
 from ..problem.problem import Problem
 from ..progress import Stages
+from ..sampling.norms import answer_differences, differences
+from ..sampling.sampler import Sampler
 from ..wear.history import History
 from .base import Method, Solution
-from .norms import differences
-from .sampler import Sampler
 
 
 class MdrGrid(Method):
@@ -64,15 +64,19 @@ class MdrGrid(Method):
         with stages("marching"):
             sampler, history = _marched(problem, count, step)
             results, fine = sampler.history(history), sampler.history(history, on_face=True)
+            answers = {"worn_volume": sampler.worn_volumes(history[-1:])[0]}
         with stages("estimating"):
             sampler, history = _marched(problem, count // 2, 2 * step)
             missed = differences(sampler.history(history, on_face=True), fine, problem.face)
+            coarser = {"worn_volume": sampler.worn_volumes(history[-1:])[0]}
             # what is of first order doubles; slopes and jumps at ring edges are of half that
             errors = {name: 2.5 * _near(difference) for name, difference in missed.items()}
+            for name, difference in answer_differences(coarser, answers).items():
+                errors[name] = 2.5 * difference
         parts = {"grid and step": float(errors["indentation"].max())}
         settings = {"grid": count, "step": step}
         checked = {name: values[problem.checked] for name, values in fine.items()}
-        return Solution(results, checked, errors, parts, count + 1, settings)
+        return Solution(results, checked, errors, parts, count + 1, settings, answers=answers)
 
     def _step(self, problem: Problem) -> float:
         return grid_step(problem, UniformGrid(*problem.merged, problem.mdr.grid).stability_limit())

@@ -7,6 +7,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -15,18 +16,20 @@ from ...meshes.contact_cells import fitted_space
 from ...meshes.errors import RingwearError
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
-from ..problem.defaults import mdr_sizes
-from ..problem.loading import Loading
+from ..problem.defaults import RADIAL_ROUNDOFF, mdr_sizes, smallest_size
 from ..problem.marching import refused_steps, steps_between
 from ..problem.problem import Problem
-from ..problem.profile import FLAT
+from ..problem.profile import FLAT, InitialProfile
 from ..problem.shared import Shared
 from ..progress import Stages
+from ..sampling.answers import joined
+from ..sampling.norms import answer_differences, differences, radial_weight
 from ..wear.fitted_press import fit_presses
 from ..wear.flat_contact import FittedPress
+from ..wear.unilateral import Load
 from .base import Discretised, Method, Solution
-from .evaluation import Evaluation, FullContact, MovingContact
-from .norms import differences, radial_weight
+from .evaluation import Evaluation, FullContact
+from .moving_evaluation import MovingContact
 from .spaces import first_contact, load_at_start, pressure_spaces
 
 
@@ -107,6 +110,7 @@ class AnySpaceMethod(ComplianceMethod):
                 compliance.restricted(coarse) if problem.full_contact else self.compliance(coarse)
             ),
             settings=smallest,
+            smallest=smallest_size(problem, RADIAL_ROUNDOFF),
             fitted=(partial(fitted, degree=8), partial(fitted, degree=6)),
         )
 
@@ -121,9 +125,19 @@ def solve_in_full_contact(
         compliances = made.compliance, made.coarser()
     with stages("marching" if len(problems[0].times) else "steady state"):
         return [
-            _solution(made, *(FullContact(problem, each, made.safety) for each in compliances))
+            _solution(
+                made,
+                *(FullContact(problem, each, made.safety, made.smallest) for each in compliances),
+            )
             for problem in problems
         ]
+
+
+# starts of shaped punches that are fitted to the edges of the contact, by the face, as long as that
+# is in use; by method, load and Poisson's ratio
+_STARTS: WeakKeyDictionary[
+    InitialProfile, dict[tuple[Method, Load, float], tuple[FittedPress, FittedPress]]
+] = WeakKeyDictionary()
 
 
 def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: Stages) -> Solution:
@@ -131,7 +145,7 @@ def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: 
     steady = None
     if problem.steady:
         flat = replace(problem, profile=FLAT, times=problem.times[:0], compared_on=problem.face)
-        steady = method.solve(replace(flat, loading=Loading()), stages)
+        steady = method.solve(replace(flat, loading=problem.loading.held_last), stages)
         if not len(problem.times):
             return steady
     with stages("locating"):
@@ -142,8 +156,13 @@ def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: 
     if problem.times[0] == 0 and problem.loading.forces[0] and made.fitted:
         with stages("pressing"):
             load = load_at_start(problem)
+            # the start does not depend on cells: a refinement has the one found before
+            found = _STARTS.setdefault(problem.profile, {})
+            key = method, load, problem.poisson_ratio
             try:
-                presses = fit_presses(problem.profile, load, intervals, made.fitted)
+                if key not in found:
+                    found[key] = fit_presses(problem.profile, load, intervals, made.fitted)
+                presses = found[key]
             except RingwearError as error:
                 notes.append(
                     "the start is as accurate as the march, not fitted to the edges of the "
@@ -155,7 +174,7 @@ def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: 
     with stages("estimating"):
         watched = replace(problem, times=fine.march.times)
         coarse = MovingContact(watched, made.coarser(), presses[1], looser=4.0)
-        solution = _solution(made, fine, coarse)
+        solution = _without_infinite_peak(_solution(made, fine, coarse), problem.rtol)
     solution = replace(
         solution,
         settings=fine.settings,
@@ -163,6 +182,12 @@ def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: 
         march=fine.march,
         presses=tuple(press for press in presses if press is not None),
     )
+    if steady and np.isnan(fine.march.time_of_full_contact):
+        note = (
+            "the steady state is that of all of the face in contact, which the history does not "
+            "reach"
+        )
+        solution = replace(solution, notes=(*solution.notes, note))
     return _beside(solution, steady) if steady else solution
 
 
@@ -179,12 +204,32 @@ def _solution(made: Discretised, fine: Evaluation, coarse: Evaluation) -> Soluti
         made.notes,
         fine.wear,
         made.half_space,
+        smallest=made.smallest,
+        answers=fine.answers,
         evaluate=type(fine),
     )
 
 
+def _without_infinite_peak(solution: Solution, rtol: float) -> Solution:
+    """Return a solution without the peak of the pressure where a coarser press has another.
+
+    At a kink of the face the pressure is infinite, which no number of polynomials shows.
+    """
+    name = "pressure_peak_start"
+    if name not in solution.answers or solution.errors.get(name, np.inf) <= rtol:
+        return solution
+    answers = {key: value for key, value in solution.answers.items() if key != name}
+    errors = {key: error for key, error in solution.errors.items() if key != name}
+    return replace(solution, answers=answers, errors=errors)
+
+
 # fields that greatest values are taken from
 OF_FIELD = {"displacement_max": "displacement", "steady_displacement_max": "steady_profile"}
+
+
+# numbers of a flat punch that are values of the displacement at one place, whose differences cross
+# zero now and then: their errors are at least this part of that of the field
+TAKEN_FROM_FIELD, PART_OF_FIELD = {"displacement_centre", "displacement_max"}, 0.1
 
 
 def estimate_errors(
@@ -202,9 +247,17 @@ def estimate_errors(
             missed["steady_rms_slope"], _square_of_slopes(fine, coarse)
         )
     errors = {name: fine.estimate(name, difference) for name, difference in missed.items()}
+    for name in TAKEN_FROM_FIELD & errors.keys():
+        if problem.full_contact and "displacement" in errors:
+            errors[name] = np.maximum(errors[name], PART_OF_FIELD * errors["displacement"])
+    compared = answer_differences(coarse.answers, fine.answers)
+    for name, difference in compared.items():
+        errors[name] = fine.estimate_answer(name, difference, errors)
     if fine.sampler.by_fields:
         for greatest in OF_FIELD.keys() & errors.keys():
             errors[greatest] = np.maximum(errors[greatest], errors[OF_FIELD[greatest]])
+    if "indentation_steady" in errors:
+        errors["indentation_steady"] = errors["steady_displacement_max"]
     indentation = fine.safety_of("indentation") * missed.get("indentation", np.zeros(1))
     parts = {"discretisation": float(np.max(indentation, initial=0.0))}
     if problem.indentation is not None:
@@ -218,6 +271,7 @@ def estimate_errors(
             for history in (fine.history, fine.exact_in_time)
         )
         steps = differences(marched, exact, problem.face)
+        steps |= answer_differences(fine.answers, fine.answers_exact_in_time)
         errors |= {name: errors[name] + step for name, step in steps.items()}
         parts["time step"] = float(steps["indentation"].max())
     return errors, parts
@@ -245,10 +299,22 @@ def _beside(history: Solution, steady: Solution) -> Solution:
         history,
         results=steady.results | history.results,
         checked=steady.checked | history.checked,
-        errors=history.errors | steady.errors,
+        errors=history.errors | steady.errors | _join_errors(history, steady),
+        answers=joined(history.answers, steady.answers),
         notes=(*history.notes, *steady.notes),
         settings={
             **history.settings,
             "steady_state": {**steady.settings, "unknowns": steady.unknowns},
         },
     )
+
+
+def _join_errors(history: Solution, steady: Solution) -> dict[str, Array]:
+    """Return errors of the numbers of the answer of which two solutions give a part each."""
+    shared = history.answers.keys() & steady.answers.keys()
+    stated = history.errors, steady.errors
+    return {
+        name: np.where(np.isnan(stated[0][name]), stated[1][name], stated[0][name])
+        for name in shared
+        if all(name in errors for errors in stated)
+    }

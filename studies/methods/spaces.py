@@ -5,6 +5,7 @@ degree. Where edges of the contact move, pressures jump at places that are not k
 linear pressures on cells.
 """
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -13,12 +14,18 @@ from ...mdr import energy
 from ...meshes.contact_cells import ContactCells
 from ...meshes.errors import SceneError
 from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Array, Indices, graded_breakpoints, ring_of
+from ...meshes.radial import Array, Indices, exact_graded_breakpoints
 from ...meshes.sizes import spared_degrees
 from ..problem.defaults import affordable, cells_of, mdr_sizes
 from ..problem.problem import Problem
-from ..wear.contact_edges import located
+from ..wear.contact_edges import located, refine_at_free_edges
 from ..wear.unilateral import Interval, Load
+
+# strength of a kink of the wear coefficient (`Rings.kinks`) that asks for no layer
+WEAK_KINK = 0.1
+# part of the accuracy asked for by which smaller cells may change the start; cells do not get
+# coarser than the coarsest accuracy asks for
+START_TOLERANCE, COARSEST_RTOL = 0.2, 1e-3
 
 
 def pressure_spaces(problem: Problem) -> tuple[PressureSpace, PressureSpace]:
@@ -50,9 +57,19 @@ def first_contact(
     It decides on the cells only: any method's compliance will do, and this one is quick.
     """
     cells = cells_of(problem, finer)
-    intervals, cells = located(energy.compliance, problem.profile, load_at_start(problem), cells)
+    load = load_at_start(problem)
+    intervals, cells = located(energy.compliance, problem.profile, load, cells)
     if not intervals:
         raise SceneError("load.indentation presses on less than cells can be made for: give more")
+    if finer == 1:
+        tolerance = START_TOLERANCE * min(problem.rtol, COARSEST_RTOL)
+        intervals, cells = refine_at_free_edges(
+            energy.compliance, problem.profile, load, cells, tolerance
+        )
+    else:
+        # the same edges for both, so that their difference says what the size of cells costs
+        edges = first_contact(problem)[1].free_edges
+        cells = replace(cells, free_edges=tuple(edge.scaled(1 / finer) for edge in edges))
     return intervals, cells
 
 
@@ -72,33 +89,33 @@ def radial_space(
     """Return a graded space whose degrees rise away from the singular points, to at least that of
     smooth modes in the largest elements.
 
-    A ring narrower than the sizes still gets a layer at each of its edges: none is wider than a
-    tenth of the ring.
+    A ring narrower than the sizes still gets a layer at each of its edges, no wider than a tenth of
+    the ring. Where the wear coefficient has but a weak kink, it may have none.
     """
     rings = problem.merged
-    at_edges = np.minimum(ring_size, 0.1 * rings.narrower)
+    widest = np.where(rings.kinks[:-1] < WEAK_KINK, 1.0, 0.1)
+    at_edges = np.minimum(ring_size, widest * rings.narrower)
     at_rim = min(rim_size, 0.1 * float(rings.widths[-1]))
-    breakpoints = graded_breakpoints(rings.ring_edges, at_edges, at_rim, grading)
-    return PressureSpace(
-        breakpoints,
-        degrees(problem, breakpoints, degree, grading, degree_of_modes),
-        rings.ring_edges,
-    )
+    breakpoints, low_parts = exact_graded_breakpoints(rings.ring_edges, at_edges, at_rim, grading)
+    linear = np.ones(len(breakpoints) - 1, dtype=np.int64)
+    space = PressureSpace(breakpoints, linear, rings.ring_edges, low_parts)
+    return replace(space, degrees=degrees(problem, space, degree, grading, degree_of_modes))
 
 
 def degrees(
-    problem: Problem, breakpoints: Array, highest: int, grading: float, of_modes: int
+    problem: Problem, space: PressureSpace, highest: int, grading: float, of_modes: int
 ) -> Indices:
-    """Return the degree of each element.
+    """Return the degree of each element of a space.
 
     It is `highest` where most is needed, and as much lower elsewhere as less stands behind it, but
     no lower than 2, nor than smooth modes ask for: half as much in each layer, whose elements are
     several times smaller.
     """
-    edges = problem.merged.ring_edges
-    ring = ring_of(edges, (breakpoints[1:] + breakpoints[:-1]) / 2)
-    from_inner = np.where(ring > 0, breakpoints[1:] - edges[ring], np.inf)
-    from_outer = edges[ring + 1] - breakpoints[:-1]
+    edges, ring = problem.merged.ring_edges, space.ring
+    at_edges, element = np.searchsorted(space.sort_keys, edges + 0j), np.arange(len(ring))
+    # distances of the far ends of the elements from the edges of their rings
+    from_inner = np.where(ring > 0, space.distance(at_edges[ring], element + 1), np.inf)
+    from_outer = space.distance(element, at_edges[ring + 1])
     nearest = np.where(from_outer <= from_inner, ring, ring - 1)
     distance, half = np.minimum(from_inner, from_outer), np.diff(edges)[ring] / 2
     behind = affordable(problem, grading).sharpness(distance, half, nearest)

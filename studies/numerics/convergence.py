@@ -35,12 +35,12 @@ from ...meshes.pressure_space import PressureSpace
 from ...meshes.quads import graded
 from ...meshes.radial import Array, graded_breakpoints
 from ...meshes.sizes import SizeField
-from ..methods.evaluation import MovingContact
-from ..methods.norms import Results, differences
+from ..methods.moving_evaluation import MovingContact
 from ..methods.spaces import first_contact
 from ..problem.defaults import FACTOR, GROWTH
 from ..problem.problem import Problem
 from ..problem.scene import Scene
+from ..sampling.norms import Results, differences
 from ..tables import Row
 from .core import FLAT, Discretised, condense, evaluate, flat_d0_error
 from .sequences import Family, Theory, study_orders

@@ -10,8 +10,8 @@ from ...fem.half_space import HalfSpace, pressure_space
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..methods.evaluation import FullContact
-from ..methods.norms import Results
 from ..problem.problem import D0, Problem
+from ..sampling.norms import Results
 from ..wear.flat_contact import press_flat
 
 Discretised = tuple[Compliance, int]

@@ -2,7 +2,7 @@
 
 The scenes are listed in `extremes.toml`. A cell of the map is a run of one scene by one method,
 beside direct integration. Its verdict is the worst of the quantities of the steady state, which
-direct integration has in closed form, and of anchors (`studies/crosscheck/anchors.py`):
+direct integration has in closed form, and of anchors (`studies/anchors/`):
 
     within      the error is within the method's own estimate, and every anchor holds
     degraded    the estimate states an error above ten times the accuracy asked for, or falls short
@@ -14,6 +14,7 @@ direct integration has in closed form, and of anchors (`studies/crosscheck/ancho
 
 import argparse
 import json
+import sys
 import time
 import tomllib
 import warnings
@@ -113,7 +114,9 @@ def judge(scenes: dict[tuple[str, Any, Any], Scene], cell: tuple[str, Any, Any])
 
 def rank(judged: dict[str, Any]) -> tuple[int, float]:
     """Return how bad a quantity is: by its verdict, then by its error over the estimate."""
-    return list(VERDICTS).index(judged["verdict"]), judged["error"] / judged["estimate"]
+    # what is exact, such as a key that is passed on, has an estimate of zero
+    estimate = max(judged["estimate"], sys.float_info.min)
+    return list(VERDICTS).index(judged["verdict"]), judged["error"] / estimate
 
 
 def judge_quantities(result: Result) -> Iterator[dict[str, Any]]:

@@ -21,7 +21,7 @@ from ...meshes.errors import RingwearError
 from ...meshes.radial import Array
 from ..figures.style import LOOKS, curve, legend_below, new_figure
 from ..progress import LOG
-from ..tables import Row, keeping_rows
+from ..tables import Row, keeping_rows, without_formulas
 
 WITHIN = 0.15
 """How far an observed order may be from theory's, by least squares and between the last levels."""
@@ -163,7 +163,7 @@ def solve_all(
                     conclusions.append(f"{family.name}, {setting} failed: {error}")
                 rows.append(row)
                 last = pd.DataFrame([row], columns=columns)
-                last.to_csv(path, mode="a", header=False, index=False)
+                without_formulas(last).to_csv(path, mode="a", header=False, index=False)
     return pd.DataFrame(rows, columns=columns)
 
 

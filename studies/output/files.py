@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ...meshes.errors import RingwearError
 from ..problem.unit_names import NO_UNIT
 from ..progress import LOG
+from ..tables import write_csv
 from .signals import STOPPED
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ def write_tables(dataset: "xarray.Dataset", directory: Path) -> None:
         table = dataset[names].to_dataframe().dropna(how="all", subset=names).reset_index()
         if len(table):
             file = "_".join(map(str, dims)) + ".csv"
-            table.rename(columns=heads).to_csv(directory / file, index=False)
+            write_csv(table.rename(columns=heads), directory / file)
 
 
 def draw(result: "Result", pictures: Sequence["Picture"], directory: Path) -> list[str]:

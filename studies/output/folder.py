@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryFile
+from typing import Any
 
 from ...meshes.errors import SceneError
 from .signals import signals_wait
@@ -57,7 +58,7 @@ class Folder:
 
     def publish(self) -> None:
         """Put all that has been written in the place of the command's earlier files."""
-        self.written = sorted(os.listdir(self.hidden))
+        self.written = sorted(set(os.listdir(self.hidden)) - {MARKER})
         self.refuse_to_replace(self.written)
         files = {
             command: sorted(set(names).difference(self.written))
@@ -75,22 +76,49 @@ def put_in_place(out: Path) -> None:
     Wherever it is stopped, it can be gone on with.
     """
     complete = out / COMPLETE
+    if not os.path.lexists(complete):
+        return
     if (complete / MARKER).exists():
         replaced = _files_of_ringwear(out) - _files_of_ringwear(complete)
         for name in replaced.intersection(os.listdir(out)):
             (out / name).unlink()
         for name in sorted(os.listdir(complete), key=MARKER.__eq__):
             os.replace(complete / name, out / name)
-    shutil.rmtree(complete, ignore_errors=True)
+    complete.rmdir()
+
+
+def refuse_foreign_folders(out: Path) -> None:
+    """Refuse folders of others that have the names of ours, which hold a marker or nothing.
+
+    Raises
+    ------
+    SceneError
+        naming the folder
+    """
+    for name in (WRITING, COMPLETE):
+        path = out / name
+        if not os.path.lexists(path):
+            continue
+        real = path.is_dir() and not path.is_symlink()
+        if not real or ((names := os.listdir(path)) and MARKER not in names):
+            raise SceneError(
+                f"--out {out} holds {name}, which ringwear has not written: move it away, or give "
+                "another directory"
+            )
 
 
 def _files_by_command(folder: Path) -> dict[str, list[str]]:
     """Return the names of files that each command has put into a folder."""
     try:
-        files: dict[str, list[str]] = json.loads((folder / MARKER).read_text("utf-8"))
-    except (OSError, ValueError):
+        files: Any = json.loads((folder / MARKER).read_text("utf-8"))
+        return {
+            command: [name for name in names if isinstance(name, str)]
+            for command, names in files.items()
+            if isinstance(names, list)
+        }
+    except (OSError, ValueError, AttributeError):
+        # it is damaged, or no marker: nothing is ringwear's
         return {}
-    return files
 
 
 def _files_of_ringwear(folder: Path) -> set[str]:
@@ -121,14 +149,25 @@ def output_folder(out: Path, command: str, names: Iterable[str] = ()) -> Iterato
     made = [folder for folder in (out, *out.parents) if not folder.exists()]
     with lock_folder(out):
         folder = Folder(out, command)
+        refuse_foreign_folders(out)
         put_in_place(out)
         shutil.rmtree(folder.hidden, ignore_errors=True)
+        published = False
         try:
             folder.hidden.mkdir()
+            # by which the next run knows it for ours
+            (folder.hidden / MARKER).write_text("{}\n", "utf-8")
             folder.refuse_to_replace(names)
             yield folder
             with signals_wait():
                 folder.publish()
+                published = True
+        except KeyboardInterrupt as stop:
+            if not published:
+                raise
+            raise KeyboardInterrupt(
+                f"stopped when all was done; the new results are in place in {out}"
+            ) from stop
         finally:
             with signals_wait():
                 shutil.rmtree(folder.hidden, ignore_errors=True)

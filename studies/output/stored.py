@@ -10,10 +10,12 @@ import numpy as np
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
+from ..anchors.anchor import Anchor
 from ..crosscheck.agreement import Agreement
-from ..crosscheck.anchor import Anchor
 from ..crosscheck.dataset import Result
+from ..crosscheck.promise import LeftOut
 from ..crosscheck.scope import methods_of
+from ..crosscheck.sizes import refuse_large
 from ..crosscheck.table import Table
 from ..problem.scene import Scene
 from ..registry import METHODS
@@ -41,6 +43,15 @@ class Stored(Result):
     @property
     def summary(self) -> dict[str, Any]:
         return self.told
+
+    @property
+    def verdict(self) -> str:
+        return str(self.told["verdict"])
+
+    @cached_property
+    def left_out_of_promise(self) -> tuple[LeftOut, ...]:
+        rows = self.told.get("left_out_of_promise", [])
+        return tuple(LeftOut(**row | {"times": tuple(row["times"])}) for row in rows)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -77,7 +88,9 @@ def load(folder: str | Path) -> Stored:
     path = Path(folder)
     try:
         told = json.loads((path / "summary.json").read_text("utf-8"))
-        data: Any = xarray.load_dataset(path / "results.nc", engine="netcdf4")
+        with xarray.open_dataset(path / "results.nc", engine="netcdf4") as opened:
+            refuse_large(path / "results.nc", opened)
+            data: Any = opened.load()
         scene = Scene.from_toml(data.attrs["scene"], str(path))
         rows = _rebuilt(Agreement, told["agreement"])
     except (OSError, KeyError, ValueError) as error:

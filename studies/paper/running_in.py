@@ -14,9 +14,9 @@ from ...mdr.transforms import line_density
 from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
 from ..crosscheck.run import run
-from ..methods.sampler import AVERAGES
 from ..problem.problem import D0
 from ..problem.scene import Scene
+from ..sampling.sampler import AVERAGES
 from .theory import PERCENTS, STATIONARY
 
 # methods that know histories

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import xarray
 
-from ..methods.sampler import AVERAGES
 from ..problem.scene import Scene
+from ..sampling.sampler import AVERAGES
 from ..sweep.axes import Sweep
 from ..sweep.conduct import sweep
-from ..tables import keeping_rows
+from ..tables import keeping_rows, write_csv
 from . import claims, figures
 from .running_in import FiveRings
 from .theory import WEAR_RATIO_OF_WIDTHS, homogeneous, many_rings
@@ -42,7 +42,7 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
             difference = float(abs(curves[number].fem / curves[number].direct - 1).max())
             conclusions.append(f"Fig. {number}: finite elements within {difference:.0e}")
         table = claims.tabulate_claims(states, history, curves[6], curves[7])
-        table.to_csv(out / "claims.csv", index=False)
+        write_csv(table, out / "claims.csv")
         conclusions += claims.conclude(table)
     return conclusions
 

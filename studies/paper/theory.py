@@ -14,7 +14,7 @@ import numpy as np
 
 from ...mdr import direct
 from ...meshes.radial import Array
-from ..methods.sampler import AVERAGES
+from ..sampling.sampler import AVERAGES
 
 # of the way of the greatest displacement, by which Fig. 4 tells its states
 PERCENTS = (0, 10, 30, 50, 70, 90, 100)

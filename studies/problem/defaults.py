@@ -25,9 +25,20 @@ TRUNCATION, WIDER_TRUNCATION = 2.5, 5.0
 # of quadrilaterals: a layer is smaller by this than the one outside it; elements between the
 # patches grow by that
 FACTOR, GROWTH = 0.25, 0.5
-# smaller elements have too few digits left in their coordinates, which at the rim are distances
-# from 1
-SMALLEST, SMALLEST_RIM = 1e-12, 1e-14
+# relative error of the RMS slope by roundoff, times the size of the smallest elements, in a: of
+# finite elements, and of dimensionality reduction and boundary elements. Measured by five rings on
+# elements of 1e-10 to 1e-24 a: slopes of elements of size h err by roundoff / h, and their mean
+# square over the face by roundoff^2 / h
+FEM_ROUNDOFF, RADIAL_ROUNDOFF = 2e-22, 5e-27
+# greatest size that this roundoff may ask for: larger elements would lose more than it takes
+GREATEST_OF_SMALLEST = 1e-12
+# first time over the slowest relaxation time below which roundoff of the modes is felt, too
+EARLIEST_OF_MODES = 1e-16
+# a quantity is felt in layers that a mesh has, or its coarser one lacks, if they are thinner than
+# this many times its smallest elements: two layers of them
+THIN = FACTOR**-2
+# greatest number of pressures: dense matrices of more take more than half a minute
+MOST_PRESSURES = 3500
 
 
 def pressure_degree(problem: Problem, ratio: float) -> float:
@@ -47,16 +58,17 @@ def _enough(degree: Array | float) -> Array | float:
 
 
 def degree_of_modes(problem: Problem) -> float:
-    """Degree that the slowest relaxation modes ask for on the ring that has most of them.
+    """Return the degree that the slowest modes ask for on the ring that has most of them.
 
     Measured: three relaxation times err by 1e-2, 2e-4, 7e-7, 1e-9 in degrees 4, 6, 8, 10 if all
     are of one ring, by 7e-5, 1e-7, 1e-10 in degrees 4, 6, 8 if two are, by 2e-8 in degree 4 if each
-    has one.
+    has one. So another mode on a ring asks for 1.5 degrees more; with eight of them on one ring all
+    eight err by less than .02 rtol, from 1e-2 to 1e-6.
     """
     slowest = problem.merged.widths / problem.merged.ends.mean(axis=0)
     times = slowest[:, None] / np.arange(1, COMPARED_MODES + 1)
     most = (times >= np.sort(times, axis=None)[-COMPARED_MODES]).sum(axis=1).max()
-    return float(2.8 - 1.15 * np.log10(problem.rtol) - 1.5 * (COMPARED_MODES - most))
+    return float(2.8 - 1.15 * np.log10(problem.rtol) + 1.5 * (most - 3))
 
 
 def pressures(problem: Problem, ratio: float) -> float:
@@ -85,10 +97,10 @@ def affordable(problem: Problem, ratio: float) -> Problem:
     what is asked for at the least: energies, which converge twice as fast, still reach it.
     """
     # what errs by the square of the fields' errors may have coarser fields
-    fields = min(3 * problem.rtol**0.5, 0.3) if problem.energies_only else problem.rtol
+    fields = min(problem.rtol**0.5, 0.3) if problem.energies_only else problem.rtol
     fewer = replace(problem, rtol=fields)
     # dense matrices cost the third power of the pressures
-    while fewer.rtol < problem.rtol**0.5 and pressures(fewer, ratio) > 1000:
+    while fewer.rtol < problem.rtol**0.5 and pressures(fewer, ratio) > MOST_PRESSURES:
         fewer = replace(fewer, rtol=min(2 * fewer.rtol, problem.rtol**0.5))
     return fewer
 
@@ -105,11 +117,12 @@ def mdr_sizes(problem: Problem) -> dict[str, Any]:
     chosen, grading = problem.mdr, problem.mdr.grading or 0.2
     fields, modes = affordable(problem, grading), np.ceil(degree_of_modes(problem))
     degree = np.ceil(pressure_degree(fields, grading))
+    smallest = smallest_size(problem, RADIAL_ROUNDOFF)
     return {
         "degree": chosen.degree or min(int(degree), 20),
         "degree_of_modes": chosen.degree or min(int(modes), 20),
-        "rim_size": chosen.rim_size or rim_size(problem, fields),
-        "ring_size": chosen.ring_size or ring_sizes(fields),
+        "rim_size": chosen.rim_size or max(rim_size(problem, fields), smallest),
+        "ring_size": chosen.ring_size or np.maximum(ring_sizes(fields), smallest),
         "grading": grading,
     }
 
@@ -128,14 +141,10 @@ def edge_sizes(problem: Problem) -> Array:
     )
     # of the pressure, the power 3/2 of that
     sizes = np.minimum(sizes, 0.3 * blunted.slow * (rtol / np.sqrt(sharp)) ** (2 / 3))
-    # where wear is continuous, pressures of early times are a logarithm of the distance at most
-    sizes = np.maximum(sizes, np.where(problem.merged.smooth, rtol**0.5 * narrower, 0.0))
-    return np.asarray(np.maximum(sizes, np.where(at_rim, SMALLEST_RIM, SMALLEST)))
-
-
-def at_smallest(problem: Problem) -> bool:
-    """Whether a size wanted is below what coordinates can tell."""
-    return bool(edge_sizes(problem).min() <= SMALLEST)
+    # where wear is continuous, pressures of early times are a logarithm of the distance at most,
+    # whose amplitude is that of the kink
+    continuous = np.minimum(rtol**0.5 / np.maximum(problem.merged.kinks, rtol), 1.0) * narrower
+    return np.asarray(np.where(problem.merged.smooth, np.maximum(sizes, continuous), sizes))
 
 
 def rim_size(problem: Problem, fields: Problem) -> float:
@@ -143,8 +152,7 @@ def rim_size(problem: Problem, fields: Problem) -> float:
 
     Pressures of the flat start err by up to three times that size, its energy by a tenth.
     """
-    at_start = (0.5 if problem.energies_only else 0.03) * problem.rtol
-    return float(min(edge_sizes(fields)[-1], at_start))
+    return float(min(edge_sizes(fields)[-1], 0.03 * problem.rtol))
 
 
 def ring_sizes(problem: Problem) -> Array:
@@ -152,14 +160,45 @@ def ring_sizes(problem: Problem) -> Array:
     return np.asarray(2.0 ** np.floor(np.log2(edge_sizes(problem)[:-1])))
 
 
+def smallest_size(problem: Problem, roundoff: float) -> float:
+    """Return the least size of elements beside a ring edge, so that roundoff costs a third of rtol.
+
+    Parameters
+    ----------
+    problem : with its accuracy and its times
+    roundoff : of the method, `FEM_ROUNDOFF` or `RADIAL_ROUNDOFF`
+    """
+    slowest = float(problem.merged.ends.min())
+    if 0 < problem.earliest * slowest < EARLIEST_OF_MODES:
+        return GREATEST_OF_SMALLEST
+    return min(3 * roundoff / problem.rtol, GREATEST_OF_SMALLEST)
+
+
+def fem_smallest(problem: Problem) -> float:
+    """Return the least size of finite elements beside a ring edge."""
+    return smallest_size(problem, FEM_ROUNDOFF)
+
+
+def missing_layers(problem: Problem, smallest: float) -> Array:
+    """Return how many layers of elements (T,) a mesh lacks at each time that errors are estimated
+    at, because its elements are no smaller than a least size.
+    """
+    missing = np.zeros(len(problem.estimate_times))
+    for number, time in enumerate(problem.estimate_times):
+        since = replace(problem, times=np.array([time]))
+        wanted = float(edge_sizes(since).min()) if since.earliest else np.inf
+        missing[number] = max(np.log(wanted / smallest) / np.log(FACTOR), 0.0) if smallest else 0.0
+    return missing
+
+
 def quad_sizes(problem: Problem) -> dict[str, Any]:
     """Of quadrilaterals in geometric layers, by the names of `meshes.quads.graded`."""
     chosen, fields = problem.fem, affordable(problem, FACTOR)
-    wanted = ring_sizes(fields)
+    wanted = np.maximum(ring_sizes(fields), fem_smallest(problem))
     far = TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION
     return {
         "sizes": np.full(len(wanted), chosen.ring_size) if chosen.ring_size else wanted,
-        "rim_size": chosen.rim_size or max(rim_size(problem, fields), SMALLEST),
+        "rim_size": chosen.rim_size or max(rim_size(problem, fields), fem_smallest(problem)),
         "factor": FACTOR,
         "growth": chosen.growth or GROWTH,
         "outer": chosen.truncation or far,

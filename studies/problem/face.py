@@ -79,6 +79,20 @@ class Rings(NamedTuple):
         return np.append((outer[:-1] == inner[1:]) & self.linear, False)
 
     @property
+    def kinks(self) -> Array:
+        """(N,) how strong the kink of the wear coefficient is at each edge but the centre.
+
+        Where wear is continuous it is the root of the change of its slope over the narrower ring
+        beside the edge, over the coefficient there, and 1 at the most; elsewhere it is 1.
+        """
+        inner, outer = self.ends
+        slopes = (outer - inner) / self.widths
+        changes = np.abs(np.diff(slopes)) * self.narrower / outer[:-1]
+        # the estimate of the error sees a part of it only where layers grow with the root
+        strengths = np.sqrt(np.minimum(np.append(changes, 1.0), 1.0))
+        return np.where(self.smooth, strengths, 1.0)
+
+    @property
     def widths(self) -> Array:
         return np.diff(self.ring_edges)
 

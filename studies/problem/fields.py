@@ -1,5 +1,6 @@
 """What the tables of the scene file are made of: kinds of numbers, and kinds of profiles."""
 
+import os
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -32,9 +33,19 @@ def check_range(value: float) -> float:
     return value
 
 
+def check_ranges(values: list[float]) -> list[float]:
+    """Refuse values other than 0 that leave the range of double precision in products of a few."""
+    for value in values:
+        if value:
+            check_range(value)
+    return values
+
+
 Positive = Annotated[float, AfterValidator(check_range)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Increasing = Annotated[list[NotNegative], AfterValidator(check_increasing)]
+# of which each but 0 is within the range of double precision in products of a few such numbers
+Times = Annotated[Increasing, AfterValidator(check_ranges)]
 
 
 def optional(description: str, **limits: Any) -> Any:
@@ -218,8 +229,21 @@ KINDS: dict[str, type[Section]] = {
 }
 
 
+def refuse_device(path: Path) -> None:
+    """Refuse what is no file and may have no end, such as /dev/zero; pipes end.
+
+    Raises
+    ------
+    ValueError
+        naming it
+    """
+    if path.is_char_device() and not path.samefile(os.devnull):
+        raise ValueError(f"'{path}' is a device, which may have no end: give a file")
+
+
 def read_table(path: Path) -> list[list[float]]:
     """Return two columns of numbers; a first line without numbers is a heading."""
+    refuse_device(path)
     try:
         rows = np.genfromtxt(path, delimiter=",", encoding="utf-8", ndmin=2)
         radii, heights = rows[int(np.isnan(rows[0]).all()) :].T.tolist()

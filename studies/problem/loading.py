@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...meshes.radial import Array, Indices
+from .fields import OverTime
 
 
 class State(NamedTuple):
@@ -50,6 +51,17 @@ class Loading:
     forces: Array = field(default_factory=lambda: np.ones(1))
     speeds: Array = field(default_factory=lambda: np.ones(1))
 
+    @classmethod
+    def over_time(cls, force: OverTime, speed: OverTime, unit: float) -> "Loading":
+        """Return a loading by force and speed over time, which is counted in a unit."""
+        if len(force.times) == len(speed.times) == 1:
+            return cls()
+        times = np.unique([0.0, *force.times, *speed.times])
+        both = force, speed
+        values = (np.interp(times, each.times, each.values) / each.greatest for each in both)
+        loading = cls(times / unit, *values)
+        return loading if loading.varies else cls()
+
     @property
     def varies(self) -> bool:
         """Whether the force or the speed ever changes."""
@@ -59,6 +71,11 @@ class Loading:
     def rising(self) -> bool:
         """Whether the force never falls, so that contact of a flat punch stays full."""
         return bool((np.diff(self.forces) >= 0).all())
+
+    @property
+    def held_last(self) -> "Loading":
+        """The force and speed of the last knot, as if they had always been."""
+        return Loading(np.zeros(1), self.forces[-1:], self.speeds[-1:])
 
     def at(self, times: Array) -> State:
         """Return the load at times (T,), exactly."""

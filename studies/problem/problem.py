@@ -24,7 +24,7 @@ from ...meshes.sizes import Sharpness
 from .face import Face, Rings
 from .loading import Loading
 from .profile import FLAT, InitialProfile
-from .quantities import ENERGIES, GROUPS, HISTORIES, OF_PROFILES, STEADY, expand
+from .quantities import ENERGIES, GROUPS, HISTORIES, OF_PROFILES, STEADY, Units, expand
 from .sections import (
     AccuracySection,
     FemAccuracy,
@@ -39,46 +39,11 @@ from .sections import (
 D0, P0 = 0.5, 1 / (2 * np.pi)  # the paper's d0 = F/(2 a E*) and p0 = F/(2 pi a^2), non-dimensional
 
 
+# times that running-in, and the times asked for, may take until all of the face carries: where it
+# takes more, its steady state is out of reach
+OUT_OF_REACH = 1e3
 # times at which whole fields are compared, and by which errors are estimated
 MOST_CHECKED, MOST_ESTIMATED = 40, 60
-
-
-@dataclass(frozen=True)
-class Units:
-    """Sizes of the non-dimensional units in the scene's own."""
-
-    length: float = 1.0
-    modulus: float = 1.0
-    force: float = 1.0
-    time: float = 1.0
-    wear_coefficient: float = 1.0
-    # of what has none
-    share: float = 1.0
-    number: float = 1.0
-
-    @property
-    def pressure(self) -> float:
-        """F / a^2."""
-        return self.force / self.length / self.length
-
-    @property
-    def displacement(self) -> float:
-        """Of displacement and of worn height, F / (a E*)."""
-        return self.force / self.length / self.modulus
-
-    @property
-    def volume(self) -> float:
-        """Of worn volume, a^2 times that of heights."""
-        return self.displacement * self.length**2
-
-    @property
-    def slope(self) -> float:
-        return self.displacement / self.length
-
-    @property
-    def wear_rate(self) -> float:
-        """Of df/dt."""
-        return self.displacement / self.time
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,8 +71,8 @@ class Problem:
     graded : rings between the edges of which wear is linear; None if it is constant on `rings`
     quantities : names of those wanted; None for all that go with times and steady state. Sizes and
         estimates serve these alone
-    loading : force and speed over time; their greatest values are those of the units, and of the
-        steady state
+    loading : force and speed over time; their greatest values are those of the units, those held
+        last make the steady state
     """
 
     rings: Rings
@@ -121,7 +86,7 @@ class Problem:
     output_radii: Array | None = None
     fem: FemAccuracy = field(default_factory=FemAccuracy)
     mdr: MdrAccuracy = field(default_factory=MdrAccuracy)
-    units: Units = Units()
+    units: Units = field(default_factory=Units)
     profile: InitialProfile = FLAT
     indentation: float | None = None
     compared_on: Face | None = None
@@ -184,8 +149,10 @@ class Problem:
             profile=profile,
             graded=graded,
             indentation=None if load.indentation is None else D0,
-            loading=_loading(load, time),
+            loading=Loading.over_time(load.pressing, load.sliding, time),
         )
+        if problem.why_never_steady:
+            problem = replace(problem, steady=False)
         wanted = expand(output.quantities)
         return problem if wanted == GROUPS["all"] else problem.asking_for(wanted)
 
@@ -205,6 +172,39 @@ class Problem:
         """
         return self.profile.flat and self.loading.rising
 
+    @cached_property
+    def time_to_wear_flat(self) -> float:
+        """Sliding distance by which the greatest force wears off all that stands out of the face.
+
+        It is ``int (max f - f) / k dA / F``; of a sphere, ``a^4 = 4 R k F t / pi``. Then about all
+        of the face carries.
+        """
+        radii, heights = self.profile.sampled()
+        between, areas = (radii[1:] + radii[:-1]) / 2, np.pi * np.diff(radii**2)
+        means = (heights[1:] + heights[:-1]) / 2
+        return float((heights.max() - means) / self.merged.at(between) @ areas)
+
+    @cached_property
+    def why_never_steady(self) -> str:
+        """Why there is no steady state to tell, although a force presses; empty if there is one."""
+        if self.indentation is not None:
+            return ""
+        last_force, last_speed = self.loading.forces[-1], self.loading.speeds[-1]
+        if not last_force or not last_speed:
+            what = "nothing presses" if not last_force else "the punch stands still"
+            return f"in the end {what}, and the face wears no more"
+        if self.full_contact or not self.earliest:
+            return ""
+        # running-in takes about the slowest relaxation time, that of the slowest material
+        running_in = 1 / float(self.merged.ends[1].min())
+        if self.time_to_wear_flat <= OUT_OF_REACH * max(float(self.distances[-1]), running_in):
+            return ""
+        time = self.time_to_wear_flat / last_force / last_speed * self.units.time
+        return (
+            f"out of reach: all of the face would carry from about t = {time:.2g} on only, and the "
+            "steady state of the part that carries until then is not known; the history is right"
+        )
+
     @property
     def ring_edges(self) -> Array:
         return self.rings.ring_edges
@@ -216,6 +216,8 @@ class Problem:
     @cached_property
     def distances(self) -> Array:
         """(T,) sliding distance by each time: the time itself at constant speed."""
+        if not len(self.times):
+            return self.times
         return self.loading.at(self.times).distance
 
     @property
@@ -231,7 +233,9 @@ class Problem:
         slower = np.minimum(wear, outside)
         span = float(self.distances[-1] / earliest) if self.earliest else 1.0
         slow = np.where(self.merged.smooth, np.inf, slower * earliest)
-        return Sharpness(self.rtol, slow, np.maximum(wear, outside) / slower, span)
+        ratio = np.maximum(wear, outside) / slower
+        narrower = np.append(self.merged.narrower, self.merged.widths[-1])
+        return Sharpness(self.rtol, slow, ratio, span, self.merged.kinks, narrower)
 
     def sizes_given(self, method: str) -> bool:
         """Return whether the user has given the sizes of a method, which then stay as they are."""
@@ -263,6 +267,7 @@ class Problem:
             raise SceneError(
                 f"output.quantities = {', '.join(sorted(quantities))}: the scene has none of them; "
                 "give wear.times for a history, steady = true for a steady state"
+                + (f" (which is {self.why_never_steady})" if self.why_never_steady else "")
             )
         history = bool(wanted & HISTORIES)
         times, march = (self.times, self.march) if history else (self.times[:0], "modal")
@@ -277,6 +282,18 @@ class Problem:
     def energies_only(self) -> bool:
         """Whether nothing but energies is wanted, which converge twice as fast as fields do."""
         return self.quantities is not None and self.quantities <= set(ENERGIES)
+
+    @property
+    def parts_left(self) -> dict[str, float]:
+        """What part of the running-in is left at each of the times that the answer tells.
+
+        A load that varies has no such times.
+        """
+        if self.loading.varies:
+            return {}
+        if self.indentation is not None:
+            return {"time_to_half_force": 0.5}
+        return {"time_to_90": 0.1, "time_to_99": 0.01}
 
     @cached_property
     def radii(self) -> Array:
@@ -358,12 +375,3 @@ def _approach(punch: PunchSection, given: float, ring_edges: Array) -> float:
             "the half-space where it is nearest; give more"
         )
     return given - least
-
-
-def _loading(load: LoadSection, unit: float) -> Loading:
-    """Return force and speed over time, which is counted in a unit."""
-    force, speed = load.pressing, load.sliding
-    times = np.unique([0.0, *force.times, *speed.times])
-    values = (np.interp(times, each.times, each.values) / each.greatest for each in (force, speed))
-    loading = Loading(times / unit, *values)
-    return loading if loading.varies else Loading()

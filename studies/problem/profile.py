@@ -18,6 +18,19 @@ import numpy as np
 from ...meshes.radial import Array, Indices, ring_of
 from .fields import Height
 
+# windows in a ring that kinks are sought in, and points of each that a cubic is fitted to
+WINDOWS, POINTS = 256, 7
+# kinks of a face, and peaks of a ring that may be kinks: rough and wavy faces have more
+MOST_KINKS, MOST_PEAKS = 8, 32
+# kinks nearer to each other than this, in punch radii, are one
+NEAREST_KINKS = 1e-4
+# part of what a cubic misses in a window that it misses in half of it: less on smooth faces
+SMOOTH = 0.1
+# halvings of a window, and by how much it has to become smaller until it is a kink
+MOST_HALVINGS, FOUND = 40, 1e-3
+# of a whole window and of a small one, over the range of heights in a ring: less is roundoff
+ROUNDOFF_OF_WINDOWS, ROUNDOFF = 1e-9, 1e-14
+
 
 @dataclass(frozen=True, eq=False)
 class InitialProfile:
@@ -59,8 +72,8 @@ class InitialProfile:
 
     @property
     def flat(self) -> bool:
-        """Whether it is the face plane itself."""
-        return not (self.heights or self.recess.any() or self.standoff)
+        """Whether it is a plane: the face plane itself, or one that stands off it everywhere."""
+        return not (self.heights or self.recess.any())
 
     @property
     def steps(self) -> Array:
@@ -76,6 +89,60 @@ class InitialProfile:
         ]
         heights = [self.in_ring(part, np.full(len(part), ring)) for ring, part in enumerate(parts)]
         return np.concatenate(parts), np.concatenate(heights)
+
+
+def find_kinks(profile: InitialProfile) -> tuple[float, ...]:
+    """Return the radii within rings at which the slope of a face, or its bend, jumps.
+
+    A window about a kink is halved again and again, always towards the half that a cubic fits
+    worse. On a smooth face the cubic of half a window misses a sixteenth of what it missed; at a
+    kink it misses half if the slope jumps, and a quarter if the bend does.
+
+    Returns
+    -------
+    tuple of float
+        Increasing. None of a face with more than `MOST_KINKS`, such as a rough one.
+    """
+    kinks = list[float]()
+    for inner, outer in pairwise(profile.ring_edges):
+        scale = float(np.ptp(profile(np.linspace(inner, outer, 99))))
+        width = (outer - inner) / WINDOWS
+        # each window overlaps the next by half
+        starts = inner + width * np.arange(0, WINDOWS - 1, 0.5)
+        misses = _miss_of_cubics(profile, starts, width)
+        highest = (misses >= np.roll(misses, 1)) & (misses > np.roll(misses, -1))
+        peaks = np.flatnonzero(highest & (misses > ROUNDOFF_OF_WINDOWS * scale))
+        if len(peaks) > MOST_PEAKS:
+            return ()
+        for start in starts[peaks].tolist():
+            kink = _kink_in(profile, start, width, ROUNDOFF * scale)
+            if kink is not None and inner < kink < outer:
+                kinks.append(kink)
+    kinks.sort()
+    apart = [after for before, after in pairwise([-1.0, *kinks]) if after - before > NEAREST_KINKS]
+    return tuple(apart) if len(apart) <= MOST_KINKS else ()
+
+
+def _kink_in(profile: InitialProfile, start: float, width: float, roundoff: float) -> float | None:
+    """Return the radius of the kink in a window, or None if the face is smooth there."""
+    size, missed = width, float(_miss_of_cubics(profile, np.array([start]), width)[0])
+    for _ in range(MOST_HALVINGS):
+        halves = start + size * np.array([0.0, 0.25, 0.5])
+        misses = _miss_of_cubics(profile, halves, size / 2)
+        if misses.max() < max(SMOOTH * missed, roundoff):
+            break
+        size, missed = size / 2, float(misses.max())
+        start = float(halves[misses.argmax()])
+    return start + size / 2 if size < FOUND * width else None
+
+
+def _miss_of_cubics(profile: InitialProfile, starts: Array, width: float) -> Array:
+    """Return by how much cubics miss a face (n,) in windows of a width from starts (n,) on."""
+    local = np.arange(POINTS) / (POINTS - 1)
+    cubics = np.vander(local, 4)
+    missing = np.eye(POINTS) - cubics @ np.linalg.pinv(cubics)
+    heights = profile(starts[:, None] + width * local)
+    return np.asarray(np.abs(heights @ missing).max(axis=1))
 
 
 FLAT = InitialProfile(np.array([0.0, 1.0]), np.zeros(1))

@@ -1,15 +1,13 @@
 """What can be computed.
 
 Each quantity with its dimensions, unit, definition, and the norm in which two values are compared
-(`studies/methods/norms.py`).
+(`studies/sampling/norms.py`).
 """
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import NamedTuple
 
-# times the accuracy asked for that the uncertainty of two methods may be, each of which is to be
-# that accurate
-A_FEW = 4.0
 # part of the accuracy asked for that energies, and everything else, are not known better than:
 # where two computations differ by less, it may be by chance
 CHANCE_OF_ENERGIES, CHANCE = 1e-5, 0.01
@@ -17,9 +15,61 @@ CHANCE_OF_ENERGIES, CHANCE = 1e-5, 0.01
 FINEST = 1e-9
 ERROR = "relative error of {}, the method's own estimate: {}"
 # relaxation times that are promised and compared: the slowest, which last
-COMPARED_MODES = 3
+COMPARED_MODES = 8
 # quantities that converge twice as fast as fields do
-ENERGIES = ("indentation", "relaxation_time", "ring_force", "normal_force")
+ENERGIES = (
+    "indentation",
+    "relaxation_time",
+    "ring_force",
+    "normal_force",
+    "indentation_start",
+    "running_in_time",
+    "time_to_90",
+    "time_to_99",
+    "time_to_half_force",
+    "force_start",
+    "force_end",
+)
+# quantities of a flat punch that are felt in the thin layers that wear makes beside ring edges
+IN_LAYERS = ("rms_slope", "pressure")
+
+
+@dataclass(frozen=True)
+class Units:
+    """Sizes of the non-dimensional units in the scene's own."""
+
+    length: float = 1.0
+    modulus: float = 1.0
+    force: float = 1.0
+    time: float = 1.0
+    wear_coefficient: float = 1.0
+    # of what has none
+    share: float = 1.0
+    number: float = 1.0
+
+    @property
+    def pressure(self) -> float:
+        """F / a^2."""
+        return self.force / self.length / self.length
+
+    @property
+    def displacement(self) -> float:
+        """Of displacement and of worn height, F / (a E*)."""
+        return self.force / self.length / self.modulus
+
+    @property
+    def volume(self) -> float:
+        """Of worn volume, a^2 times that of heights."""
+        return self.displacement * self.length**2
+
+    @property
+    def slope(self) -> float:
+        return self.displacement / self.length
+
+    @property
+    def wear_rate(self) -> float:
+        """Of df/dt."""
+        return self.displacement / self.time
 
 
 class Quantity(NamedTuple):
@@ -39,13 +89,16 @@ class Quantity(NamedTuple):
 
 NORMS = {
     "value": "difference over the value",
+    "each": "greatest of all rings, each difference over its own value",
+    "share": "greatest difference of all rings, all of which together have 1",
+    "first force": "difference over the force of a flat punch that is pressed in as deep",
     "indentation": (
         "greatest difference over the punch, over the indentation d(t) beyond the first touch, the "
         "greatest so far"
     ),
     "slope": "difference over the value, or over d/(1000 a) where that is more",
     "steady": "greatest difference over the punch, over the greatest steady displacement",
-    "force": "greatest difference of all rings, over the normal force",
+    "force": "greatest difference of all rings, over the normal force, the greatest so far",
     "volume": "greatest difference of all rings, over that of all rings together",
     "radius": "difference over the radius of the punch",
     "pressure": "root of int k dp^2 dA over the root of int k p^2 dA; at t = 0, where p is not "
@@ -92,7 +145,7 @@ QUANTITIES = {
     "relaxation_time": Quantity(
         ("mode",), "time", "relaxation times of the wear modes, slowest first"
     ),
-    "normal_force": Quantity(("time",), "force", "normal force on the punch"),
+    "normal_force": Quantity(("time",), "force", "normal force on the punch", "force"),
     "ring_worn_volume": Quantity(
         ("time", "ring"), "volume", "volume worn off each ring, from the centre", "volume"
     ),
@@ -127,51 +180,53 @@ STEPS = {
         ("step",), "number", "area of contact at each step, over that of the face"
     ),
 }
-# the answer of a run (`studies/crosscheck/answer.py`), without errors of its own
+# the answer of a run (`studies/sampling/answers.py`)
 STATES = ("start", "steady")
 ANSWER = {
     "indentation_start": Quantity(
         (),
         "displacement",
-        "indentation of the unworn face plane at the start; of a flat punch F / (2 a E*)",
+        "indentation at the start, of the unworn face; of a flat punch F / (2 a E*)",
     ),
     "indentation_steady": Quantity(
         (),
         "displacement",
-        "depth of the foremost point of the worn punch in the half-space, u_max of Eq. 27; at the "
-        "start it is the indentation",
+        "depth of the foremost point of the worn punch, u_max of Eq. 27",
     ),
     "running_in_time": Quantity(
         (),
         "time",
-        "slowest relaxation time of the full face, in which what is left of running-in falls to "
-        "1/e: to compare punches by; to plan a test take time_to_99",
+        "slowest relaxation time, in which what is left of running-in falls to 1/e",
     ),
     "time_to_90": Quantity(
         (),
         "time",
-        "90 % of running-in are over: of the way of the approach d(t), less steady wear, to its "
-        "steady value, from the start or where it is farthest from it",
+        "time at which 90 % of the running-in is complete, by d(t) minus steady wear",
     ),
-    "time_to_99": Quantity((), "time", "as time_to_90, for 99 %: running-in is over"),
-    "pressure_min": Quantity(("state", "ring"), "pressure", "least contact pressure on each ring"),
+    "time_to_99": Quantity((), "time", "the same for 99 %: the running-in is over"),
+    "pressure_min": Quantity(
+        ("state", "ring"), "pressure", "least contact pressure on each ring", "each"
+    ),
     "pressure_max": Quantity(
         ("state", "ring"),
         "pressure",
         "greatest contact pressure on each ring; infinite at a flat punch's rim",
+        "each",
     ),
     "force_share": Quantity(
-        ("state", "ring"), "share", "part of the normal force that each ring carries"
+        ("state", "ring"), "share", "part of the normal force that each ring carries", "share"
     ),
     "worn_volume": Quantity(
-        ("ring",), "volume", "volume worn off each ring by the last of the times"
+        ("ring",), "volume", "volume worn off each ring by the last of the times", "volume"
     ),
     "force_start": Quantity(
         (), "force", "normal force at the start, of a given indentation", always=False
     ),
-    "force_end": Quantity((), "force", "the same at the last of the times", always=False),
+    "force_end": Quantity(
+        (), "force", "the same at the last of the times", "first force", always=False
+    ),
     "time_to_half_force": Quantity(
-        (), "time", "time by which that force has fallen to half of the first", always=False
+        (), "time", "time at which that force has fallen to half of the first", always=False
     ),
     "contact_radius_start": Quantity(
         (), "length", "outermost radius of contact at the start", always=False
@@ -183,6 +238,10 @@ ANSWER = {
         (), "time", "time from which all of the face carries, to a step", always=False
     ),
 }
+
+
+# everything that is computed, compared and has an error estimate
+DESCRIBED = QUANTITIES | ANSWER
 
 
 HISTORIES = frozenset(name for name, quantity in QUANTITIES.items() if "time" in quantity.dims)

@@ -20,7 +20,7 @@ from pydantic_core import ErrorDetails
 
 from ...meshes.errors import SceneError
 from ..registry import METHODS
-from .fields import KINDS, Section
+from .fields import KINDS, Section, refuse_device
 from .problem import Problem
 from .sections import (
     AccuracySection,
@@ -188,18 +188,34 @@ class Scene(Section):
         table = self.table()
         for name, value in changes.items():
             set_key(table, name.split("__"), value)
-        return Scene.from_table(table).with_heights(*self.punch.heights)
+        return Scene.from_table(table).with_heights(*self.punch.heights, kinks=self.punch.kinks)
 
-    def with_heights(self, *heights: Callable[[Any], Any]) -> "Scene":
+    def with_heights(
+        self, *heights: Callable[[Any], Any], kinks: Sequence[float] | None = None
+    ) -> "Scene":
         """Return the scene with functions added to the unworn face.
 
-        Heights by arrays of radii, in the scene's units. A file cannot hold them: `to_toml` leaves
-        them out.
+        A file cannot hold them: `to_toml` leaves them out.
+
+        Parameters
+        ----------
+        *heights : callables
+            Heights by arrays of radii, both in the scene's units.
+        kinks : sequence of float, optional
+            Radii at which the slope or the bend of a function jumps, in the scene's units: cells
+            end there. If none are given, they are sought; an empty list says that there are none.
+
+        Raises
+        ------
+        SceneError
+            if a kink lies outside the punch
         """
         if not heights:
             return self
         table = self.table()
         table["punch"]["heights"] = list(heights)
+        if kinks is not None:
+            table["punch"]["kinks"] = [float(kink) for kink in kinks]
         return Scene(**table)
 
     @cached_property
@@ -224,9 +240,12 @@ def text_of(source: str | Path) -> str:
     if not path.exists() and str(source) in bundled():
         path = Path(str(files("ringwear.studies"))) / "scenes" / f"{source}.toml"
     try:
+        refuse_device(path)
         return path.read_text("utf-8-sig")
     except UnicodeDecodeError:
         raise SceneError(f"{source} is not a text file: a scene is TOML in UTF-8") from None
+    except ValueError as error:
+        raise SceneError(f"{error} that holds a scene") from None
     except OSError as error:
         alike = difflib.get_close_matches(str(source), bundled(), 1)
         meant = f"did you mean {alike[0]}? Else " if alike else ""

@@ -24,12 +24,13 @@ from .fields import (
     Power,
     RoundedRim,
     Section,
+    Times,
     WearTable,
     check_increasing,
     optional,
     over_time,
 )
-from .profile import InitialProfile
+from .profile import InitialProfile, find_kinks
 from .quantities import expand
 
 
@@ -75,6 +76,12 @@ class PunchSection(Section):
         repr=False,
         description="functions, in Python only: see Scene.with_heights",
     )
+    kinks: list[float] | None = Field(
+        default=None,
+        exclude=True,
+        repr=False,
+        description="radii of their kinks, in Python only: see Scene.with_heights",
+    )
     wear_coefficient: (
         Annotated[
             Annotated[Positive, Tag("number")] | Annotated[WearTable, Tag("graded")],
@@ -119,6 +126,10 @@ class PunchSection(Section):
             )
         if self.profile is not None:
             self.profile.check_fit(self.radius)
+        if not all(0 <= kink <= self.radius for kink in self.kinks or []):
+            raise ValueError(
+                f"kinks = {self.kinks} of heights: give radii from 0 to punch.radius, {self.radius}"
+            )
         return self
 
     @property
@@ -159,6 +170,13 @@ class PunchSection(Section):
             return lambda radii: np.asarray(height(radii * self.radius), dtype=float) / unit
 
         profile = InitialProfile(ring_edges, recess, tuple(map(scaled, functions)), kinks)
+        if self.heights:
+            if self.kinks is None:
+                given = InitialProfile(ring_edges, recess, tuple(map(scaled, self.heights)))
+                more = find_kinks(given)
+            else:
+                more = tuple(kink / self.radius for kink in self.kinks)
+            profile = replace(profile, kinks=tuple(np.union1d(kinks, more).tolist()))
         least = float(profile.sampled()[1].min())
         if self.heights and not least >= 0:
             raise SceneError(
@@ -229,7 +247,7 @@ class LoadSection(Section):
 
 
 class WearSection(Section):
-    times: Increasing = Field(
+    times: Times = Field(
         default=[],
         description="increasing times, 0 or later, none for no history; or 'running-in'; or counts "
         "of the slowest relaxation time, { tau = [0.1, 1.0, 5.0] }",

@@ -44,7 +44,8 @@ class Shared(Problem):
             for lengths, member in zip(blunted, self.members, strict=True)
         )
         span = latest / self.earliest if self.earliest else 1.0
-        return Sharpness(self.rtol, slow, ratio, span)
+        kinks = np.max([member.merged.kinks for member in self.members], axis=0)
+        return Sharpness(self.rtol, slow, ratio, span, kinks, blunted[0].narrower)
 
     @property
     def earliest(self) -> float:

@@ -7,22 +7,23 @@ import base64
 from collections.abc import Iterable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ..crosscheck.dataset import Result
-from ..figures.style import Picture
 from ..output.files import draw, make
 from ..output.signals import STOPPED
 from ..problem.scene import Scene
 from ..versions import versions
-from .slides import slides
 from .words import Account
+
+if TYPE_CHECKING:
+    from ..figures.style import Picture
 
 
 def show(
-    result: Result, account: Account, pictures: Sequence[Picture], directory: Path, page: bool
+    result: Result, account: Account, pictures: Sequence["Picture"], directory: Path, page: bool
 ) -> list[str]:
     """Draw pictures of a run, and if wanted a page with them; return what could not be made."""
     failures = draw(result, pictures, directory)
@@ -35,8 +36,12 @@ def show(
     return failures
 
 
-def write_report(result: Result, account: Account, pictures: Iterable[Picture], path: Path) -> None:
+def write_report(
+    result: Result, account: Account, pictures: Iterable["Picture"], path: Path
+) -> None:
     """Write the page of a run with those of the pictures that stand beside it."""
+    from .slides import slides  # which loads matplotlib, and a run without figures needs none
+
     about = {"account": account, "title": account.title}
     captions = {picture.file: picture.caption for picture in pictures}
     _write(path, "run.html.j2", result.scene, captions, slides=slides(result), **about)

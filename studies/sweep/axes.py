@@ -25,35 +25,30 @@ from importlib.resources import files
 from itertools import product
 from math import prod
 from pathlib import Path
-from typing import Any, NamedTuple, Self
-
-import numpy as np
+from typing import Any, Self
 
 from ...meshes.errors import SceneError
+from ..problem.fields import Height, read_table, refuse_device
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, GROUPS, QUANTITIES, STEADY
-from ..problem.scene import Scene, set_key
+from ..problem.scene import Scene
+from .columns import Column, Table, has_units, read_columns
 
-Table = dict[str, Any]
-DRAW = "draw"
+# scenes of one sweep
+MOST_SCENES = 1_000_000_000
 # answers of a run that can be kept, and the quantities that they are computed from
 ANSWERS = {
     "worn_volume": ("profile", "ring_worn_volume"),
     "force_share": ("ring_force", "normal_force", "indentation", "steady_pressure"),
     "running_in_time": ("indentation",),
-    "time_to_90": ("indentation",),
-    "time_to_99": ("indentation",),
+    "time_to_90": ("indentation", "time_to_90"),
+    "time_to_99": ("indentation", "time_to_99"),
 }
 KEEPABLE = {
     name: quantity
     for name, quantity in QUANTITIES.items()
     if name not in ("contact", "contact_edge")
 } | {name: ANSWER[name] for name in ANSWERS}
-# labels of the store that no axis may have for its name
-RESERVED = (
-    *("solver", "time", "radius", "ring", "mode", "state"),
-    *("status", "reason", "disagreement"),
-)
 # keys of a section that say the same in several ways
 ALTERNATIVES = (
     ("punch", ("wear_coefficients",), ("wear_coefficient", "wear_ratio")),
@@ -61,14 +56,6 @@ ALTERNATIVES = (
     ("half_space", ("plane_strain_modulus",), ("youngs_modulus",)),
     ("load", ("normal_force",), ("mean_pressure",), ("indentation",)),
 )
-
-
-class Column(NamedTuple):
-    """Values of a scene key, under the name of its coordinate, along a dimension of the store."""
-
-    name: str
-    dim: str
-    values: list[Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +69,8 @@ class Sweep:
     keep : names of the quantities to keep
     shared : by scene key what all scenes have in common: the methods, and times and radii of the
         quantities to keep
+    heights : functions added to the face of each scene (`Scene.with_heights`), which no table holds
+    profiles : by file the radii and heights of the profiles that scenes name; no file is read again
 
     Raises
     ------
@@ -93,6 +82,8 @@ class Sweep:
     columns: dict[str, Column]
     keep: tuple[str, ...] = ()
     shared: dict[str, Column] = field(default_factory=dict)
+    heights: tuple[Height, ...] = ()
+    profiles: Table = field(default_factory=dict)
 
     @classmethod
     def load(cls, source: str | Path) -> Self:
@@ -100,6 +91,7 @@ class Sweep:
         path, folder = Path(source), Path(str(files("ringwear.studies"))) / "sweep" / "files"
         file = path if path.exists() else folder / f"{source}.toml"
         try:
+            refuse_device(file)
             table = tomllib.loads(file.read_text("utf-8"))
         except (OSError, ValueError) as error:
             raise SceneError(
@@ -115,15 +107,18 @@ class Sweep:
         Of each axis up to 200 values are tried, beside the first of the others. Values that are
         bad beyond that fail as scenes, with the reason.
         """
-        kinds = {"base": str | dict, "keep": list, "axes": dict, "zip": dict, "random": dict}
+        kinds: dict[str, Any] = {"base": str | dict, "keep": list}
+        kinds |= dict.fromkeys(("axes", "zip", "random", "profiles"), dict)
         for key, value in table.items():
             if not isinstance(value, kinds.get(key, ())):
                 raise SceneError(
                     f"{key} = {value!r} is not understood: give base, keep, which is a list of "
                     "quantities, and tables [axes], [zip] and [random] of scene keys"
                 )
-        base, columns = table.get("base"), _columns(table)
-        if base is None or not columns:
+        base = table.get("base")
+        varied = {key: of for name in ("axes", "zip") for key, of in table.get(name, {}).items()}
+        varied |= table.get("random", {})
+        if base is None or not varied:
             raise SceneError(
                 "missing key base, or nothing varies: give base, a file, a bundled scene or a "
                 "table, and [axes], [zip] or [random]"
@@ -131,24 +126,36 @@ class Sweep:
         if isinstance(base, str):
             beside = (folder or Path()) / base
             base = Scene.load(beside if beside.is_file() else base).table()
-        sweep = cls(table | {"base": _without_alternatives(base, set(columns))}, columns)
+        if "units" not in base and has_units(varied.items()):
+            base = base | {"units": "SI"}
+        columns = read_columns(table, base)
+        base, heights = _without_heights(_without_alternatives(base, set(columns)))
+        profiles = table.get("profiles") or _read_profiles(base, columns, folder or Path())
+        table = table | {"base": base} | ({"profiles": profiles} if profiles else {})
+        sweep = cls(table, columns, heights=heights, profiles=profiles)
+        if sweep.count > MOST_SCENES:
+            raise SceneError(
+                f"{sweep.count} scenes are too many for one store: cut the sweep into several of "
+                f"at most {MOST_SCENES}, by an axis, each with a directory of its own"
+            )
         start = dict.fromkeys(sweep.sizes, 0)
         tried = [
             sweep.changes_at(start | {dim: place})
             for dim, size in sweep.sizes.items()
             for place in range(min(size, 200))
         ]
-        problems = [sweep.scene(changes).problem for changes in tried]
+        scenes = [sweep.scene(changes) for changes in tried]
+        problems = [scene.problem for scene in scenes]
         names = {column.name for column in columns.values()}
         keep = _checked_keep(table.get("keep"), problems, names)
         dims = {"solver"}.union(*(KEEPABLE[quantity].dims for quantity in keep))
         if "worn_volume" in keep and "wear.times" not in columns:
             dims.add("time")  # by the last of which it is worn
-        labels = _labels(sweep.first)
+        labels = _labels(scenes[0])
         shared = {key: column for key, column in labels.items() if column.dim in dims}
-        sweep = cls(sweep.table | {"keep": list(keep)}, columns, keep, shared)
-        for changes in tried:
-            sweep.scene(changes)
+        sweep = replace(sweep, table=table | {"keep": list(keep)}, keep=keep, shared=shared)
+        for scene, changes in zip(scenes, tried, strict=True):
+            sweep.check_labels(scene, changes)
         return sweep
 
     @property
@@ -183,19 +190,26 @@ class Sweep:
         SceneError
             if there is no such scene, or it does not fit the others
         """
-        table = copy.deepcopy(self.table["base"])
+        table = self.table["base"]
         for key, value in changes.items():
-            set_key(table, key.split("."), value)
-        name = ", ".join(f"{key} = {value}" for key, value in changes.items())
-        scene = Scene.from_table(table, name)
+            table = _changed(table, key.split("."), value)
+        if (file := _profile_file(table)) in self.profiles:
+            profile = {"kind": "table"} | self.profiles[file]
+            table = _changed(table, ["punch", "profile"], profile)
+        scene = Scene.from_table(table, _name_of(changes)).with_heights(*self.heights)
+        self.check_labels(scene, changes)
+        return scene
+
+    def check_labels(self, scene: Scene, changes: Table) -> None:
+        """Refuse a scene of some changes that has not what all scenes share."""
         labels = _labels(scene)
         for key, column in self.shared.items():
             if not column.values or labels[key] != column:
                 raise SceneError(
-                    f"{name}: not all scenes have the same {key}, over which something is kept: "
-                    f"give the base {key} as numbers, or keep only what is not over them"
+                    f"{_name_of(changes)}: not all scenes have the same {key}, over which "
+                    f"something is kept: give the base {key} as numbers, or keep only what is not "
+                    "over them"
                 )
-        return scene
 
     def problem(self, changes: Table) -> Problem:
         """Return the problem of some changes, asking for what is to be kept and nothing else."""
@@ -211,6 +225,10 @@ class Sweep:
         return replace(self, table={"base": self.table["base"]}, columns=columns)
 
 
+def _name_of(changes: Table) -> str:
+    return ", ".join(f"{key} = {value}" for key, value in changes.items())
+
+
 def _labels(scene: Scene) -> dict[str, Column]:
     """Return what of a scene labels its results."""
     return {
@@ -220,54 +238,51 @@ def _labels(scene: Scene) -> dict[str, Column]:
     }
 
 
-def _columns(table: Table) -> dict[str, Column]:
-    """Return what varies: each of the axes along a dimension of its own."""
-    crossed, zipped = table.get("axes", {}), table.get("zip", {})
-    draws = dict(table.get("random", {}))
-    count, seed = draws.pop("count", 0), draws.pop("seed", None)
-    if draws and not (isinstance(count, int) and count > 0 and isinstance(seed, int)):
-        raise SceneError(
-            f"random.count = {count} and random.seed = {seed}: give how many, and a whole number "
-            "that the draws begin from"
-        )
-    dims = dict.fromkeys(draws, DRAW)
-    columns: dict[str, Column] = {}
-    for key, given in (crossed | zipped | draws).items():
-        *_, name = parts = key.split(".")
-        if name in {*RESERVED, *(column.name for column in columns.values())}:
-            name = "_".join(parts[-2:])
-        if key in zipped and key not in dims:
-            # the first of them names the dimension of all
-            dims |= dict.fromkeys(zipped, name)
-        values = _values(key, given, count if key in draws else 0, seed)
-        columns[key] = Column(name, dims.get(key, name), values)
-    if len({len(columns[key].values) for key in zipped}) > 1:
-        raise SceneError("columns of [zip] go together: give them one length")
-    return columns
+def _changed(table: Table, path: list[str], value: Any) -> Table:
+    """Return nested dictionaries with another value at a path; those given stay as they are."""
+    key, *rest = path
+    if rest:
+        inner = table.get(key)
+        value = _changed(inner if isinstance(inner, dict) else {}, rest, value)
+    return table | {key: value}
 
 
-def _values(key: str, values: Any, draws: int, seed: int | None) -> list[Any]:
-    """Return the values of an axis: a list, evenly spaced, or drawn by a generator of its own."""
-    generator = np.random.default_rng([seed or 0, *key.encode()])
-    try:
-        if isinstance(values, list) and values:
-            drawn = generator.integers(len(values), size=draws)
-            return [values[place] for place in drawn] if draws else values
-        ((kind, (first, last, *count)),) = values.items()
-        space: Any = {"linspace": np.linspace, "geomspace": np.geomspace}[kind]
-        if draws:
-            part = generator.uniform(size=draws)
-            if kind == "linspace":
-                return (first + (last - first) * part).tolist()
-            return (first * (last / first) ** part).tolist()
-        spaced = space(first, last, count[0])
-        whole = isinstance(first, int) and (spaced == spaced.round()).all()
-        return (spaced.astype(int) if whole else spaced).tolist()
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
-        raise SceneError(
-            f"{key} = {values!r}: give a list of values, or linspace or geomspace = [first, last, "
-            "count] in braces, without count to draw from"
-        ) from None
+def _profile_file(table: Table) -> str:
+    """Return the file that the profile of a scene's table is to be read from; empty if none."""
+    punch = table.get("punch")
+    profile = punch.get("profile") if isinstance(punch, dict) else None
+    if not isinstance(profile, dict) or {"radii", "heights"} & profile.keys():
+        return ""
+    return str(profile.get("file", ""))
+
+
+def _read_profiles(base: Table, columns: dict[str, Column], folder: Path) -> Table:
+    """Return radii and heights of all files that profiles of a sweep are given by, by file.
+
+    Files are sought in the folder of the sweep file, then where the command was given.
+    """
+    tables = [base]
+    for key, column in columns.items():
+        if key in ("punch", "punch.profile", "punch.profile.file"):
+            tables += [_changed(base, key.split("."), value) for value in column.values]
+    profiles: Table = {}
+    for file in dict.fromkeys(filter(None, map(_profile_file, tables))):
+        beside = folder / file
+        try:
+            radii, heights = read_table(beside if beside.is_file() else Path(file))
+        except ValueError as error:
+            raise SceneError(f"punch.profile: {error}") from error
+        profiles[file] = {"radii": radii, "heights": heights}
+    return profiles
+
+
+def _without_heights(base: Table) -> tuple[Table, tuple[Height, ...]]:
+    """Return the base without the functions of its face, and these."""
+    punch = base.get("punch")
+    if not isinstance(punch, dict) or "heights" not in punch:
+        return base, ()
+    left = {key: value for key, value in punch.items() if key != "heights"}
+    return base | {"punch": left}, tuple(punch["heights"])
 
 
 def _without_alternatives(base: Table, keys: set[str]) -> Table:

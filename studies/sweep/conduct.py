@@ -10,14 +10,18 @@ from typing import Any
 
 import xarray
 
+from ...meshes.errors import SceneError
 from ..figures.style import new_figure, set_logarithmic
 from ..output.files import make
-from ..output.folder import lock_folder
+from ..output.folder import Folder, lock_folder, output_folder, refuse_foreign_folders
 from ..problem.scene import Scene
 from ..progress import LOG
 from .axes import Sweep
-from .compute import compute_blocks, estimate_cost
+from .cost import estimate_cost
 from .store import DONE, FAILED, PENDING, Store
+from .workers import compute_blocks
+
+PICTURE = "sweep.png"
 
 
 def sweep(
@@ -59,21 +63,36 @@ def sweep(
     Raises
     ------
     SceneError
-        if the axes or the base are not understood; single scenes that fail raise nothing
+        if the axes or the base are not understood, or the base has functions (`with_heights`),
+        which neither a store nor other processes are given; single scenes that fail raise nothing
     """
     table = {
-        "base": base.table() if isinstance(base, Scene) else base,
+        "base": _table_of(base) if isinstance(base, Scene) else base,
         "keep": None if keep is None else list(keep),
         "axes": axes,
         "zip": zip,
         "random": random,
     }
     given = Sweep.of({name: value for name, value in table.items() if value is not None})
+    if given.heights and (out is not None or workers > 1 or scheduler is not None):
+        raise SceneError(
+            "functions of with_heights can be swept over in memory by one process only: leave out "
+            "`out`, `workers` and `scheduler`, or give the heights by punch.profile = { kind = "
+            "'table', ... }"
+        )
     options = resume, retry_failed, workers, scheduler
     if out is not None:
         return compute(given, Path(out), *options)
     with TemporaryDirectory() as folder:
         return compute(given, Path(folder), *options).load()
+
+
+def _table_of(scene: Scene) -> dict[str, Any]:
+    """Return a scene as nested dictionaries, with the functions of its face."""
+    table = scene.table()
+    if scene.punch.heights:
+        table["punch"]["heights"] = scene.punch.heights
+    return table
 
 
 def compute(
@@ -107,11 +126,15 @@ def conduct(source: str, out: Path, options: argparse.Namespace) -> tuple[list[s
     """
     plan = Sweep.load(source)
     if options.dry_run:
-        return estimate_cost(plan, options.workers), True, True
+        return estimate_cost(plan, options.workers, options.memory), True, True
+    if out.is_dir():
+        refuse_foreign_folders(out)
+        Folder(out, "sweep").refuse_to_replace([PICTURE])
     kinds = options.resume, options.retry_failed
     workers = options.workers, options.scheduler, options.memory
     dataset = compute(plan, out, *kinds, *workers)
-    failures = make(out / "sweep.png", partial(draw, dataset, plan))
+    with output_folder(out, "sweep", [PICTURE]) as hidden:
+        failures = make(hidden.hidden / PICTURE, partial(draw, dataset, plan))
     status, reasons = dataset["status"].values, dataset["reason"].to_series()
     done, failed, left = (int((status == flag).sum()) for flag in (DONE, FAILED, PENDING))
     lines = [f"{done} scenes finished, {failed} failed, {left} left: see {out}"]

@@ -1,14 +1,16 @@
 """The store: a Zarr group whose axes are the sweep's, readable by xarray while it grows.
 
 A block of scenes is computed at once, and written at once as one file (a chunk) of each array, the
-status of its scenes last: a block is finished if that is there. Nothing in the store depends on the
-order of the blocks, on the clock or on the machine's name: an interrupted sweep ends with the same
-bytes.
+status of its scenes last: a block is finished if that is there, together with all other chunks,
+whose checksums are right, and if the code of the store has computed it. Nothing in the store
+depends on the order of the blocks, on the clock or on the machine's name: an interrupted sweep ends
+with the same bytes.
 """
 
 import json
-import shutil
+import os
 import warnings
+from contextlib import suppress
 from itertools import product
 from math import prod
 from pathlib import Path
@@ -18,17 +20,19 @@ from typing import Any
 import numpy as np
 import xarray
 import zarr
+from zarr.codecs import ZstdCodec
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.quantities import ERROR, NORMS, STATES, error_name
 from ..problem.unit_names import UnitNames, kind_of
-from ..versions import versions
+from ..versions import code, stamp, versions
 from ..wear.modes import SHOWN
 from .axes import ANSWERS, KEEPABLE, Sweep
 
 # what may become of a scene
 PENDING, DONE, FAILED = 0, 1, 2
+ROOT = "zarr.json"
 
 
 def template(sweep: Sweep) -> xarray.Dataset:
@@ -69,6 +73,7 @@ def template(sweep: Sweep) -> xarray.Dataset:
         definition = "greatest difference over its uncertainty: above 1 methods disagree"
         add("disagreement", (), described(definition))
     add("reason", (), described("why the scene has failed"), np.array("", dtype=object))
+    add("code", (), described("hash of the code and versions that computed it"), np.uint64(0))
     add("status", (), described("0: pending, 1: done, 2: failed"), np.uint8(PENDING))
     # without labels that no variable has
     return dataset[[*dataset.data_vars]]
@@ -120,16 +125,12 @@ class Store:
             raise SceneError(
                 f"{self.path} is there: go on with it by --resume, or give another --out"
             )
-        about = {"sweep": json.dumps(sweep.table), "versions": json.dumps(versions())}
-        try:
-            there = json.loads((self.path / "zarr.json").read_text("utf-8"))["attributes"]
-        except (OSError, ValueError, KeyError):
-            there = about  # not there, or damaged: made again
-        if not about.items() <= there.items():
-            raise SceneError(
-                f"{self.path} was begun with another file, ringwear or libraries: go on by these, "
-                "or give another --out"
-            )
+        about = {
+            "sweep": json.dumps(sweep.table),
+            "versions": json.dumps(versions()),
+            "code": code(),
+        }
+        _refuse_another(self.path, about)
         blank = template(sweep)
         self.blank = blank.isel(dict.fromkeys(sweep.sizes, 0), drop=True)
         self._sweep, block = sweep, block_sizes(sweep, blank)
@@ -139,16 +140,18 @@ class Store:
         ]
         # the box of the grid that each block is
         self._regions = [dict(zip(block, box, strict=True)) for box in product(*parts)]
-        encoding = {
-            str(name): {"chunks": (*block.values(), *variable.shape[len(block) :])}
-            for name, variable in blank.data_vars.items()
-        }
+        # what is damaged is found by its checksum
+        compressed = {"compressors": [ZstdCodec(level=0, checksum=True)]}
+        encoding: dict[str, Any] = {str(name): compressed for name in blank.variables}
+        for name, variable in blank.data_vars.items():
+            chunks = (*block.values(), *variable.shape[len(block) :])
+            encoding[str(name)] = compressed | {"chunks": chunks}
         with TemporaryDirectory() as fresh, warnings.catch_warnings():
             # texts, and metadata in one place, are not in the specification yet
             warnings.simplefilter("ignore")
             # results that are all empty make no files
             blank.assign_attrs(about).to_zarr(fresh, mode="w", zarr_format=3, encoding=encoding)
-            shutil.copytree(fresh, self.path, dirs_exist_ok=True)
+            _copy_labels(Path(fresh), self.path)
         for left in self.path.rglob("*.partial"):
             left.unlink()
         self._group = zarr.open_group(self.path, mode="r+")
@@ -169,21 +172,85 @@ class Store:
     def _is_finished(self, place: tuple[slice, ...], final: tuple[int, ...]) -> bool:
         """Return whether all scenes of a block have a final status, and can be read."""
         try:
-            if not np.isin(self._group["status"][place], final).all():
-                return False
-            for name in self.blank:
-                _ = self._group[name][place]
+            return bool(np.isin(self._group["status"][place], final).all() and self._read(place))
         # what is damaged fails in many ways
         except Exception:
             return False
-        return True
+
+    def _read(self, place: tuple[slice, ...]) -> dict[str, Array]:
+        """Return what is there of a block; nothing if chunks are lost or of another code."""
+        names = [str(name) for name in self.blank]
+        if not all(self._chunk(name, place).exists() for name in names):
+            return {}
+        values = {name: np.asarray(self._group[name][place]) for name in names}
+        return values if (values["code"] == stamp()).all() else {}
+
+    def _chunk(self, name: str, place: tuple[slice, ...]) -> Path:
+        """Return the file that holds a block of a variable."""
+        array = self._group[name]
+        grid = [box.start // size for box, size in zip(place, array.chunks, strict=False)]
+        grid += [0] * (array.ndim - len(grid))
+        return self.path / name / "c" / "/".join(map(str, grid))
 
     def write(self, number: int, values: dict[str, Array]) -> None:
-        """Write the results of a block."""
-        for name, array in values.items():
-            self._group[name][tuple(self._regions[number].values())] = array
+        """Write the results of a block.
+
+        Scenes that are done stay where they were not computed again, as for lack of memory.
+        """
+        place = tuple(self._regions[number].values())
+        pending, before = values["status"] == PENDING, dict[str, Array]()
+        if pending.any():
+            # what is damaged fails in many ways
+            with suppress(Exception):
+                before = self._read(place)
+        kept = pending & (before["status"] == DONE) if before else pending & False
+        # also what is empty is a file, so that one that is lost is missed
+        with zarr.config.set({"array.write_empty_chunks": True}):
+            for name, array in values.items():
+                if kept.any():
+                    array = array.copy()
+                    array[kept] = before[name][kept]
+                self._group[name][place] = array
 
     def dataset(self) -> xarray.Dataset:
         """Return what is there so far, read when it is used."""
         # times in "hours" stay numbers
         return xarray.open_zarr(self.path, chunks=None, decode_timedelta=False)
+
+
+def _refuse_another(path: Path, about: dict[str, str]) -> None:
+    """Refuse a store of something else, and one that does not say of what.
+
+    Raises
+    ------
+    SceneError
+        if its root says something else than `about`, or is damaged or lost
+    """
+    try:
+        there = json.loads((path / ROOT).read_text("utf-8"))["attributes"]
+        same = about.items() <= there.items()
+    except (OSError, ValueError, KeyError, AttributeError, TypeError):
+        # a store whose making was stopped has no root yet, and no results
+        if not (path / ROOT).exists() and not (path / "status" / "c").exists():
+            return
+        raise SceneError(
+            f"{path / ROOT} is damaged or lost, which says what has computed the store: put a copy "
+            "of it there, or give another --out"
+        ) from None
+    if not same:
+        raise SceneError(
+            f"{path} was begun with another file, ringwear or libraries: go on by these, "
+            "or give another --out"
+        )
+
+
+def _copy_labels(fresh: Path, path: Path) -> None:
+    """Bring the labels of a store in order, each file as a whole, the root last."""
+    files = [file.relative_to(fresh) for file in sorted(fresh.rglob("*")) if file.is_file()]
+    for file in sorted(files, key=lambda file: file == Path(ROOT)):
+        target, content = path / file, (fresh / file).read_bytes()
+        if not (target.is_file() and target.read_bytes() == content):
+            target.parent.mkdir(parents=True, exist_ok=True)
+            partial = target.with_name(f"{target.name}.partial")
+            partial.write_bytes(content)
+            os.replace(partial, target)

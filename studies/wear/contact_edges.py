@@ -11,12 +11,20 @@ import numpy as np
 from scipy.sparse.linalg import splu
 
 from ...meshes.compliance import Compliance
-from ...meshes.contact_cells import ContactCells
+from ...meshes.contact_cells import ContactCells, FreeEdge
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, Indices
 from ..problem.profile import InitialProfile
 from .moments import moments
 from .unilateral import Contact, Interval, Load, Mask, Press
+
+# growth of cells with the distance from a free edge: inside the contact the pressure falls off like
+# that at a corner; outside cells stay small for an edge that moves outwards, as wear moves it
+GROWTH_INSIDE, GROWTH_OUTSIDE = 0.4, 0.1
+# free edges that cells are refined at: rough faces have many, which would be sought without end
+MOST_FREE_EDGES = 4
+# refinements, each to a quarter of the size, and by how much they may multiply the cells
+MOST_REFINEMENTS, MOST_GROWTH_OF_CELLS = 12, 4
 
 
 def nodes(space: PressureSpace) -> tuple[Array, Indices]:
@@ -112,6 +120,64 @@ def located(
         seen.add(space.size)
         cells = spotted
     return intervals, cells
+
+
+def refine_at_free_edges(
+    compliance: Callable[[PressureSpace], Compliance],
+    profile: InitialProfile,
+    load: Load,
+    cells: ContactCells,
+    tolerance: float,
+) -> tuple[tuple[Interval, ...], ContactCells]:
+    """Return where contact begins, and cells that are small enough at its free edges.
+
+    Where a flat face is rounded a little, the pressure is nearly infinite just inside the edge of
+    the contact. The cells there are made smaller until that no longer changes the indentation, or
+    the force where the indentation is given.
+
+    Parameters
+    ----------
+    compliance : makes the compliance of a pressure space
+    profile, load : of the punch
+    cells : to start from; they stay as they are if the contact has no free edge, or more than
+        `MOST_FREE_EDGES`
+    tolerance : greatest relative change of the indentation or force
+    """
+    most_cells = MOST_GROWTH_OF_CELLS * len(cells.breakpoints())
+    found: tuple[tuple[Interval, ...], ContactCells] = (), cells
+    last_result, refined = np.nan, cells
+    for _ in range(MOST_REFINEMENTS):
+        space = refined.space()
+        if len(space.degrees) > most_cells:
+            break
+        matrix = compliance(space).matrix
+        press = Contact(matrix, space.weights).press(moments(profile, space), load)
+        result = press.force if load.force is None else press.indentation
+        if abs(result - last_result) <= tolerance * abs(result):
+            break
+        intervals = first_intervals(space, press.contact, profile)
+        last_result, found = result, (intervals, refined)
+        edges = _refined_edges(space, intervals)
+        if not 0 < len(edges) <= MOST_FREE_EDGES:
+            break
+        refined = replace(refined, free_edges=edges)
+    return found
+
+
+def _refined_edges(space: PressureSpace, intervals: tuple[Interval, ...]) -> tuple[FreeEdge, ...]:
+    """Return the free edges of intervals, with cells a quarter as large as those of a space."""
+    edges = []
+    for part in intervals:
+        if part.inner_free:
+            edges.append((part.inner, GROWTH_OUTSIDE, GROWTH_INSIDE))
+        if part.outer_free:
+            edges.append((part.outer, GROWTH_INSIDE, GROWTH_OUTSIDE))
+    cells = np.searchsorted(space.breakpoints, [radius for radius, *_ in edges])
+    sizes = np.diff(space.breakpoints)[cells - 1] / 4
+    return tuple(
+        FreeEdge(radius, size, below, above)
+        for (radius, below, above), size in zip(edges, sizes.tolist(), strict=True)
+    )
 
 
 def _with_spots(

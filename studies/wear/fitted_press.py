@@ -34,6 +34,13 @@ Intervals = tuple[Interval, ...]
 # infinite at) -> compliance
 CompliancesOn = Callable[[tuple[float, ...], tuple[bool, ...]], Compliance]
 
+# of the search for the radius of a free edge: steps, the first over the width of what may hold it,
+# and the last over the radius
+MOST_SECANTS, FIRST_STEP, RADIUS_TOLERANCE = 60, 1e-3, 1e-7
+# kinks of the face that the mesh is fitted to: no nearer to an edge of the contact than this part
+# of its width, and no more than this in a part
+NEAREST_KINK, MOST_KINKS = 1e-6, 4
+
 
 def fit_presses(
     profile: InitialProfile,
@@ -115,21 +122,29 @@ def fit_press(
 
     if not last.outer_free:
         return solve(radius, load), None
-    step, before = 0.0, 0.0
-    for _ in range(30):
-        wrong = miss(radius)
+    # The load grows with the radius, but beyond a kink of the face in another way, and short of it
+    # there may be none: the secants of one side say nothing of the other.
+    low = max([last.inner, *(kink for kink in profile.kinks if kink < radius)])
+    high, step, last_miss = 1.0, 0.0, 0.0
+    for _ in range(MOST_SECANTS):
+        missed = miss(radius)
         if step:
-            slope = (wrong - before) / step
+            slope = (missed - last_miss) / step
         elif slope is None:
-            slope = (wrong - miss(0.999 * radius)) / (0.001 * radius)
-        if not slope:
-            break
-        step, before = -wrong / slope, wrong
-        radius += step
+            nearby = radius - FIRST_STEP * (radius - low)
+            slope = (missed - miss(nearby)) / (radius - nearby)
+        if missed < 0:
+            low = radius
+        else:
+            # at the kink the load may be too large already
+            low, high = (low if low < radius else last.inner), radius
+        secant = -missed / slope if slope > 0 else np.inf
         # secants converge faster than linearly: the error is far below the last step
-        if abs(step) <= 1e-7 * radius:
+        if abs(secant) <= RADIUS_TOLERANCE * radius:
             # d by the load, of which an edge a little off takes nothing in the first order
-            return solve(radius, load), slope
+            return solve(radius + secant, load), slope
+        step = secant if low < radius + secant < high else (low + high) / 2 - radius
+        radius, last_miss = radius + step, missed
     raise SolverError("the edge of the contact was not found")
 
 
@@ -147,9 +162,9 @@ def _solve(
     infinite |= {0.0: False, radius: not last.outer_free}
     for part in intervals:
         # the pressure goes as x log x at a kink, which ring forces would feel by 2e-4
-        near = 1e-2 * (part.outer - part.inner)
+        near = NEAREST_KINK * (part.outer - part.inner)
         kinks = [kink for kink in profile.kinks if part.inner + near < kink < part.outer - near]
-        infinite |= dict.fromkeys(kinks if len(kinks) <= 4 else (), False)
+        infinite |= dict.fromkeys(kinks if len(kinks) <= MOST_KINKS else (), False)
     edges = sorted(infinite)
     compliance = compliance_on(
         tuple(edge / radius for edge in edges), tuple(infinite[edge] for edge in edges)

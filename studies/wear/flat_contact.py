@@ -170,10 +170,13 @@ def _moments(space: PressureSpace, count: int) -> Array:
     """
     # the root is one element away, where each point gains a factor of seven
     node, weight = unit_gauss(space.top + 24)
-    inner, size = space.breakpoints[:-1, None], np.diff(space.breakpoints)[:, None]
+    inner, size = space.breakpoints[:-1, None], space.widths[:, None]
     radii = inner + size * node
     local = np.tile(2 * node - 1, (len(size), 1))
-    root = np.sqrt((1 - radii) * (1 + radii))
+    # from the rim, to all digits
+    last = np.full(len(size), len(size))
+    away = space.distance(np.arange(len(size)), last)[:, None] - size * node
+    root = np.sqrt(away * (1 + radii))
     greatest = np.sqrt(size[-1] * (1 + inner[-1]))
     root[-1] = greatest * node
     weights = 2 * np.pi * weight * radii * size / root

@@ -152,6 +152,22 @@ class RunningIn:
         return self._reduce(self.compliance.factor.T).T
 
     @property
+    def whole_change(self) -> float:
+        """The change from the flat start to the steady state, of which modes tell what is left.
+
+        It is that of the approach less steady wear, or ``d F(0)`` at a fixed indentation. A space
+        that suits late times misses the fastest modes, but not their sum, which is known from both
+        ends: ``p_s . A p_s - d(0)`` with the steady pressures p_s.
+        """
+        if self.indentation is not None:
+            return self.indentation * float(self.flat.ring_forces(np.array([0.0, 1.0])).sum())
+        return float(self.steady.pressure @ self.steady.moments) - self.flat.indentation
+
+    def time_until(self, part: float) -> float:
+        """Return the time from which no more than this part of the whole change is left."""
+        return self.modes.time_until(part * self.whole_change)
+
+    @property
     def share_of_modes(self) -> float:
         """The share of the flat start that the modes have, by the squares of what they displace.
 

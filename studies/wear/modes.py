@@ -92,24 +92,28 @@ class Modes:
     exact: int
 
     def left(self, times: Array) -> Array:
-        """(T,) share of its way from the flat start to the steady state that the approach ``d(t) -
-        w t`` has yet to make, or the force at a fixed indentation.
+        """Return what is left (T,) of the change from the flat start to the steady state.
 
-        It is a sum of decaying exponentials, all positive.
+        It is that of the approach ``d(t) - w t``, or ``d F(t)`` at a fixed indentation: a sum of
+        decaying exponentials whose coefficients are all positive.
         """
-        ways = self.amplitudes**2 * self.relaxation
-        return np.asarray(np.exp(-times[:, None] / self.relaxation) @ ways / ways.sum())
+        return np.asarray(
+            np.exp(-times[:, None] / self.relaxation) @ (self.amplitudes**2 * self.relaxation)
+        )
 
-    def time_to(self, share: float) -> float:
-        """Time after which the approach, less steady wear, has made a share of its way.
+    def time_until(self, left: float) -> float:
+        """Return the time from which no more than this is left; NaN if there never was more.
 
-        There is one such time.
+        There is one such time, because what is left falls all the time.
         """
+        whole = float(self.left(np.zeros(1))[0])
+        if not 0 < left < whole:
+            return float("nan")
         # the slowest mode alone would take longest
-        latest = 1.01 * float(self.relaxation[0]) * np.log(1 / (1 - share))
+        latest = 1.01 * float(self.relaxation[0]) * np.log(whole / left)
 
         def excess(time: float) -> float:
-            return float(self.left(np.array([time]))[0] - (1 - share))
+            return float(self.left(np.array([time]))[0] / left - 1)
 
         return float(brentq(excess, 0.0, latest, xtol=1e-15 * latest, rtol=1e-14))
 

@@ -4,18 +4,21 @@ The slowest mode is a long wave, for which a few elements in each ring are enoug
 not flat first wears until all of it carries, about when its rigid overlap has worn off.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 
 import numpy as np
 
 from ...mdr.energy import compliance
+from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, graded_breakpoints
 from ..problem.problem import Problem, Rings
 from ..problem.sections import RUNNING_IN
 from .modes import BandedCholesky, slowest_times
 
+# gives the compliance of the half-space on a pressure space
+HalfSpaceOn = Callable[[PressureSpace], Compliance]
 # with more rings it would take longer than many a run
 MOST_RINGS = 64
 # degree, size at the rim and ratio of neighbouring sizes: a few digits; and more, to check them
@@ -38,18 +41,17 @@ def spreading(problem: Problem) -> tuple[float, float]:
     """Return about when contact first spreads, and when all of the face carries, non-dimensional.
 
     A wear that is a hundredth of the first indentation widens contact; that is about d of ``2 d
-    sqrt(A / pi) = F`` with the area A that the plane at d cuts off. A force F wears off the rigid
-    overlap in a time ``int (max f - f) / k dA / F``: of a sphere, ``a^4 = 4 R k F t / pi``. A fixed
-    indentation has no more to wear than its modes do: 0.
+    sqrt(A / pi) = F`` with the area A that the plane at d cuts off. A force wears off the rigid
+    overlap in the time to wear flat; a fixed indentation has no more to wear than its modes do: 0.
     """
     radii, heights = problem.profile.sampled()
-    between, areas = (radii[1:] + radii[:-1]) / 2, np.pi * np.diff(radii**2)
+    areas = np.pi * np.diff(radii**2)
     means = (heights[1:] + heights[:-1]) / 2
     order = np.argsort(means)
     depths, cut = means[order], np.cumsum(areas[order])
     stiffness = 2 * np.sqrt(cut / np.pi)
     if problem.indentation is None:
-        overlap = float((heights.max() - means) / problem.merged.at(between) @ areas)
+        overlap = problem.time_to_wear_flat
         at = int(np.searchsorted(depths * stiffness, 1.0))
     else:
         overlap, at = 0.0, int(np.searchsorted(depths, problem.indentation)) - 1
@@ -58,26 +60,47 @@ def spreading(problem: Problem) -> tuple[float, float]:
     return float(0.01 * cut[at] / stiffness[at]), overlap
 
 
-def slowest_relaxation_time(
-    rings: Rings, fixed: bool, sizes: tuple[int, float, float] = COARSE
-) -> float:
+def slowest_relaxation_time(rings: Rings, fixed: bool) -> float:
     """Return the slowest relaxation time, non-dimensional, to a few digits.
 
-    Of pressures that carry no force, or of all at a fixed indentation. NaN for more than
-    `MOST_RINGS`.
+    NaN for more than `MOST_RINGS`.
+    """
+    times = slowest_relaxation_times(rings, fixed)
+    return float(times[0]) if len(times) else float("nan")
+
+
+def slowest_relaxation_times(
+    rings: Rings,
+    fixed: bool,
+    sizes: tuple[int, float, float] = COARSE,
+    half_space: HalfSpaceOn = compliance,
+) -> Array:
+    """Return the slowest relaxation times (m,), non-dimensional, to a few digits.
+
+    They are those of pressures that carry no force, or of all pressures at a fixed indentation.
+    There are none for more than `MOST_RINGS`.
+
+    Parameters
+    ----------
+    rings : with their wear coefficients
+    fixed : whether the indentation is given
+    sizes : degree, size at the rim, and ratio of neighbouring sizes
+    half_space : gives the compliance on a pressure space
     """
     if len(rings.widths) > MOST_RINGS:
-        return float("nan")
-    return _slowest(tuple(rings.ring_edges), tuple(map(tuple, rings.ends)), fixed, sizes)
+        return np.empty(0)
+    ends = tuple(map(tuple, rings.ends))
+    return _slowest_times(tuple(rings.ring_edges), ends, fixed, sizes, half_space)
 
 
 @lru_cache(maxsize=8)  # the anchors of every method ask for it
-def _slowest(
+def _slowest_times(
     ring_edges: tuple[float, ...],
     wear_coefficients: tuple[tuple[float, ...], ...],
     fixed: bool,
     sizes: tuple[int, float, float],
-) -> float:
+    half_space: HalfSpaceOn,
+) -> Array:
     degree, rim, grading = sizes
     rings = Rings(np.array(ring_edges), np.array(wear_coefficients))
     breakpoints = graded_breakpoints(
@@ -86,6 +109,6 @@ def _slowest(
     space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), rings.ring_edges)
     to_pressure = space.joined(rings.wear_coefficients)
     mass = BandedCholesky(to_pressure.T @ space.mass(rings.wear_coefficients) @ to_pressure)
-    factor = mass.forward(to_pressure.T @ compliance(space).factor.T)
+    factor = mass.forward(to_pressure.T @ half_space(space).factor.T)
     weights = None if fixed else mass.forward(to_pressure.T @ space.weights)
-    return float(slowest_times(factor @ factor.T, weights)[0])
+    return slowest_times(factor @ factor.T, weights)

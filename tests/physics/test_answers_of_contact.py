@@ -5,8 +5,8 @@ import pytest
 
 from ringwear import Scene, run
 from ringwear.studies.crosscheck.scope import time_scale
-from ringwear.studies.methods.sampler import Sampler
 from ringwear.studies.report.words import Account
+from ringwear.studies.sampling.sampler import Sampler
 from ringwear.studies.wear.time_scale import spreading
 
 CURVATURE, FORCE = 3.0, 0.1
@@ -146,7 +146,8 @@ def test_counts_of_the_slowest_time_of_the_full_face():
 def test_curves_go_on_from_steps_to_full_contact(worn):
     for solution in worn.solutions.values():
         march = solution.march
-        between = Sampler(worn.scene.problem, march.compliance.space).history(march.between)
+        sampler = Sampler(worn.scene.problem, march.compliance.space, march.compliance)
+        between = sampler.history(march.between)
         times = between["time"]
         assert (np.diff(times) > 0).all()
         # Archard: of one material, under one load

@@ -11,11 +11,11 @@ import pytest
 from ringwear import Scene, run
 from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.studies.crosscheck.anchors import anchors
+from ringwear.studies.anchors.checks import anchors
 from ringwear.studies.methods.fem import Fem
 from ringwear.studies.methods.mdr import Mdr
-from ringwear.studies.methods.sampler import Sampler
 from ringwear.studies.problem.problem import Problem, Rings
+from ringwear.studies.sampling.sampler import Sampler
 from ringwear.studies.wear import full_contact
 from ringwear.studies.wear.modes import Modes
 
@@ -222,11 +222,11 @@ def right():
         ("indentation", np.nan, "flat start, d = F / (2 a E*)"),
         ("indentation", 1.001, "reciprocity with the flat punch"),
         ("ring_force", 1.001, "ring forces add up to F"),
-        ("relaxation_time", 1.001, "slowest relaxation time, by a small problem of its own"),
+        ("relaxation_time", 1.001, "relaxation times, by a small problem of its own"),
         ("steady_wear_rate", 1.001, "steady_wear_rate in closed form"),
         ("worn_volume", 1.001, "worn volume of the answer over k, F v0 t"),
         ("indentation_start", 1.001, "flat start of the answer"),
-        ("pressure_min", 1.001, "steady pressures of the answer"),
+        ("pressure_min", 1.001, "steady pressure_min of the answer"),
     ],
 )
 def test_anchors_hold_what_is_written(right, name, factor, anchor):

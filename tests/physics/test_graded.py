@@ -6,8 +6,8 @@ import pytest
 from ringwear import Scene, run
 from ringwear.mdr import energy
 from ringwear.meshes.errors import SceneError
-from ringwear.studies.methods.norms import differences
 from ringwear.studies.methods.spaces import pressure_spaces
+from ringwear.studies.sampling.norms import differences
 from ringwear.studies.wear.full_contact import RunningIn
 
 SPHERE = {"profile": {"kind": "parabola", "curvature_radius": 1.0}}

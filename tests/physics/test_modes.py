@@ -10,7 +10,7 @@ from scipy.sparse import csr_matrix, diags
 
 from ringwear import Scene, run
 from ringwear.meshes.errors import SceneError, SolverError
-from ringwear.studies.methods.norms import differences
+from ringwear.studies.sampling.norms import differences
 from ringwear.studies.wear.full_contact import RunningIn
 from ringwear.studies.wear.modes import BandedCholesky, every_mode, excited_modes
 

@@ -139,6 +139,7 @@ def test_steady_state_in_units_of_the_paper(five):
     )
 
 
+@pytest.mark.gmsh
 def test_files(written):
     figures = {f"fig{number}{end}" for number in (4, 5, 6, 7) for end in (".png", ".csv")}
     assert {file.name for file in written.iterdir()} == figures | {"claims.csv"}

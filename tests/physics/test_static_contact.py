@@ -13,7 +13,8 @@ from ringwear.meshes.errors import SolverError
 from ringwear.studies.problem.profile import InitialProfile
 from ringwear.studies.wear.fitted_press import fit_press, fit_presses
 from ringwear.studies.wear.moments import moments
-from ringwear.studies.wear.unilateral import Contact, Interval, Load
+from ringwear.studies.wear.moving_contact import ContactMarch
+from ringwear.studies.wear.unilateral import MOST_CHANGES, Contact, Interval, Load
 
 DEGREE = 8
 METHODS = ["mdr", "bem", pytest.param("fem", marks=pytest.mark.gmsh)]
@@ -166,3 +167,49 @@ def test_a_contact_of_another_kind_is_refused(part, words):
     on_edges = partial(compliance_on, "mdr", DEGREE)
     with pytest.raises(SolverError, match=words):
         fit_presses(SPHERE, Load(0.1), (part,), (on_edges, on_edges))
+
+
+@pytest.mark.parametrize("load", [Load(1.0), Load(None, 0.1)], ids=str)
+def test_contacts_that_differ_by_a_few_nodes_share_a_factor(load):
+    compliance = energy.compliance(ContactCells((0.0, 0.3, 0.7, 1.0), 1 / 150, 1e-3).space())
+    matrix, weights = compliance.matrix, compliance.space.weights
+    of_profile = moments(rings([0, 0.3, 0.7, 1], [0.0, 0.3, 0.0], wavy), compliance.space)
+    contact, draw = Contact(matrix, weights), np.random.default_rng(35)
+    first = contact.press(of_profile, load)
+    contact._solved(of_profile, load, first.contact, anew=True)
+    factor, shared = contact._system.factor, 0
+    for changes in (1, 1, 3, 3, 10, MOST_CHANGES):
+        nodes = draw.choice(len(weights), changes, replace=False)
+        tried = first.contact.copy()
+        tried[nodes] = ~tried[nodes]
+        pressure, gap, depth = contact._solved(of_profile, load, tried)
+        # anew where borders have lost more than roundoff
+        shared += contact._system.factor is factor
+        factor = contact._system.factor
+        own_pressure, _, own_depth = Contact(matrix, weights)._solved(of_profile, load, tried)
+        assert depth == pytest.approx(own_depth, rel=2e-15)
+        scale = np.abs(own_pressure).max()
+        np.testing.assert_allclose(pressure, own_pressure, rtol=0, atol=1e-12 * scale)
+        assert (pressure[~tried] == 0).all()
+        roundoff = np.abs(of_profile) + depth * weights
+        assert (np.abs(gap) <= 2e-14 * roundoff)[tried].all()
+    assert shared >= 3
+    # with more, the factor is that of the contact itself
+    contact._solved(of_profile, load, np.arange(len(weights)) % 2 == 0)
+    assert contact._system.factor is not factor
+    assert not len(contact._system.changed)
+
+
+def test_a_march_is_the_same_with_a_factor_for_every_contact(monkeypatch):
+    def wear():
+        compliance = energy.compliance(ContactCells((0.0, 1.0), 1 / 100, 1e-3).space())
+        of_profile = moments(SPHERE, compliance.space)
+        march = ContactMarch(compliance, np.ones(1), of_profile, Load(0.2))
+        return march.adaptive(np.array([0.01, 0.1]), 1e-4)
+
+    bordered = wear()
+    monkeypatch.setattr("ringwear.studies.wear.unilateral.MOST_CHANGES", 0)
+    factored = wear()
+    assert bordered.steps.taken == factored.steps.taken
+    np.testing.assert_allclose(bordered.indentation, factored.indentation, rtol=2e-15)
+    np.testing.assert_allclose(bordered.profile, factored.profile, rtol=0, atol=1e-13)

@@ -40,7 +40,7 @@ def test_start_pressures_are_those_of_the_closed_form(rtol, first):
     exact = 1 / np.pi / np.sqrt((1 - edges) * (1 + edges))
     np.testing.assert_allclose(rings["pressure_min"][0], exact, rtol=rtol)
     np.testing.assert_allclose(rings["pressure_max"][0][:-1], exact[1:], rtol=rtol)
-    assert result.verdict == "agree"
+    assert all(anchor.holds for anchor in result.anchors)
 
 
 @pytest.mark.slow
@@ -188,16 +188,19 @@ def test_the_default_scene_reaches_its_accuracy_by_its_own_word():
 @pytest.mark.parametrize(
     ("difference", "first", "second", "verdict"),
     [
-        (0.9, 0.01, 0.01, "agree"),  # below rtol nothing disagrees, whatever is stated
-        (1.1, 0.6, 0.6, "agree"),
-        (1.1, 0.5, 0.5, "disagree"),
-        (30.0, 0.5, 1.1, "undecided"),  # one says of itself that it errs by more
+        (0.9, 0.01, 0.01, "agree"),
+        (1.9, 0.6, 0.6, "agree"),
+        (2.1, 0.5, 0.5, "disagree"),
+        (2.1, 1.2, 1.2, "undecided"),  # within what they state, which is more than asked for
+        (30.0, 0.5, 1.1, "disagree"),  # a method that states a large error is not exempt
         (3.0, 2.0, 2.5, "undecided"),
-        (0.1, 0.5, 2.0, "agree"),
+        (0.1, 0.5, 2.0, "undecided"),  # a large stated error never agrees
+        (np.nan, 0.5, 0.5, "disagree"),
+        (0.1, np.nan, 0.5, "undecided"),
     ],
 )
 def test_the_rule_of_the_verdict(difference, first, second, verdict):
-    """In counts of the accuracy asked for."""
+    """In units of the accuracy asked for."""
     scene = FIVE.changed(wear__times=[0.1])
     rtol, solution = scene.accuracy.rtol, run(scene, methods=["mdr"]).solutions["mdr"]
     exact = solution.checked
@@ -206,7 +209,8 @@ def test_the_rule_of_the_verdict(difference, first, second, verdict):
         replace(solution, checked=checked, errors={"indentation": np.array([error * rtol])})
         for checked, error in ((moved, first), (exact, second))
     )
-    (row,) = agreements(scene.problem, ("mdr", "mdr"), both)
+    rows = agreements(scene.problem, ("mdr", "bem"), both)
+    (row,) = (row for row in rows if row.quantity == "indentation")
     assert row.verdict == verdict
 
 

@@ -19,9 +19,9 @@ from scipy.linalg import svd
 
 from ringwear import Scene
 from ringwear.studies.methods.base import method
-from ringwear.studies.methods.norms import differences
 from ringwear.studies.problem.quantities import QUANTITIES
 from ringwear.studies.progress import Stages
+from ringwear.studies.sampling.norms import differences
 
 
 def graded_elements(edges, smallest, factor):

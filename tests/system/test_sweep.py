@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from itertools import product
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from ringwear import Scene, run, sweep
 from ringwear.mdr import direct
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
+from ringwear.studies.crosscheck.sizes import predict_memory
 from ringwear.studies.problem.problem import Rings
 from ringwear.studies.problem.quantities import QUANTITIES, error_name
 from ringwear.studies.problem.shared import Shared, groups
@@ -258,6 +260,29 @@ def test_a_dry_run_says_what_it_takes(tmp_path, monkeypatch, capsys):
     for part in ("2 scenes", "MiB", "probe", "processes"):
         assert part in text
     assert os.listdir() == ["small.toml"]
+
+
+@pytest.mark.parametrize(
+    ("rings", "largest"), [([40, 30, 3, 2], 40), ([2, 40, 3], 40)], ids=["first", "middle"]
+)
+def test_a_dry_run_computes_the_largest_scene(monkeypatch, tmp_path, capsys, rings, largest):
+    """Wherever it stands, and says what memory it needs, without a bound that it cannot know."""
+    monkeypatch.chdir(tmp_path)
+    lines = f"keep = ['steady_rms_slope']\n[axes]\nmethods = [['mdr']]\n'punch.rings' = {rings}"
+    Path("sweep.toml").write_text(f"base = 'five_rings'\n{lines}")
+    assert main(["sweep", "sweep.toml", "--dry-run", "--workers", "2", "--memory", "0.5"]) == 0
+    text = capsys.readouterr().out
+    assert f"punch.rings = {largest})" in text
+    assert "at most" not in text
+    told = re.search(r"about (\S+) GiB for the largest scene, of the 0.25 GiB", text)
+    assert told
+    scene = Scene.load("five_rings").changed(methods=["mdr"], punch__rings=largest)
+    # two digits are told
+    assert float(told[1]) == pytest.approx(predict_memory(scene), rel=0.05)
+    assert ("too little" in text) == (predict_memory(scene) > 0.25)
+    seconds = float(re.search(r"took (\S+) s;", text)[1])
+    whole = float(re.search(r"would take (\S+) s by 2", text)[1])
+    assert whole == pytest.approx(seconds * len(rings) / 2, rel=0.1)
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ Workers that compute otherwise, or not at all, are told in a line; what is finis
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -107,8 +108,12 @@ class Cluster:
 
     def _start(self, what, *arguments):
         command = [sys.executable, "-m", "dask", what, "--no-dashboard", *arguments]
+        # one death of a worker is enough: what kills it is split down to single scenes
+        settings = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
         with (self.directory / f"{what}.log").open("ab") as log:
-            process = subprocess.Popen(command, cwd=self.directory, stdout=log, stderr=log)
+            process = subprocess.Popen(
+                command, cwd=self.directory, stdout=log, stderr=log, env=settings
+            )
         self._processes.callback(process.wait)
         # a nanny ends its worker, if it is asked to end; the others may be in a block without end
         self._processes.callback(process.terminate if "--nanny" in arguments else process.kill)
@@ -131,9 +136,9 @@ def here(tmp_path_factory):
     return directory / "out"
 
 
-def expect(sweep, status, word):
+def expect(sweep, status, word, timeout=120):
     """The command ends with a status, and one line that has a word."""
-    _, errors = sweep.communicate(timeout=120)
+    _, errors = sweep.communicate(timeout=timeout)
     assert sweep.returncode == status, errors
     assert "Traceback" not in errors
     assert len([line for line in errors.splitlines() if word in line]) == 1, errors
@@ -162,7 +167,7 @@ def test_a_worker_without_ringwear_is_told(cluster):
 
 def test_a_block_that_kills_its_workers_is_left_out(cluster, here):
     cluster.worker(DEADLY, nanny=True)
-    expect(cluster.sweep(), 1, "left out")
+    expect(cluster.sweep(), 1, "left out", timeout=400)
     assert statuses(cluster.out) == [1] * 16 + [0] * 8 + [1] * 24
     # and is computed by others
     file = str(cluster.directory / "sweep.toml")

@@ -124,16 +124,23 @@ def empty(file):
     file.write_bytes(b"")
 
 
+def flip(file):
+    """A bit in the middle of what is compressed."""
+    content = bytearray(file.read_bytes())
+    content[len(content) * 3 // 4] ^= 4
+    file.write_bytes(content)
+
+
 RESULTS = ("steady_rms_slope/c/2/0/0", "disagreement/c/2/0", "status/c/2/0")
-LABELS = ("zarr.json", "status/zarr.json", "rings/c/0")
+LABELS = ("status/zarr.json", "rings/c/0")
 
 
 @pytest.mark.parametrize(
     ("damage", "file"),
     [
-        *product((truncate, empty), RESULTS),
-        *product((truncate,), LABELS),
-        (Path.unlink, "status/c/2/0"),
+        *product((truncate, empty, flip, Path.unlink), RESULTS),
+        (Path.unlink, "reason/c/2/0"),
+        *product((truncate, flip), LABELS),
     ],
 )
 def test_damage_is_found_and_mended(
@@ -156,6 +163,38 @@ def test_damage_is_found_and_mended(
     compute_into(tmp_path, resume=True)
     assert contents(tmp_path) == contents(undisturbed)
     assert written == ([] if file in LABELS else [2])
+
+
+def test_no_flipped_bit_is_read_as_a_number(tmp_path, undisturbed):
+    """Each bit of a chunk of results is under its checksum, or of no meaning."""
+    shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
+    file = tmp_path / "sweep.zarr" / "steady_rms_slope" / "c" / "1" / "0" / "0"
+    content, values = file.read_bytes(), store_values(tmp_path)
+    for place in range(8 * len(content)):
+        changed = bytearray(content)
+        changed[place // 8] ^= 1 << place % 8
+        file.write_bytes(changed)
+        try:
+            read = store_values(tmp_path)
+        except Exception:
+            continue
+        np.testing.assert_array_equal(read, values)
+
+
+def store_values(directory):
+    return zarr.open_group(directory / "sweep.zarr", mode="r")["steady_rms_slope"][1]
+
+
+@pytest.mark.parametrize("damage", [truncate, empty, Path.unlink])
+@pytest.mark.parametrize("keep", [KEEP, KEEP[:1]], ids=["same", "another"])
+def test_a_store_without_its_root_is_refused(tmp_path, undisturbed, damage, keep):
+    """Nothing says what has computed it: it is not taken for the sweep that is at hand."""
+    shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
+    damage(tmp_path / "sweep.zarr" / "zarr.json")
+    before = contents(tmp_path)
+    with pytest.raises(SceneError, match=r"zarr\.json is damaged or lost"):
+        sweep(BASE, AXES, keep, out=tmp_path, resume=True)
+    assert contents(tmp_path) == before
 
 
 def test_one_sweep_to_a_directory(tmp_path):
@@ -183,11 +222,13 @@ def fail_for_three_rings(patch, error):
     patch.setattr(compute, "solved_to_accuracy", fail)
 
 
-@pytest.mark.parametrize("error", [ValueError("a bad day"), MemoryError("no room")], ids=str)
-def test_failures(tmp_path, monkeypatch, capsys, error):
+@pytest.mark.parametrize(
+    ("error", "status"), [(ValueError("a bad day"), 2), (MemoryError("no room"), 0)], ids=str
+)
+def test_failures(tmp_path, monkeypatch, capsys, error, status):
     """The command ends with 1, and says why; neighbours are there.
 
-    A failure is final unless it is asked to be tried again.
+    A failure is final unless it is asked to be tried again; what lacked memory is left.
     """
     file, out = tmp_path / "sweep.toml", tmp_path / "out"
     file.write_text(tomli_w.dumps({"base": BASE.table(), "keep": KEEP, "axes": AXES}))
@@ -197,10 +238,10 @@ def test_failures(tmp_path, monkeypatch, capsys, error):
         assert main(command) == 1
     said = capsys.readouterr().out
     assert f"direct: {type(error).__name__}: {error} (8 scenes)" in said
-    assert statuses(out) == [1] * 8 + [2] * 8 + [1] * 8
+    assert statuses(out) == [1] * 8 + [status] * 8 + [1] * 8
     results = xarray.open_zarr(out / "sweep.zarr")["steady_rms_slope"].isel(solver=0)
     np.testing.assert_array_equal(results.notnull().all("wear_ratio"), [True, False, True])
-    assert main([*command, "--resume"]) == 1
+    assert main([*command, "--resume"]) == (1 if status == 2 else 0)
     assert main([*command, "--retry-failed"]) == 0
     assert statuses(out) == [1] * 24
 

@@ -36,7 +36,7 @@ def test_line_density_of_rings(space):
 
 def test_force_is_twice_the_integral(space):
     """Eq. 17's sum of springs, ``F = 2 int q dx``, for every function of the space."""
-    positions, weights = panel_quadrature(space)
+    positions, weights, _ = panel_quadrature(space)
     forces = 2 * weights @ line_density(space, positions)
     np.testing.assert_allclose(forces, space.weights, rtol=1e-12, atol=1e-15)
 

@@ -43,7 +43,7 @@ def test_running_in_against_an_independent_history(five, reference):
     for state in reference["states"]:
         way = (state["indentation"] - rate * state["time"] - 1.0) / (end - 1.0)
         # ten times as fast as the unit of the scene, for the greatest coefficient is ten
-        time = wear.modes.time_to(way) * five.scene.problem.units.time
+        time = wear.time_until(1 - way) * five.scene.problem.units.time
         assert time == pytest.approx(state["time"], rel=1e-6)
 
 

@@ -1,19 +1,19 @@
 """From the history of a punch to the quantities that are asked for. Non-dimensional."""
 
 from collections.abc import Callable
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 from scipy.sparse import csr_matrix
-from scipy.sparse.linalg import splu
 
+from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..wear.contact_edges import worn_edges
 from ..wear.flat_contact import SteadyState
 from ..wear.history import History
-from ..wear.moments import moments
+from ..wear.worn_face import WornFace
 from .norms import Results, radial_weight
 
 AVERAGES = ("line", "area")
@@ -48,10 +48,18 @@ def _samples(space: PressureSpace) -> Array:
 
 
 class Sampler:
-    """Turns coefficients on a pressure space into the quantities of a problem."""
+    """Turns coefficients on a pressure space into the quantities of a problem.
 
-    def __init__(self, problem: Problem, space: PressureSpace) -> None:
-        self.problem, self.space = problem, space
+    Parameters
+    ----------
+    problem, space : of the coefficients
+    compliance : on that space; needed for fields of a contact that moves
+    """
+
+    def __init__(
+        self, problem: Problem, space: PressureSpace, compliance: Compliance | None = None
+    ) -> None:
+        self.problem, self.space, self.compliance = problem, space, compliance
 
     def _radii(self, on_face: bool) -> Array:
         return self.problem.face.radii if on_face else self.problem.radii
@@ -80,15 +88,12 @@ class Sampler:
         top = np.divide(first, root - b, out=np.zeros(len(row)), where=inside)
         return np.maximum(samples[row, best], start + top * (first + top * (b + top * c)))
 
-    def _rms_slope(self, worn: Array) -> Array:
-        """Return the root mean square slope (T,) of what (T, size) has worn off the face."""
+    def _rms_slope(self, slopes: Array) -> Array:
+        """Return the root mean square (T,) of slopes at the points of quadrature (T, E Q)."""
         radii, lengths, _ = self.space.quadrature
         weights = lengths * radial_weight(radii, self.problem.gradient_average)
         # by points, not by a Gram matrix, which would sum the square of a constant over a small
         # element to roundoff
-        slopes = (_slopes(self.space) @ worn.T).T
-        if not self.problem.full_contact:
-            slopes += self.problem.profile.slope(radii.ravel())
         return np.asarray(np.sqrt(slopes**2 @ weights.ravel()))
 
     def pressures(self, history: History, radii: Array) -> Array:
@@ -125,38 +130,48 @@ class Sampler:
         first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1])
         return np.asarray(np.add.reduceat(worn, first, axis=1))
 
-    def heights(self, history: History, radii: Array) -> Array:
-        """Return the height (T, R) of the worn face at radii."""
-        return np.asarray(self.problem.profile(radii) + self._at(radii, history.profile))
+    def worn_face(self, history: History) -> WornFace:
+        """Return the face of a punch whose contact moves.
 
-    def _displacements(self, history: History, displaced: Array, radii: Array) -> Array:
-        """Return the displacement (T, R) of the half-space at radii by its coefficients (T, size),
-        and u = d - f where it touches.
+        Raises
+        ------
+        ValueError
+            without a compliance
         """
-        touching = history.indentation[:, None] - self.heights(history, radii)
+        if self.compliance is None:
+            raise ValueError("fields of a contact that moves need the compliance")
+        return WornFace(self.problem.profile, self.compliance, history)
+
+    def _fields(self, history: History, radii: Array) -> Values:
+        """Return the quantities that are made of the face and the displacement under it."""
+        standoff = self.problem.profile.standoff
+        centre = np.zeros(1)
         if self.problem.full_contact:
-            return touching
-        carries = self.pressures(history, radii) > 0
-        return np.where(carries, touching, self._at(radii, displaced))
+            worn, depth = history.profile, history.indentation[:, None]
+            displaced = depth * self.space.uniform - worn
+            return {
+                "profile": lambda: self.problem.profile(radii) + self._at(radii, worn) + standoff,
+                "displacement": lambda: depth - self._at(radii, worn),
+                "displacement_centre": lambda: (depth - self._at(centre, worn))[:, 0],
+                "displacement_max": lambda: self._greatest(displaced),
+                "rms_slope": lambda: self._rms_slope((_slopes(self.space) @ worn.T).T),
+            }
+        face = self.worn_face(history)
 
-    def displaced(self, history: History) -> Array:
-        """Return coefficients (T, size) of the displacement of the half-space, u = d - f + gap.
+        def displacements(at: Array) -> Array:
+            carries = self.pressures(history, at) > 0
+            return face.displacements(_matrix(self.space, at.tobytes()), at, carries)
 
-        The gap, and the unworn face, are known by their moments against the pressures.
-        """
-        uniform = self.space.uniform
-        displaced = history.indentation[:, None] * uniform - history.profile
-        if self.problem.full_contact:
-            return displaced
-        return np.asarray(displaced + self._project((history.gap - self._unworn).T).T)
+        def slopes() -> Array:
+            return face.slopes(_slopes(self.space), self.space.quadrature[0])
 
-    @cached_property
-    def _project(self) -> Callable[[Array], Array]:
-        return splu(self.space.mass().tocsc()).solve
-
-    @cached_property
-    def _unworn(self) -> Array:
-        return moments(self.problem.profile, self.space)
+        return {
+            "profile": lambda: face.heights(_matrix(self.space, radii.tobytes()), radii) + standoff,
+            "displacement": lambda: displacements(radii),
+            "displacement_centre": lambda: displacements(centre)[:, 0],
+            "displacement_max": lambda: self._greatest(face.displacement),
+            "rms_slope": lambda: self._rms_slope(slopes()),
+        }
 
     def history(self, history: History, on_face: bool = False) -> Results:
         """Return the quantities that run over time.
@@ -168,19 +183,12 @@ class Sampler:
             compared
         """
         problem, radii, pressed = self.problem, self._radii(on_face), history.pressed
-        displaced, standoff = self.displaced(history), problem.profile.standoff
         values: Values = {
             "pressure": lambda: self.pressures(history, radii),
-            "profile": lambda: self.heights(history, radii) + standoff,
-            "displacement": lambda: self._displacements(history, displaced, radii),
-            "indentation": lambda: history.indentation + standoff,
-            "displacement_centre": lambda: self._displacements(history, displaced, np.zeros(1))[
-                :, 0
-            ],
-            "displacement_max": lambda: self._greatest(displaced),
-            "rms_slope": lambda: self._rms_slope(history.profile),
+            "indentation": lambda: history.indentation + problem.profile.standoff,
             "ring_force": lambda: self.ring_forces(history),
         }
+        values |= self._fields(history, radii)
         if problem.indentation is not None or not problem.full_contact:
             values["normal_force"] = lambda: self.ring_forces(history).sum(axis=1)
             values["ring_worn_volume"] = lambda: self.worn_volumes(history)
@@ -220,15 +228,16 @@ class Sampler:
         return edges
 
     def steady(self, state: SteadyState, on_face: bool = False) -> Results:
-        """Return the quantities of the steady state."""
-        radii, displaced = self._radii(on_face), state.displacement[None]
+        """Return the quantities of the steady state of a unit force, under the load held last."""
+        force, speed = self.problem.loading.forces[-1], self.problem.loading.speeds[-1]
+        radii, displaced = self._radii(on_face), force * state.displacement[None]
         greatest = self._greatest(displaced)
         values: Values = {
-            "steady_pressure": lambda: self._at(radii, state.pressure),
-            "steady_profile": lambda: np.maximum(greatest - self._at(radii, state.displacement), 0),
+            "steady_pressure": lambda: force * self._at(radii, state.pressure),
+            "steady_profile": lambda: np.maximum(greatest - self._at(radii, displaced)[0], 0),
             "steady_displacement_max": lambda: greatest[0],
-            "steady_rms_slope": lambda: self._rms_slope(displaced)[0],
-            "steady_wear_rate": lambda: np.asarray(state.wear_rate),
+            "steady_rms_slope": lambda: self._rms_slope((_slopes(self.space) @ displaced.T).T)[0],
+            "steady_wear_rate": lambda: np.asarray(force * speed * state.wear_rate),
         }
         measures = ["steady_displacement_max"]
         if self.by_fields:

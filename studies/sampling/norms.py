@@ -4,7 +4,7 @@ import numpy as np
 
 from ...meshes.radial import Array
 from ..problem.face import Face
-from ..problem.quantities import QUANTITIES
+from ..problem.quantities import ANSWER, QUANTITIES
 
 # quantities by name, with `time` where there is one; non-dimensional, dimensions as in `QUANTITIES`
 Results = dict[str, Array]
@@ -35,6 +35,30 @@ def differences(results: Results, against: Results, face: Face) -> Results:
     }
 
 
+def answer_differences(answers: Results, against: Results) -> Results:
+    """Return the relative difference of every number of the answer that both have, in its norm.
+
+    It is NaN where one of them does not give a number, as closed forms do not give the start.
+    """
+    compared = {}
+    for name, quantity in ANSWER.items():
+        if name not in answers or name not in against:
+            continue
+        value, reference = answers[name], against[name]
+        # the rim of a flat punch has an infinite pressure by every method
+        same = np.isinf(value) & (value == reference)
+        difference = np.abs(np.where(same, 0.0, value) - np.where(same, 0.0, reference))
+        scale = np.abs(np.where(same, 1.0, reference))
+        if quantity.norm in ("share", "first force"):
+            scale = np.ones_like(scale)
+        elif quantity.norm == "volume":
+            scale = np.broadcast_to(scale.sum(axis=-1, keepdims=True), scale.shape)
+        relative = np.divide(difference, scale, out=np.zeros(difference.shape), where=scale > 0)
+        relative = np.where(np.isnan(difference), np.nan, relative)
+        compared[name] = relative.max(axis=-1) if "ring" in quantity.dims else relative
+    return compared
+
+
 def _difference(name: str, results: Results, against: Results, face: Face) -> Array:
     value, reference = results[name], against[name]
     both = common(value.shape, reference.shape)
@@ -58,11 +82,15 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
         beyond_touch = np.asarray(against.get("indentation", unit)) - face.standoff
         if beyond_touch.ndim:
             beyond_touch = np.maximum.accumulate(beyond_touch)
+        # at a fixed indentation it vanishes: what it was says how much little of it is
+        force = np.asarray(against.get("normal_force", unit))
+        if force.ndim:
+            force = np.maximum.accumulate(force)
         scale = {
             "value": np.abs(reference),
             "indentation": beyond_touch,
             "steady": against.get("steady_displacement_max", unit),
-            "force": against.get("normal_force", unit),
+            "force": force,
             "volume": reference.sum(axis=-1),
             "radius": unit,
             "slope": np.abs(reference),

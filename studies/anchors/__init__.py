@@ -1,0 +1,1 @@
+"""Check what a method reports against closed forms, conservation laws and reciprocity."""

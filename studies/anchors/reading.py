@@ -1,0 +1,217 @@
+"""Read a scene a second time, from its TOML, in plain lines.
+
+Anchors use only these numbers. Whatever `Problem.posed` reads, scales or integrates wrongly then
+shows as a difference.
+"""
+
+import tomllib
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import pchip_interpolate
+
+from ...meshes.radial import Array
+from ..problem.quantities import Units
+from ..problem.scene import Scene
+
+# part of a ring by which a place is beside a step of the wear coefficient
+INSIDE = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class OverTime:
+    """A load that is linear between times, and constant before the first and after the last.
+
+    Parameters
+    ----------
+    times : (K,) in the scene's unit
+    values : (K,) over the greatest of them
+    greatest : the greatest value, in the scene's unit
+    """
+
+    times: Array
+    values: Array
+    greatest: float
+
+    @classmethod
+    def of(cls, given: Any) -> "OverTime":
+        """Return what a scene gives as a number, or as a table of times and values."""
+        table = given if isinstance(given, dict) else {"times": [0.0], "values": [given]}
+        values = np.array(table["values"], dtype=float)
+        return cls(np.array(table["times"], dtype=float), values / values.max(), values.max())
+
+    def at(self, times: Array) -> Array:
+        """Return the value at times, over the greatest."""
+        return np.interp(times, self.times, self.values)
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """The numbers of a scene as its TOML has them.
+
+    Parameters
+    ----------
+    rtol : relative accuracy that the scene asks for
+    average : `line` or `area`, of the RMS slope
+    edges : (N+1,) ring edges over the punch radius
+    coefficients : (N,) wear coefficients of the rings, in the scene's unit; None with a `table`
+    table : radii and wear coefficients along the radius, in the scene's units; empty without
+    force, speed : over time
+    times : (T,) times asked for, in the scene's unit
+    units : the natural units, in the scene's own
+    profile : the table of the unworn profile, with lengths in the scene's unit; None if it is flat
+    recess : (N,) recess of each ring, in the scene's unit
+    """
+
+    rtol: float
+    average: str
+    edges: Array
+    coefficients: Array | None
+    table: dict[str, Any]
+    force: OverTime
+    speed: OverTime
+    times: Array
+    units: Units
+    profile: dict[str, Any] | None
+    recess: Array
+
+    @classmethod
+    def of(cls, scene: Scene) -> "Reading":
+        """Read a scene."""
+        given = tomllib.loads(scene.to_toml())
+        punch, load, solid = given["punch"], given["load"], given["half_space"]
+        radius = punch["radius"]
+        modulus = solid.get("plane_strain_modulus")
+        if modulus is None:
+            modulus = solid["youngs_modulus"] / (1 - solid.get("poisson_ratio", 0.3) ** 2)
+        edges = _edges(punch)
+        coefficients, table = _wear(punch, len(edges) - 1)
+        fastest = float(np.max(table["values"] if coefficients is None else coefficients))
+        force = OverTime.of(load.get("normal_force", load.get("mean_pressure", 1.0)))
+        speed = OverTime.of(load.get("sliding_speed", 1.0))
+        greatest = force.greatest
+        if "mean_pressure" in load:
+            greatest *= np.pi * radius**2
+        if "indentation" in load:
+            # the force of a flat punch that is pressed in as deep beyond the first touch
+            profile, unit = scene.problem.profile, scene.problem.units.displacement
+            greatest = 2 * radius * modulus * (load["indentation"] - profile.standoff * unit)
+        time = radius / modulus / fastest / speed.greatest
+        return cls(
+            rtol=given.get("accuracy", {}).get("rtol", 1e-4),
+            average=given.get("output", {}).get("gradient_average", "line"),
+            edges=edges,
+            coefficients=coefficients,
+            table=table,
+            force=force,
+            speed=speed,
+            times=np.array(scene.wear.times, dtype=float),
+            units=Units(radius, modulus, float(greatest), time, fastest),
+            profile=punch.get("profile"),
+            recess=np.zeros(len(edges) - 1) + np.array(punch.get("recess", 0.0)),
+        )
+
+    @property
+    def knots(self) -> Array:
+        """(K,) times at which the course of the load changes, the time 0 among them."""
+        return np.unique(np.concatenate([[0.0], self.force.times, self.speed.times]))
+
+    def wear_at(self, radii: Array) -> Array:
+        """Return the wear coefficient at radii (over the punch radius), over the greatest."""
+        if self.table:
+            length = self.units.length
+            values = np.interp(radii * length, self.table["radii"], self.table["values"])
+        else:
+            assert self.coefficients is not None
+            ring = np.searchsorted(self.edges, radii, side="right") - 1
+            values = self.coefficients[np.clip(ring, 0, len(self.coefficients) - 1)]
+        return np.asarray(values / self.units.wear_coefficient)
+
+    def extremes_of_wear(self) -> tuple[Array, Array]:
+        """Return the least and the greatest wear coefficient on each ring, over the greatest."""
+        if not self.table:
+            middles = (self.edges[1:] + self.edges[:-1]) / 2
+            return self.wear_at(middles), self.wear_at(middles)
+        # linear between the radii of the table: extremes are there, or just inside the ring
+        radii, least, greatest = np.array(self.table["radii"]) / self.units.length, [], []
+        for inner, outer in pairwise(self.edges):
+            inside = radii[(radii > inner) & (radii < outer)]
+            beside = INSIDE * (outer - inner)
+            places = np.concatenate(
+                [[inner + beside, outer - beside], inside - beside, inside + beside]
+            )
+            values = self.wear_at(np.clip(places, inner, outer))
+            least.append(values.min())
+            greatest.append(values.max())
+        return np.array(least), np.array(greatest)
+
+    def unworn(self, radii: Array) -> Array:
+        """Return the heights of the unworn face at radii (over the punch radius), non-dimensional.
+
+        Functions of the user's are not among them, because no file can hold them.
+        """
+        ring = np.clip(
+            np.searchsorted(self.edges, radii, side="right") - 1, 0, len(self.recess) - 1
+        )
+        heights = self.recess[ring]
+        if self.profile is not None:
+            heights = heights + _heights(self.profile, radii * self.units.length, self.units.length)
+        return np.asarray(heights / self.units.displacement)
+
+    def load(self, times: Array) -> tuple[Array, Array, Array]:
+        """Return force, sliding distance and work (the integral of force over distance) at times.
+
+        All are non-dimensional, (T,). Between knots force and speed are linear in time, so that
+        Simpson's rule integrates their product exactly.
+        """
+        until = np.atleast_1d(times) * self.units.time
+        rows = np.array([self._integrated(time) for time in until]).reshape(-1, 3)
+        force, distance, work = rows.T
+        return force, distance / self.units.time, work / self.units.time
+
+    def _integrated(self, until: float) -> tuple[float, float, float]:
+        """Return force, distance and work at a time, in natural units but for the time."""
+        times = np.append(self.knots[self.knots < until], until)
+        middles, lengths = (times[1:] + times[:-1]) / 2, np.diff(times)
+        force, speed = self.force.at(times), self.speed.at(times)
+        power, between = force * speed, self.force.at(middles) * self.speed.at(middles)
+        distance = lengths @ (speed[1:] + speed[:-1]) / 2
+        work = lengths @ (power[1:] + 4 * between + power[:-1]) / 6
+        return float(force[-1]), float(distance), float(work)
+
+
+def _heights(profile: dict[str, Any], radii: Array, punch_radius: float) -> Array:
+    """Return the heights of a profile at radii, all in the scene's unit."""
+    kind = profile["kind"]
+    if kind == "parabola":
+        return np.asarray(radii**2 / (2 * profile["curvature_radius"]))
+    if kind == "cone":
+        return np.asarray(profile["slope"] * radii)
+    if kind == "power":
+        return np.asarray(profile["coefficient"] * (radii / punch_radius) ** profile["exponent"])
+    if kind == "rounded_rim":
+        beyond = np.maximum(radii - profile["flat_radius"], 0.0)
+        return np.asarray(beyond**2 / (2 * profile["curvature_radius"]))
+    return np.asarray(pchip_interpolate(profile["radii"], profile["heights"], radii))
+
+
+def _edges(punch: dict[str, Any]) -> Array:
+    """Return the ring edges (N+1,) of a punch, over its radius."""
+    if "ring_edges" in punch:
+        return np.array([0.0, *punch["ring_edges"]]) / punch["radius"]
+    widths = np.ones(punch.get("rings", 1))
+    widths[1::2] = punch.get("width_ratio", 1.0)
+    return np.append(0.0, np.cumsum(widths)) / widths.sum()
+
+
+def _wear(punch: dict[str, Any], rings: int) -> tuple[Array | None, dict[str, Any]]:
+    """Return the wear coefficients of the rings, or else the table along the radius."""
+    given = punch.get("wear_coefficients", punch.get("wear_coefficient"))
+    if isinstance(given, dict):
+        return None, given
+    if isinstance(given, float | int):
+        given = [given, given * punch["wear_ratio"]]
+    # two alternate from the centre
+    return np.resize(np.array(given, dtype=float), rings), {}

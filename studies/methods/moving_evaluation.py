@@ -1,0 +1,222 @@
+"""A compliance on cells, worn and sampled: a punch whose contact opens, closes and spreads."""
+
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from ...meshes.compliance import Compliance
+from ...meshes.radial import Array
+from ..problem.problem import Problem
+from ..problem.quantities import CHANCE, DESCRIBED, ENERGIES
+from ..sampling.answers import moving_answers
+from ..sampling.norms import Results
+from ..wear.flat_contact import FittedPress
+from ..wear.history import History, Pressed
+from ..wear.moments import moments, unresolved_height
+from ..wear.moving_contact import ContactMarch
+from .evaluation import ENDS, Evaluation
+from .spaces import load_of
+
+# numbers of the answer that are a quantity at the first or at the last of the times
+REPORTED_AT = {
+    "indentation_start": ("indentation", 0),
+    "force_start": ("normal_force", 0),
+    "force_share": ("ring_force", 0),
+    "force_end": ("normal_force", -1),
+    "worn_volume": ("ring_worn_volume", -1),
+}
+
+
+class MovingContact(Evaluation):
+    """A punch whose contact opens, closes and spreads.
+
+    Parameters
+    ----------
+    problem, compliance : on linear pressures over cells
+    start : a press of the unworn face that is fitted to the edges of the contact
+    looser : how many times larger the error of a step in time may be
+    """
+
+    # edges move, and seldom to the same place in a cell
+    safety = 2.5
+
+    def __init__(
+        self,
+        problem: Problem,
+        compliance: Compliance,
+        start: FittedPress | None = None,
+        looser: float = 1.0,
+    ) -> None:
+        super().__init__(problem, compliance)
+        self.start, self.looser = start, looser
+        # of the accuracy asked for, that each step may add to the worn depth: cells do not get
+        # coarser than 1e-3 asks for, and steps, too few to tell their error by, would save nothing
+        self._tolerance = 0.05 * looser * min(problem.rtol, 1e-3)
+        if np.ptp(problem.loading.forces):
+            # measured: while a force rises from zero, little has worn for how deep the punch is
+            self._tolerance *= 0.02
+
+    @cached_property
+    def march(self) -> ContactMarch:
+        """The punch on its compliance."""
+        problem, compliance = self.problem, self.compliance
+        of_profile = moments(problem.profile, compliance.space)
+        wear_coefficients, load = problem.merged.wear_coefficients, load_of(problem)
+        return ContactMarch(compliance, wear_coefficients, of_profile, load, problem.loading)
+
+    @cached_property
+    def exact_in_time(self) -> History:
+        return self._started(self.march.adaptive(self.problem.times, self._tolerance))
+
+    @cached_property
+    def history(self) -> History:
+        if self.problem.step is None:
+            return self.exact_in_time
+        return self._started(self.march.implicit(self.problem.times, self.problem.step))
+
+    def _started(self, history: History) -> History:
+        # what does not press yet just touches
+        resting = (history.distances == 0) & (history.force == 0)
+        history = replace(history, indentation=np.where(resting, 0.0, history.indentation))
+        if self.start is None:
+            return history
+        started = (history.distances == 0) & (history.force == history.force[0])
+        indentation = np.where(started, self.start.indentation, history.indentation)
+        pressed = Pressed(
+            self.start,
+            np.where(started, self.start.force, 0.0),
+            np.where(started[:, None], 0.0, history.pressure),
+        )
+        return replace(history, indentation=indentation, pressed=pressed)
+
+    @cached_property
+    def for_estimate(self) -> Results:
+        # the coarser one is asked for all of the times that are watched
+        watched = self._started(self.march.watched) if self.looser == 1 else self.history
+        return self.sampler.history(watched, on_face=True)
+
+    @cached_property
+    def answers(self) -> Results:
+        return moving_answers(self.problem, self.march, self.start, self.history[ENDS])
+
+    @property
+    def answers_exact_in_time(self) -> Results:
+        # the march in steps that are given is the last, and estimates by the other would undo it
+        return self.answers
+
+    def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
+        if name in REPORTED_AT:
+            quantity, row = REPORTED_AT[name]
+            if quantity in errors:
+                return np.broadcast_to(errors[quantity][row], difference.shape)
+        least = {"contact_radius_start": 5e-8, "pressure_peak_start": 1e-12}
+        floor = least.get(name, 2 * CHANCE * self.problem.rtol)
+        # the step in which the last node begins to carry is another in both marches
+        step = 2.0 if name == "time_to_full_contact" else 1.0
+        return np.maximum(step * self.safety_of(name) * difference, floor)
+
+    def estimate(self, name: str, difference: Array) -> Array:
+        times = self.march.times
+        error = self.safety_of(name) * difference
+        later = (times > 0) | self._starts_on_cells
+        if later.any():
+            among = np.pad(error[later], 3)
+            error[later] = sliding_window_view(among, 7).max(axis=1)
+        return np.maximum(error[np.isin(times, self.problem.times)], self._least_error(name))
+
+    @property
+    def _starts_on_cells(self) -> bool:
+        """Whether what presses at the time 0 is not fitted to the edges of its contact."""
+        return self.start is None and self.problem.loading.forces[0] > 0
+
+    def safety_of(self, name: str) -> float:
+        if self._decays(name):
+            # forces at a given indentation go as no more than the square of the depth, and their
+            # errors stay while they decay
+            return 2 * self.safety
+        # under one load energies and volumes are of second order and more in the cells, which makes
+        # a difference three times the error
+        converges = name in (*ENERGIES, "ring_worn_volume") and not self.problem.loading.varies
+        return 1.5 if converges else self.safety
+
+    def _decays(self, name: str) -> bool:
+        return self.problem.indentation is not None and name in ("normal_force", "ring_force")
+
+    def _least_error(self, name: str) -> Array:
+        """Return what a quantity is not known better than, at the times asked for."""
+        later = self.problem.times > 0
+        if self._starts_on_cells and name != "profile":
+            later = np.ones_like(later)
+        # slopes of the unworn face are differences of heights; edges are sought to a few times
+        # their tolerance; at the start nothing has worn; and edges of the contact leave more to
+        # chance
+        at_start = {"rms_slope": 1e-8, "contact_radius": 5e-8}.get(name, 1e-12)
+        least = np.where(later, 2 * CHANCE * self.problem.rtol, at_start)
+        if name in ("profile", "displacement"):
+            # cells lose this of the bend of fields: where an edge stays in a cell of both meshes,
+            # their difference says nothing of it. Of punches drawn at random none penetrates by
+            # more than .23 of it where cells hold the face
+            lost = 0.25 * self._lost_bends * self._per_depth
+            least = np.maximum(least, np.where(later | (name != "profile"), lost, 0.0))
+        if name == "contact_radius":
+            # where both meshes have an edge in the same cell, their difference says nothing of it
+            return np.maximum(least, np.where(later, self._cells_at_edge, 0.0))
+        if self._decays(name):
+            return 2 * np.maximum(least, self._unresolved)
+        heights = DESCRIBED[name].norm == "indentation"
+        # the unworn face is given, and a press that is fitted to its edges integrates all of it
+        exact = name == "profile" or (name == "indentation" and self.start is not None)
+        felt = heights & (later | (not exact))
+        return np.where(felt, np.maximum(least, self._unresolved), least)
+
+    @cached_property
+    def _unresolved(self) -> Array:
+        """(T,) by how much heights of the face differ from what cells hold, over the
+        indentation.
+        """
+        depth, space = float(self.history.indentation.max()), self.compliance.space
+        return unresolved_height(self.problem.profile, space, depth) * self._per_depth
+
+    @property
+    def _per_depth(self) -> Array:
+        """(T,) the inverse of the indentation, of which nothing is promised while that is zero."""
+        depth = self.history.indentation
+        return np.divide(1.0, depth, out=np.zeros(len(depth)), where=depth > 0)
+
+    @cached_property
+    def _lost_bends(self) -> Array:
+        """(T,) greatest bend of the worn face, or of the displacement, that cells lose."""
+        return self.sampler.worn_face(self.history).lost_bends
+
+    @cached_property
+    def _cells_at_edge(self) -> Array:
+        """(T,) size of the cell that the outermost edge of the contact lies in."""
+        breakpoints = self.compliance.space.breakpoints
+        radii = self.results["contact_radius"]
+        cell = np.clip(np.searchsorted(breakpoints, radii), 1, len(breakpoints) - 1)
+        return np.asarray(np.diff(breakpoints)[cell - 1])
+
+    @property
+    def settings(self) -> dict[str, int]:
+        """How large the march was, for the summary."""
+        space = self.compliance.space
+        settings = {
+            "cells": len(space.degrees),
+            "pressures": space.size,
+            "steps": self.history.steps.taken,
+        }
+        if self.start is not None:
+            settings["start_pressures"] = len(self.start.pressure)
+        return settings
+
+    def notes(self) -> list[str]:
+        """Say what the user should know of the cells."""
+        missed, cells = float(self._unresolved.max()), len(self.compliance.space.degrees)
+        if missed <= self.problem.rtol:
+            return []
+        return [
+            f"the face is finer than the {cells} cells resolve: heights differ from what they hold "
+            f"by up to {missed:.1e} of the indentation; a smaller rtol makes more cells"
+        ]

@@ -1,0 +1,1 @@
+"""From histories to the quantities that are asked for, their norms, and the answer."""

@@ -1,0 +1,232 @@
+"""Compute blocks of scenes, in this process or by the workers of a Dask cluster.
+
+A block that ends its workers, as for lack of memory, is split, down to single scenes.
+"""
+
+import logging
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import CancelledError
+from contextlib import contextmanager
+from math import prod
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray
+
+from ...meshes.errors import SolverError
+from ...meshes.radial import Array
+from ..crosscheck.sizes import machine_memory
+from ..output.signals import signals_wait
+from ..progress import LOG
+from ..versions import computed_with, stamp
+from .axes import Sweep
+from .compute import compute_block
+from .store import PENDING
+
+RESUME = "what is finished is there: go on with --resume"
+# deaths of workers of this machine by which a block is split: one may have another cause
+DEATHS = 2
+
+
+class Piece(NamedTuple):
+    """A box of the scenes of a block.
+
+    Parameters
+    ----------
+    number : of the block
+    box : a slice of each of its dimensions
+    """
+
+    number: int
+    box: tuple[slice, ...]
+
+    @property
+    def sizes(self) -> list[int]:
+        return [part.stop - part.start for part in self.box]
+
+    def halves(self) -> "tuple[Piece, Piece]":
+        """Return both halves along the longest dimension."""
+        along = int(np.argmax(self.sizes))
+        part, (before, after) = self.box[along], (self.box[:along], self.box[along + 1 :])
+        middle = (part.start + part.stop) // 2
+        return (
+            Piece(self.number, (*before, slice(part.start, middle), *after)),
+            Piece(self.number, (*before, slice(middle, part.stop), *after)),
+        )
+
+
+def compute_blocks(
+    blocks: dict[int, Sweep],
+    blank: xarray.Dataset,
+    workers: int,
+    scheduler: str | None,
+    memory: float | None,
+) -> Iterator[tuple[int, dict[str, Array]]]:
+    """Yield blocks of a sweep by number, and their values as `compute_block` gives them.
+
+    Dask gives what a lost worker had to another, and starts a new one. What is lost again is split
+    in halves. A single scene that ends its workers stays pending, with the reason. One worker of
+    any memory is this process itself.
+
+    Raises
+    ------
+    SolverError
+        if the scheduler is lost, has no workers, or has one with another ringwear or none, whose
+        blocks are not yielded
+    """
+    workers = min(workers, len(blocks))
+    if not blocks or (scheduler is None and workers == 1 and memory is None):
+        for number, block in blocks.items():
+            values = compute_block(block, blank)
+            if (values["code"] != stamp()).any():
+                raise SolverError(f"this process has loaded files that were edited; {RESUME}")
+            yield number, values
+        return
+    whole = {number: block.sizes.values() for number, block in blocks.items()}
+    waiting = deque(
+        Piece(number, tuple(slice(0, size) for size in sizes)) for number, sizes in whole.items()
+    )
+    running, checked = dict[Any, Piece](), set[str]()
+    gathered, missing = dict[int, dict[str, Array]](), dict[int, int]()
+    with connect(scheduler, workers, memory) as client:
+        from distributed import KilledWorker, wait
+
+        while True:
+            # none waits behind another, with which its worker might die
+            threads = client.nthreads()
+            if set(threads) - checked:
+                _check_workers(client)
+                checked |= set(threads)
+            window = max(1, sum(threads.values()))
+            while waiting and len(running) < window:
+                piece = waiting.popleft()
+                block = blocks[piece.number]
+                part = block.part(dict(zip(block.sizes, piece.box, strict=True)))
+                running[client.submit(compute_block, part, blank, pure=False)] = piece
+            if not running:
+                return
+            try:
+                finished = wait(list(running), 30, "FIRST_COMPLETED").done
+            except TimeoutError:
+                LOG.warning("   sweep  nothing for 30 s from %d workers", len(client.nthreads()))
+                continue
+            for future in finished:
+                piece = running.pop(future)
+                number, sizes = piece.number, piece.sizes
+                error = future.exception() if future.status == "error" else None
+                if isinstance(error, KilledWorker) and prod(sizes) > 1:
+                    LOG.info("   sweep  %d scenes end their workers: split", prod(sizes))
+                    waiting.extendleft(reversed(piece.halves()))
+                    continue
+                if isinstance(error, KilledWorker):
+                    values = _left_pending(blank, sizes, workers, scheduler, memory)
+                elif error:
+                    reason = f"{type(error).__name__}: {error}".splitlines()[0]
+                    raise SolverError(f"a worker cannot compute ({reason}); {RESUME}") from error
+                else:
+                    values = future.result()
+                    if (values["code"] != stamp()).any():
+                        raise SolverError(
+                            "a worker has another ringwear or other libraries than are here, and "
+                            f"what it has computed is not kept: install the same on it; {RESUME}"
+                        )
+                if prod(sizes) < prod(whole[number]):
+                    missing.setdefault(number, prod(whole[number]))
+                    total = gathered.setdefault(
+                        number,
+                        {
+                            name: np.empty((*whole[number], *of.shape[len(sizes) :]), of.dtype)
+                            for name, of in values.items()
+                        },
+                    )
+                    for name, of in values.items():
+                        total[name][piece.box] = of
+                    missing[number] -= prod(sizes)
+                    if missing[number]:
+                        continue
+                    values = gathered.pop(number)
+                if left := int((values["status"] == PENDING).sum()):
+                    LOG.warning("   sweep  %d scenes end worker after worker: left out", left)
+                yield number, values
+
+
+def _left_pending(
+    blank: xarray.Dataset,
+    sizes: list[int],
+    workers: int,
+    scheduler: str | None,
+    memory: float | None,
+) -> dict[str, Array]:
+    """Return the values of a scene that ends its workers."""
+    values = {
+        str(name): np.broadcast_to(of.values, (*sizes, *of.shape)).copy()
+        for name, of in blank.data_vars.items()
+    }
+    had = "the memory that its workers have"
+    if scheduler is None:
+        had = f"{worker_memory(workers, memory):.3g} GiB, the part of --memory of a worker"
+    values["reason"][...] = f"ended worker after worker: it seems to need more than {had}"
+    values["code"][...] = stamp()
+    return values
+
+
+def worker_memory(workers: int, memory: float | None) -> float:
+    """Return the GiB that each process of this machine may take."""
+    return (machine_memory() if memory is None else memory) / workers
+
+
+def _check_workers(client: Any) -> None:
+    """Refuse workers with another ringwear, or none, before they are given anything."""
+    for worker, reply in client.run(computed_with, on_error="return").items():
+        if reply != computed_with():
+            raise SolverError(
+                f"{worker} has another ringwear or other libraries, {reply}; here are "
+                f"{computed_with()}:"
+                f" install the same on it; {RESUME}"
+            )
+
+
+@contextmanager
+def connect(scheduler: str | None, workers: int, memory: float | None) -> Iterator[Any]:
+    """Connect to a Dask scheduler, or to so many processes of this machine.
+
+    Processes that take more than their part of the memory (GiB; by default of the machine's) are
+    ended, and started anew.
+    """
+    # a library that is stopped while it is loaded or starts processes leaves some of them
+    with signals_wait():
+        import dask
+        from distributed import Client
+
+    client: Any = None
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
+    # results leave at once: there is nothing to spill, nor to wait for
+    limits: dict[str, Any] = {
+        f"distributed.worker.memory.{at}": False for at in ("target", "spill", "pause")
+    }
+    limits["distributed.scheduler.allowed-failures"] = DEATHS - 1
+    processes: dict[str, Any] = {
+        "n_workers": workers,
+        "threads_per_worker": 1,
+        "memory_limit": int(worker_memory(workers, memory) * 2**30),
+        "dashboard_address": ":0",
+        "silence_logs": logging.CRITICAL,
+        # Ctrl-C is the affair of this process
+        "preload": ["import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)"],
+    }
+    try:
+        with dask.config.set(limits):
+            with signals_wait():
+                client = Client(scheduler, timeout=20, **({} if scheduler else processes))
+                client.wait_for_workers(1, timeout=20)
+            yield client
+    except (CancelledError, OSError, ValueError) as error:
+        raise SolverError(
+            f"the scheduler {scheduler} does not answer, has no workers or is lost ({error}): "
+            f"start it by `dask scheduler`, and some `dask worker`; {RESUME}"
+        ) from error
+    finally:
+        if client is not None:
+            with signals_wait():
+                client.close()

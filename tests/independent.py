@@ -1,0 +1,432 @@
+"""An independent solution of flat punches: rings or k(r), loads that vary, a given indentation.
+
+It is a second, wider form of `physics/wear_reference.py` and shares nothing with any method. With
+``s = 1 - r^2`` the line density of the MDR is Abel's integral of the pressure, which is known in
+closed form for Legendre polynomials; the energy is its square, integrated by Gauss's rule. Elements
+shrink towards every ring edge, kink of k(r) and the rim, and their degree rises away from it. In
+the inner product of weight k the law of wear is one singular value problem, so that history is
+exact in time: the force enters by the integral of its rate over the decay of each mode.
+
+Contact has to stay full. `Punch.least_pressure` tells whether it does while a force falls.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+from independent_load import Load
+from numpy.polynomial.legendre import legder, leggauss, legval
+from scipy.linalg import solve_triangular, svd
+from scipy.optimize import brentq
+
+Array = np.ndarray
+FACTOR = 0.2  # of neighbouring elements
+
+
+class Pieces:
+    """Where the wear coefficient is linear in the radius: edges from 0 to 1 and k at both ends."""
+
+    def __init__(self, edges: Array, inner: Array, outer: Array) -> None:
+        self.edges, self.inner, self.outer = edges, inner, outer
+        self.slope = (outer - inner) / np.diff(edges)
+
+    def at(self, piece: Array, radii: Array) -> Array:
+        """Return k at radii of given pieces."""
+        return self.inner[piece] + self.slope[piece] * (radii - self.edges[piece])
+
+
+def elements(pieces: Pieces, smallest: Array, degree: int) -> list[tuple]:
+    """Return (edge in s, ends as distances from it, piece, degree) from the rim to the axis.
+
+    Parameters
+    ----------
+    smallest : size of the smallest element in s at each of the edges
+    """
+    s = ((1 - pieces.edges) * (1 + pieces.edges))[::-1]
+    sizes, count, rows = smallest[::-1], len(pieces.inner), []
+    for number, (left, right) in enumerate(pairwise(s)):
+        half = (right - left) / 2
+        for edge, size in ((left, sizes[number]), (right, sizes[number + 1])):
+            layers = max(0, int(np.ceil(np.log(min(size / half, 1)) / np.log(FACTOR))))
+            ends = np.append(0.0, half * FACTOR ** np.arange(layers, -1.0, -1))
+            rise = (degree - 4) / max(0.7 * layers, 1)
+            nearest = 0 if layers else degree
+            made = []
+            for layer, (low, high) in enumerate(pairwise(ends)):
+                order = int(min(degree, 4 + np.ceil(rise * layer) + nearest))
+                ends_of = (low, high) if edge == left else (-high, -low)
+                made.append((edge, *ends_of, count - 1 - number, order))
+            rows += made if edge == left else made[::-1]
+    return rows
+
+
+class Punch:
+    """A flat punch, non-dimensional, with its modes of wear.
+
+    Parameters
+    ----------
+    pieces : of the wear coefficient, over the greatest
+    smallest : size of the smallest element in s at each of the edges
+    degree : of the polynomials
+    held : whether the indentation is given, 1/2, in place of the force
+    """
+
+    def __init__(self, pieces: Pieces, smallest: Array, degree: int, held: bool = False) -> None:
+        self.pieces, self.held = pieces, held
+        rows = elements(pieces, smallest, degree)
+        edge, low, high, piece, order = map(np.array, zip(*rows, strict=True))
+        self.edge, self.low, self.width = edge, low, high - low
+        self.piece, self.order = piece.astype(int), order.astype(int)
+        self.first = np.concatenate([[0], np.cumsum(self.order + 1)])
+        self._place_points(low, high)
+        self.orthogonal = [self._orthonormal(number) for number in range(len(rows))]
+        # force of each function: in Legendre polynomials that of the constant alone
+        self.weights = np.concatenate(
+            [
+                np.sqrt(np.pi * width) * np.linalg.inv(lower)[:, 0]
+                for lower, width in zip(self.orthogonal, self.width, strict=True)
+            ]
+        )
+        # int k phi dA, by which worn heights have a volume
+        self.volumes = np.concatenate(
+            [
+                np.sqrt(np.pi * width) * lower.T[:, 0]
+                for lower, width in zip(self.orthogonal, self.width, strict=True)
+            ]
+        )
+        self.triangle = self._triangular_energy()
+        self._solve()
+
+    def _place_points(self, low: Array, high: Array) -> None:
+        """Gauss points s = low cos^2 + high sin^2 of each element, in one row for all."""
+        parts = []
+        for number, order in enumerate(self.order):
+            node, weight = leggauss(2 * order + 12)
+            angle = np.pi / 4 * (1 + node)
+            distance = low[number] * np.cos(angle) ** 2 + high[number] * np.sin(angle) ** 2
+            length = np.pi / 4 * weight * np.sin(2 * angle) * self.width[number]
+            square = (1 - self.edge[number]) - distance
+            owner = np.full(len(node), number)
+            parts.append((owner, -np.cos(2 * angle), distance, square, length))
+        owner, *others = map(np.concatenate, zip(*parts, strict=True))
+        self.owner = owner.astype(int)
+        self.local, self.distance, self.square, self.length = others
+        self.radius = np.sqrt(self.square)
+        self.wear = self.pieces.at(self.piece[self.owner], self.radius)
+        self.slope_of_wear = self.pieces.slope[self.piece[self.owner]]
+
+    def _legendre(self, number: int, local: Array, derivative: bool = False) -> Array:
+        """Return (points, n) Legendre polynomials, orthonormal by area, or slopes by `s`."""
+        order, width = self.order[number], self.width[number]
+        scale = np.sqrt((2 * np.arange(order + 1) + 1) / (np.pi * width))
+        every = np.diag(scale)
+        if derivative:
+            every = legder(every, axis=0) / (width / 2) if order else every[:1] * 0
+        return legval(local, every).T
+
+    def _orthonormal(self, number: int) -> Array:
+        """Return Cholesky's factor of the mass of weight k on an element."""
+        on = self.owner == number
+        functions = self._legendre(number, self.local[on])
+        weight = np.pi * self.length[on] * self.wear[on]
+        return np.linalg.cholesky((functions * weight[:, None]).T @ functions)
+
+    def _triangular_energy(self) -> Array:
+        """Return the triangular factor of the energy.
+
+        By DLMF 18.17.46 and the generating function of the Legendre polynomials,
+        ``int P_n(t) / sqrt(x - t) dt = Re sqrt(2) exp(-(n + 1/2) arcosh x) / (n + 1/2)``.
+        """
+        density = np.zeros((len(self.owner), self.first[-1]))
+        for number, half in enumerate(self.width / 2):
+            order = np.arange(self.order[number] + 1) + 0.5
+            from_edge = self.edge[self.owner] - self.edge[number]
+            x = (from_edge + (self.distance - self.low[number])) / half - 1
+            after = np.flatnonzero((x > -1) & (self.owner >= number))
+            depth = np.arccosh(x[after].astype(complex))
+            integral = np.sqrt(2) * np.exp(-np.outer(depth, order)).real / order
+            scale = np.sqrt(order / np.pi)
+            of_legendre = integral * scale
+            columns = slice(self.first[number], self.first[number + 1])
+            density[after, columns] = solve_triangular(
+                self.orthogonal[number], of_legendre.T, lower=True
+            ).T
+        density *= np.sqrt(self.length / self.radius)[:, None]
+        return np.linalg.qr(density, mode="r")
+
+    def _solve(self) -> None:
+        flat = self.weights
+        self.wear_rate = 1 / (flat @ flat)
+        self.steady = flat * self.wear_rate
+        self.moments = self.triangle.T @ (self.triangle @ self.steady)
+        if self.held:
+            _, singular, shapes = svd(self.triangle)
+            self.times, self.shapes = singular**2, shapes.T
+            self.excited = (shapes @ flat) * 0.5 / self.times
+            return
+        across = flat / np.linalg.norm(flat)
+        projected = self.triangle - np.outer(self.triangle @ across, across)
+        _, singular, shapes = svd(projected, full_matrices=False, overwrite_a=True)
+        self.times, self.shapes = singular[:-1] ** 2, shapes[:-1].T
+        self.shapes = self.shapes - np.outer(across, across @ self.shapes)
+        self.excited = (self.shapes.T @ self.moments) / self.times
+
+    def pressures(self, load: Load, times: Array) -> Array:
+        """Return coefficients (T, n) of the pressure at times after the start."""
+        force, distance, _ = load.at(times)
+        if self.held:
+            left = np.exp(-distance[:, None] / self.times) * self.excited
+            return left @ self.shapes.T
+        left = load.decayed(times, self.times) * self.excited
+        return np.outer(force, self.steady) - left @ self.shapes.T
+
+    def depths(self, load: Load, times: Array, pressures: Array) -> Array:
+        """Return the indentation (T,)."""
+        if self.held:
+            return np.full(len(times), 0.5)
+        return pressures @ self.moments + self.wear_rate * load.at(times)[2]
+
+    def worn(self, depths: Array, pressures: Array) -> Array:
+        """Return worn heights over k (T, n), of displacements d - u."""
+        moved = (pressures @ self.triangle.T) @ self.triangle
+        return depths[:, None] * self.weights - moved
+
+    def fields(self, radii: Array) -> tuple[Array, Array]:
+        """Return (R, n) values of the functions, and k, at radii."""
+        s = (1 - radii) * (1 + radii)
+        number = np.clip(np.searchsorted(self.edge + self.low, s) - 1, 0, len(self.edge) - 1)
+        values = np.zeros((len(radii), self.first[-1]))
+        for each in np.unique(number):
+            on = number == each
+            within = (s[on] - self.edge[each]) - self.low[each]
+            local = (2 * within / self.width[each] - 1).clip(-1, 1)
+            functions = self._legendre(each, local)
+            columns = slice(self.first[each], self.first[each + 1])
+            lower = self.orthogonal[each]
+            values[on, columns] = solve_triangular(lower, functions.T, lower=True).T
+        return values, self.pieces.at(self.piece[number], radii)
+
+    def _on_points(self, coefficients: Array, derivative: bool = False) -> Array:
+        """Return (T, points) values, or slopes by s, at the points of all elements."""
+        values = np.empty((len(coefficients), len(self.owner)))
+        for number, lower in enumerate(self.orthogonal):
+            on = self.owner == number
+            columns = slice(self.first[number], self.first[number + 1])
+            functions = self._legendre(number, self.local[on], derivative)
+            of_legendre = solve_triangular(lower, coefficients[:, columns].T, lower=True, trans="T")
+            values[:, on] = (functions @ of_legendre).T
+        return values
+
+    def rms_slopes(self, worn: Array, average: str) -> Array:
+        """Return the root mean square slope (T,) of worn heights."""
+        over_k, rise = self._on_points(worn), self._on_points(worn, derivative=True)
+        slopes = self.slope_of_wear * over_k - 2 * self.radius * self.wear * rise
+        measure = 1 / (2 * self.radius) if average == "line" else 1.0
+        return np.sqrt(slopes**2 @ (self.length * measure))
+
+    def least(self, worn: Array) -> Array:
+        """Return the least worn height (T,): of many samples of each element, and a parabola."""
+        samples = np.cos(np.pi * np.linspace(1, 0, 80))
+        lowest = np.full(len(worn), np.inf)
+        for number, lower in enumerate(self.orthogonal):
+            columns = slice(self.first[number], self.first[number + 1])
+            of_legendre = solve_triangular(lower, worn[:, columns].T, lower=True, trans="T")
+            s = self.edge[number] + self.low[number] + self.width[number] * (1 + samples) / 2
+            wear = self.pieces.at(self.piece[number], np.sqrt(np.maximum(1 - s, 0)))
+            heights = ((self._legendre(number, samples) @ of_legendre).T) * wear
+            for row, height in enumerate(heights):
+                at = int(height.argmin())
+                low = height[at]
+                if 0 < at < len(samples) - 1:
+                    near = slice(at - 1, at + 2)
+                    a, b, c = np.polyfit(samples[near] - samples[at], height[near] - low, 2)
+                    low += c - b * b / (4 * a) if a > 0 else 0.0
+                lowest[row] = min(lowest[row], low)
+        return lowest
+
+    def by_ring(self, parts: Array, ring_edges: Array) -> Array:
+        """Return sums (T, N) over the rings of (T, n) parts of the functions."""
+        middle = (self.pieces.edges[1:] + self.pieces.edges[:-1]) / 2
+        ring_of_piece = np.searchsorted(ring_edges, middle) - 1
+        of_function = np.repeat(ring_of_piece[self.piece], self.order + 1)
+        on_rings = of_function == np.arange(len(ring_edges) - 1)[:, None]
+        return parts @ on_rings.T
+
+    def least_pressure(self, pressures: Array) -> float:
+        """Return the least pressure over the greatest."""
+        values = self._on_points(pressures)
+        return float((values.min(axis=1) / values.max(axis=1)).min())
+
+    def left(self, distance: float) -> float:
+        """Return what is left of the running-in, from 1; of a given indentation, of the force."""
+        if self.held:
+            return float(
+                np.exp(-distance / self.times) @ (self.excited * (self.weights @ self.shapes))
+            )
+        parts = self.excited**2 * self.times
+        way = self.steady @ self.moments - 0.5
+        return float(np.exp(-distance / self.times) @ parts / way)
+
+    def time_left(self, part: float) -> float:
+        """Return when that is a part."""
+        longest = 50 * self.times[0]
+        root = brentq(
+            lambda power: np.log(max(self.left(10**power), 1e-300) / part),
+            *(np.log10(longest) - 20, np.log10(longest)),
+            xtol=1e-13,
+        )
+        return float(10**root)
+
+
+def solved(
+    problem, pieces: Pieces, load: Load, error: float, average: str
+) -> tuple[dict[str, Array], dict[str, Array], Punch]:
+    """Return results over the face, the answer, and the punch, to about an error.
+
+    Parameters
+    ----------
+    problem : non-dimensional, of the scene: its times, radii of the face and ring edges
+    """
+    times = problem.times[problem.checked]
+    held = problem.indentation is not None
+    later = times[times > 0]
+    distances = load.at(later)[1]
+    earliest = min(distances, default=np.inf)
+    smallest = _sizes(pieces, earliest, error)
+    degree = int(np.ceil(np.log(1 / error) / np.log(3))) + 1
+    punch = Punch(pieces, smallest, degree, held)
+    results = {"relaxation_time": punch.times[:8]}
+    if len(times):
+        results |= _history(problem, punch, load, times, average)
+    if problem.steady:
+        # under the force and the speed that are held last
+        force, speed = load.forces[-1], load.speeds[-1]
+        steady = _steady(problem, punch, average)
+        results |= {name: force * value for name, value in steady.items()}
+        results["steady_wear_rate"] = speed * results["steady_wear_rate"]
+    return results, _answer(problem, punch, results, load), punch
+
+
+def _sizes(pieces: Pieces, earliest: float, error: float) -> Array:
+    """Return the size in s of the smallest element at each edge, by what wear has blunted there."""
+    none, infinite = np.append, np.inf
+    inner, outer, widths = pieces.inner, pieces.outer, np.diff(pieces.edges)
+    slower = np.minimum(none(outer, infinite), none(infinite, inner))
+    # k of a piece may all but vanish within a part of its width
+    ratios = np.maximum(inner, outer) / np.minimum(inner, outer)
+    widths = widths / ratios
+    beside = np.minimum(none(widths, infinite), none(infinite, widths))
+    sizes = 0.1 * error * np.minimum(beside, slower * earliest)
+    before, after = none(np.nan, outer), none(inner, np.nan)
+    bend = none(np.nan, pieces.slope) != none(pieces.slope, np.nan)
+    # of a step, of a kink, of nothing but the edge of a ring
+    kink = 0.1 * np.sqrt(error) * beside
+    sizes = np.where(before == after, np.where(bend, kink, np.inf), np.maximum(sizes, 1e-14))
+    # on the axis k is a cone, of which polynomials in s see a root
+    sizes[0] = np.inf
+    if pieces.slope[0]:
+        cone = pieces.inner[0] / abs(pieces.slope[0])
+        sizes[0] = np.clip((0.1 * error * cone) ** 2, 1e-24, 1.0)
+    return sizes
+
+
+def _history(problem, punch: Punch, load: Load, times: Array, average: str) -> dict[str, Array]:
+    later, edges, face = times[times > 0], problem.ring_edges, problem.face
+    pressures = punch.pressures(load, later)
+    depths = punch.depths(load, later, pressures)
+    worn = punch.worn(depths, pressures)
+    functions, wear = punch.fields(face.radii)
+    centre, wear_centre = punch.fields(np.zeros(1))
+    profile = (worn @ functions.T) * wear
+    values = {
+        "pressure": pressures @ functions.T,
+        "profile": profile,
+        "displacement": depths[:, None] - profile,
+        "indentation": depths,
+        "displacement_centre": depths - (worn @ centre.T)[:, 0] * wear_centre,
+        "displacement_max": depths - punch.least(worn),
+        "rms_slope": punch.rms_slopes(worn, average),
+        "ring_force": punch.by_ring(pressures * punch.weights, edges),
+        "ring_worn_volume": punch.by_ring(worn * punch.volumes, edges),
+        "normal_force": pressures @ punch.weights if punch.held else load.at(later)[0],
+        "contact_radius": np.ones(len(later)),
+        "time": load.at(later)[1],
+        "pressed": np.zeros(len(later), bool),
+    }
+    if times[0] == 0:
+        force = 1.0 if punch.held else load.forces[0]
+        radii = face.radii
+        start = {
+            "pressure": force / (2 * np.pi * np.sqrt((1 - radii) * (1 + radii))),
+            "profile": 0 * radii,
+            "displacement": 0 * radii + 0.5 * force,
+            "ring_force": -np.diff(np.sqrt((1 - edges) * (1 + edges))) * force,
+            "ring_worn_volume": np.zeros(len(edges) - 1),
+            **dict.fromkeys(
+                ("indentation", "displacement_centre", "displacement_max"), 0.5 * force
+            ),
+            **{"rms_slope": 0.0, "normal_force": force, "contact_radius": 1.0, "time": 0.0},
+            "pressed": True,
+        }
+        values = {
+            name: np.concatenate([np.asarray(start[name])[None], value])
+            for name, value in values.items()
+        }
+    return values
+
+
+def _steady(problem, punch: Punch, average: str) -> dict[str, Array]:
+    functions, wear = punch.fields(problem.face.radii)
+    # u = A p_s, and of heights m - u the least is 0
+    moved = punch.worn(np.zeros(1), punch.steady[None])
+    greatest = -punch.least(moved)[0]
+    profile = greatest + (moved @ functions.T)[0] * wear
+    return {
+        "steady_pressure": punch.wear_rate / wear,
+        "steady_profile": np.maximum(profile, 0.0),
+        "steady_displacement_max": np.asarray(greatest),
+        "indentation_steady": np.asarray(greatest),
+        "steady_rms_slope": punch.rms_slopes(moved, average)[0],
+        "steady_wear_rate": np.asarray(punch.wear_rate),
+    }
+
+
+def _answer(problem, punch: Punch, results: dict, load: Load) -> dict[str, Array]:
+    """Return the answer, non-dimensional, NaN where there is none."""
+    edges, pieces = problem.ring_edges, punch.pieces
+    root = np.sqrt((1 - edges) * (1 + edges))
+    start = [
+        1 / (2 * np.pi * root[:-1]),
+        np.append(1 / (2 * np.pi * root[1:-1]), np.inf),
+        -np.diff(root),
+    ]
+    steady = np.full((3, len(edges) - 1), np.nan)
+    if problem.steady:
+        ends = np.array([pieces.inner, pieces.outer])
+        ring = np.searchsorted(edges, (pieces.edges[1:] + pieces.edges[:-1]) / 2) - 1
+        for number in range(len(edges) - 1):
+            on = ends[:, ring == number]
+            steady[:2, number] = punch.wear_rate / on.max(), punch.wear_rate / on.min()
+        steady[:2] *= load.forces[-1]
+        steady[2] = punch.by_ring((punch.steady * punch.weights)[None], edges)[0]
+    both = np.stack([start, steady], axis=1)
+    answer = {
+        "indentation_start": 0.5,
+        "running_in_time": punch.times[0],
+        "pressure_min": both[0],
+        "pressure_max": both[1],
+        "force_share": both[2],
+    }
+    if problem.steady:
+        answer |= {
+            name: results[name]
+            for name in ("indentation_steady", "steady_wear_rate", "steady_rms_slope")
+        }
+    if len(problem.times):
+        answer["worn_volume"] = results["ring_worn_volume"][-1]
+    if punch.held:
+        answer["force_end"] = results["normal_force"][-1]
+        answer["force_start"] = 1.0
+        answer["time_to_half_force"] = punch.time_left(0.5) / load.speeds[0]
+    elif not np.ptp(load.forces) and not np.ptp(load.speeds):
+        answer["time_to_90"], answer["time_to_99"] = punch.time_left(0.1), punch.time_left(0.01)
+    return {name: np.asarray(value, float) for name, value in answer.items()}

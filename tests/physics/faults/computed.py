@@ -1,0 +1,164 @@
+"""Faults in what is found: the table and the fields over the face are wrong alike."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from ringwear.studies.results import Result
+
+from .scenes import HISTORY, MOVING, SIZES, twice
+
+Change = Callable[[dict, np.ndarray, object], None]
+
+STEADY = "steady_pressure steady_profile steady_displacement_max steady_rms_slope steady_wear_rate"
+
+
+def with_results(result: Result, change: Change) -> Result:
+    """Return the result of two methods whose solution is changed.
+
+    Parameters
+    ----------
+    change : (results by name, radii of their fields, problem) -> None
+        Changes copies in place: once of what is written, once of what is known over the face.
+    """
+    solution, problem = result.solutions["mdr"], result.scene.problem
+    changed = {}
+    for name, radii in (("results", problem.radii), ("checked", problem.face.radii)):
+        parts = {part: getattr(solution, part) for part in (name, "answers")}
+        values = {key: np.array(of) for part in parts.values() for key, of in part.items()}
+        change(values, radii, problem)
+        changed |= {part: {key: values[key] for key in of} for part, of in parts.items()}
+    return twice(result, replace(solution, **changed))
+
+
+def scale(name: str, size: float, *where) -> Change:
+    def change(values, *_):
+        values[name][where or ...] *= 1 + size
+
+    return change
+
+
+def scale_together(names: str, size: float) -> Change:
+    """Some quantities are wrong by the same factor, as if by a unit or by one source."""
+
+    def change(values, *_):
+        for name in names.split():
+            if name in values:
+                values[name][...] *= 1 + size
+
+    return change
+
+
+def scale_on_ring(name: str, size: float, ring: int) -> Change:
+    def change(values, radii, problem):
+        on = (radii > problem.ring_edges[ring]) & (radii < problem.ring_edges[ring + 1])
+        values[name][..., on] *= 1 + size
+
+    return change
+
+
+def add(name: str, part: float) -> Change:
+    """A field is off everywhere by a part of the indentation."""
+
+    def change(values, *_):
+        values[name][...] += part * values["indentation"][:, None]
+
+    return change
+
+
+def move_force(size: float) -> Change:
+    """A part of the force on the first ring is said to be on the second."""
+
+    def change(values, *_):
+        forces = values["ring_force"]
+        moved = size * forces.sum(axis=1)
+        forces[:, 0] -= moved
+        forces[:, 1] += moved
+
+    return change
+
+
+def smear(width: float) -> Change:
+    """Pressures are averaged within a width of the first ring edge."""
+
+    def change(values, radii, problem):
+        near = np.abs(radii - problem.ring_edges[1]) < width
+        weights = radii[near] * np.gradient(radii)[near]
+        mean = (values["pressure"][:, near] @ weights) / weights.sum()
+        values["pressure"][:, near] = mean[:, None]
+
+    return change
+
+
+def stretch(name: str, size: float) -> Change:
+    """A field belongs to other radii."""
+
+    def change(values, radii, _):
+        for row in values[name]:
+            row[:] = np.interp(radii / (1 + size), radii, row)
+
+    return change
+
+
+def late(names: str) -> Change:
+    """The last time but one has what belongs to the one before."""
+
+    def change(values, *_):
+        for name in names.split():
+            if name in values:
+                values[name][-2] = values[name][-3]
+
+    return change
+
+
+def tilt(size: float) -> Change:
+    """Profile and displacement are wrong together, so that their sum is right."""
+
+    def change(values, radii, _):
+        off = size * values["indentation"][:, None] * radii
+        off[values["time"] == 0] = 0.0
+        values["profile"] += off
+        values["displacement"] -= off
+
+    return change
+
+
+def faults(kind: str) -> Iterator[tuple[str, Change]]:
+    """Yield name and change of the solution of each fault of a kind."""
+    size, full = SIZES[kind], kind not in MOVING
+    for name in HISTORY + (STEADY.split() if kind not in ("held", "rising") else []):
+        yield f"{name} found too great", scale(name, size)
+    yield (
+        "heights found too great",
+        scale_together(
+            "profile displacement indentation displacement_centre displacement_max rms_slope", size
+        ),
+    )
+    yield "worn heights found too great", scale_together("profile rms_slope", size)
+    yield (
+        "pressures and forces found too great",
+        scale_together("pressure ring_force normal_force", size),
+    )
+    yield "pressure found too great on one ring", scale_on_ring("pressure", 5 * size, 1)
+    yield "profile found too great on one ring", scale_on_ring("profile", 5 * size, 1)
+    yield "profile found with an offset", add("profile", size)
+    yield "force moved between rings", move_force(size)
+    yield "pressure smeared at an edge", smear(0.03 if full else 0.1)
+    yield "pressure of other radii", stretch("pressure", 0.01 if full else 0.05)
+    yield "profile of other radii", stretch("profile", 0.01 if full else 0.05)
+    yield "all of the time before", late(" ".join(HISTORY))
+    yield "profile and displacement tilted", tilt(size)
+    if full:
+        yield "all relaxation times found too great", scale("relaxation_time", size)
+        yield "the second relaxation time found too great", scale("relaxation_time", size, 1)
+    if kind == "held":
+        yield "force found too great", scale("normal_force", size)
+        yield "volumes found too great", scale("ring_worn_volume", size)
+        yield "time to half the force found too great", scale("time_to_half_force", size)
+    if kind in ("flat", "graded"):
+        for name in ("time_to_90", "time_to_99"):
+            yield f"{name} found too great", scale(name, size)
+    if not full:
+        yield "volumes found too great", scale("ring_worn_volume", size)
+        yield "contact radius found too great", scale("contact_radius", 0.1)

@@ -1,0 +1,290 @@
+"""Faults in how results are computed: put into the code itself, and run."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ringwear.meshes.compliance import Compliance
+from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.studies.methods.mdr import Mdr
+from ringwear.studies.problem.face import Rings
+from ringwear.studies.problem.loading import Loading
+from ringwear.studies.problem.problem import Problem
+from ringwear.studies.sampling import sampler
+from ringwear.studies.sampling.sampler import Sampler
+from ringwear.studies.wear import full_contact
+from ringwear.studies.wear.full_contact import RunningIn
+from ringwear.studies.wear.modes import Modes
+
+Put = Callable[[pytest.MonkeyPatch], None]
+
+
+def change_result(owner, name: str, change: Callable) -> Put:
+    """A function returns something else."""
+
+    def put(patch):
+        right = getattr(owner, name)
+        patch.setattr(owner, name, lambda *given, **named: change(right(*given, **named)))
+
+    return put
+
+
+def pose(change: Callable[[Problem], dict]) -> Put:
+    """The problem is not the one that the scene poses."""
+    return change_result(Problem, "posed", lambda problem: replace(problem, **change(problem)))
+
+
+def unit(**factors: float) -> Put:
+    """Numbers are scaled wrongly at the door."""
+
+    def change(problem):
+        units = problem.units
+        parts = {name: getattr(units, name) * factor for name, factor in factors.items()}
+        return {"units": replace(units, **parts)}
+
+    return pose(change)
+
+
+def rings(edges=None, wear=None) -> Put:
+    """The punch is of other rings."""
+
+    def change(problem):
+        right_edges, right_wear = problem.rings
+        made = right_edges if edges is None else edges(right_edges.copy())
+        worn = right_wear if wear is None else wear(right_wear.copy())
+        return {"rings": Rings(made, worn)}
+
+    return pose(change)
+
+
+def graded(change: Callable[[Rings], Rings]) -> Put:
+    """The wear coefficient along the radius is another one."""
+    return pose(lambda problem: {"graded": change(problem.graded)})
+
+
+def load(change: Callable[[Loading], Loading]) -> Put:
+    return pose(lambda problem: {"loading": change(problem.loading)})
+
+
+def times(change: Callable) -> Put:
+    return pose(lambda problem: {"times": change(problem.times)})
+
+
+def heights(factor: float) -> Put:
+    """The unworn face is higher."""
+
+    def change(problem):
+        profile = problem.profile
+        taller = tuple(
+            lambda radii, height=height: factor * height(radii) for height in profile.heights
+        )
+        return {"profile": replace(profile, heights=taller)}
+
+    return pose(change)
+
+
+def scale_one(values, index, factor):
+    values[index] *= factor
+    return values
+
+
+def stiffness(size: float) -> Put:
+    """The half-space is too soft."""
+
+    def soften(compliance):
+        return Compliance(compliance.space, compliance.factor * np.sqrt(1 + size))
+
+    def change(ready):
+        softer, coarser = soften(ready.compliance), ready.coarser
+        return replace(ready, compliance=softer, coarser=lambda: soften(coarser()))
+
+    return change_result(Mdr, "discretise", change)
+
+
+def weights(size: float) -> Put:
+    """Every pressure counts for more force than it has."""
+
+    def put(patch):
+        right = PressureSpace.weights.func
+        patch.setattr(PressureSpace, "weights", property(lambda space: (1 + size) * right(space)))
+
+    return put
+
+
+def lose_mode(number: int) -> Put:
+    def change(modes):
+        others = np.arange(len(modes.relaxation)) != number - 1
+        shapes, amplitudes = modes.shapes[:, others], modes.amplitudes[others]
+        return Modes(modes.relaxation[others], shapes, amplitudes, modes.exact - 1)
+
+    return change_result(full_contact, "every_mode", change)
+
+
+def change_mode(number: int, size: float, name: str = "relaxation") -> Put:
+    """A mode decays too slowly, or is excited too much."""
+
+    def change(modes):
+        one = 1 + size * (np.arange(len(modes.relaxation)) == number - 1)
+        return replace(modes, **{name: getattr(modes, name) * one})
+
+    return change_result(full_contact, "every_mode", change)
+
+
+def change_steady(**sizes: float) -> Put:
+    """A part of the steady state is too great wherever it is used."""
+
+    def put(patch):
+        right = RunningIn.steady.func
+
+        def wrong(wear):
+            state = right(wear)
+            parts = {name: getattr(state, name) * (1 + size) for name, size in sizes.items()}
+            return (
+                state._replace(**parts) if hasattr(state, "_replace") else replace(state, **parts)
+            )
+
+        patch.setattr(RunningIn, "steady", property(wrong))
+
+    return put
+
+
+def area_in_place_of_line() -> Put:
+    """The RMS slope is an average over the area."""
+
+    def put(patch):
+        patch.setattr(sampler, "radial_weight", lambda radii, _: 2 * radii)
+
+    return put
+
+
+def change_state(**parts: float) -> Put:
+    """Force, distance or work at a time are wrong, as if integrated wrongly."""
+
+    def change(state):
+        return state._replace(**{name: getattr(state, name) * of for name, of in parts.items()})
+
+    return change_result(Loading, "at", change)
+
+
+def forget_knots() -> Put:
+    """What the force has risen since the start is left out of the modes."""
+    return change_result(Modes, "at_knots", lambda at: at * 0.0)
+
+
+def move_force(size: float) -> Put:
+    def change(forces):
+        moved = np.zeros(forces.shape[1])
+        moved[:2] = -size, size
+        return forces + moved * forces.sum(axis=1)[:, None]
+
+    return change_result(Sampler, "ring_forces", change)
+
+
+def greatest(size: float) -> Put:
+    return change_result(Sampler, "_greatest", lambda values: values * (1 + size))
+
+
+def worn_volumes(size: float) -> Put:
+    return change_result(Sampler, "worn_volumes", lambda values: values * (1 + size))
+
+
+ANY: dict[str, Put] = {
+    "unit of length": unit(length=1.01),
+    "unit of the modulus: E for E*": unit(modulus=1 - 0.4**2),
+    "unit of force": unit(force=1.01),
+    "unit of time": unit(time=1.01),
+    "unit of the wear coefficient": unit(wear_coefficient=1.01),
+    "times delayed": times(lambda times: 1.02 * times),
+    "force moved to another ring": move_force(0.02),
+    "greatest displacement": greatest(0.02),
+    "slopes averaged over the area": area_in_place_of_line(),
+}
+FULL: dict[str, Put] = {
+    "compliance": stiffness(2e-3),
+    "compliance, by much": stiffness(0.1),
+    "weights of the pressure": weights(1e-3),
+    "first mode lost": lose_mode(1),
+    "second mode lost": lose_mode(2),
+    "slowest mode too slow": change_mode(1, 2e-3),
+    "second mode too slow": change_mode(2, 1e-2),
+    "slowest mode excited too much": change_mode(1, 1e-2, "amplitudes"),
+}
+ON_RINGS: dict[str, Put] = {
+    "k of one ring": rings(wear=lambda k: scale_one(k, 2, 1.02)),
+    "k of the first ring": rings(wear=lambda k: scale_one(k, 0, 1.05)),
+    "k of rings swapped": rings(wear=lambda k: k[[1, 0, 2, 3, 4]]),
+    "one ring edge": rings(edges=lambda edges: scale_one(edges, 2, 1.01)),
+    "even ring edges": rings(edges=lambda edges: np.linspace(0, 1, len(edges))),
+}
+STEADY: dict[str, Put] = {
+    "steady pressure": change_steady(pressure=2e-3),
+    "steady displacement": change_steady(displacement=2e-3),
+    "steady wear rate": change_steady(wear_rate=2e-3),
+    "steady moments": change_steady(moments=2e-3),
+}
+
+
+def _varied(loading: Loading, **parts) -> Loading:
+    return replace(loading, **parts)
+
+
+LOADS: dict[str, Put] = {
+    "knots of the load delayed": load(lambda of: _varied(of, times=1.02 * of.times)),
+    "a force of one knot": load(lambda of: _varied(of, forces=of.forces * [1, 1.02, 1, 1])),
+    "forces of the knot before": load(
+        lambda of: _varied(of, forces=np.append(of.forces[0], of.forces[:-1]))
+    ),
+    "the first force everywhere": load(lambda of: _varied(of, forces=of.forces[0] + 0 * of.forces)),
+    "constant speed": load(lambda of: _varied(of, speeds=np.ones_like(of.speeds))),
+    "mean speed": load(lambda of: _varied(of, speeds=of.speeds.mean() + 0 * of.speeds)),
+    "a speed of one knot": load(lambda of: _varied(of, speeds=of.speeds * 0.98)),
+    "the last knot lost": load(lambda of: Loading(of.times[:-1], of.forces[:-1], of.speeds[:-1])),
+}
+# of a march they would be in two places that do not fit
+STATES: dict[str, Put] = {
+    "sliding distance": change_state(distance=1.02, slid=1.02),
+    "work": change_state(work=1.02),
+    "force at times": change_state(force=1.02),
+    "knots forgotten": forget_knots(),
+}
+FACES: dict[str, Put] = {
+    "curvature of the face": heights(1.05),
+    "curvature of the face, by little": heights(0.97),
+    "k of the inner ring": rings(wear=lambda k: scale_one(k, 0, 1.1)),
+    "k of rings swapped": rings(wear=lambda k: k[::-1]),
+    "the ring edge": rings(edges=lambda edges: scale_one(edges, 1, 1.1)),
+    "compliance": stiffness(0.05),
+    "volumes": worn_volumes(0.05),
+}
+GRADED: dict[str, Put] = {
+    "k of r in steps": graded(lambda of: Rings(of.ring_edges, of.wear_coefficients.mean(axis=0))),
+    "k of r turned": graded(lambda of: Rings(of.ring_edges, of.wear_coefficients[::-1])),
+    "k of r shifted": graded(
+        lambda of: Rings(
+            of.ring_edges + 0.02 * of.ring_edges * (1 - of.ring_edges), of.wear_coefficients
+        )
+    ),
+    "k of r, one value": graded(
+        lambda of: Rings(of.ring_edges, scale_one(of.wear_coefficients.copy(), (1, 0), 1.05))
+    ),
+    "k of r, the rim": graded(
+        lambda of: Rings(of.ring_edges, scale_one(of.wear_coefficients.copy(), (1, -1), 1.05))
+    ),
+    "k of r to a power": graded(lambda of: Rings(of.ring_edges, of.wear_coefficients**1.05)),
+    "harmonic for arithmetic means": rings(wear=lambda k: k * 1.02),
+}
+BY_KIND: dict[str, dict[str, Put]] = {
+    "flat": ANY | FULL | ON_RINGS | STEADY,
+    "graded": FULL | GRADED | STEADY,
+    "rising": ON_RINGS | LOADS | STATES,
+    "held": FULL | ON_RINGS,
+    "up_and_down": LOADS,
+    "sphere": FACES,
+}
+
+
+def faults(kind: str) -> Iterator[tuple[str, Put]]:
+    """Yield name and patch of each fault of a kind."""
+    yield from BY_KIND[kind].items()

@@ -1,0 +1,190 @@
+"""Healthy scenes, one of each kind, that faults are put into, and how a fault is judged.
+
+Two methods share each fault, so that only anchors can notice it.
+"""
+
+from collections.abc import Callable
+from copy import copy
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from ringwear import Scene, run
+from ringwear.studies.anchors.checks import anchors
+from ringwear.studies.crosscheck.agreement import agreements
+from ringwear.studies.problem.quantities import DESCRIBED
+from ringwear.studies.results import Result
+
+RINGS = {
+    "radius": "2 mm",
+    "ring_edges": ["0.5 mm", "0.8 mm", "1.3 mm", "1.6 mm", "2 mm"],
+    "wear_coefficients": ["1e-6 mm^3/(N m)", "1e-5 mm^3/(N m)"],
+}
+K_OF_RADIUS = {
+    "radius": "2 mm",
+    "rings": 2,
+    "wear_coefficient": {
+        "radii": ["0 mm", "0.7 mm", "2 mm"],
+        "values": ["1e-6 mm^3/(N m)", "1e-5 mm^3/(N m)", "3e-6 mm^3/(N m)"],
+    },
+}
+SPHERE = {
+    "radius": "2 mm",
+    "ring_edges": ["0.9 mm", "2 mm"],
+    "wear_coefficients": ["1e-6 mm^3/(N m)", "3e-6 mm^3/(N m)"],
+    "profile": {"kind": "parabola", "curvature_radius": "200 mm"},
+}
+SPEEDS = {"times": [0, 1000.0], "values": ["0.1 m/s", "0.5 m/s"]}
+RISING = {
+    "normal_force": {"times": [0, 500.0, 2000.0], "values": ["5 N", "20 N", "40 N"]},
+    "sliding_speed": SPEEDS,
+}
+UP_AND_DOWN = {
+    "normal_force": {"times": [0, 500.0, 2000.0], "values": ["5 N", "40 N", "20 N"]},
+    "sliding_speed": SPEEDS,
+}
+HELD = {"indentation": "1 um", "sliding_speed": "0.5 m/s"}
+
+
+def _scene(rtol: float, punch: dict, load: dict | None = None, times: tuple = ()) -> Scene:
+    return Scene.from_table(
+        {
+            "methods": ["mdr"],
+            "units": "SI",
+            "punch": punch,
+            "half_space": {"youngs_modulus": "3 GPa", "poisson_ratio": 0.4},
+            "load": load or {"normal_force": "20 N", "sliding_speed": "0.5 m/s"},
+            "wear": {"times": list(times or (0.0, 10.0, 100.0, 1000.0, 1e4))},
+            "accuracy": {"rtol": rtol},
+        }
+    )
+
+
+SCENES = {
+    "flat": _scene(1e-4, RINGS),
+    "graded": _scene(1e-4, K_OF_RADIUS),
+    "rising": _scene(1e-4, RINGS, RISING),
+    "up_and_down": _scene(1e-3, RINGS, UP_AND_DOWN),
+    "held": _scene(1e-4, RINGS, HELD),
+    "sphere": _scene(3e-3, SPHERE),
+}
+# sizes of faults: ten times the accuracy asked for
+SIZES = {kind: 10 * scene.problem.rtol for kind, scene in SCENES.items()}
+MOVING = ("up_and_down", "sphere")
+# quantities of every history
+HISTORY = [
+    "pressure",
+    "profile",
+    "displacement",
+    "indentation",
+    "displacement_centre",
+    "displacement_max",
+    "rms_slope",
+    "ring_force",
+]
+
+
+def shared(scene: Scene) -> Result:
+    """Return a run by two methods that are the same in everything."""
+    result = run(scene, methods=["mdr"])
+    solution = result.solutions["mdr"]
+    return twice(result, solution)
+
+
+def twice(result: Result, solution) -> Result:
+    """Return the result of two methods that give the same solution."""
+    names, method, stages = ("mdr", "twin"), result.methods["mdr"], result.stages["mdr"]
+    rows = agreements(result.scene.problem, names, (solution, solution))
+    return replace(
+        result,
+        methods=dict.fromkeys(names, method),
+        solutions=dict.fromkeys(names, solution),
+        stages=dict.fromkeys(names, stages),
+        agreement=tuple(rows),
+    )
+
+
+@cache
+def healthy(kind: str) -> Result:
+    """Return the run of a kind without any fault."""
+    return shared(SCENES[kind])
+
+
+def with_table(result: Result, change: Callable) -> Result:
+    """Return a result whose table is written wrongly.
+
+    Parameters
+    ----------
+    change : (values by name, problem) -> None
+        Changes a copy of the table in place; arrays of variables begin with the solvers.
+    """
+    table = result.table
+    parts = [
+        {name: (dims, np.array(values), about) for name, (dims, values, about) in part.items()}
+        for part in table[:2]
+    ]
+    values = {name: array for part in parts for name, (_, array, _) in part.items()}
+    change(values, result.scene.problem)
+    wrong = copy(result)
+    # frozen, with properties that are computed once
+    for name in ("anchors", "coordinates", "dataset"):
+        wrong.__dict__.pop(name, None)
+    wrong.__dict__["table"] = table._replace(variables=parts[0], coordinates=parts[1])
+    return wrong
+
+
+def damage(right: Result, wrong: Result) -> float:
+    """Return the greatest relative difference of two tables, each quantity in its norm.
+
+    Fields of displacements are relative to the indentation, pressures to their root mean square
+    by area, forces and volumes of rings to their sum, radii to that of the punch, and all else to
+    itself. What is infinite or not given in one only counts as 1.
+    """
+    scene, worst = right.scene, 0.0
+    known = dict(right.table.coordinates) | dict(right.table.variables)
+    others = dict(wrong.table.coordinates) | dict(wrong.table.variables)
+    depth = np.abs(np.asarray(known["indentation"][1], float)).max(axis=0)
+    for name, (dims, values, _) in known.items():
+        if name.endswith("_error") or name in ("solver", "state", "ring", "mode", "edge"):
+            continue
+        if name not in others:
+            return 1.0
+        value, other = np.asarray(values, float), np.asarray(others[name][1], float)
+        if name == "relaxation_time":
+            value, other = value[:, :8], other[:, :8]
+        if (np.isfinite(value) != np.isfinite(other)).any():
+            return 1.0
+        difference = np.where(np.isfinite(value), np.abs(other - value), 0.0)
+        value = np.where(np.isfinite(value), np.abs(value), 0.0)
+        norm = DESCRIBED[name].norm if name in DESCRIBED else "value"
+        if norm == "indentation":
+            scale = depth[:, None] if "radius" in dims else depth
+        elif norm == "pressure":
+            radii = known["radius"][1]
+            areas = np.gradient(radii**2)
+            # infinite at the rim when the start is pressed on
+            areas = areas * (radii < 0.999 * radii[-1])
+            difference, scale = (
+                np.sqrt((field**2 * areas).sum(axis=-1)) for field in (difference, value)
+            )
+        elif "ring" in dims and name not in ("wear_coefficient", "pressure_min", "pressure_max"):
+            scale = value.sum(axis=-1, keepdims=True)
+        elif norm == "radius" or name == "radius":
+            scale = scene.problem.units.length
+        elif norm == "steady":
+            scale = np.max(known["steady_displacement_max"][1])
+        else:
+            scale = value
+        scale = np.broadcast_to(scale, difference.shape)
+        some = scale > 0
+        worst = max(worst, float(np.max(difference[some] / scale[some], initial=0.0)))
+    return worst
+
+
+def noticed(wrong: Result) -> bool:
+    """Return whether anything but agreement comes of a fault that both methods share."""
+    solution = wrong.solutions["mdr"]
+    # of two that are the same, anchors of one are enough to disagree
+    rows = anchors(wrong.scene, "mdr", wrong.reported("mdr"), solution)
+    return any(not anchor.holds for anchor in rows) or wrong.verdict != "agree"

@@ -1,0 +1,104 @@
+"""Kinks of faces that are given as functions: found, or told."""
+
+import numpy as np
+import pytest
+from closed_forms import TruncatedCone, TruncatedParaboloid
+
+from ringwear import Scene, run
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.problem.profile import InitialProfile, find_kinks
+
+FLAT_RADIUS = 0.4321
+CONE, PARABOLOID = TruncatedCone(FLAT_RADIUS, 0.3), TruncatedParaboloid(FLAT_RADIUS, 2.0)
+FACES = {
+    "cone": (CONE, lambda r: 0.3 * np.maximum(r - FLAT_RADIUS, 0)),
+    "paraboloid": (
+        PARABOLOID,
+        lambda r: np.maximum(r - FLAT_RADIUS, 0) * (r + FLAT_RADIUS) / (2 * 2.0),
+    ),
+}
+SCENE = Scene.from_table(
+    {
+        "methods": ["mdr"],
+        "punch": {"radius": 1.0, "rings": 1, "wear_coefficients": [1.0, 1.0]},
+        "half_space": {"plane_strain_modulus": 1.0},
+        "load": {"normal_force": 0.1},
+        "wear": {"times": [0.0], "steady": False},
+        "accuracy": {"rtol": 1e-3},
+    }
+)
+
+
+@pytest.mark.parametrize("method", ["mdr", "fem"])
+@pytest.mark.parametrize("name", FACES)
+def test_starts_of_truncated_punches(name, method):
+    exact, face = FACES[name]
+    radius = 0.7
+    scene = SCENE.changed(load__normal_force=float(exact.force(radius))).with_heights(face)
+    start = run(scene, methods=[method]).dataset.isel(solver=0, time=0)
+    tolerance = 1e-9 if method == "mdr" else 1e-8
+    assert float(start.indentation) == pytest.approx(exact.indentation(radius), rel=tolerance)
+    assert float(start.contact_radius) == pytest.approx(radius, rel=1e-6)
+
+
+def found(*faces, edges=(0.0, 1.0), recess=(0.0,)):
+    return find_kinks(InitialProfile(np.array(edges), np.array(recess), faces))
+
+
+@pytest.mark.parametrize("name", FACES)
+@pytest.mark.parametrize("edges", [(0.0, 1.0), (0.0, 0.3, 1.0)])
+def test_kinks_are_found(name, edges):
+    _, face = FACES[name]
+    kinks = found(face, edges=edges, recess=np.zeros(len(edges) - 1))
+    assert kinks == pytest.approx((FLAT_RADIUS,), abs=1e-9)
+
+
+def test_jumps_of_the_bend_are_found():
+    assert found(lambda r: np.maximum(r - 0.8, 0) ** 2) == pytest.approx((0.8,), abs=1e-5)
+
+
+def test_several_kinks_are_found():
+    kinks = found(lambda r: np.abs(r - 0.25) + np.maximum(r - 0.61, 0) ** 2)
+    assert kinks == pytest.approx((0.25, 0.61), abs=1e-5)
+
+
+SMOOTH = {
+    "flat": lambda r: 0 * r + 1,
+    "parabola": lambda r: r**2,
+    "power": lambda r: r**5.5,
+    "waves": lambda r: 1 + np.sin(20 * r),
+    "short waves": lambda r: 1 + np.sin(400 * r),
+    "steep": lambda r: np.tanh(60 * (r - 0.5)),
+    "noise": lambda r: 1e-3 * (1 + np.sin(1e4 * r) * np.cos(3e3 * r**2)),
+    "roundoff": lambda r: 1e6 + r**2,
+}
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_smooth_faces_have_no_kinks(name):
+    assert found(SMOOTH[name]) == ()
+
+
+def test_rough_faces_have_none_that_are_worth_an_edge():
+    heights = np.random.default_rng(1).uniform(0, 1, 300)
+    assert found(lambda r: np.interp(r, np.linspace(0, 1, 300), heights)) == ()
+
+
+def test_kinks_that_are_given_stay_with_the_scene():
+    scene = SCENE.changed(punch__radius=2.0, load__normal_force=0.1)
+    told = scene.with_heights(lambda r: 0.1 * r**2, kinks=[0.5, 1.5])
+    assert told.problem.profile.kinks == (0.25, 0.75)
+    changed = told.changed(accuracy__rtol=1e-2)
+    assert changed.problem.profile.kinks == (0.25, 0.75)
+    # they take the place of those that are found
+    kinked = scene.with_heights(lambda r: np.abs(r - 1.0), kinks=[])
+    assert kinked.problem.profile.kinks == ()
+    assert scene.with_heights(lambda r: np.abs(r - 1.0)).problem.profile.kinks == pytest.approx(
+        (0.5,)
+    )
+
+
+@pytest.mark.parametrize("kink", [-0.1, 1.2, float("nan")])
+def test_kinks_outside_the_punch_are_refused(kink):
+    with pytest.raises(SceneError, match=r"kinks .* give radii from 0 to punch\.radius"):
+        SCENE.with_heights(lambda r: r**2, kinks=[kink])

@@ -1,0 +1,167 @@
+"""Every number of the answer has an error estimate that holds, whatever times are asked for."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from ringwear import Scene, SceneError, run
+from ringwear.mdr import direct
+
+FLAT = {"half_space": {"plane_strain_modulus": 1.0}, "load": {"normal_force": 1.0}}
+
+
+def flat(punch, times, rtol=1e-4, methods="mdr fem", **tables):
+    """Return a scene of a flat punch of radius 1."""
+    return Scene.from_table(
+        FLAT
+        | {
+            "methods": methods.split(),
+            "punch": {"radius": 1.0, **punch},
+            "wear": {"times": times},
+            "accuracy": {"rtol": rtol},
+        }
+        | tables
+    )
+
+
+TWELVE = {"rings": 12, "width_ratio": 0.5, "wear_coefficients": [1.0, 0.01]}
+SIX = {
+    "ring_edges": [0.1077, 0.233, 0.52, 0.7571, 0.9116, 1.0],
+    "wear_coefficients": [0.996, 0.609, 1.0, 0.887, 0.531, 0.671],
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("scene", "more", "names"),
+    [
+        (flat(TWELVE, [50.0], 1e-6), [1e-6, 1.0, 50.0], ("time_to_90", "time_to_99")),
+        (
+            flat(SIX, [0.66, 16.3], 1e-6, load={"indentation": 0.1355}),
+            [1e-5, 0.66, 16.3],
+            ("time_to_half_force", "force_end"),
+        ),
+    ],
+    ids=["a force", "an indentation"],
+)
+def test_the_answer_does_not_depend_on_the_times(scene, more, names):
+    rtol = scene.accuracy.rtol
+    first, second = (run(each) for each in (scene, scene.changed(wear__times=more)))
+    for method in ("mdr", "fem"):
+        for name in names:
+            one, other = (result.answers[method][name] for result in (first, second))
+            assert abs(one / other - 1) <= 2 * rtol, (method, name)
+            for result in (first, second):
+                assert result.answers[method][f"{name}_error"] <= rtol
+
+
+@pytest.mark.parametrize("times", [[0.0, 1e-3, 1.0], [5.0], [1e3]])
+@pytest.mark.gmsh
+def test_every_number_of_the_answer_has_an_error_that_holds(times):
+    """Against closed forms, where there are some."""
+    edges, wear = np.arange(6) / 5, np.array([1.0, 10.0, 1.0, 10.0, 1.0])
+    result = run(flat({"rings": 5, "wear_coefficients": [1.0, 10.0]}, times))
+    assert result.verdict == "agree"
+    pressures = direct.steady_pressures(edges, wear)
+    root = np.sqrt(1 - edges**2)
+    exact = {
+        "indentation_start": 0.5,
+        "indentation_steady": direct.greatest_displacement(edges, pressures),
+        "steady_wear_rate": wear[0] * pressures[0],
+        "steady_rms_slope": direct.rms_slope(edges, pressures),
+        "force_share": np.array([-np.diff(root), np.pi * np.diff(edges**2) * pressures]),
+    }
+    for answer in result.answers.values():
+        numbers = {name for name in answer if not name.endswith("_error")}
+        assert {f"{name}_error" for name in numbers} <= answer.keys()
+        for name, value in exact.items():
+            error = np.abs(answer[name] - value).max() / (1.0 if "share" in name else value)
+            assert error <= np.max(answer[f"{name}_error"]) <= 1e-4, name
+        # what is worn in all is what the force has worn
+        worn = np.sum(answer["worn_volume"] / wear)
+        assert worn == pytest.approx(times[-1], rel=1e-9)
+
+
+def test_steps_of_a_table_need_not_be_ring_edges():
+    """It was called a disagreement of the steady states."""
+    table = {"radii": [0.0, 0.5, 0.5, 1.0], "values": [1.0, 1.0, 5.0, 5.0]}
+    one, two = (
+        run(flat(punch, [0.0, 0.1, 1.0], methods="mdr bem"))
+        for punch in (
+            {"wear_coefficient": table},
+            {"ring_edges": [0.5, 1.0], "wear_coefficients": [1.0, 5.0]},
+        )
+    )
+    assert one.verdict == two.verdict == "agree"
+    np.testing.assert_allclose(one.dataset.indentation, two.dataset.indentation, rtol=1e-7)
+
+
+@pytest.mark.gmsh
+def test_a_narrow_ring_on_the_axis_gives_no_false_disagreement():
+    """Its slopes were 3.8e-4 apart while the methods stated 2.5e-5."""
+    punch = {"ring_edges": [1e-8, 1.0], "wear_coefficients": [0.001, 1.0]}
+    result = run(flat(punch, [0.0, 0.01, 1.0]))
+    assert result.verdict != "disagree"
+    exact = direct.rms_slope(
+        np.array([0.0, 1e-8, 1.0]),
+        direct.steady_pressures(np.array([0.0, 1e-8, 1.0]), np.array([0.001, 1.0])),
+    )
+    for answer in result.answers.values():
+        error = abs(answer["steady_rms_slope"] / exact - 1)
+        assert error <= answer["steady_rms_slope_error"]
+
+
+@pytest.mark.gmsh
+def test_an_indentation_alone_reaches_a_fine_accuracy():
+    punch = {"rings": 1, "wear_coefficients": [1.0, 1.0]}
+    output = {"quantities": ["indentation"]}
+    result = run(flat(punch, [0.0, 0.1, 1.0], 1e-8, output=output))
+    assert result.verdict == "agree"
+    for solution in result.solutions.values():
+        assert solution.greatest_error("indentation") <= 1e-8
+    start = result.dataset.indentation.isel(time=0)
+    assert float(np.abs(start / 0.5 - 1).max()) <= 1e-8
+
+
+@pytest.mark.gmsh
+def test_layers_thinner_than_the_roundoff_of_radii_are_resolved():
+    """At t = 1e-11 the layers beside ring edges are 1e-11 a thin, elements 1e-16 a and less."""
+    punch = {"rings": 3, "wear_coefficients": [1.0, 0.5]}
+    result = run(flat(punch, [1e-11, 0.1]))
+    assert result.verdict == "agree"
+    assert not result.left_out_of_promise
+    widths = result.solutions["mdr"].wear.compliance.space.widths
+    assert widths.min() < 2e-16
+    # as t tends to 0 the pressure jumps by the ratio of the wear coefficients at each edge
+    slopes = result.dataset.rms_slope.isel(time=0).to_numpy()
+    assert float(np.ptp(slopes) / slopes.mean()) <= 2e-4
+
+
+@pytest.mark.parametrize("times", [[0.0, 1e300], [1e-300, 1.0]])
+def test_times_beyond_double_precision_are_refused(times):
+    with pytest.raises(SceneError, match=r"wear\.times"):
+        flat({"rings": 1, "wear_coefficients": [1.0, 1.0]}, times)
+
+
+def test_one_method_does_not_agree():
+    scene = flat({"rings": 2, "wear_coefficients": [1.0, 2.0]}, [0.0, 1.0], methods="mdr")
+    result = run(scene)
+    assert result.verdict == "undecided"
+    assert all(anchor.holds for anchor in result.anchors)
+
+
+def test_a_table_of_many_points_is_no_matter_of_minutes():
+    """Kinks that are hardly there ask for no layers: 300 points took 5,000 pressures."""
+    radii = np.linspace(0, 1, 300)
+    table = {"radii": radii.tolist(), "values": (1 + np.sin(7 * radii) ** 2).tolist()}
+    scene = flat({"wear_coefficient": table}, [0.0, 0.01, 1.0], methods="mdr")
+    edges = scene.problem.merged.kinks
+    assert (edges[:-1] < 0.1).all()
+    few = flat(
+        {"wear_coefficient": {"radii": radii[::23].tolist(), "values": table["values"][::23]}},
+        [0.0, 1.0],
+        methods="mdr",
+    )
+    assert any(kink > 0.1 for kink in few.problem.merged.kinks[:-1])
+    assert all(a < b for a, b in pairwise(scene.problem.merged.ring_edges))

@@ -1,0 +1,77 @@
+"""Scenes drawn at random against an independent solution, which holds to others first."""
+
+import numpy as np
+import pytest
+from independent import Load, Pieces, Punch, solved
+from random_scenes import KINDS, draw, hold
+
+from ringwear import Scene
+
+FIVE = Scene.load("five_rings")
+
+
+def rings_of(scene):
+    rings = scene.problem.merged
+    return Pieces(rings.ring_edges, rings.wear_coefficients, rings.wear_coefficients)
+
+
+CONSTANT = Load(np.zeros(1), np.ones(1), np.ones(1))
+
+
+def test_the_independent_solution_has_the_known_history(reference):
+    """Of the five rings, of a whole history that is good to 1e-10."""
+    times = [state["time"] for state in reference["states"]]
+    scene = FIVE.changed(wear__times=[0.0, *times], output__radii=reference["radii"])
+    problem = scene.problem
+    results, _, punch = solved(problem, rings_of(FIVE), CONSTANT, 1e-6, "line")
+    units = problem.units
+    slowest = results["relaxation_time"][:3] * units.time
+    assert slowest == pytest.approx(reference["slowest_relaxation_times"], rel=1e-9)
+    depths = results["indentation"][1:] * units.displacement
+    known = [state["indentation"] for state in reference["states"]]
+    assert depths == pytest.approx(known, rel=3e-10)
+    assert punch.least_pressure(punch.pressures(CONSTANT, problem.times[1:])) > 0
+
+
+def test_a_uniform_k_of_r_in_pieces_is_a_flat_punch():
+    """Kinks and edges where nothing happens change nothing."""
+    whole = Pieces(np.array([0.0, 1.0]), np.ones(1), np.ones(1))
+    parts = Pieces(np.array([0.0, 0.3, 0.7, 1.0]), np.ones(3), np.ones(3))
+    times = [
+        Punch(pieces, np.append(np.full(len(pieces.inner), np.inf), 1e-12), 14).times[:5]
+        for pieces in (whole, parts)
+    ]
+    assert times[0] == pytest.approx(times[1], rel=1e-9)
+
+
+def test_the_steady_state_of_k_of_r_is_its_closed_form():
+    """F = w int dA / k, of k linear from 1 to 4."""
+    pieces = Pieces(np.array([0.0, 1.0]), np.array([0.25]), np.array([1.0]))
+    punch = Punch(pieces, np.array([1e-12, 1e-10]), 12)
+    rate = 3 / (2 * np.pi * (1 - np.log(4) / 3)) / 4
+    assert punch.wear_rate == pytest.approx(rate, rel=1e-10)
+
+
+def test_a_load_that_varies_is_a_sum_of_constant_ones():
+    """Of a force that rises in many small steps."""
+    rings = rings_of(FIVE)
+    punch = Punch(rings, np.append(np.full(5, 1e-6), 1e-8), 8)
+    load = Load(np.array([0.0, 0.5]), np.array([0.2, 1.0]), np.array([1.0, 1.0]))
+    time = np.array([0.8])
+    whole = punch.pressures(load, time)
+    steps = (np.arange(2000) + 0.5) / 2000
+    sums = 0.2 * punch.pressures(CONSTANT, time)
+    sums = sums + 0.8 * punch.pressures(CONSTANT, time - 0.5 * steps).mean(axis=0)
+    assert np.abs(whole - sums).max() < 1e-6 * np.abs(whole).max()
+
+
+@pytest.mark.slow
+@pytest.mark.gmsh
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_number_is_silently_beyond_what_was_asked_for(kind):
+    rows = [hold(table, ("mdr", "fem")) for table in draw(kind, 7, 4)]
+    assert [row.silent for row in rows] == [[]] * len(rows)
+    assert [row.first for row in rows] == [[]] * len(rows)
+    # a method may state more than is asked for of numbers that it knows better
+    assert {row.verdict for row in rows} <= {"agree", "undecided"}
+    assert sum(row.verdict == "agree" for row in rows) >= 3

@@ -1,0 +1,108 @@
+"""Which steady state is reported: that of the load held last, and none that is out of reach."""
+
+import numpy as np
+import pytest
+
+from ringwear import Scene, run
+from ringwear.mdr import direct
+
+PUNCH = {"radius": 2.0, "ring_edges": [1.0, 2.0], "wear_coefficients": [1.0, 4.0]}
+BASE = {
+    "punch": PUNCH,
+    "half_space": {"plane_strain_modulus": 5.0},
+    "wear": {"times": [0.0, 10.0]},
+    "accuracy": {"rtol": 1e-3},
+}
+ROUNDED = {"kind": "rounded_rim", "flat_radius": 1.8, "curvature_radius": 2.0}
+LOADS = {
+    "rising": {"normal_force": {"times": [0.0, 1.0], "values": [0.1, 0.4]}},
+    "falling": {
+        "normal_force": {"times": [0.0, 1.0, 2.0], "values": [0.1, 0.4, 0.2]},
+        "sliding_speed": {"times": [0.0, 1.0], "values": [3.0, 2.0]},
+    },
+}
+
+
+@pytest.mark.parametrize("profile", [{}, {"profile": ROUNDED}], ids=["flat", "rounded"])
+@pytest.mark.parametrize("name", LOADS)
+def test_the_load_that_is_held_last(name, profile):
+    scene = Scene.from_table(BASE | {"punch": PUNCH | profile, "load": LOADS[name]})
+    result = run(scene, methods=["mdr", "direct"])
+    assert result.verdict == "agree"
+    force, speed = (0.4, 1.0) if name == "rising" else (0.2, 2.0)
+    areas, wear = np.pi * np.array([1.0, 3.0]), np.array([1.0, 4.0])
+    rate = force / np.sum(areas / wear)
+    for solver in ("mdr", "direct"):
+        data = result.dataset.sel(solver=solver)
+        assert float(data.steady_wear_rate) == pytest.approx(speed * rate, rel=1e-9)
+        pressures = np.where(data.radius < 1.0, rate, rate / 4)
+        np.testing.assert_allclose(data.steady_pressure, pressures, rtol=1e-6)
+        greatest = direct.greatest_displacement(np.array([0.0, 0.5, 1.0]), rate / wear)
+        # u over a p / E* has no unit
+        expected = 2.0 / 5.0 * float(greatest)
+        assert float(data.steady_displacement_max) == pytest.approx(expected, rel=1e-4)
+    answer = result.answers["mdr"]
+    assert answer["force_share"][1] == pytest.approx(rate / wear * areas / force, rel=1e-6)
+
+
+@pytest.mark.parametrize("what", ["normal_force", "sliding_speed"])
+def test_a_load_that_ends_has_no_steady_state(what):
+    load = {"normal_force": 0.3} | {what: {"times": [0.0, 5.0], "values": [0.3, 0.0]}}
+    result = run(Scene.from_table(BASE | {"load": load}), methods=["mdr"])
+    assert np.isnan(result.dataset.steady_wear_rate).all()
+    assert "wears no more" in result.summary["left_out"]["steady state"]
+
+
+def test_a_steady_state_out_of_reach_is_not_told():
+    """A washer, written as a deep recess: its middle would carry at t = 3e6."""
+    scene = Scene.from_table(
+        {
+            "punch": {
+                "radius": 1.0,
+                "ring_edges": [0.5, 1.0],
+                "recess": [1e6, 0.0],
+                "wear_coefficients": [1.0, 1.0],
+            },
+            "half_space": {"plane_strain_modulus": 1.0},
+            "load": {"normal_force": 1.0},
+            "wear": {"times": [0.0, 5.0, 10.0, 11.0]},
+            "accuracy": {"rtol": 1e-3},
+        }
+    )
+    result = run(scene, methods=["mdr", "fem"])
+    assert result.verdict == "agree"
+    assert np.isnan(result.dataset.steady_wear_rate).all()
+    # until it does, 3/4 of the face wears by 1e6: t = 1e6 * 3 pi / 4
+    assert "t = 2.4e+06" in result.summary["left_out"]["steady state"]
+    answer = result.answers["mdr"]
+    for name in ("running_in_time", "indentation_steady"):
+        assert np.isnan(answer[name])
+    # the face of the washer tends to the rate F / A of the ring
+    depths = result.dataset.indentation.sel(solver="mdr").to_numpy()
+    assert depths[3] - depths[2] == pytest.approx(1 / (0.75 * np.pi), rel=1e-3)
+
+
+def test_a_recess_that_will_carry_keeps_its_steady_state():
+    recessed = {**BASE, "load": {"normal_force": 0.3}, "wear": {"times": [0.0, 0.1]}}
+    scene = Scene.from_table(recessed | {"punch": PUNCH | {"recess": [0.05, 0.0]}})
+    result = run(scene, methods=["mdr"])
+    assert np.isfinite(result.dataset.steady_wear_rate).all()
+    assert any("all of the face in contact" in note for note in result.notes)
+
+
+@pytest.mark.parametrize("method", ["mdr", "fem", "direct"])
+def test_a_uniform_recess_is_a_flat_punch(method):
+    flat = Scene.from_table(BASE | {"load": {"normal_force": 0.3}})
+    lower = flat.changed(punch__recess=[0.25, 0.25])
+    assert lower.problem.full_contact
+    first, second = (run(scene, methods=[method]) for scene in (flat, lower))
+    assert all(anchor.holds for anchor in second.anchors)
+    one, other = first.dataset, second.dataset
+    for name in ("pressure", "displacement", "rms_slope", "steady_rms_slope", "relaxation_time"):
+        if name in one:
+            np.testing.assert_array_equal(one[name], other[name])
+    # heights are counted from the face plane, which is where it was
+    for name in {"indentation", "profile"} & set(one):
+        np.testing.assert_allclose(other[name], one[name] + 0.25, rtol=1e-14)
+    answers = [result.answers[method]["indentation_start"] for result in (first, second)]
+    assert answers[1] == pytest.approx(answers[0] + 0.25, rel=1e-14, nan_ok=True)

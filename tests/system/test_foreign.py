@@ -1,0 +1,172 @@
+"""Files of others, and files that lie: nothing of theirs is lost, and each is told in a line."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+
+import netCDF4
+import numpy as np
+import pandas as pd
+import pytest
+import tomli_w
+
+from ringwear import Scene, run
+from ringwear.studies.cli import main
+from ringwear.studies.output import folder as folder_module
+from ringwear.studies.output.files import write_tables
+from ringwear.studies.output.folder import MARKER
+from ringwear.studies.report.comparison import scene_rows
+from ringwear.studies.tables import write_csv
+
+MAP = 'base = "five_rings"\nkeep = ["steady_wear_rate"]\n[axes]\n"punch.rings" = [2, 4]\n'
+DIRECT = ["run", "flat_punch", "--rtol", "1e-2", "--methods", "direct", "--no-figures", "--out"]
+
+
+def told(capsys):
+    """The only line on standard error but those of progress."""
+    lines = capsys.readouterr().err.splitlines()
+    (line,) = [line for line in lines if line.startswith("ringwear: ")]
+    assert not [line for line in lines if "Traceback" in line]
+    return line
+
+
+@pytest.mark.parametrize("link", [False, True])
+def test_a_foreign_picture_of_a_sweep_stays(tmp_path, capsys, link):
+    """It is refused before anything is computed; ours is replaced, but not what it points to."""
+    (tmp_path / "map.toml").write_text(MAP)
+    out, mine = tmp_path / "out", tmp_path / "mine.png"
+    mine.write_bytes(b"mine")
+    out.mkdir()
+    picture = out / "sweep.png"
+    if link:
+        picture.symlink_to(mine)
+    else:
+        picture.write_bytes(b"mine")
+    call = ["sweep", str(tmp_path / "map.toml"), "--out", str(out), "--workers", "1"]
+    assert main(call) == 2
+    assert "sweep.png" in told(capsys)
+    assert os.listdir(out) == ["sweep.png"]
+    assert picture.read_bytes() == mine.read_bytes() == b"mine"
+    picture.unlink()
+    assert main(call) == 0
+    assert picture.stat().st_size > 1000
+    # ours by its name, and then a link in its place
+    picture.unlink()
+    picture.symlink_to(mine)
+    assert main([*call, "--resume"]) == 0
+    assert mine.read_bytes() == b"mine"
+    assert picture.stat().st_size > 1000
+    assert not picture.is_symlink()
+
+
+@pytest.mark.parametrize("name", [".writing", ".complete"])
+@pytest.mark.parametrize("kind", ["folder", "file", "link"])
+def test_foreign_folders_of_our_names_stay(tmp_path, capsys, name, kind):
+    out, there = tmp_path / "out", tmp_path / "out" / name
+    out.mkdir()
+    if kind == "folder":
+        there.mkdir()
+        (there / "notes.txt").write_text("mine")
+    elif kind == "file":
+        there.write_text("mine")
+    else:
+        (tmp_path / "elsewhere").mkdir()
+        (tmp_path / "elsewhere" / "notes.txt").write_text("mine")
+        there.symlink_to(tmp_path / "elsewhere")
+    before = sorted(tmp_path.rglob("*"))
+    assert main([*DIRECT, str(out)]) == 2
+    assert name in told(capsys)
+    assert sorted(tmp_path.rglob("*")) == before
+    # what a killed run of ours has left is cleaned up after
+    os.rename(there, tmp_path / "away")
+    (out / ".writing").mkdir()
+    (out / ".writing" / MARKER).write_text("{}")
+    (out / ".writing" / "results.nc").write_text("half")
+    assert main([*DIRECT, str(out)]) == 0
+    assert {"results.nc", "summary.json", MARKER} == set(os.listdir(out))
+
+
+@pytest.mark.parametrize("marker", [["results.nc"], {"run": "results.nc"}, {"run": [3]}, 3, None])
+def test_a_marker_that_is_none_is_as_none(tmp_path, capsys, marker):
+    """Nothing is taken for ours by it."""
+    (tmp_path / MARKER).write_text(json.dumps(marker))
+    (tmp_path / "results.nc").write_text("mine")
+    assert main([*DIRECT, str(tmp_path)]) == 2
+    assert "results.nc" in told(capsys)
+    (tmp_path / "results.nc").unlink()
+    assert main([*DIRECT, str(tmp_path)]) == 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_stop_while_results_take_their_place_says_so(tmp_path, monkeypatch, capsys, number):
+    publish = folder_module.Folder.publish
+
+    def interrupt(folder):
+        signal.raise_signal(number)
+        publish(folder)
+
+    monkeypatch.setattr(folder_module.Folder, "publish", interrupt)
+    assert main([*DIRECT, str(tmp_path / "out")]) == 1
+    line = told(capsys)
+    assert "in place" in line
+    assert "nothing half-written" not in line
+    assert (tmp_path / "out" / "results.nc").exists()
+
+
+def test_cells_are_no_formulas(tmp_path):
+    """Texts that a spreadsheet would compute are marked as texts; numbers stay numbers."""
+    texts = ["=1+1", "+A1", "-cmd", "@SUM(1)", "\t=1", "plain", "-1.5"]
+    table = pd.DataFrame({"=title": texts, "number": np.linspace(-1.0, 1.0, len(texts))})
+    write_csv(table, tmp_path / "table.csv")
+    head, *rows = (tmp_path / "table.csv").read_text().splitlines()
+    assert head == "'=title,number"
+    assert [row.rpartition(",")[0] for row in rows] == [
+        *(f"'{text}" for text in texts[:5]),
+        *texts[5:],
+    ]
+    assert [float(row.rpartition(",")[2]) for row in rows] == table["number"].tolist()
+    # titles of scenes, and names of other programs
+    flat = Scene.load("flat_punch")
+    sides = [run(flat.changed(title=title, methods=["direct"])) for title in ("=1+1", "plain")]
+    write_csv(scene_rows(*sides), tmp_path / "scenes.csv")
+    assert "title,'=1+1,plain" in (tmp_path / "scenes.csv").read_text()
+    dataset = sides[0].dataset
+    write_tables(dataset.assign_coords(solver=["=cmd"]), tmp_path)
+    assert "'=cmd" in (tmp_path / "solver.csv").read_text()
+
+
+def test_a_file_that_declares_more_than_it_holds(tmp_path, capsys):
+    """Eight megabytes that stand for 32 GB are not read."""
+    with netCDF4.Dataset(tmp_path / "large.nc", "w") as file:
+        file.createDimension("time", 4_000_000_000)
+        file.createVariable("indentation", float, ("time",), chunksizes=(2**20,), zlib=True)
+    assert main(["check", "flat_punch", str(tmp_path / "large.nc")]) == 2
+    assert "32 GB" in told(capsys)
+
+
+ENDLESS = """
+import resource, sys
+resource.setrlimit(resource.RLIMIT_AS, (6 * 2**30, 6 * 2**30))
+from ringwear.studies.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.parametrize("command", ["run scene.toml", "sweep sweep.toml", "run /dev/zero"])
+def test_a_file_without_end(tmp_path, command):
+    """It is refused before it is read."""
+    scene = Scene.load("flat_punch").table()
+    scene["punch"]["profile"] = {"kind": "table", "file": "/dev/zero"}
+    (tmp_path / "scene.toml").write_text(tomli_w.dumps(scene))
+    table = {"base": scene, "keep": ["indentation"], "axes": {"load.normal_force": [1.0, 2.0]}}
+    (tmp_path / "sweep.toml").write_text(tomli_w.dumps(table))
+    call = [sys.executable, "-c", ENDLESS, *command.split()]
+    done = subprocess.run(call, cwd=tmp_path, text=True, capture_output=True, timeout=60)
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert "/dev/zero" in line
+    assert "give a" in line

@@ -1,0 +1,187 @@
+"""One code computes a store: no block of another is written, nor gone on with.
+
+Copies of the package are altered and run in processes of their own.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import tomli_w
+import xarray
+from test_sweep_cluster import PRELOAD, expect
+from test_sweep_cluster import cluster as cluster
+from test_sweep_faults import contents, statuses
+
+from ringwear import Scene
+from ringwear.studies.cli import main
+
+ROOT = Path(__file__).parents[2]
+# loads ringwear from another folder
+FINDER = """
+import sys
+from importlib.util import spec_from_file_location
+from pathlib import Path
+FOLDERS = {"ringwear": "studies/api"}
+FOLDERS |= {f"ringwear.{name}": name for name in ("meshes", "mdr", "fem", "studies")}
+class Copy:
+    @staticmethod
+    def find_spec(name, path=None, target=None):
+        if name in FOLDERS:
+            folder = str(Path(%r) / FOLDERS[name])
+            return spec_from_file_location(
+                name, f"{folder}/__init__.py", submodule_search_locations=[folder]
+            )
+sys.meta_path.insert(0, Copy)
+"""
+STEADY = "mdr/direct.py", "return 1 / (wear_coefficients", "return 1.1 / (wear_coefficients"
+SWEEP = {
+    "base": Scene.load("five_rings").changed(methods=["direct"]).table(),
+    "keep": ["steady_wear_rate"],
+    "axes": {"punch.rings": [2, 3], "punch.wear_ratio": {"geomspace": [0.5, 4.0, 8]}},
+}
+
+
+def copy_package(folder):
+    """A copy of ringwear, and the code that lets a process load it."""
+    for name in ("meshes", "mdr", "fem", "studies"):
+        ignored = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / name, folder / name, ignore=ignored)
+    return FINDER % str(folder)
+
+
+def alter(folder, file, before, after):
+    path = folder / file
+    text = path.read_text("utf-8")
+    assert before in text
+    path.write_text(text.replace(before, after), "utf-8")
+
+
+def run_with(finder, directory, *arguments):
+    """The command by the copy of the package."""
+    code = f"{finder}\nfrom ringwear.studies.cli import main\nif __name__ == '__main__':\n"
+    code += f"    sys.exit(main(['sweep', 'sweep.toml', '--out', 'out', *{arguments!r}]))"
+    (directory / "run.py").write_text(code)
+    command = [sys.executable, "run.py"]
+    return subprocess.run(command, cwd=directory, text=True, capture_output=True)
+
+
+def test_a_resume_with_altered_code_is_refused(tmp_path):
+    """Altered code of the same version, which gives other numbers, adds none of them."""
+    finder = copy_package(tmp_path / "copy")
+    (tmp_path / "sweep.toml").write_text(tomli_w.dumps(SWEEP))
+    assert run_with(finder, tmp_path, "--workers", "1").returncode == 0
+    status = tmp_path / "out" / "sweep.zarr" / "status" / "c" / "0" / "0"
+    status.unlink()
+    before = contents(tmp_path / "out")
+    alter(tmp_path / "copy", *STEADY)
+    refused = run_with(finder, tmp_path, "--workers", "1", "--resume")
+    assert refused.returncode == 2
+    (line,) = refused.stderr.splitlines()
+    assert "begun with another file, ringwear or libraries" in line
+    assert contents(tmp_path / "out") == before
+    # the code as it was goes on
+    alter(tmp_path / "copy", STEADY[0], STEADY[2], STEADY[1])
+    assert run_with(finder, tmp_path, "--workers", "1", "--resume").returncode == 0
+    assert statuses(tmp_path / "out") == [1] * 16
+
+
+def test_each_block_says_what_has_computed_it(tmp_path):
+    """A block of other code is computed again, whatever the root says."""
+    import numpy as np
+    import zarr
+
+    (tmp_path / "sweep.toml").write_text(tomli_w.dumps(SWEEP))
+    command = ["sweep", str(tmp_path / "sweep.toml"), "--out", str(tmp_path), "--workers", "1"]
+    assert main(command) == 0
+    before = contents(tmp_path)
+    stored = xarray.open_zarr(tmp_path / "sweep.zarr")
+    assert stored["code"].dtype == np.uint64
+    assert len(np.unique(stored["code"])) == 1
+    group = zarr.open_group(tmp_path / "sweep.zarr", mode="r+")
+    group["code"][0, :3] = 1
+    group["steady_wear_rate"][0, :3] = 99.0
+    assert main([*command, "--resume"]) == 0
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize("imported", [True, False])
+def test_the_hash_is_of_the_code_that_is_loaded(tmp_path, imported):
+    """What is edited after it was loaded changes nothing; what is loaded later does."""
+    finder = copy_package(tmp_path / "copy")
+    code = f"""{finder}
+import ringwear
+from ringwear.studies.versions import code
+if {imported}:
+    from ringwear.mdr import direct
+before = code()
+path = Path({str(tmp_path / "copy")!r}) / "mdr" / "direct.py"
+path.write_text(path.read_text("utf-8").replace("return 1 / (wear", "return 1.1 / (wear"))
+from ringwear.mdr import direct
+print(before == code())
+"""
+    told = subprocess.run([sys.executable, "-c", code], text=True, capture_output=True)
+    assert told.stdout == f"{imported}\n", told.stderr
+
+
+def test_code_that_was_edited_before_it_was_hashed_is_nobody_s(tmp_path):
+    """A session that has loaded a file, and hashes it only after it was edited."""
+    finder = copy_package(tmp_path / "copy")
+    code = f"""{finder}
+import ringwear
+from ringwear.mdr import direct
+path = Path({str(tmp_path / "copy")!r}) / "mdr" / "direct.py"
+if len(sys.argv) > 1:
+    path.write_text(path.read_text("utf-8"))
+from ringwear.studies.versions import code
+print(code())
+"""
+    call = [sys.executable, "-c", code]
+    plain, edited, again = (
+        subprocess.run([*call, *more], text=True, capture_output=True, check=True).stdout
+        for more in ([], ["edit"], [])
+    )
+    assert plain == again != edited
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", [True, False], ids=["from the start", "late"])
+def test_blocks_of_altered_code_are_not_written(cluster, first):
+    """Of a worker that has the same versions, whether it is there first or joins later."""
+    finder = copy_package(cluster.directory / "copy")
+    alter(cluster.directory / "copy", *STEADY)
+    if first:
+        cluster.worker(finder)
+        expect(cluster.sweep(), 1, "has another ringwear")
+        assert set(statuses(cluster.out)) == {0}
+        return
+    cluster.worker(PRELOAD.format("time.sleep(2)"))
+    sweep = cluster.sweep()
+    while 1 not in statuses(cluster.out):
+        time.sleep(0.2)
+    cluster.worker(finder)
+    expect(sweep, 1, "has another ringwear")
+    stored = xarray.open_zarr(cluster.out / "sweep.zarr")
+    assert len(set(stored["code"].values[stored["status"].values == 1].tolist())) == 1
+
+
+# what a worker says of itself when it is asked is not what it computes with
+CHANGED = PRELOAD.format("""
+    from ringwear.studies.versions import versions
+    versions()["numpy"] = "1.0"
+""")
+
+
+@pytest.mark.slow
+def test_blocks_say_what_they_were_computed_with(cluster):
+    """Asked before, and changed since: nothing of it is written."""
+    cluster.worker(CHANGED)
+    expect(cluster.sweep(), 1, "has another ringwear")
+    assert set(statuses(cluster.out)) == {0}
+    assert os.listdir(cluster.out) == ["sweep.zarr"]

@@ -1,0 +1,208 @@
+"""What a sweep is given: functions, files of profiles, units, axes that say a thing twice.
+
+Nothing of it is dropped, read again or taken for something else; what cannot be done is refused.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tomli_w
+import xarray
+
+from ringwear import Scene, run, sweep
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.cli import main
+from ringwear.studies.sweep.axes import Sweep
+
+FLAT = Scene.load("flat_punch").changed(
+    methods=["mdr"], accuracy__rtol=1e-2, wear__times=[0.0], wear__steady=False, units=""
+)
+KEEP = ["indentation"]
+FORCES = {"load.normal_force": [1.0, 2.0]}
+
+
+def bowl(radii):
+    """A height that a scene file cannot hold."""
+    return radii**2
+
+
+def test_functions_of_the_face_are_carried():
+    """Each scene has the heights that `with_heights` has given to the base."""
+    scene = FLAT.with_heights(bowl)
+    dataset = sweep(scene, FORCES, KEEP)
+    for force in (1.0, 2.0):
+        alone = run(scene.changed(load__normal_force=force)).dataset["indentation"].item()
+        there = dataset["indentation"].sel(normal_force=force).item()
+        assert there == pytest.approx(alone, rel=1e-12)
+        # by Hertz, with R = 1/2 and E* = 1, where the contact lies inside the punch
+        flat = sweep(FLAT, FORCES, KEEP)["indentation"].sel(normal_force=force).item()
+        assert there > 1.5 * flat
+
+
+@pytest.mark.parametrize(
+    "options", [{"out": "out"}, {"workers": 2}, {"scheduler": "tcp://127.0.0.1:9"}], ids=str
+)
+def test_functions_that_cannot_be_carried_are_refused(tmp_path, monkeypatch, options):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SceneError, match=r"with_heights.*punch\.profile") as refusal:
+        sweep(FLAT.with_heights(bowl), FORCES, KEEP, **options)
+    assert "\n" not in str(refusal.value)
+    assert os.listdir() == []
+    with pytest.raises(SceneError, match=r"punch\.heights"):
+        sweep(FLAT, {"punch.heights": [[bowl]]}, KEEP)
+
+
+def write_profile(path, height):
+    np.savetxt(path, [[0.0, 0.0], [0.5, height / 4], [1.0, height]], delimiter=",")
+
+
+BASE = {
+    "methods": ["mdr"],
+    "punch": {"radius": 1.0, "rings": 1, "wear_coefficients": [1.0, 1.0]},
+    "half_space": {"plane_strain_modulus": 1.0},
+    "load": {"normal_force": 1.0},
+    "wear": {"times": [0.0], "steady": False},
+    "accuracy": {"rtol": 1e-2},
+}
+BY_FILE = {"kind": "table", "file": "profile.csv"}
+PROFILES = {
+    "base": (BASE | {"punch": BASE["punch"] | {"profile": BY_FILE}}, FORCES),
+    "tables": (BASE, {"punch.profile": [BY_FILE, {"kind": "cone", "slope": 0.1}]}),
+    "files": (
+        BASE | {"punch": BASE["punch"] | {"profile": BY_FILE}},
+        {"punch.profile.file": ["profile.csv", "other.csv"]},
+    ),
+}
+
+
+@pytest.mark.parametrize("given", PROFILES)
+def test_a_profile_that_is_edited_is_another_sweep(tmp_path, monkeypatch, given):
+    """The store holds heights, not the name of a file that may change under it."""
+    base, axes = PROFILES[given]
+    monkeypatch.chdir(tmp_path)
+    write_profile("profile.csv", 0.5)
+    write_profile("other.csv", 0.3)
+    first = sweep(base, axes, KEEP, out="out")["indentation"].load()
+    # all that is needed to compute the scenes again is there
+    told = json.loads(xarray.open_zarr("out/sweep.zarr").attrs["sweep"])
+    os.rename("profile.csv", "away.csv")
+    os.rename("other.csv", "away too.csv")
+    made = Sweep.of(told)
+    again = [made.problem(changes).profile.sampled()[1].max() for changes in made.changes()]
+    os.rename("away.csv", "profile.csv")
+    os.rename("away too.csv", "other.csv")
+    now = Sweep.of({"base": base, "axes": axes, "keep": KEEP})
+    assert again == [now.problem(of).profile.sampled()[1].max() for of in now.changes()]
+    write_profile("profile.csv", 0.9)
+    with pytest.raises(SceneError, match="begun with another file"):
+        sweep(base, axes, KEEP, out="out", resume=True)
+    write_profile("profile.csv", 0.5)
+    xarray.testing.assert_identical(
+        sweep(base, axes, KEEP, out="out", resume=True)["indentation"].load(), first
+    )
+
+
+def test_a_profile_is_read_once(tmp_path, monkeypatch):
+    """What is edited between the start and the computing is not seen by some scenes only."""
+    monkeypatch.chdir(tmp_path)
+    write_profile("profile.csv", 0.5)
+    made = Sweep.of({"base": PROFILES["base"][0], "axes": FORCES, "keep": KEEP})
+    before = made.problem(next(made.changes())).profile.sampled()[1]
+    write_profile("profile.csv", 0.9)
+    after = made.problem(next(made.changes())).profile.sampled()[1]
+    np.testing.assert_array_equal(before, after)
+
+
+def test_whole_numbers_stay_whole():
+    axes = {"punch.rings": {"geomspace": [2, 32, 5]}}
+    made = Sweep.of({"base": "five_rings", "keep": ["steady_rms_slope"], "axes": axes})
+    values = made.columns["punch.rings"].values
+    assert values == [2, 4, 8, 16, 32]
+    assert all(isinstance(value, int) for value in values)
+
+
+REFUSED = {
+    "axes and random": (
+        {"axes": FORCES, "random": {"count": 2, "seed": 1, "load.normal_force": [1.0]}},
+        "load.normal_force is given twice, in [axes] and in [random]",
+    ),
+    "axes and zip": (
+        {"axes": FORCES, "zip": {"load.normal_force": [1.0, 2.0]}},
+        "load.normal_force is given twice, in [axes] and in [zip]",
+    ),
+    "duplicates": (
+        {"axes": {"load.normal_force": [1.0, 2.0, 1.0]}},
+        "load.normal_force has 1.0 twice",
+    ),
+    "alike with units": (
+        {"base": "five_rings_si", "axes": {"punch.radius": ["20 mm", 0.02]}},
+        "punch.radius has 0.02 twice",
+    ),
+    "two billion": (
+        {"axes": {"load.normal_force": {"linspace": [1.0, 2.0, 2_000_000_000]}}},
+        "2000000000 values",
+    ),
+    "two billion draws": (
+        {"random": {"count": 2_000_000_000, "seed": 1, "load.normal_force": [1.0]}},
+        "2000000000 values",
+    ),
+    "a product": (
+        {
+            "axes": {
+                "load.normal_force": {"linspace": [1.0, 2.0, 100_000]},
+                "punch.wear_ratio": {"linspace": [1.0, 2.0, 100_000]},
+            }
+        },
+        "10000000000 scenes",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_says_a_thing_twice_or_too_often_is_refused(tmp_path, monkeypatch, capsys, case):
+    """In a line, before anything is written."""
+    table, message = REFUSED[case]
+    monkeypatch.chdir(tmp_path)
+    scene = Scene.load("five_rings")
+    si = scene.changed(units="SI", punch__radius=0.02).table()
+    table = {"base": scene.table(), "keep": ["steady_rms_slope"]} | table
+    table["base"] = si if table["base"] == "five_rings_si" else table["base"]
+    Path("sweep.toml").write_text(tomli_w.dumps(table))
+    assert main(["sweep", "sweep.toml"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert message in line
+    assert os.listdir() == ["sweep.toml"]
+
+
+@pytest.mark.parametrize(("units", "size"), [("SI", 1.0), ("", 1.0), ("mm, N, MPa, s", 1e3)])
+def test_axes_with_units_are_numbers(tmp_path, units, size):
+    """In the unit of the axis, which the store tells; single numbers are in it already."""
+    table = Scene.load("five_rings").changed(methods=["direct"]).table()
+    table |= {"units": units} if units else {}
+    if not units:
+        table.pop("units", None)
+    for radii in (["20 mm", "3 cm", 0.04 * size], {"linspace": ["20 mm", "40 mm", 3]}):
+        folder = tmp_path / type(radii).__name__
+        sweep(table, {"punch.radius": radii}, ["steady_wear_rate"], out=folder)
+        dataset = xarray.open_zarr(folder / "sweep.zarr", decode_timedelta=False)
+        there = dataset["punch_radius"]
+        assert there.dtype == float
+        np.testing.assert_allclose(there, size * np.array([0.02, 0.03, 0.04]), rtol=1e-12)
+        assert there.attrs["units"] == ("m" if size == 1 else "mm")
+        # dh/dt of the steady state falls with the square of the radius
+        rate = dataset["steady_wear_rate"].values.ravel() * there.values**2
+        np.testing.assert_allclose(rate, rate[0], rtol=1e-9)
+
+
+def test_a_quantity_beside_an_axis_of_its_name():
+    """The axis takes the name of its section, too."""
+    table = {"punch": {"profile": {"kind": "cone", "slope": 0.1}}}
+    scene = Scene.from_table(BASE | {"punch": BASE["punch"] | table["punch"]})
+    dataset = sweep(scene, FORCES, ["normal_force", "indentation"])
+    assert dataset["normal_force"].dims == ("load_normal_force", "solver", "time")
+    np.testing.assert_allclose(dataset["normal_force"].values.ravel(), [1.0, 2.0], rtol=1e-2)

@@ -1,0 +1,61 @@
+"""Workers of a sweep that are stopped while they start, or that lack memory."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+import tomli_w
+import xarray
+from test_sweep_faults import BASE, alive, begin, children, contents, statuses
+
+from ringwear.studies.cli import main
+
+pytestmark = pytest.mark.slow
+
+
+def test_a_stop_while_workers_start(tmp_path):
+    """One line, whenever it comes, and nothing of the workers is left."""
+    for delay in (3.0, 4.0, 5.0, 6.0):
+        process = begin(tmp_path, "--workers", "2", "--resume")
+        time.sleep(delay)
+        workers = children(process)
+        process.terminate()
+        _, errors = process.communicate(timeout=60)
+        assert process.returncode == 1
+        assert "Traceback" not in errors
+        told = [line for line in errors.splitlines() if not line.startswith("   sweep")]
+        assert told == ["ringwear: stopped; nothing half-written was left"]
+        deadline = time.monotonic() + 20
+        while any(map(alive, workers)):
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+
+
+# a small scene, and one that takes .55 GiB
+LARGE = {
+    "base": BASE.changed(methods=["mdr"], accuracy__rtol=1e-2, wear__times=[]).table(),
+    "keep": ["steady_rms_slope"],
+    "axes": {"punch.rings": [2, 100]},
+}
+
+
+def test_scenes_that_lack_memory_are_left_alone(tmp_path, capsys):
+    """Their neighbours are computed, the reason is there, and more memory computes them."""
+    file, out = tmp_path / "sweep.toml", tmp_path / "out"
+    file.write_text(tomli_w.dumps(LARGE))
+    command = ["sweep", str(file), "--out", str(out), "--workers", "2"]
+    for more in ([], ["--resume"]):
+        assert main([*command, "--memory", "0.42", *more]) == 1
+        said = capsys.readouterr()
+        assert "1 scenes finished, 0 failed, 1 left" in said.out
+        assert "it seems to need more than 0.42 GiB" in said.out
+        assert len([line for line in said.err.splitlines() if "left out" in line]) == 1
+        assert statuses(out) == [1, 0]
+        stored = xarray.open_zarr(out / "sweep.zarr")
+        assert "GiB" in str(stored["reason"].values[1])
+        assert stored["steady_rms_slope"].notnull().all("solver").values.tolist() == [1, 0]
+    assert main([*command, "--memory", "6", "--resume"]) == 0
+    assert statuses(out) == [1, 1]
+    assert main([*command, "--out", str(tmp_path / "whole"), "--memory", "6"]) == 0
+    assert contents(out) == contents(tmp_path / "whole")
