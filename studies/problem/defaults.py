@@ -37,6 +37,8 @@ EARLIEST_OF_MODES = 1e-16
 # a quantity is felt in layers that a mesh has, or its coarser one lacks, if they are thinner than
 # this many times its smallest elements: two layers of them
 THIN = FACTOR**-2
+# slowest modes that a history needs to the accuracy asked for, of which no relaxation time is told
+MODES_OF_HISTORIES = 3
 # greatest number of pressures: dense matrices of more take more than half a minute
 MOST_PRESSURES = 3500
 
@@ -66,8 +68,9 @@ def degree_of_modes(problem: Problem) -> float:
     eight err by less than .02 rtol, from 1e-2 to 1e-6.
     """
     slowest = problem.merged.widths / problem.merged.ends.mean(axis=0)
-    times = slowest[:, None] / np.arange(1, COMPARED_MODES + 1)
-    most = (times >= np.sort(times, axis=None)[-COMPARED_MODES]).sum(axis=1).max()
+    count = COMPARED_MODES if problem.wants("relaxation_time") else MODES_OF_HISTORIES
+    times = slowest[:, None] / np.arange(1, count + 1)
+    most = (times >= np.sort(times, axis=None)[-count]).sum(axis=1).max()
     return float(2.8 - 1.15 * np.log10(problem.rtol) + 1.5 * (most - 3))
 
 

@@ -27,6 +27,8 @@ from .store import PENDING
 RESUME = "what is finished is there: go on with --resume"
 # deaths of workers of this machine by which a block is split: one may have another cause
 DEATHS = 2
+# seconds that a scheduler may take to answer, and its first worker to come
+MOST_SILENCE = 20.0
 
 
 class Piece(NamedTuple):
@@ -218,8 +220,8 @@ def connect(scheduler: str | None, workers: int, memory: float | None) -> Iterat
     try:
         with dask.config.set(limits):
             with signals_wait():
-                client = Client(scheduler, timeout=20, **({} if scheduler else processes))
-                client.wait_for_workers(1, timeout=20)
+                client = Client(scheduler, timeout=MOST_SILENCE, **({} if scheduler else processes))
+                client.wait_for_workers(1, timeout=MOST_SILENCE)
             yield client
     except (CancelledError, OSError, ValueError) as error:
         raise SolverError(

@@ -48,6 +48,7 @@ def test_a_slope_of_zero_is_a_constant():
     np.testing.assert_allclose(*depths, rtol=1e-13)
 
 
+@pytest.mark.slow
 def test_many_rings_tend_to_it_at_second_order():
     def times_and_depths(**punch):
         chosen = {"output__quantities": ["indentation", "relaxation_time"]}

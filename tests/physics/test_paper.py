@@ -139,6 +139,7 @@ def test_steady_state_in_units_of_the_paper(five):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_files(written):
     figures = {f"fig{number}{end}" for number in (4, 5, 6, 7) for end in (".png", ".csv")}
@@ -152,6 +153,7 @@ def test_files(written):
     assert set(pd.read_csv(written / "fig4.csv").solver) == {"mdr", "fem", "bem"}
 
 
+@pytest.mark.slow
 def test_claims(written):
     claims = pd.read_csv(written / "claims.csv")
     assert len(claims) == 10

@@ -34,14 +34,16 @@ def test_only_what_is_asked_for(names):
 
 
 @pytest.mark.gmsh
+@pytest.mark.parametrize("names", [PAIR, ["indentation"]], ids=str)
 @pytest.mark.parametrize("rtol", [1e-1, 1e-2, 1e-4, 1e-6])
-def test_energies_alone_take_fewer_unknowns(exact, rtol):
+def test_energies_alone_take_fewer_unknowns(exact, rtol, names):
     """And are as accurate as asked for, by their own estimate and by the truth."""
-    alone = run(FIVE.changed(accuracy__rtol=rtol, output__quantities=PAIR))
+    alone = run(FIVE.changed(accuracy__rtol=rtol, output__quantities=names))
     whole = run(FIVE.changed(accuracy__rtol=rtol))
+    shown_parts = {"indentation": slice(None), "relaxation_time": slice(3)}
     for name in ("mdr", "fem"):
         assert alone.solutions[name].unknowns <= whole.solutions[name].unknowns
-        for quantity, shown in (("indentation", slice(None)), ("relaxation_time", slice(3))):
+        for quantity, shown in ((each, shown_parts[each]) for each in names):
             values, truth = (
                 data.dataset[quantity].sel(solver=solver).values[shown]
                 for data, solver in ((alone, name), (exact, "mdr"))
@@ -49,7 +51,9 @@ def test_energies_alone_take_fewer_unknowns(exact, rtol):
             error, estimate = np.abs(values / truth - 1), alone.solutions[name].errors[quantity]
             assert (error <= np.minimum(estimate[shown], rtol)).all()
     if rtol <= 1e-4:
-        assert alone.solutions["fem"].unknowns < whole.solutions["fem"].unknowns
+        # the eighth relaxation time asks for elements of nearly the degree of fields
+        fewer = 2 if names == ["indentation"] else 1
+        assert fewer * alone.solutions["fem"].unknowns < whole.solutions["fem"].unknowns
 
 
 @pytest.mark.gmsh

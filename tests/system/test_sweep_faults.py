@@ -25,7 +25,7 @@ from ringwear import Scene, sweep
 from ringwear.meshes.errors import RingwearError, SceneError
 from ringwear.studies.cli import main
 from ringwear.studies.output.folder import lock_folder
-from ringwear.studies.sweep import compute, store
+from ringwear.studies.sweep import compute, store, workers
 from ringwear.studies.sweep.store import Store
 from ringwear.studies.versions import versions
 
@@ -270,7 +270,8 @@ def test_one_code_computes_a_store(tmp_path, undisturbed, monkeypatch):
     assert contents(tmp_path) == contents(undisturbed)
 
 
-def test_a_scheduler_that_does_not_answer(tmp_path):
+def test_a_scheduler_that_does_not_answer(tmp_path, monkeypatch):
+    monkeypatch.setattr(workers, "MOST_SILENCE", 1.0)
     with pytest.raises(RingwearError, match="does not answer"):
         compute_into(tmp_path, scheduler="tcp://127.0.0.1:9")
 

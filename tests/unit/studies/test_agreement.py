@@ -30,7 +30,11 @@ def undecided(result):
         "bisection",
     ],
 )
-@pytest.mark.parametrize("name", FLAT)
+@pytest.mark.parametrize(
+    "name",
+    # its 32 rings take the time of all the others together
+    [pytest.param(name, marks=[pytest.mark.slow] * (name == "many_rings")) for name in FLAT],
+)
 def test_bundled_scenes_agree(name, mesher):
     result = run(Scene.load(name).changed(accuracy__fem__mesher=mesher))
     assert result.verdict != "disagree"

@@ -52,6 +52,7 @@ def test_every_method_has_its_cells():
     assert len(ALL) > 2000 > 500 > len(QUICK)
 
 
+@pytest.mark.slow
 def test_a_quick_cell_of_each_family_and_method_is_judged(tmp_path):
     chosen = {cell[:2]: (cell[0], solve) for cell, solve in QUICK.items()}
     rows = [{"family": family} | solve() for family, solve in chosen.values()]
