@@ -29,6 +29,7 @@ def sphere(times, **changes):
     return Scene.from_table(table).changed(**changes)
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_the_start_of_a_sphere_is_that_of_hertz():
     result = run(sphere([0.0, 0.1]))
@@ -97,7 +98,9 @@ def test_the_force_of_a_given_indentation():
     result = run(scene, methods=["mdr"])
     answers = result.answers["mdr"]
     assert answers["force_start"] == pytest.approx(FORCE, rel=1e-6)
-    assert answers["force_end"] == float(result.dataset.normal_force[0, -1])
+    assert answers["force_end"] == pytest.approx(
+        float(result.dataset.normal_force[0, -1]), rel=1e-14
+    )
     half = float(answers["time_to_half_force"])
     finer = run(scene.changed(wear__times=[half], accuracy__rtol=1e-4), methods=["fem"])
     assert float(finer.dataset.normal_force[0, 0]) == pytest.approx(FORCE / 2, rel=2e-3)

@@ -184,7 +184,7 @@ def fixed_sphere(depth, edges, wear, times, rtol):
     )
 
 
-@pytest.mark.parametrize("stick", [0.3, 0.5])
+@pytest.mark.parametrize("stick", [0.3, pytest.param(0.5, marks=pytest.mark.slow)])
 def test_a_zone_of_stick_leaves_the_limiting_shape_of_fretting(stick):
     """All but the stick zone has worn off; contact ends where the unworn face still touches."""
     scene = fixed_sphere(0.4, [stick, 1.0], [1e-9, 1.0], [0.0, 30.0], 1e-4)
@@ -200,7 +200,10 @@ def test_a_zone_of_stick_leaves_the_limiting_shape_of_fretting(stick):
 
 @pytest.mark.parametrize(
     ("depth", "overlap", "tolerance"),
-    [(0.8, np.pi * (0.8 - 0.25), 1e-12), (0.2, np.pi * 0.2**2, 2e-5)],
+    [
+        (0.8, np.pi * (0.8 - 0.25), 1e-12),
+        pytest.param(0.2, np.pi * 0.2**2, 2e-5, marks=pytest.mark.slow),
+    ],
     ids=["of all of the face", "of a part"],
 )
 def test_slip_everywhere_wears_off_all_of_the_overlap(depth, overlap, tolerance):

@@ -12,7 +12,10 @@ FIVE = Scene.load("five_rings").changed(accuracy__rtol=1e-3)
 TIMES = np.concatenate([[0.0], np.geomspace(1e-4, 1e2, 25)])
 
 
-@pytest.mark.parametrize("scene", ["flat_punch", "five_rings", "rubber", "many_rings"])
+@pytest.mark.parametrize(
+    "scene",
+    ["flat_punch", "five_rings", "rubber", pytest.param("many_rings", marks=pytest.mark.slow)],
+)
 def test_a_flat_punch_in_full_contact(prepare, scene, method):
     punch = prepare(scene, method)
     history, space = punch.wear.history(TIMES), punch.space

@@ -84,6 +84,7 @@ def test_many_rings_from_both_sides():
     assert (np.abs(distances[1:] / distances[:-1]) < 0.65).all()
 
 
+@pytest.mark.slow
 def test_many_rings_of_unequal_width():
     ratio = np.array([0.01])
     for width_ratio in (0.1, 10.0):

@@ -29,7 +29,16 @@ def check_start(result):
     assert float(np.abs(error).max()) <= scene.accuracy.rtol, scene.title
 
 
-@pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-7, 1e-8])
+@pytest.mark.parametrize(
+    "rtol",
+    [
+        1e-2,
+        1e-4,
+        1e-6,
+        pytest.param(1e-7, marks=pytest.mark.slow),
+        pytest.param(1e-8, marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.parametrize("first", [1e-2, 1e-7])
 def test_start_pressures_are_those_of_the_closed_form(rtol, first):
     """The small elements beside ring edges, which later times need, do not lose the start."""

@@ -29,7 +29,7 @@ class Winkler(ComplianceMethod):
         return Compliance(space, np.linalg.cholesky(space.mass().toarray()).T / stiffness**0.5)
 
 
-@pytest.mark.parametrize("name", ["five_rings", "sphere"])
+@pytest.mark.parametrize("name", ["five_rings", pytest.param("sphere", marks=pytest.mark.slow)])
 def test_a_method_of_ones_own(name, tmp_path):
     result = run(Scene.load(name).changed(accuracy__rtol=1e-2), methods=["mdr", Winkler()])
     winkler = result.dataset.sel(solver="winkler")

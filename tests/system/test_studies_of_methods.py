@@ -84,6 +84,7 @@ def test_cells_of_shaped_punches(scene, load, quantity, tmp_path):
     assert main(["study", "refinement", *arguments]) == 2
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_tradeoff(tmp_path):
     tables = conduct("tradeoff", tmp_path)

@@ -152,7 +152,8 @@ def write(out, names, content, command="run", killed_at=0):
             sys.settrace(kill)
 
 
-@pytest.mark.parametrize("foreign", ["", pytest.param("notes", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("foreign", ["", "notes"])
 def test_no_kill_loses_a_file_or_takes_one_for_others(foreign, tmp_path):
     """The folder is the old or the new one, once the next run has begun."""
     mine = {"mesh": b"mesh"} | ({foreign: b"mine"} if foreign else {})

@@ -16,7 +16,10 @@ from ringwear.studies.progress import Stages
 
 
 @pytest.mark.gmsh
-@pytest.mark.parametrize("name", bundled())
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name == "many_rings")) for name in bundled()],
+)
 def test_unknowns_are_those_of_the_run(name):
     """Before it is refined, if its estimates fall short."""
     scene = Scene.load(name)
