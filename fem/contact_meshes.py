@@ -59,6 +59,6 @@ def even_half_space(
     edges, size = cells.ring_edges, cells.edge_size
     field = SizeField(edges, size, size, growth, 5.0, cells.largest, 0.125, cells)
     solid = AxisymmetricElasticity(bisection.mesh(field), degree, poisson_ratio)
-    space = pressure_space(solid, np.array(edges))
-    linear = replace(space, degrees=np.ones_like(space.degrees))
+    space = pressure_space(solid, np.array(edges), cells.hollow)
+    linear = replace(space, degrees=np.minimum(space.degrees, 1))
     return HalfSpace(solid, linear, enough_poles(5.0, 1e-10))

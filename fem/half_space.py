@@ -32,8 +32,13 @@ from .far_field import exterior_stiffness, poles
 from .weak_form import moduli
 
 
-def pressure_space(solid: AxisymmetricElasticity, ring_edges: Array) -> PressureSpace:
-    """The pressure space on the contact facets of a solid that goes with its displacements."""
+def pressure_space(
+    solid: AxisymmetricElasticity, ring_edges: Array, hollow: bool = False
+) -> PressureSpace:
+    """The pressure space on the contact facets of a solid that goes with its displacements.
+
+    Of a hollow punch the first ring is the hole, where the surface is free.
+    """
     vertices = contact_vertices(solid.mesh)
     breakpoints, below = solid.mesh.p[0, vertices], low_parts(solid.mesh)[vertices]
     # ring edges exactly as they are
@@ -48,6 +53,8 @@ def pressure_space(solid: AxisymmetricElasticity, ring_edges: Array) -> Pressure
         # low one is as accurate
         highest, lowest = solid.degree - 1, max(1, solid.degree - 2)
         degrees = layer_degrees(breakpoints, ring_edges, highest, rise=0.5, lowest=lowest)
+    if hollow:
+        degrees = np.where(breakpoints[1:] <= ring_edges[1], 0, degrees)
     return PressureSpace(breakpoints, degrees, ring_edges, below)
 
 

@@ -25,6 +25,8 @@ from ..meshes.radial import Array, graded_breakpoints, ring_areas, unit_gauss
 
 # pairs of a radius and a disc evaluated together, few enough to stay in the cache
 AT_ONCE = 2**16
+# Gauss points of slopes in each element
+POINTS = 24
 
 
 def steady_pressures(ring_edges: Array, wear_coefficients: Array) -> Array:
@@ -121,7 +123,7 @@ def slopes_everywhere(ring_edges: Array, pressures: Array) -> tuple[Array, Array
         ring_edges, sizes[:-1], float(sizes[-1]), factor, axis_size=1.0
     )
     left, right, width = breakpoints[:-1], breakpoints[1:], np.diff(breakpoints)[:, None]
-    from_left, node, weight = np.isin(left, ring_edges), *unit_gauss(24)
+    from_left, node, weight = np.isin(left, ring_edges), *unit_gauss(POINTS)
     at_edge = (from_left | np.isin(right, ring_edges))[:, None]
     start, away = np.where(from_left, left, right), width * np.where(at_edge, node**7, node)
     away[~from_left] *= -1
@@ -135,12 +137,18 @@ def slopes_everywhere(ring_edges: Array, pressures: Array) -> tuple[Array, Array
     return radii.ravel(), weights.ravel(), np.concatenate(slopes).reshape(-1, *steps.shape[1:])
 
 
-def rms_slope(ring_edges: Array, pressures: Array, average: str = "line") -> Any:
+def rms_slope(
+    ring_edges: Array, pressures: Array, average: str = "line", inner_radius: float = 0.0
+) -> Any:
     """RMS gradients of the limiting profiles of (N,) or (N, M) pressures: Eq. 18.
 
-    The `average` is `line` (over the radius) or `area`.
+    The `average` is `line` (over the radius) or `area`, from an inner radius on, which is one of
+    the ring edges.
     """
     radii, weights, slopes = slopes_everywhere(ring_edges, pressures)
+    # points beside an edge may round to it, on either side: of a face or a hole are whole elements
+    on_face = np.mean(radii.reshape(-1, POINTS), axis=1) > inner_radius
+    weights = np.where(np.repeat(on_face, POINTS), weights, 0.0) / (1 - inner_radius)
     if average == "area":
-        weights = 2 * radii * weights
+        weights = 2 * radii * weights / (1 + inner_radius)
     return np.sqrt(weights @ slopes**2)

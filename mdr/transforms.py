@@ -117,15 +117,17 @@ def panel_quadrature(space: PressureSpace) -> tuple[Array, Array, Array]:
     A line density has a square-root singularity on the left of every breakpoint and ``x^2 log x``
     at the axis; squares substituted at those ends make the integrand smooth.
     """
+    # in a hole line densities are smooth, but no polynomials
+    degrees = np.where(space.degrees > 0, space.degrees, space.top)
     # the innermost panel is singular at both ends, and takes a substitution of twice the degree
-    node, weight = unit_gauss(4 * int(space.degrees[0]) + 16)
+    node, weight = unit_gauss(4 * int(degrees[0]) + 16)
     first, folded = space.breakpoints[1], node * (2 - node)
     positions = [first * (1 - folded) * (1 + folded)]
     weights = [first * 4 * folded * (1 - node) * weight]
     low_parts = [np.zeros(len(node))]
-    for degree in np.unique(space.degrees):
+    for degree in np.unique(degrees):
         node, weight = unit_gauss(2 * int(degree) + 8)
-        panels = 1 + np.flatnonzero(space.degrees[1:] == degree)
+        panels = 1 + np.flatnonzero(degrees[1:] == degree)
         right, width = space.breakpoints[panels + 1], space.widths[panels]
         position, low = exact_sum(right[:, None], -width[:, None] * node**2)
         # the right end has a low part of its own

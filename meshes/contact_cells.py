@@ -64,6 +64,7 @@ class ContactCells:
     spread : growth of the size with the distance from where contact begins
     spots : where it does, and the size there: (inner radius, outer radius, size)
     free_edges : edges of the first contact that need smaller cells
+    hollow : whether the first ring is a hole, on which nothing presses
     """
 
     ring_edges: tuple[float, ...]
@@ -73,6 +74,7 @@ class ContactCells:
     spread: float = 0.2
     spots: tuple[tuple[float, float, float], ...] = ()
     free_edges: tuple[FreeEdge, ...] = ()
+    hollow: bool = False
 
     def __call__(self, radii: Array) -> Array:
         """Sizes at radii, of any shape."""
@@ -113,7 +115,8 @@ class ContactCells:
     def space(self) -> PressureSpace:
         """Continuous piecewise linear pressures, broken at ring edges."""
         breakpoints = self.breakpoints()
-        degrees = np.ones(len(breakpoints) - 1, dtype=np.int64)
+        inner_radius = self.ring_edges[1] if self.hollow else 0.0
+        degrees = np.where(breakpoints[1:] <= inner_radius, 0, 1)
         return PressureSpace(breakpoints, degrees, np.array(self.ring_edges))
 
 

@@ -6,6 +6,8 @@ That one space holds every case of interest: the flat start (pressure continuous
 basis is hierarchical (hats and integrated Legendre bubbles), and numbered along the radius, so that
 what couples neighbours only (masses, slopes) is a narrow band.
 
+A hollow punch has no pressure on its first ring, the hole: elements of degree 0 have no functions.
+
 All areas are those of the punch face: ``dA = 2 pi r dr``.
 """
 
@@ -27,7 +29,8 @@ class PressureSpace:
     Parameters
     ----------
     breakpoints : (n+1,) element boundaries, 0 to 1
-    degrees : (n,) polynomial degree of each element, at least 1
+    degrees : (n,) polynomial degree of each element, at least 1; 0 on the first ring if that is a
+        hole
     ring_edges : (N+1,) ring edges, each one a breakpoint
     low_parts : (n+1,) what rounding has taken from each breakpoint, so that elements beside an edge
         may be far narrower than the roundoff of its radius; nothing if not given
@@ -71,7 +74,17 @@ class PressureSpace:
     @cached_property
     def size(self) -> int:
         """Number of basis functions."""
-        return int(self.degrees.sum()) + len(self.ring_edges) - 1
+        return int(self.degrees.sum()) + len(self.ring_edges) - 1 - self.hollow
+
+    @property
+    def hollow(self) -> bool:
+        """Whether the first ring is a hole, on which there is no pressure."""
+        return bool(self.degrees[0] == 0)
+
+    @property
+    def inner_radius(self) -> float:
+        """The radius of the hole; 0 if there is none."""
+        return float(self.ring_edges[1]) if self.hollow else 0.0
 
     @property
     def top(self) -> int:
@@ -88,11 +101,12 @@ class PressureSpace:
         """(n, top+1) global number of each local shape function; `size` where the element
         has none.
         """
-        left = self.ring + np.cumsum(self.degrees) - self.degrees
+        left = self.ring - self.hollow + np.cumsum(self.degrees) - self.degrees
         # left vertex, bubbles, right vertex along the radius; in the table both vertices come first
         order = np.arange(self.top + 1)
         table = np.where(order <= self.degrees[:, None], left[:, None] + order - 1, self.size)
         table[:, 0], table[:, 1] = left, left + self.degrees
+        table[self.degrees == 0] = self.size
         return table
 
     def _of_functions(self, values: Any) -> Any:
@@ -167,6 +181,8 @@ class PressureSpace:
         """
         radii, lengths, local = self.quadrature
         factors = values_on_rings(self.ring_edges, ring_values, radii, self.ring[:, None])
+        # a hole wears infinitely fast, but presses nowhere
+        factors = np.where(self.degrees[:, None] > 0, factors, 0.0)
         areas = 2 * np.pi * radii * lengths * factors
         values = shapes(local, self.top)
         blocks = np.einsum("eq,qi,qj->eij", areas, values, values, optimize=True)
@@ -196,6 +212,8 @@ class PressureSpace:
         if np.isin(ring_edges, self.breakpoints).all():
             radii, lengths, _ = self.quadrature
             ring = np.searchsorted(ring_edges + 0j, self.sort_keys[:-1], side="right")[:, None] - 1
+            # what lies in a hole has no functions
+            ring = np.maximum(ring, 0)
             values = np.einsum("eq,qi->ei", 2 * np.pi * radii * lengths, shapes(node, self.top))
             return np.asarray(
                 self._assembled(values, ring, self.dofs, len(ring_edges) - 1).toarray()
@@ -214,9 +232,13 @@ class PressureSpace:
         )
 
     def ring_indicator(self) -> Array:
-        """(size, N) coefficients of the pressures that are one on a ring and zero on the others."""
+        """(size, N) coefficients of the pressures that are one on a ring and zero on the others.
+
+        A hole has none.
+        """
         ring = self._of_functions(self.ring[:, None])
-        return self.uniform[:, None] * (ring[:, None] == np.arange(len(self.ring_edges) - 1))
+        rings = np.arange(int(self.hollow), len(self.ring_edges) - 1)
+        return self.uniform[:, None] * (ring[:, None] == rings)
 
     def joined(self, ring_coefficients: ArrayLike = 1.0) -> csr_matrix:
         """(size, size-N+1) basis of the pressures whose product with `ring_coefficients`, as in
@@ -227,8 +249,8 @@ class PressureSpace:
         """
         ring, function = self._of_functions(self.ring[:, None]), np.arange(self.size)
         # the last function of a ring and the first of the next are joined in one column
-        values = 1 / self.at_vertices(ring_coefficients)
-        return csr_matrix((values, (function, function - ring)), (self.size, self.size - ring[-1]))
+        values, column = 1 / self.at_vertices(ring_coefficients), function - (ring - ring[0])
+        return csr_matrix((values, (function, column)), (self.size, int(column[-1]) + 1))
 
     def coarser(self) -> "PressureSpace":
         """Return a space within this one: of a degree less in every element, and an element less on
@@ -242,7 +264,7 @@ class PressureSpace:
         lowest = np.minimum.reduceat(self.degrees, remaining[:-1])
         return PressureSpace(
             self.breakpoints[remaining],
-            np.maximum(lowest - 1, 1),
+            np.maximum(lowest - 1, np.minimum(lowest, 1)),
             self.ring_edges,
             None if self.low_parts is None else self.low_parts[remaining],
         )

@@ -42,11 +42,12 @@ def values_on_rings(
     """Values at radii of given rings.
 
     Of (N,) constants of rings, one for all, or (2, N) values at the inner and outer edge of each,
-    linear between.
+    linear between; infinite ones are constant.
     """
     inner, outer = np.broadcast_to(ring_values, (2, len(ring_edges) - 1))[:, ring]
     along = (radii - ring_edges[ring]) / (ring_edges[ring + 1] - ring_edges[ring])
-    return inner + (outer - inner) * along
+    rise = np.subtract(outer, inner, out=np.zeros(inner.shape), where=outer != inner)
+    return inner + rise * along
 
 
 def graded_breakpoints(

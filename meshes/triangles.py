@@ -1,23 +1,38 @@
 """The quarter disc in graded triangles, by gmsh."""
 
 import itertools
+from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 from skfem import MeshTri
 
+from .errors import MeshError
 from .gmsh_session import TRIANGLE, elements, session, set_sizes
 from .half_space import as_half_space
 from .sizes import SizeField
 
 
+# gmsh leaves a degenerate triangle now and then: by these factors of the growth it meshes anew
+GROWTHS = (1.0, 0.95, 0.9)
+
+
 def mesh(field: SizeField) -> MeshTri:
-    """Mesh the quarter disc to the size field.
+    """Mesh the quarter disc to the size field, or to a slightly finer one if that fails.
 
     Raises
     ------
     MeshError
         if gmsh cannot be loaded or fails
     """
+    for factor in GROWTHS[:-1]:
+        with suppress(MeshError):
+            return _generate(replace(field, growth=factor * field.growth))
+    return _generate(replace(field, growth=GROWTHS[-1] * field.growth))
+
+
+def _generate(field: SizeField) -> MeshTri:
+    """Mesh the quarter disc once."""
     with session() as gmsh:
         geometry, outer = gmsh.model.geo, field.truncation
         on_contact = [geometry.addPoint(edge, 0, 0) for edge in field.ring_edges]

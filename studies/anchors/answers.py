@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from ..problem.problem import D0
 from .anchor import Row, Rows
 from .reported import DOUBT, EXACT, Reported
 
@@ -28,13 +27,13 @@ def check_times_of_running_in(report: Reported) -> Rows:
             continue
         time = float(report.take(name))
         if report.fixed:
-            whole, doubt = D0, 0.0
+            whole, doubt = report.flat.indentation, 0.0
         elif report.graded:
             whole, doubt = wear.whole_change, 0.0
         else:
             moved = report.steady_displacement(report.face.radii)[None]
             steady, doubts = report.integrate(moved, report.steady_wear_rate / report.wear)
-            whole, doubt = float(steady[0]) - D0, float(doubts[0])
+            whole, doubt = float(steady[0]) - report.flat.indentation, float(doubts[0])
         near = wear.modes.left(time * np.array([1 - NEARBY, 1.0, 1 + NEARBY]))
         falls = abs(np.log(near[2] / near[0])) / (2 * NEARBY)
         stated = float(report.tolerance(name))
@@ -80,7 +79,7 @@ def check_worn_volumes_of_profile(report: Reported) -> Rows:
     stated = report.tolerance("worn_volume")
     # the profile is promised relative to the indentation, over the whole face
     depth = float(report.take("indentation")[-1]) if len(report.times) else 0.0
-    stated = stated + float(report.errors("profile")[0][-1]) * np.pi * depth / whole
+    stated = stated + float(report.errors("profile")[0][-1]) * report.area * depth / whole
     if not report.full:
         doubt += BETWEEN_RADII * np.abs(parts).sum()
     tolerance = stated + doubt / whole

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..problem.face import POINTS
 from .anchor import Row, Rows
-from .reported import DOUBT, EXACT, Reported, uniform_displacement
+from .reported import DOUBT, EXACT, Reported
 
 
 def check_forces(report: Reported) -> Rows:
@@ -38,7 +38,8 @@ def check_decay(report: Reported) -> Rows:
     force = report.take("normal_force")
     if report.full and report.starts:
         tolerance = report.tolerance("normal_force")[0]
-        yield Row("flat start, F = 2 a E* d", force[0], 1.0, tolerance)
+        name = "flat start, F of an annulus" if report.inner_radius else "flat start, F = 2 a E* d"
+        yield Row(name, force[0], 1.0, tolerance)
     if report.graded:
         return
     worn = (report.take("ring_worn_volume") / report.problem.wear_coefficients).sum(axis=1)
@@ -58,7 +59,7 @@ def check_fixed_indentation(report: Reported) -> Rows:
     """Compare what is worn and still pressed in with what the unworn face overlaps."""
     depth, unworn = report.take("indentation"), report.problem.profile
     pressure, radii = report.take("pressure"), report.face.radii
-    uniform = uniform_displacement(radii)
+    uniform = report.uniform_displacement
     heights = pressure * uniform + unworn(radii) + unworn.standoff
     gap = report.take("displacement") + report.take("profile") - depth[:, None]
     parts, doubt = report.integrate(heights - gap)
@@ -67,4 +68,5 @@ def check_fixed_indentation(report: Reported) -> Rows:
     stated = report.errors("pressure", "profile", "displacement").sum(axis=0)
     tolerance = report.rtol + stated + doubt / depth
     value = report.take("ring_worn_volume").sum(axis=1) + parts
-    yield Row("worn, unworn and pressed in, pi a^2 d", value, np.pi * depth, tolerance, depth)
+    whole = report.area * depth
+    yield Row("worn, unworn and pressed in, of the overlap A d", value, whole, tolerance, depth)

@@ -14,7 +14,8 @@ share. Each method is checked by itself. In full contact, with the greatest forc
 and at a fixed indentation, with ``d0 F`` for d0 and ``-d0 F'`` for d' in the fourth and the last,
 
     F(t2) dt <= int df / k dA <= F(t1) dt    what wears from t1 to t2 = t1 + dt, because F decays
-    pi d = int (f + m + u1 p - gap) dA       reciprocity with a uniform pressure; m unworn
+    A d = int (f + m + u1 p - gap) dA        reciprocity with a uniform pressure on the face of
+                                             area A; m unworn
 """
 
 from collections.abc import Callable, Mapping
@@ -145,7 +146,7 @@ OF_MOVING_CONTACT = (
     "greatest displacement",
 )
 OF_A_FORCE = ("ring forces add up to F",)
-OF_A_FIXED_INDENTATION = ("worn, unworn and pressed in, pi a^2 d",)
+OF_A_FIXED_INDENTATION = ("worn, unworn and pressed in, of the overlap A d",)
 
 
 def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solution) -> list[Anchor]:

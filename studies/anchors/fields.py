@@ -19,7 +19,9 @@ def check_fields(report: Reported) -> Rows:
     depth, moved = report.take("indentation"), report.take("displacement")
     sum_of_both, each = moved + report.take("profile"), depth[:, None]
     yield Row("displacement, u = d - f", sum_of_both, each, report.rtol, each)
-    centre, doubt = (part[:, 0] for part in report.face.interpolate(moved, np.zeros(1)))
+    centre, doubt = (
+        part[:, 0] for part in report.face.interpolate(moved, report.reading.edges[:1])
+    )
     tolerance = report.tolerance("displacement_centre") + DOUBT * doubt / depth
     value = report.take("displacement_centre")
     yield Row("displacement at the centre", value, centre, tolerance, depth)
@@ -35,7 +37,7 @@ def check_slopes(report: Reported) -> Rows:
     """Compare the RMS slope with the slopes of the profile."""
     slope, face = report.take("rms_slope"), report.face
     resolved = (report.errors("rms_slope")[0] <= report.rtol) & (slope > 0)
-    weights = radial_weight(face.radii, report.average) * face.lengths
+    weights = radial_weight(face.radii, report.average, report.inner_radius) * face.lengths
     slopes, lower = (
         np.sqrt(values[resolved] ** 2 @ weights) / slope[resolved]
         for values in face.slopes(report.take("profile"))

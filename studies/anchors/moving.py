@@ -14,10 +14,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ...mdr.transforms import profile_transform
 from ...meshes.radial import Array, unit_gauss
-from ..problem.problem import D0, P0
 from ..sampling.norms import radial_weight
 from .anchor import Row, Rows
-from .reported import DOUBT, Reported, root, uniform_displacement
+from .reported import DOUBT, Reported
 
 # an integral of the pressure over the face may miss this many times the largest part of one radius,
 # because contact ends between two of them
@@ -55,7 +54,7 @@ def check_kinematics(report: Reported) -> Rows:
 def check_reciprocity(report: Reported) -> Rows:
     """Compare displacement and pressure by reciprocity, and the pressure with the force."""
     pressure, moved = report.take("pressure"), report.take("displacement")
-    force, radii, rtol = report.take("normal_force"), report.face.radii, report.rtol
+    force, rtol, flat = report.take("normal_force"), report.rtol, report.flat
     depth, scale = _elastic_depth(report), np.maximum(force, np.finfo(float).tiny)
     missed = AT_EDGES * (pressure * report.face.areas).max(axis=1) + _unseen(pressure)
     stated_p, stated_u = report.errors("pressure", "displacement")
@@ -66,14 +65,14 @@ def check_reciprocity(report: Reported) -> Rows:
         yield Row("F as asked", force, report.forces, 0.1 * rtol)
     allowed = rtol + np.minimum(stated_u + stated_p, MOST_STATED * rtol)
     left, doubt_left = report.integrate(moved)
-    right, doubt_right = report.integrate(pressure, uniform_displacement(radii))
+    right, doubt_right = report.integrate(pressure, report.uniform_displacement)
     # contact narrower than the distance of two radii may leave nothing to integrate
     size = np.maximum(right, LEAST)
-    tolerance = allowed * (np.pi * depth + right) + doubt_left + doubt_right + missed
+    tolerance = allowed * (report.area * depth + right) + doubt_left + doubt_right + missed
     yield Row("reciprocity with a uniform pressure", left, right, tolerance / size, size)
-    left, doubt_left = report.integrate(moved, P0 / root(radii))
+    left, doubt_left = report.integrate(moved, flat.pressure_at(report.face.radii))
     tolerance = (allowed * (depth + force) + doubt_left + _unseen(pressure)) / scale
-    yield Row("reciprocity with the flat punch", left, D0 * force, tolerance, scale)
+    yield Row("reciprocity with the flat punch", left, flat.indentation * force, tolerance, scale)
 
 
 def check_numbers_of_fields(report: Reported) -> Rows:
@@ -91,7 +90,7 @@ def check_numbers_of_fields(report: Reported) -> Rows:
     radius = report.take("contact_radius")
     yield Row("contact ends where p does", radius, _outermost(report, pressure), tolerance, 1.0)
     stated = report.errors("displacement", "displacement_centre", "displacement_max")
-    centre, doubt = (part[:, 0] for part in face.interpolate(moved, np.zeros(1)))
+    centre, doubt = (part[:, 0] for part in face.interpolate(moved, report.reading.edges[:1]))
     unseen = _unseen(pressure)
     tolerance = rtol + stated[0] + stated[1] + DOUBT * doubt / scale + unseen
     value = report.take("displacement_centre")
@@ -102,7 +101,7 @@ def check_numbers_of_fields(report: Reported) -> Rows:
     value = report.take("displacement_max")
     yield Row("greatest displacement", value, moved.max(axis=1), tolerance, scale)
     if not report.problem.profile.recess.any():
-        weights = radial_weight(face.radii, report.average) * face.lengths
+        weights = radial_weight(face.radii, report.average, report.inner_radius) * face.lengths
         heights = report.take("profile") - report.problem.profile.standoff
         slopes, lower = (np.sqrt(values**2 @ weights) for values in face.slopes(heights))
         reported = report.take("rms_slope")
@@ -142,6 +141,7 @@ def check_disc(report: Reported) -> Rows:
     radii, force, depth = report.face.radii, report.take("normal_force"), report.take("indentation")
     edge = _outermost(report, pressure)
     disc = ((pressure > 0) == (radii <= edge[:, None])).all(axis=1) & (force > 0) & (edge > 0)
+    disc &= not report.inner_radius
     rows = np.flatnonzero(disc)
     if report.problem.profile.recess.any() or not len(rows):
         return

@@ -15,6 +15,7 @@ from scipy.interpolate import pchip_interpolate
 from ...meshes.radial import Array
 from ..problem.quantities import Units
 from ..problem.scene import Scene
+from .flat_punch import flat_punch
 
 # part of a ring by which a place is beside a step of the wear coefficient
 INSIDE = 1e-12
@@ -93,11 +94,12 @@ class Reading:
         speed = OverTime.of(load.get("sliding_speed", 1.0))
         greatest = force.greatest
         if "mean_pressure" in load:
-            greatest *= np.pi * radius**2
+            greatest *= np.pi * (radius**2 - punch.get("inner_radius", 0.0) ** 2)
         if "indentation" in load:
             # the force of a flat punch that is pressed in as deep beyond the first touch
             profile, unit = scene.problem.profile, scene.problem.units.displacement
-            greatest = 2 * radius * modulus * (load["indentation"] - profile.standoff * unit)
+            depth = load["indentation"] - profile.standoff * unit
+            greatest = radius * modulus * depth / flat_punch(float(edges[0])).indentation
         time = radius / modulus / fastest / speed.greatest
         return cls(
             rtol=given.get("accuracy", {}).get("rtol", 1e-4),
@@ -199,11 +201,13 @@ def _heights(profile: dict[str, Any], radii: Array, punch_radius: float) -> Arra
 
 def _edges(punch: dict[str, Any]) -> Array:
     """Return the ring edges (N+1,) of a punch, over its radius."""
+    hole = punch.get("inner_radius", 0.0)
     if "ring_edges" in punch:
-        return np.array([0.0, *punch["ring_edges"]]) / punch["radius"]
+        return np.array([hole, *punch["ring_edges"]]) / punch["radius"]
     widths = np.ones(punch.get("rings", 1))
     widths[1::2] = punch.get("width_ratio", 1.0)
-    return np.append(0.0, np.cumsum(widths)) / widths.sum()
+    hole /= punch["radius"]
+    return hole + (1 - hole) * np.append(0.0, np.cumsum(widths)) / widths.sum()
 
 
 def _wear(punch: dict[str, Any], rings: int) -> tuple[Array | None, dict[str, Any]]:

@@ -11,6 +11,7 @@ from ...meshes.radial import Array
 from ..methods.base import Solution
 from ..problem.quantities import DESCRIBED, STEADY
 from ..problem.scene import Scene
+from .flat_punch import FlatPunch, flat_punch
 from .reading import Reading
 
 # tolerance of sums and closed forms that hold to roundoff, whatever accuracy is asked for
@@ -64,6 +65,29 @@ class Reported:
     def fixed(self) -> bool:
         """Whether the indentation is given, not the force."""
         return self.problem.indentation is not None
+
+    @cached_property
+    def inner_radius(self) -> float:
+        """The radius of the hole over that of the punch; 0 if there is none."""
+        return float(self.reading.edges[0])
+
+    @cached_property
+    def flat(self) -> FlatPunch:
+        """The flat punch of the force 1 with the same radii, in closed form."""
+        return flat_punch(self.inner_radius)
+
+    @cached_property
+    def area(self) -> float:
+        """Area of the face."""
+        return float(np.pi * (1 - self.inner_radius) * (1 + self.inner_radius))
+
+    @cached_property
+    def uniform_displacement(self) -> Array:
+        """(R,) displacement of the face by the pressure 1 on all of it."""
+        edges, pressures = np.array([0.0, 1.0]), np.ones(1)
+        if self.inner_radius:
+            edges, pressures = np.array([0.0, self.inner_radius, 1.0]), np.array([0.0, 1.0])
+        return direct.displacement(edges, pressures, self.face.radii)
 
     @property
     def graded(self) -> bool:
@@ -142,13 +166,3 @@ class Reported:
         """Return integrals (T,) of values (T, R) over the face, and by how much they may be off."""
         parts = values * weights * self.face.areas
         return parts.sum(axis=1), DOUBT * self.face.integral_doubt(parts)
-
-
-def uniform_displacement(radii: Array) -> Array:
-    """Return the displacement at radii by the pressure 1 on the whole face."""
-    return direct.displacement(np.array([0.0, 1.0]), np.ones(1), radii)
-
-
-def root(radii: Array) -> Array:
-    """Return ``sqrt(1 - r^2)`` without cancellation: p0 over it is the flat punch's pressure."""
-    return np.asarray(np.sqrt((1 - radii) * (1 + radii)))

@@ -1,40 +1,59 @@
-"""Check the start of a flat punch against its closed form (Eqs. 10 and 11)."""
+"""Check the start of a flat punch against its closed form (Eqs. 10 and 11), also of an annulus."""
 
 import numpy as np
 
-from ..problem.problem import D0, P0
+from ...mdr.annulus_bounds import stiffness_bounds
 from .anchor import Row, Rows
-from .reported import Reported, root
+from .reported import Reported
+
+# by how much the bounds of a stiffness may be off by roundoff, relatively
+ROUNDOFF_OF_BOUNDS = 1e-12
 
 
 def check_start(report: Reported) -> Rows:
-    """Compare the indentation at the start, ``d = F / (2 a E*)``."""
-    tolerance = report.tolerance("indentation")
+    """Compare the indentation at the start, ``d = F / (2 a E*)`` of a full punch."""
+    tolerance, reference = report.tolerance("indentation"), report.flat.indentation
     if report.starts:
+        name = (
+            "flat start, d of an annulus" if report.inner_radius else "flat start, d = F / (2 a E*)"
+        )
         depth = report.take("indentation")[0]
-        yield Row("flat start, d = F / (2 a E*)", depth, D0 * report.forces[0], tolerance[0])
+        yield Row(name, depth, reference * report.forces[0], tolerance[0])
     if report.solution.wear is not None:
-        depth = report.take("indentation_start")
-        yield Row("flat start of the answer", depth, D0, report.tolerance("indentation_start"))
+        depth, tolerance = report.take("indentation_start"), report.tolerance("indentation_start")
+        yield Row("flat start of the answer", depth, reference, tolerance)
+        if report.inner_radius:
+            bounds = stiffness_bounds(report.inner_radius)
+            stiffness = 1 / depth
+            nearest = np.clip(stiffness, *bounds)
+            stated = report.errors("indentation_start")[0] + ROUNDOFF_OF_BOUNDS
+            yield Row("stiffness of an annulus, within its bounds", stiffness, nearest, stated)
 
 
 def check_start_pressures(report: Reported) -> Rows:
     """Compare pressures and ring forces at the start, ``p = p0 / sqrt(1 - r^2/a^2)``."""
-    edges, inside = report.problem.ring_edges, report.radii < 1
+    edges, flat = report.problem.ring_edges, report.flat
+    # infinite at the rim, and at a hole
+    inside = (report.radii < 1) & ((report.radii > report.inner_radius) | (report.radii == 0))
     if report.starts:
         pressure, force = (report.tolerance(name)[0] for name in ("pressure", "ring_force"))
-        radii = report.radii[inside]
         value = report.take("pressure", on_face=False)[0, inside] / report.forces[0]
-        yield Row("flat start, p = p0 / sqrt(1 - r^2/a^2)", value, P0 / root(radii), pressure)
+        name = (
+            "flat start, p of an annulus"
+            if report.inner_radius
+            else "flat start, p = p0 / sqrt(1 - r^2/a^2)"
+        )
+        yield Row(name, value, flat.pressure_at(report.radii[inside]), pressure)
         value = report.take("ring_force")[0] / report.forces[0]
-        yield Row("flat start, forces of the rings", value, -np.diff(root(edges)), force, 1.0)
+        yield Row("flat start, forces of the rings", value, flat.ring_forces(edges), force, 1.0)
     if report.solution.wear is not None:
-        # infinite at the rim
-        least, greatest = report.take("pressure_min")[0], report.take("pressure_max")[0, :-1]
-        reference = P0 / root(np.append(edges[:-1], edges[1:-1]))
-        tolerance = max(report.tolerance(name)[0] for name in ("pressure_min", "pressure_max"))
-        value = np.append(least, greatest)
-        yield Row("flat start of the answer, pressures", value, reference, tolerance)
+        for name, reference in zip(
+            ("pressure_min", "pressure_max"), flat.extremes_on(edges), strict=True
+        ):
+            finite = np.isfinite(reference)
+            value, tolerance = report.take(name)[0], float(np.max(report.tolerance(name)))
+            label = f"flat start of the answer, {name}"
+            yield Row(label, value[finite], reference[finite], tolerance)
         shares, tolerance = report.take("force_share")[0], report.tolerance("force_share")[0]
-        reference = -np.diff(root(edges))
+        reference = flat.ring_forces(edges)
         yield Row("force shares of the answer at the start", shares, reference, tolerance, 1.0)

@@ -44,7 +44,7 @@ def check_steady_state(report: Reported) -> Rows:
     limit = greatest - report.steady_displacement(report.radii)
     for name, reference, scale in (
         ("steady_displacement_max", greatest, None),
-        ("steady_rms_slope", direct.rms_slope(*rings, report.average), None),
+        ("steady_rms_slope", direct.rms_slope(*rings, report.average, report.inner_radius), None),
         ("steady_profile", limit, greatest),
     ):
         tolerance = report.tolerance(name)
@@ -68,7 +68,7 @@ def _compare_with_many_rings(report: Reported) -> Rows:
     value, tolerance = report.take("steady_profile"), report.rtol + doubt / greatest
     yield Row("steady_profile by many rings", value, greatest - displacement, tolerance, greatest)
     face = report.face
-    weights = radial_weight(face.radii, report.average) * face.lengths
+    weights = radial_weight(face.radii, report.average, report.inner_radius) * face.lengths
     profile = report.steady_profile_on_face[None]
     slope, lower = (np.sqrt(slopes[0] ** 2 @ weights) for slopes in face.slopes(profile))
     if slope > 0:
@@ -81,12 +81,15 @@ def _displace_by_rings(report: Reported, count: int) -> tuple[float, Array]:
     """Return the greatest steady displacement, and that at the radii of the output, by so many
     rings of constant pressure.
     """
-    edges = np.union1d(_even_edges(report, count), report.problem.merged.ring_edges)
+    own = report.problem.merged.ring_edges
+    edges = np.union1d(_even_edges(report, count), own[own >= report.inner_radius])
     node, weight = unit_gauss(3)
     widths = np.diff(edges)[:, None]
     radii = edges[:-1, None] + widths * node
     pressures = report.steady_wear_rate / report.reading.wear_at(radii)
     means = np.sum(pressures * radii * weight * widths, axis=1) / (np.diff(edges**2) / 2)
+    if report.inner_radius:
+        edges, means = np.append(0.0, edges), np.append(0.0, means)
     greatest = float(direct.greatest_displacement(edges, means))
     return greatest, direct.displacement(edges, means, report.radii)
 
@@ -95,7 +98,7 @@ def _even_edges(report: Reported, count: int) -> Array:
     """Return the edges (count + 1,) of rings on which the wear coefficient changes as little as on
     any other, and none of which is much wider than the others.
     """
-    radii = np.linspace(0, 1, 4001)
+    radii = np.linspace(report.inner_radius, 1, 4001)
     changes = np.abs(np.diff(np.log(report.reading.wear_at(radii))))
     passed = np.append(0.0, np.cumsum(np.diff(radii) + changes))
     return np.interp(np.linspace(0, passed[-1], count + 1), passed, radii)

@@ -5,10 +5,9 @@ from itertools import pairwise
 import numpy as np
 
 from ...meshes.radial import Array, unit_gauss
-from ..problem.problem import D0, P0
 from ..sampling.sampler import Sampler
 from .anchor import Row, Rows
-from .reported import DOUBT, EXACT, Reported, root
+from .reported import DOUBT, EXACT, Reported
 
 # Gauss points in each doubling of the distance since a load began to change: a sum of decaying
 # exponentials is integrated to 1e-9 of itself
@@ -35,9 +34,9 @@ def check_wear(report: Reported) -> Rows:
             exact = max(EXACT, float(report.tolerance("worn_volume")))
             yield Row(name, worn.sum(), work[-1], exact)
     tolerance = report.tolerance("indentation", "profile")
-    lost, doubt = report.integrate(profile, P0 / root(face.radii))
+    lost, doubt = report.integrate(profile, report.flat.pressure_at(face.radii))
     name = "reciprocity with the flat punch"
-    yield Row(name, D0 * force + lost, depth, tolerance + doubt / depth)
+    yield Row(name, report.flat.indentation * force + lost, depth, tolerance + doubt / depth)
     if report.graded:
         return
     tolerance = report.tolerance("indentation", "profile", "pressure")
@@ -62,7 +61,7 @@ def check_power(report: Reported) -> Rows:
     # d'(2t) by differences of fourth order, with the roundoff of d over short times
     twice = 2 * times[some]
     near = wear.modal(np.outer(twice, 1 + step * np.array([-2, -1, 1, 2])).ravel())
-    depths = -D0 * near.force if report.fixed else near.indentation
+    depths = -report.flat.indentation * near.force if report.fixed else near.indentation
     steady = 0.0 if report.fixed else report.steady_wear_rate
     rates = depths.reshape(-1, 4) @ [1, -8, 8, -1] / (12 * step * twice)
     # of what is not yet steady; its product with what is steady integrates to 0
@@ -93,7 +92,7 @@ def check_ring_volumes(report: Reported) -> Rows:
     doubt = DOUBT * face.integral_doubt(profile * face.areas)
     scale = volumes[1:].sum(axis=1)
     stated = report.errors("profile", "ring_force").max(axis=0)[report.later]
-    stated = (stated[1:] + stated[:-1]) * np.pi * (depth[1:] + depth[:-1])
+    stated = (stated[1:] + stated[:-1]) * report.area * (depth[1:] + depth[:-1])
     tolerance = OF_RING_VOLUMES * (report.rtol + stated / scale) + (doubt[1:] + doubt[:-1]) / scale
     yield Row(
         "each ring wears by its force, V_j = k_j int F_j ds",

@@ -80,7 +80,16 @@ def read(
             )
         if beyond.any():
             LOG.warning("%s: %d rows beyond the punch are left out", name, beyond.sum())
-        table = table.assign(radius=radius.clip(upper=rim))[~beyond]
+        hole = scene.punch.inner_radius
+        within = radius < hole * (1 - 1e-9)
+        if within.all():
+            raise SceneError(
+                f"{name}: all radii lie within the hole of radius punch.inner_radius = {hole:g}: "
+                "give distances from the axis, and --units if theirs are not the scene's"
+            )
+        if within.any():
+            LOG.warning("%s: %d rows within the hole are left out", name, within.sum())
+        table = table.assign(radius=radius.clip(hole, rim))[~(beyond | within)]
     return table
 
 

@@ -37,6 +37,11 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
         if problem.march != "modal":
             way = f"by steps of {problem.march} Euler"
         lines.append(f"history: {len(problem.times)} times from {start}, {way}")
+    if problem.inner_radius:
+        lines.append(
+            "hole: the surface under it is free; the flat start is sought among the flat annulus's "
+            "pressures"
+        )
     if problem.loading.varies:
         lines.append(
             "load over time: linear between the times given, and wear goes by the sliding "
@@ -99,7 +104,8 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
         reasons["far field"] = (
             "the scene clamps the outer boundary: expect the indentation to err by 1.1 a/R"
         )
-    if (merged := len(problem.ring_edges) - len(problem.merged.ring_edges)) > 0:
+    modelled = len(problem.merged.ring_edges) - bool(problem.inner_radius)
+    if (merged := len(problem.ring_edges) - modelled) > 0:
         reasons["ring edges"] = (
             f"{merged} of them separate rings of equal wear, so nothing happens there"
         )

@@ -48,7 +48,8 @@ class Direct(Method):
             ]
             columns = np.stack(pressures, axis=1)
             if "steady_rms_slope" in wanted:
-                slopes = direct.rms_slope(ring_edges, columns, problems[0].gradient_average)
+                of_face = problems[0].gradient_average, problems[0].inner_radius
+                slopes = direct.rms_slope(ring_edges, columns, *of_face)
             if wanted & {"steady_displacement_max", "steady_profile"}:
                 greatest = direct.greatest_displacement(ring_edges, columns)
             return [
@@ -69,7 +70,7 @@ def _solution(problem: Problem, pressures: Array, greatest: float, slope: float)
             ),
             "steady_displacement_max": lambda: np.asarray(greatest),
             "steady_rms_slope": lambda: np.asarray(slope),
-            "steady_wear_rate": lambda: np.asarray(speed * wear_coefficients[0] * pressures[0]),
+            "steady_wear_rate": lambda: np.asarray(speed * wear_coefficients[-1] * pressures[-1]),
         }
         return {name: value() for name, value in values.items() if problem.wants(name)}
 

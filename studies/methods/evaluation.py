@@ -210,6 +210,9 @@ class FullContact(Evaluation):
         chance = self._chance(name)
         if name in ("indentation_start", "force_start"):
             return max(chance, self._stiffness_at_rim)
+        if name in ("pressure_min", "pressure_max"):
+            # the element at the rim moves the other functions that the start is sought among
+            return max(chance, 3.0 * self._rim_size)
         return chance
 
     def _chance(self, name: str) -> float:
@@ -220,8 +223,12 @@ class FullContact(Evaluation):
 
     @property
     def _rim_size(self) -> float:
-        """Width of the element at the rim."""
-        return float(self.compliance.space.widths[-1])
+        """Width of the element at the rim; of that at a hole, where pressures are as infinite, if it
+        is wider.
+        """
+        space = self.compliance.space
+        carrying = space.widths[space.degrees > 0]
+        return float(max(carrying[-1], carrying[0] if space.hollow else 0.0))
 
     @property
     def _unknown_rim_force(self) -> float:

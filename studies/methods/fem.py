@@ -79,7 +79,9 @@ def half_space_on(problem: Problem, meshed: Meshed) -> "HalfSpace":
     # the field below is smoother: a fifth of the degree less costs nothing on the contact
     solid = AxisymmetricElasticity(meshed.mesh, degree, problem.poisson_ratio, spared=degree // 5)
     poles = defaults.pole_orders(problem, truncation(meshed.mesh))
-    return HalfSpace(solid, pressure_space(solid, problem.merged.ring_edges), poles)
+    return HalfSpace(
+        solid, pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow), poles
+    )
 
 
 class Fem(ComplianceMethod):
@@ -193,7 +195,9 @@ def _coarser_half_space(problem: Problem, meshed: Meshed, whole: "HalfSpace") ->
     # with a degree of less than two no multipliers are stable
     solid = replace(whole.solid, degree=max(whole.solid.degree - 1, 2), mesh=meshed.coarser())
     poles = whole.poles if problem.fem.far_field == "fixed" else whole.poles[:-1]
-    return HalfSpace(solid, pressure_space(solid, problem.merged.ring_edges), poles)
+    return HalfSpace(
+        solid, pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow), poles
+    )
 
 
 METHOD = Fem()

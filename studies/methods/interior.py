@@ -125,7 +125,8 @@ def interior(scene: Scene, fem: Solution) -> Interior:
                     half_space.solid, degree=degree - lower, highest_ratio=ratio, spared=0
                 )
                 ring_edges = problem.merged.ring_edges
-                space = pressure_space(solid, ring_edges) if flat else half_space.space
+                hollow = problem.merged.hollow
+                space = pressure_space(solid, ring_edges, hollow) if flat else half_space.space
                 spaces.append(HalfSpace(solid, space, tied))
             fine, coarse = spaces
             pressures = (

@@ -32,6 +32,8 @@ class MdrGrid(Method):
     }
 
     def refusal(self, problem: Problem) -> str:
+        if problem.inner_radius:
+            return "mdr-grid knows discs only: with punch.inner_radius leave it out of methods"
         if problem.merged.linear:
             return (
                 "mdr-grid knows wear that is constant on rings: leave it out of methods, or give "

@@ -284,7 +284,8 @@ def _square_of_slopes(fine: Evaluation, coarse: Evaluation) -> Array:
     slope.
     """
     face = fine.problem.face
-    weights = face.lengths * radial_weight(face.radii, fine.problem.gradient_average)
+    of_face = fine.problem.gradient_average, face.inner_radius
+    weights = face.lengths * radial_weight(face.radii, *of_face)
     profile = fine.for_estimate["steady_profile"]
     slopes, wrong = (
         face.slopes(values)[0] ** 2 @ weights

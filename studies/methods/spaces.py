@@ -109,7 +109,7 @@ def degrees(
 
     It is `highest` where most is needed, and as much lower elsewhere as less stands behind it, but
     no lower than 2, nor than smooth modes ask for: half as much in each layer, whose elements are
-    several times smaller.
+    several times smaller. It is 0 in a hole.
     """
     edges, ring = problem.merged.ring_edges, space.ring
     at_edges, element = np.searchsorted(space.sort_keys, edges + 0j), np.arange(len(ring))
@@ -122,4 +122,5 @@ def degrees(
     layer = np.log(np.minimum(distance / half, 1.0)) / np.log(grading)
     least = np.maximum(np.ceil(of_modes * 0.5**layer), 2).astype(np.int64)
     lower = highest - spared_degrees(behind.max() / behind, grading)
-    return np.maximum(lower, np.minimum(least, max(highest, of_modes)))
+    raised = np.maximum(lower, np.minimum(least, max(highest, of_modes)))
+    return np.where((ring == 0) & problem.merged.hollow, 0, raised)

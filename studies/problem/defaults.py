@@ -125,7 +125,7 @@ def mdr_sizes(problem: Problem) -> dict[str, Any]:
         "degree": chosen.degree or min(int(degree), 20),
         "degree_of_modes": chosen.degree or min(int(modes), 20),
         "rim_size": chosen.rim_size or max(rim_size(problem, fields), smallest),
-        "ring_size": chosen.ring_size or np.maximum(ring_sizes(fields), smallest),
+        "ring_size": chosen.ring_size or np.maximum(ring_sizes(problem, fields), smallest),
         "grading": grading,
     }
 
@@ -158,9 +158,17 @@ def rim_size(problem: Problem, fields: Problem) -> float:
     return float(min(edge_sizes(fields)[-1], 0.03 * problem.rtol))
 
 
-def ring_sizes(problem: Problem) -> Array:
-    """(N-1,) wanted sizes at the ring edges between centre and rim, in a few distinct values."""
-    return np.asarray(2.0 ** np.floor(np.log2(edge_sizes(problem)[:-1])))
+def ring_sizes(problem: Problem, fields: Problem) -> Array:
+    """(N-1,) wanted sizes at the ring edges between centre and rim, in a few distinct values, of a
+    problem and of the one with the accuracy of its fields.
+
+    At the edge of a hole, pressures of the flat start are as at the rim.
+    """
+    sizes = edge_sizes(fields)[:-1]
+    if problem.merged.hollow:
+        scale = min(1.0, 3 * float(problem.merged.narrower[0]))
+        sizes[0] = min(sizes[0], rim_size(problem, fields) * scale)
+    return np.asarray(2.0 ** np.floor(np.log2(sizes)))
 
 
 def smallest_size(problem: Problem, roundoff: float) -> float:
@@ -197,7 +205,7 @@ def missing_layers(problem: Problem, smallest: float) -> Array:
 def quad_sizes(problem: Problem) -> dict[str, Any]:
     """Of quadrilaterals in geometric layers, by the names of `meshes.quads.graded`."""
     chosen, fields = problem.fem, affordable(problem, FACTOR)
-    wanted = np.maximum(ring_sizes(fields), fem_smallest(problem))
+    wanted = np.maximum(ring_sizes(problem, fields), fem_smallest(problem))
     far = TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION
     return {
         "sizes": np.full(len(wanted), chosen.ring_size) if chosen.ring_size else wanted,
@@ -234,6 +242,9 @@ def triangle_ring_sizes(problem: Problem) -> Array:
     rtol, narrower = problem.rtol, problem.merged.narrower
     blunted = max(0.5 * problem.earliest, rtol**0.75) if problem.earliest else 1.0
     wanted = np.minimum(min(10 * rtol**0.6, 0.25) * narrower, blunted)
+    if problem.merged.hollow:
+        # as at the rim
+        wanted[0] = min(0.1 * rtol, float(narrower[0]) / 4)
     return np.asarray(2.0 ** np.floor(np.log2(wanted)))
 
 
@@ -302,4 +313,5 @@ def cells_of(problem: Problem, finer: float = 1.0) -> ContactCells:
         edge,
         growth=0.4 / finer**0.5,
         spread=1 / count,
+        hollow=problem.merged.hollow,
     )

@@ -4,8 +4,8 @@ Norms of fields, and what follows from fields there. Non-dimensional.
 
 Between its breakpoints the face has as many Gauss points as a polynomial of degree seven. Values at
 them can so be interpolated and differentiated; the last coefficients of the polynomial say how far
-that is to be trusted. At the rim the points follow the root of the distance, in which pressures of
-a flat punch are smooth.
+that is to be trusted. At the rim, and at a hole, the points follow the root of the distance, in
+which pressures of a flat punch are smooth.
 """
 
 from collections.abc import Callable
@@ -22,9 +22,12 @@ POINTS = 8
 
 
 class Rings(NamedTuple):
-    """Rings of a punch: (N+1,) edges from 0 to 1, and (N,) wear coefficients over the greatest.
+    """Rings of a punch: (N+1,) edges up to 1, and (N,) wear coefficients over the greatest.
 
-    Where wear is graded, (2, N) at the inner and outer edge of each ring, linear between.
+    Where wear is graded, (2, N) at the inner and outer edge of each ring, linear between. The edges
+    begin at 0, or at the hole of a hollow punch. What is modelled begins at 0: there a hole is a
+    first ring that wears infinitely fast, so that it never carries in the steady state, and has no
+    pressures at any time.
     """
 
     ring_edges: Array
@@ -46,7 +49,7 @@ class Rings(NamedTuple):
         values : (M,) wear coefficients there, those of the ends beyond
         ring_edges : (N+1,) other edges
         """
-        more = np.setdiff1d(ring_edges, radii)
+        more, first = np.setdiff1d(ring_edges, radii), ring_edges[0]
         while True:
             places = np.searchsorted(radii, more)
             values = np.insert(values, places, np.interp(more, radii, values))
@@ -58,8 +61,10 @@ class Rings(NamedTuple):
             more = (radii[:-1] + np.diff(radii) / 2)[wide & steep]
             if not len(more):
                 break
+        # a hole is no part of the punch
+        wide &= radii[:-1] >= first
         linear = np.stack([values[:-1], values[1:]])[:, wide]
-        edges = np.array([0.0, *radii[:-1][wide][1:], 1.0])
+        edges = np.array([first, *radii[:-1][wide][1:], 1.0])
         return cls(edges, linear if np.ptp(linear, axis=0).any() else linear[0])
 
     @property
@@ -71,6 +76,18 @@ class Rings(NamedTuple):
     def linear(self) -> bool:
         """Whether wear is graded."""
         return self.wear_coefficients.ndim == 2
+
+    @property
+    def hollow(self) -> bool:
+        """Whether the first ring stands for a hole."""
+        return bool(np.isinf(self.ends[0, 0]))
+
+    def with_hole(self) -> "Rings":
+        """Return the rings from the axis on, the hole first if there is one."""
+        if self.ring_edges[0] == 0:
+            return self
+        wear = np.insert(self.wear_coefficients, 0, np.inf, axis=-1)
+        return Rings(np.append(0.0, self.ring_edges), wear)
 
     @property
     def smooth(self) -> Array:
@@ -86,7 +103,9 @@ class Rings(NamedTuple):
         beside the edge, over the coefficient there, and 1 at the most; elsewhere it is 1.
         """
         inner, outer = self.ends
-        slopes = (outer - inner) / self.widths
+        # a hole has no slope
+        slopes = np.where(np.isinf(inner), 0.0, outer - np.where(np.isinf(inner), 0.0, inner))
+        slopes = np.where(np.isinf(inner), 0.0, slopes / self.widths)
         changes = np.abs(np.diff(slopes)) * self.narrower / outer[:-1]
         # the estimate of the error sees a part of it only where layers grow with the root
         strengths = np.sqrt(np.minimum(np.append(changes, 1.0), 1.0))
@@ -119,7 +138,7 @@ class Face:
 
     Parameters
     ----------
-    breakpoints : (n+1,) from 0 to 1, ring edges among them
+    breakpoints : (n+1,) from 0, or from the hole, to 1, ring edges among them
     ring_edges : (N+1,) of the rings
     wear_at : wear coefficients by radii
     standoff : what displacements and heights are measured beyond: the indentation at the first
@@ -135,12 +154,19 @@ class Face:
     def _local(self) -> Array:
         return gauss(POINTS)[0]
 
+    @property
+    def inner_radius(self) -> float:
+        """The radius of the hole; 0 if there is none."""
+        return float(self.breakpoints[0])
+
     @cached_property
     def radii(self) -> Array:
         """(R,) radii, increasing."""
         inner, size = self.breakpoints[:-1, None], np.diff(self.breakpoints)[:, None]
         radii = inner + size * (1 + self._local) / 2
         radii[-1] = 1 - size[-1] * ((1 - self._local) / 2) ** 2
+        if self.inner_radius:
+            radii[0] = inner[0] + size[0] * ((1 + self._local) / 2) ** 2
         return np.asarray(radii.ravel())
 
     @cached_property
@@ -149,12 +175,20 @@ class Face:
         size = np.diff(self.breakpoints)[:, None]
         lengths = size * gauss(POINTS)[1] / 2
         lengths[-1] *= 1 - self._local
+        if self.inner_radius:
+            lengths[0] *= 1 + self._local
         return np.asarray(lengths.ravel())
 
     @cached_property
     def areas(self) -> Array:
         """(R,) the part ``dA`` of the face that each stands for."""
         return 2 * np.pi * self.radii * self.lengths
+
+    @property
+    def blunting(self) -> Array:
+        """(R,) factors that make the square of a flat punch's pressure finite at its edges."""
+        of_rim = (1 - self.radii) * (1 + self.radii)
+        return of_rim * (self.radii - self.inner_radius) / self.radii
 
     @cached_property
     def ring(self) -> Indices:
@@ -193,6 +227,10 @@ class Face:
         local = 2 * (radii - self.breakpoints[element]) / size - 1
         at_rim = element == len(self.breakpoints) - 2
         local[at_rim] = 1 - 2 * np.sqrt((1 - radii[at_rim]) / size[at_rim])
+        if self.inner_radius:
+            at_hole = element == 0
+            apart = np.maximum(radii[at_hole] - self.inner_radius, 0.0)
+            local[at_hole] = 2 * np.sqrt(apart / size[at_hole]) - 1
         coefficients = self._coefficients(values)[..., element]
         values = np.einsum("j...m,mj->...m", coefficients, legvander(local, POINTS - 1))
         return values, np.abs(coefficients[-2:]).sum(axis=0)
@@ -205,6 +243,8 @@ class Face:
         rates = 2 / np.repeat(np.diff(self.breakpoints), POINTS)
         # r = 1 - size (1 - s)^2 / 4 in the element at the rim
         rates[-POINTS:] /= 1 - self._local
+        if self.inner_radius:
+            rates[:POINTS] /= 1 + self._local
         slopes = []
         for count in (POINTS, POINTS - 2):
             parts = legval(self._local, legder(coefficients[:count]))

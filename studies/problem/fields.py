@@ -99,8 +99,8 @@ class ProfileSection(Section):
         """Radii at which the heights are not smooth."""
         return []
 
-    def check_fit(self, punch_radius: float) -> None:
-        """Refuse what does not fit the punch."""
+    def check_fit(self, punch_radius: float, inner_radius: float) -> None:
+        """Refuse what does not fit the punch, which may be hollow."""
 
 
 class Parabola(ProfileSection):
@@ -137,7 +137,7 @@ class RoundedRim(ProfileSection):
     def kinks(self) -> list[float]:
         return [self.flat_radius]
 
-    def check_fit(self, punch_radius: float) -> None:
+    def check_fit(self, punch_radius: float, inner_radius: float) -> None:
         if self.flat_radius >= punch_radius:
             raise ValueError(
                 f"profile.flat_radius = {self.flat_radius} leaves nothing to round: give less than "
@@ -182,11 +182,12 @@ class HeightTable(ProfileSection):
     def kinks(self) -> list[float]:
         return self.radii
 
-    def check_fit(self, punch_radius: float) -> None:
-        if self.radii[0] > 0 or self.radii[-1] < punch_radius * (1 - 1e-9):
+    def check_fit(self, punch_radius: float, inner_radius: float) -> None:
+        reaches_rim = self.radii[-1] >= punch_radius * (1 - 1e-9)
+        if self.radii[0] > inner_radius or not reaches_rim:
             raise ValueError(
-                f"profile.radii run from {self.radii[0]} to {self.radii[-1]}: give heights from 0 "
-                f"to the rim, {punch_radius}"
+                f"profile.radii run from {self.radii[0]} to {self.radii[-1]}: give heights from "
+                f"{inner_radius:g} to the rim, {punch_radius}"
             )
 
     def height_over(self, punch_radius: float) -> Height:

@@ -105,12 +105,13 @@ class Problem:
         output: OutputSection,
     ) -> "Problem":
         """The problem that the tables of a scene pose."""
-        length = punch.radius
+        length, hole = punch.radius, punch.inner_radius / punch.radius
         if punch.ring_edges is None:
-            ring_edges = alternating_edges(punch.rings or 1, punch.width_ratio)
+            along = alternating_edges(punch.rings or 1, punch.width_ratio)
+            ring_edges = hole + (1 - hole) * along
         else:
-            ring_edges = np.array([0.0, *punch.ring_edges]) / length
-            ring_edges[-1] = 1.0
+            ring_edges = np.array([punch.inner_radius, *punch.ring_edges]) / length
+        ring_edges[-1] = 1.0
         coefficients, graded = np.array(punch.coefficients), None
         if not punch.table:
             # two alternate from the centre
@@ -124,9 +125,10 @@ class Problem:
         modulus = half_space.plane_strain_modulus or (half_space.youngs_modulus or 0.0) / (
             1 - half_space.poisson_ratio**2
         )
-        force = load.greatest_force(length)
+        force = load.greatest_force(length, punch.inner_radius)
         if load.indentation is not None:
-            force = 2 * length * modulus * _approach(punch, load.indentation, ring_edges)
+            approach = _approach(punch, load.indentation, ring_edges)
+            force = length * modulus * approach / flat_indentation(hole)
         time = length / modulus / fastest / load.sliding.greatest
         units = Units(length, modulus, force, time, fastest)
         profile = punch.unworn(ring_edges, units.displacement)
@@ -148,7 +150,7 @@ class Problem:
             units=units,
             profile=profile,
             graded=graded,
-            indentation=None if load.indentation is None else D0,
+            indentation=None if load.indentation is None else flat_indentation(hole),
             loading=Loading.over_time(load.pressing, load.sliding, time),
         )
         if problem.why_never_steady:
@@ -160,10 +162,20 @@ class Problem:
     def merged(self) -> Rings:
         """Rings that have to be modelled.
 
-        A recess ends at its ring's edge even if the next wears as fast.
+        A recess ends at its ring's edge even if the next wears as fast. A hole is a first ring.
         """
         rings = self.graded or self.rings
-        return rings.merged() if self.full_contact else rings
+        return (rings.merged() if self.full_contact else rings).with_hole()
+
+    @property
+    def inner_radius(self) -> float:
+        """The radius of the hole; 0 if there is none."""
+        return float(self.ring_edges[0])
+
+    @property
+    def flat_indentation(self) -> float:
+        """Indentation of a flat punch of the same radii under the force 1."""
+        return flat_indentation(self.inner_radius)
 
     @property
     def full_contact(self) -> bool:
@@ -306,7 +318,8 @@ class Problem:
         count = max(8, 320 // len(self.wear_coefficients))
         within = (1 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2
         inner, outer = self.ring_edges[:-1, None], self.ring_edges[1:, None]
-        return np.concatenate([[0.0], (inner + (outer - inner) * within).ravel()])
+        radii = (inner + (outer - inner) * within).ravel()
+        return radii if self.inner_radius else np.concatenate([[0.0], radii])
 
     @cached_property
     def face(self) -> Face:
@@ -330,6 +343,7 @@ class Problem:
             # slopes of an element as wide as roundoff would be roundoff over that
             apart = np.abs(even[:, None] - breakpoints).min(axis=1) > 1e-9
             breakpoints = np.union1d(breakpoints, even[apart])
+        breakpoints = breakpoints[breakpoints >= self.inner_radius]
         return Face(breakpoints, self.ring_edges, rings.at, self.profile.standoff)
 
     @cached_property
@@ -357,6 +371,15 @@ class Problem:
             # what knots bring does not come in proportion to the time
             times.append(self.times[self.checked])
         return np.unique(np.concatenate(times))
+
+
+def flat_indentation(inner_radius: float) -> float:
+    """Return the indentation of a flat punch under the force 1: F / (2 a E*) if it is full."""
+    if not inner_radius:
+        return D0
+    from ...mdr.annulus import flat_annulus  # full punches do not need it
+
+    return flat_annulus(inner_radius).indentation
 
 
 def _approach(punch: PunchSection, given: float, ring_edges: Array) -> float:

@@ -103,7 +103,7 @@ NORMS = {
     "radius": "difference over the radius of the punch",
     "pressure": "root of int k dp^2 dA over the root of int k p^2 dA; at t = 0, where p is not "
     "square integrable, of weight "
-    "k (1 - r^2/a^2)",
+    "k (1 - r^2/a^2), times 1 - b/r with a hole of radius b",
 }
 # given where contact opens, closes or spreads only
 OF_PROFILES = ("normal_force", "ring_worn_volume", "contact_radius", "contact", "contact_edge")
@@ -129,7 +129,12 @@ QUANTITIES = {
         "indentation d(t) of the unworn face plane of the punch",
         "indentation",
     ),
-    "displacement_centre": Quantity(("time",), "displacement", "u_z at the centre", "indentation"),
+    "displacement_centre": Quantity(
+        ("time",),
+        "displacement",
+        "u_z at the centre, or at the inner edge of a hollow punch",
+        "indentation",
+    ),
     "displacement_max": Quantity(
         ("time",), "displacement", "greatest u_z under the punch", "indentation"
     ),
@@ -186,7 +191,7 @@ ANSWER = {
     "indentation_start": Quantity(
         (),
         "displacement",
-        "indentation at the start, of the unworn face; of a flat punch F / (2 a E*)",
+        "indentation at the start, of the unworn face; F / (2 a E*) of a full flat punch",
     ),
     "indentation_steady": Quantity(
         (),
@@ -210,7 +215,7 @@ ANSWER = {
     "pressure_max": Quantity(
         ("state", "ring"),
         "pressure",
-        "greatest contact pressure on each ring; infinite at a flat punch's rim",
+        "greatest contact pressure on each ring; infinite at the edges of a flat punch",
         "each",
     ),
     "force_share": Quantity(

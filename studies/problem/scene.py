@@ -97,10 +97,14 @@ class Scene(Section):
     def _fits_together(self) -> Self:
         if len(set(self.methods)) < len(self.methods):
             raise ValueError(f"methods = {self.methods} names a method twice")
-        radii = self.output.radii
-        if radii is not None and radii[-1] > self.punch.radius:
+        radii, punch = self.output.radii, self.punch
+        if radii is not None and radii[-1] > punch.radius:
             raise ValueError(
-                f"output.radii ends at {radii[-1]}, outside the punch of radius {self.punch.radius}"
+                f"output.radii ends at {radii[-1]}, outside the punch of radius {punch.radius}"
+            )
+        if radii is not None and radii[0] < punch.inner_radius:
+            raise ValueError(
+                f"output.radii begins at {radii[0]}, within the hole of radius {punch.inner_radius}"
             )
         return self
 

@@ -44,12 +44,20 @@ Size = Annotated[float, Field(ge=1e-12, le=0.5)]
 # degrees of the displacement that each mesher's elements can have; on triangles alone the highest
 # is the default
 DEGREES = {"quads": range(4, 17), "gmsh": range(2, 5), "bisection": range(2, 5)}
+# holes smaller than this part of the punch radius, and faces narrower than this part of it, are
+# refused: elements could not tell them
+NARROWEST_HOLE, NARROWEST_FACE = 1e-9, 1e-9
 # counts of the slowest relaxation time that ``times = "running-in"`` stands for
 RUNNING_IN = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0]
 
 
 class PunchSection(Section):
     radius: Positive = Field(description="the punch radius, a positive length")
+    inner_radius: NotNegative = Field(
+        default=0.0,
+        description="the radius of the hole of a hollow punch, below that of the first ring; 0 for "
+        "a full one",
+    )
     rings: int | None = optional("the number of rings, 1 or more", ge=1, le=100_000)
     width_ratio: float = Field(
         default=1.0,
@@ -98,6 +106,17 @@ class PunchSection(Section):
     def _check_rings(self) -> Self:
         if self.table is None or self.rings:
             self.check_one_of("rings", "ring_edges")
+        least = min(self.ring_edges or [self.radius])
+        if not self.inner_radius < least * (1 - NARROWEST_FACE):
+            raise ValueError(
+                f"inner_radius = {self.inner_radius:g} must be below {least:g}, where the first "
+                "ring ends"
+            )
+        if 0 < self.inner_radius < NARROWEST_HOLE * self.radius:
+            raise ValueError(
+                f"inner_radius = {self.inner_radius:g} is too small to tell from no hole: leave it "
+                f"out, or give at least {NARROWEST_HOLE:g} of punch.radius"
+            )
         if self.ring_edges is not None:
             if "width_ratio" in self.model_fields_set:
                 raise ValueError("width_ratio goes with rings; with ring_edges leave it out")
@@ -125,7 +144,7 @@ class PunchSection(Section):
                 f"recess has {len(self.recess)} values for {count} rings: give one for each ring"
             )
         if self.profile is not None:
-            self.profile.check_fit(self.radius)
+            self.profile.check_fit(self.radius, self.inner_radius)
         if not all(0 <= kink <= self.radius for kink in self.kinks or []):
             raise ValueError(
                 f"kinks = {self.kinks} of heights: give radii from 0 to punch.radius, {self.radius}"
@@ -215,7 +234,7 @@ class LoadSection(Section):
         "the normal force F, positive, or { times = [...], values = [...] }"
     )
     mean_pressure: Varying | None = optional(
-        "F / (pi a^2), positive, or { times = [...], values = [...] }"
+        "the normal force over the area of the face, positive, or { times = [...], values = [...] }"
     )
     indentation: Positive | None = optional(
         "the indentation d of the unworn face plane, held fixed: the force decays as wear goes on"
@@ -240,9 +259,10 @@ class LoadSection(Section):
         """The sliding speed over time."""
         return over_time(self.sliding_speed)
 
-    def greatest_force(self, radius: float) -> float:
-        """Return the greatest force on a punch of this radius; 0 if the indentation is given."""
-        area = np.pi * radius**2 if self.normal_force is None else 1.0
+    def greatest_force(self, radius: float, inner_radius: float) -> float:
+        """Return the greatest force on a punch between radii; 0 if the indentation is given."""
+        face = np.pi * (radius - inner_radius) * (radius + inner_radius)
+        area = face if self.normal_force is None else 1.0
         return 0.0 if self.indentation is not None else self.pressing.greatest * area
 
 

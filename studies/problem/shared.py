@@ -58,7 +58,8 @@ def discretised_alike(problem: Problem) -> Hashable:
     numbers = problem.poisson_ratio, problem.rtol, problem.gradient_average
     kinds = bool(len(problem.times)), problem.full_contact
     rings = problem.merged
-    return rings.ring_edges.tobytes(), rings.smooth.tobytes(), *numbers, *kinds, *sizes
+    edges = rings.ring_edges.tobytes(), rings.smooth.tobytes(), rings.hollow
+    return *edges, *numbers, *kinds, *sizes
 
 
 def groups(problems: Sequence[Problem]) -> list[list[int]]:

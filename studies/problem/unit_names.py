@@ -50,7 +50,15 @@ NO_UNIT = "1"
 # names of scene keys that have a unit, by its kind
 KEYS = {
     "length": (
-        *("radius", "ring_edges", "recess", "curvature_radius", "flat_radius", "coefficient"),
+        *(
+            "radius",
+            "inner_radius",
+            "ring_edges",
+            "recess",
+            "curvature_radius",
+            "flat_radius",
+            "coefficient",
+        ),
         *("radii", "heights", "indentation"),
     ),
     "force": ("normal_force",),

@@ -49,9 +49,7 @@ def flat_answers(
     values = empty_answers(problem)
     if ends is not None:
         flat, edges = wear.flat, problem.ring_edges
-        # pressures rise continuously from the centre to the rim, where they are infinite
-        pressures = flat.pressure_at(edges[:-1])
-        values["pressure_min"][0], values["pressure_max"][0] = pressures, [*pressures[1:], np.inf]
+        values["pressure_min"][0], values["pressure_max"][0] = flat.extremes_on(edges)
         forces = flat.ring_forces(edges)
         values["force_share"][0] = forces / forces.sum()
         values["indentation_start"][...] = flat.indentation + problem.profile.standoff

@@ -10,9 +10,15 @@ from ..problem.quantities import ANSWER, QUANTITIES
 Results = dict[str, Array]
 
 
-def radial_weight(radii: Array, average: str) -> Array:
-    """Weight of a radial average at radii: over the radius, or over the area."""
-    return np.ones_like(radii) if average == "line" else 2 * radii
+def radial_weight(radii: Array, average: str, inner_radius: float) -> Array:
+    """Return the weight of a radial average at radii: over the radius, or over the area.
+
+    Of a face from an inner radius to 1; in a hole it is 0.
+    """
+    on_face = radii > inner_radius
+    if average == "line":
+        return on_face / (1 - inner_radius)
+    return on_face * 2 * radii / ((1 - inner_radius) * (1 + inner_radius))
 
 
 def common(*shapes: tuple[int, ...]) -> tuple[slice, ...]:
@@ -68,7 +74,7 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
         weights = face.weights
         if "time" in QUANTITIES[name].dims:
             pressed = against.get("pressed", against["time"] == 0)
-            weights = weights * np.where(pressed[:, None], (1 - face.radii) * (1 + face.radii), 1.0)
+            weights = weights * np.where(pressed[:, None], face.blunting, 1.0)
         difference, scale = (
             np.sqrt(np.sum(weights * field**2, axis=-1)) for field in (value - reference, reference)
         )

@@ -91,7 +91,8 @@ class Sampler:
     def _rms_slope(self, slopes: Array) -> Array:
         """Return the root mean square (T,) of slopes at the points of quadrature (T, E Q)."""
         radii, lengths, _ = self.space.quadrature
-        weights = lengths * radial_weight(radii, self.problem.gradient_average)
+        of_face = self.problem.gradient_average, self.problem.inner_radius
+        weights = lengths * radial_weight(radii, *of_face)
         # by points, not by a Gram matrix, which would sum the square of a constant over a small
         # element to roundoff
         return np.asarray(np.sqrt(slopes**2 @ weights.ravel()))
@@ -127,7 +128,7 @@ class Sampler:
         rings, space = self.problem.merged, self.space
         integral = history.profile / space.at_vertices(rings.wear_coefficients)
         worn = integral @ (space.mass(rings.wear_coefficients) @ space.ring_indicator())
-        first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1])
+        first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1]) - space.hollow
         return np.asarray(np.add.reduceat(worn, first, axis=1))
 
     def worn_face(self, history: History) -> WornFace:
@@ -145,7 +146,8 @@ class Sampler:
     def _fields(self, history: History, radii: Array) -> Values:
         """Return the quantities that are made of the face and the displacement under it."""
         standoff = self.problem.profile.standoff
-        centre = np.zeros(1)
+        # of a hollow punch, the inner edge of its face
+        centre = self.problem.ring_edges[:1]
         if self.problem.full_contact:
             worn, depth = history.profile, history.indentation[:, None]
             displaced = depth * self.space.uniform - worn

@@ -29,10 +29,11 @@ MOST_REFINEMENTS, MOST_GROWTH_OF_CELLS = 12, 4
 
 def nodes(space: PressureSpace) -> tuple[Array, Indices]:
     """(size,) radius and ring of the node of each linear pressure."""
-    radius, ring = np.empty(space.size), np.empty(space.size, dtype=np.int64)
+    # the last takes what a hole has no nodes for
+    radius, ring = np.empty(space.size + 1), np.empty(space.size + 1, dtype=np.int64)
     radius[space.dofs] = np.stack([space.breakpoints[:-1], space.breakpoints[1:]], axis=1)
     ring[space.dofs] = space.ring[:, None]
-    return radius, ring
+    return radius[:-1], ring[:-1]
 
 
 def contact_runs(contact: Mask, broken: Mask) -> list[tuple[int, int]]:

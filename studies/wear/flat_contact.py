@@ -5,15 +5,17 @@ sqrt(1 - r^2)`` and Legendre polynomials `P_2j`: infinite at the rim as a root, 
 elsewhere. Ring edges are not felt before anything has worn, and the small elements beside them,
 which later times need, would lose the start to roundoff. The exact compliance of the half-space is
 diagonal on these functions, and only the first of them carries force
-(tests/physics/test_flat_punch.py).
+(tests/physics/test_flat_punch.py). Those of a hollow punch are the pressure of the flat annulus
+times Legendre polynomials in ``r^2``.
 """
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial.legendre import legval, legvander
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import solve_triangular
 
 from ...meshes.compliance import Compliance
 from ...meshes.errors import SolverError
@@ -22,34 +24,68 @@ from ...meshes.radial import Array, unit_gauss
 from .modes import BandedCholesky
 from .unilateral import Interval
 
+if TYPE_CHECKING:
+    from ...mdr.annulus import FlatAnnulus
+
+
+# functions that a flat start is sought among: what a compliance adds to the first of them is an
+# error of its own
+MOST_FUNCTIONS = 3
+# part of the indentation by which the mean displacement under a flat start may differ from it:
+# beyond it the compliance is not that of a half-space
+UNEVEN = 0.1
+
 
 @dataclass(frozen=True, eq=False)
 class FlatStart:
-    """The flat punch (Eqs. 10 and 11), solved by the method at hand.
+    """The flat punch (Eqs. 10 and 11), or the flat annulus, solved by the method at hand.
 
     Parameters
     ----------
-    coefficients : (J,) of ``P_2j(t) / t``
+    coefficients : (J,) of ``P_2j(t) / t``; of a hollow punch, of ``p r dr = sum_j c_j cos(j angle)
+        d(angle)`` (`ringwear.mdr.annulus`)
     pressure : (size,) their projection on the pressure space
-    indentation : F / (2 a E*) but for the error of the method
+    indentation : that of the closed form but for the error of the method
+    inner_radius : of the hole; 0 if there is none
     """
 
     coefficients: Array
     pressure: Array
     indentation: float
-    intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
+    inner_radius: float = 0.0
     force: float = 1.0
 
+    @property
+    def intervals(self) -> tuple[Interval, ...]:
+        """Where it presses."""
+        return (Interval(self.inner_radius, 1.0),)
+
+    def _as_annulus(self) -> "FlatAnnulus":
+        from ...mdr.annulus import FlatAnnulus  # full punches do not need it
+
+        return FlatAnnulus(self.inner_radius, self.indentation, self.coefficients)
+
     def pressure_at(self, radii: Array) -> Array:
-        """Return the pressures at radii (R,); infinite at the rim."""
-        root = np.sqrt((1 - radii) * (1 + radii))
-        with np.errstate(divide="ignore"):
-            return np.asarray(
-                _even_legendre(root, len(self.coefficients)) @ self.coefficients / root
-            )
+        """Return the pressures at radii (R,) of the face; infinite at the rim and at a hole."""
+        if self.inner_radius:
+            return self._as_annulus().pressure_at(radii)
+        functions, factor = _suited(0.0, radii, 1 - radii, len(self.coefficients))
+        return np.asarray(functions @ self.coefficients * factor)
+
+    def extremes_on(self, ring_edges: Array) -> tuple[Array, Array]:
+        """Return the least and the greatest pressure on each of the N rings between edges (N+1,).
+
+        Those of a full punch rise from the centre to the rim.
+        """
+        if self.inner_radius:
+            return self._as_annulus().extremes_on(ring_edges)
+        pressures = self.pressure_at(ring_edges[:-1])
+        return pressures, np.append(pressures[1:], np.inf)
 
     def ring_forces(self, ring_edges: Array) -> Array:
         """Return the force on each of the N rings between edges (N+1,)."""
+        if self.inner_radius:
+            return self._as_annulus().ring_forces(ring_edges)
         series = np.zeros(2 * len(self.coefficients))
         series[::2] = self.coefficients
         root = np.sqrt((1 - ring_edges) * (1 + ring_edges))
@@ -72,22 +108,25 @@ def flat_start(
         if the compliance is not positive definite
     """
     space = compliance.space
-    # what a compliance adds to the first of them is an error of its own
-    count = max(1, min(3, space.size // 3))
-    projected = BandedCholesky(space.mass()).solve(_moments(space, count))
-    forces = np.zeros(count)
-    forces[0] = 2 * np.pi
+    series, forces = _functions(space.inner_radius, max(1, min(MOST_FUNCTIONS, space.size // 3)))
+    projected = BandedCholesky(space.mass()).solve(_moments(space, len(series)) @ series)
     displaced = compliance.factor @ projected
-    coefficients, depth = _press(displaced.T @ displaced, forces, indentation)
-    # the mean displacement under the first of them, and that weighted by its pressure
-    uniform = compliance.factor @ space.uniform
-    mean, weighted = (
-        uniform @ displaced[:, 0] / np.pi,
-        displaced[:, 0] @ displaced[:, 0] / forces[0],
-    )
-    if abs(mean / weighted - 1) > 0.1:
+    coefficients, depth = _press(np.linalg.qr(displaced, mode="r"), forces, indentation)
+    of_uniform = compliance.factor @ space.uniform
+    mean = of_uniform @ (displaced @ coefficients) / (space.weights @ space.uniform)
+    if abs(mean / depth - 1) > UNEVEN:
         return press_flat(compliance, indentation)
-    return FlatStart(coefficients, projected @ coefficients, depth)
+    return FlatStart(series @ coefficients, projected @ coefficients, depth, space.inner_radius)
+
+
+def _functions(inner_radius: float, count: int) -> tuple[Array, Array]:
+    """Return the functions that suit a flat start, (J, count) by columns, and their forces."""
+    if not inner_radius:
+        return np.eye(count), 2 * np.pi * np.eye(count)[0]
+    from ...mdr.annulus import suited_series  # full punches do not need it
+
+    series = suited_series(inner_radius, count)
+    return series, 2 * np.pi**2 * series[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +158,11 @@ class FittedPress:
         pressures = self.space.matrix(np.minimum(radii / self.radius, 1.0)) @ self.pressure
         return np.where(inside, pressures, 0.0)
 
+    def extremes_on(self, ring_edges: Array) -> tuple[Array, Array]:
+        """Return the least and the greatest pressure on each ring, taken at its edges (N+1,)."""
+        at_edges = self.pressure_at(ring_edges)
+        return np.minimum(at_edges[:-1], at_edges[1:]), np.maximum(at_edges[:-1], at_edges[1:])
+
     def ring_forces(self, ring_edges: Array) -> Array:
         """Return the force on each of the N rings between edges (N+1,)."""
         scaled = np.minimum(ring_edges / self.radius, 1.0)
@@ -139,59 +183,79 @@ def press_flat(compliance: Compliance, indentation: float | None = None) -> Fitt
     """
     continuous = compliance.space.joined()
     weights = continuous.T @ compliance.space.weights
-    matrix = continuous.T @ compliance.matrix @ continuous
-    coefficients, indentation = _press(matrix, weights, indentation)
-    return FittedPress(compliance.space, continuous @ coefficients, indentation)
+    factor = np.linalg.qr((continuous.T @ compliance.factor.T).T, mode="r")
+    coefficients, indentation = _press(factor, weights, indentation)
+    return FittedPress(
+        compliance.space,
+        continuous @ coefficients,
+        indentation,
+        intervals=(Interval(compliance.space.inner_radius, 1.0),),
+    )
 
 
-def _press(matrix: Array, forces: Array, indentation: float | None) -> tuple[Array, float]:
-    """Return the c and d of ``A c = d b``, with ``b . c = 1`` if d is not given."""
-    try:
-        solution = cho_solve(cho_factor(matrix), forces)
-    except np.linalg.LinAlgError as error:
-        raise SolverError(
-            f"the compliance is not positive definite: {error}; ask for less extreme sizes"
-        ) from error
+def _press(factor: Array, forces: Array, indentation: float | None) -> tuple[Array, float]:
+    """Return the c and d of ``A c = d b``, with ``b . c = 1`` if d is not given.
+
+    A is given by its triangular factor, ``A = R^T R``: rows of all sizes keep their digits.
+    """
+    least = np.abs(np.diag(factor)).min()
+    if not (np.isfinite(factor).all() and least > 0):
+        raise SolverError("the compliance is not positive definite; ask for less extreme sizes")
+    half = solve_triangular(factor, forces, trans=1)
     if indentation is None:
-        indentation = float(1 / (forces @ solution))
-    return indentation * solution, indentation
+        indentation = float(1 / (half @ half))
+    return indentation * solve_triangular(factor, half), indentation
 
 
-def _even_legendre(root: Array, count: int) -> Array:
-    """Return ``P_2j(t)`` for j below a count along a new last axis."""
-    return np.asarray(legvander(root, 2 * count - 2)[..., ::2])
+def _suited(
+    inner_radius: float, from_hole: Array, to_rim: Array, count: int
+) -> tuple[Array, Array]:
+    """Return functions (..., count), and the factor (...) that makes pressures of them.
+
+    By the distances of radii from the hole, or from the axis, and from the rim: ``P_2j(t) / t``, or
+    the cosines of an annulus.
+    """
+    if inner_radius:
+        from ...mdr.annulus import cosine_pressures  # full punches do not need it
+
+        return cosine_pressures(inner_radius, from_hole, to_rim, count)
+    root = np.sqrt(to_rim * (2 - to_rim))
+    with np.errstate(divide="ignore"):
+        return np.asarray(legvander(root, 2 * count - 2)[..., ::2]), 1 / root
 
 
 def _moments(space: PressureSpace, count: int) -> Array:
-    """Return ``int phi_i P_2j(t) / t dA``, (size, count).
+    """Return ``int phi_i p_j dA`` of the functions that suit a flat start, (size, count).
 
-    At the rim `t` itself is the variable of integration, ``r dr = -t dt``, in which nothing is
-    singular.
+    In the elements at the rim and at a hole the root of the distance is the variable of
+    integration, in which nothing is singular.
     """
     # the root is one element away, where each point gains a factor of seven
     node, weight = unit_gauss(space.top + 24)
-    inner, size = space.breakpoints[:-1, None], space.widths[:, None]
-    radii = inner + size * node
-    local = np.tile(2 * node - 1, (len(size), 1))
-    # from the rim, to all digits
-    last = np.full(len(size), len(size))
-    away = space.distance(np.arange(len(size)), last)[:, None] - size * node
-    root = np.sqrt(away * (1 + radii))
-    greatest = np.sqrt(size[-1] * (1 + inner[-1]))
-    root[-1] = greatest * node
-    weights = 2 * np.pi * weight * radii * size / root
-    weights[-1] = 2 * np.pi * weight * greatest
-    distance = root[-1] ** 2 / (1 + np.sqrt((1 - root[-1]) * (1 + root[-1])))
-    local[-1] = 1 - 2 * distance / size[-1]
+    elements, rim = np.flatnonzero(space.degrees > 0), len(space.degrees)
+    if space.hollow and len(elements) < 2:
+        raise SolverError("the face of a hollow punch needs two elements: ask for smaller sizes")
+    size = space.widths[elements, None]
+    along, weights = (np.tile(part, (len(elements), 1)) for part in (node, weight))
+    along[-1], weights[-1] = 1 - node**2, 2 * node * weight
+    if space.hollow:
+        along[0], weights[0] = node**2, 2 * node * weight
+    # distances from both edges, to all digits
+    from_hole = space.distance(np.full(len(elements), elements[0]), elements)[:, None]
+    from_hole = from_hole + size * along
+    to_rim = space.distance(elements, np.full(len(elements), rim))[:, None] - size * along
+    to_rim[-1] = size[-1] * node**2
+    radii = space.breakpoints[elements, None] + size * along
+    functions, factor = _suited(space.inner_radius, from_hole, to_rim, count)
     values = np.einsum(
         "eq,eqj,eqi->eij",
-        weights,
-        _even_legendre(root, count),
-        shapes(local, space.top),
+        2 * np.pi * weights * radii * size * factor,
+        functions,
+        shapes(2 * along - 1, space.top),
         optimize=True,
     )
     moments = np.zeros((space.size + 1, count))
-    np.add.at(moments, space.dofs, values)
+    np.add.at(moments, space.dofs[elements], values)
     return moments[:-1]
 
 

@@ -67,7 +67,8 @@ class RunningIn:
             # 1 / k is no polynomial: the pressure whose product with k is nearest to a constant
             pressure = self._to_pressures(self._weights)
         else:
-            pressure = space.ring_indicator() @ (1 / wear_coefficients)
+            # a hole has no pressure
+            pressure = space.ring_indicator() @ (1 / wear_coefficients[int(space.hollow) :])
         wear_rate = float(1 / (space.weights @ pressure))
         pressure = wear_rate * pressure
         moments = self.compliance.factor.T @ (self.compliance.factor @ pressure)
@@ -160,7 +161,9 @@ class RunningIn:
         ends: ``p_s . A p_s - d(0)`` with the steady pressures p_s.
         """
         if self.indentation is not None:
-            return self.indentation * float(self.flat.ring_forces(np.array([0.0, 1.0])).sum())
+            return self.indentation * float(
+                self.flat.ring_forces(np.array([self.compliance.space.inner_radius, 1.0])).sum()
+            )
         return float(self.steady.pressure @ self.steady.moments) - self.flat.indentation
 
     def time_until(self, part: float) -> float:

@@ -54,7 +54,8 @@ def unresolved_height(profile: InitialProfile, space: PressureSpace, depth: floa
     missed = np.abs(at.heights - np.einsum("eqj,ej->eq", legendre, parabolas[at.element]))
     least = np.full(count, np.inf)
     np.minimum.at(least, at.element, at.heights.min(axis=1))
-    return float(missed.max(axis=1)[least[at.element] <= depth].max(initial=0.0))
+    touched = (least[at.element] <= depth) & (space.degrees[at.element] > 0)
+    return float(missed.max(axis=1)[touched].max(initial=0.0))
 
 
 class _Points(NamedTuple):

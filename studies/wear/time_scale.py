@@ -106,7 +106,8 @@ def _slowest_times(
     breakpoints = graded_breakpoints(
         rings.ring_edges, 0.2 * rings.narrower, min(rim, 0.1 * rings.widths[-1]), grading
     )
-    space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), rings.ring_edges)
+    in_hole = (breakpoints[1:] <= rings.ring_edges[1]) & rings.hollow
+    space = PressureSpace(breakpoints, np.where(in_hole, 0, degree), rings.ring_edges)
     to_pressure = space.joined(rings.wear_coefficients)
     mass = BandedCholesky(to_pressure.T @ space.mass(rings.wear_coefficients) @ to_pressure)
     factor = mass.forward(to_pressure.T @ half_space(space).factor.T)

@@ -71,8 +71,9 @@ class WornFace:
         These are well inside the contact, and u bends less in them than the worn depth does: linear
         functions miss as much of either as it bends.
         """
-        touches = self.history.contact[:, self.space.dofs].all(axis=2)
-        # the axis and the rim are no free edges
+        # the axis, the edge of a hole and the rim are no free edges
+        contact = np.pad(self.history.contact, ((0, 0), (0, 1)), constant_values=True)
+        touches = contact[:, self.space.dofs].all(axis=2)
         apart = np.pad(~touches, ((0, 0), (CELLS_FROM_EDGES, CELLS_FROM_EDGES)))
         window = 2 * CELLS_FROM_EDGES + 1
         near_edge = sliding_window_view(apart, window, axis=1).any(axis=2)
@@ -85,6 +86,8 @@ class WornFace:
         """
         space = self.space
         width = np.diff(space.breakpoints)
+        # in a hole there is nothing to bend
+        functions = np.pad(functions, ((0, 0), (0, 1)))
         slope = (functions[:, space.dofs[:, 1]] - functions[:, space.dofs[:, 0]]) / width
         # at the axis the next cell is the same on the other side
         change = np.abs(np.diff(slope, axis=1, prepend=-slope[:, :1]))

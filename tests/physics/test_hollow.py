@@ -1,0 +1,235 @@
+"""Hollow punches, against the flat annulus, direct integration and each other's methods."""
+
+import numpy as np
+import pandas
+import pytest
+
+from ringwear import Scene, run, sweep
+from ringwear.mdr.annulus import flat_annulus
+from ringwear.mdr.annulus_bounds import stiffness_bounds
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.cli import main
+
+# F / (E* a d) of flat annuli by b/a, to nine digits
+STIFFNESSES = {0.3: 1.992418655, 0.6: 1.930144257, 0.9: 1.642059559}
+
+
+def hollow(inner_radius, methods=("mdr", "fem"), rtol=1e-4, times=(0.0, 0.01, 0.1, 1.0), **punch):
+    """Return a scene of a hollow punch, of two rings unless the punch says otherwise."""
+    rings = {"rings": 2, "wear_coefficients": [1.0, 3.0]}
+    return Scene.from_table(
+        {
+            "methods": list(methods),
+            "punch": {"radius": 1.0, "inner_radius": inner_radius} | (punch or rings),
+            "half_space": {"plane_strain_modulus": 1.0},
+            "load": {"normal_force": 1.0},
+            "wear": {"times": list(times)},
+            "accuracy": {"rtol": rtol},
+        }
+    )
+
+
+@pytest.mark.parametrize(("inner_radius", "stiffness"), STIFFNESSES.items())
+def test_the_flat_annulus_has_the_known_stiffness(inner_radius, stiffness):
+    assert 1 / flat_annulus(inner_radius).indentation == pytest.approx(stiffness, abs=6e-10)
+
+
+@pytest.mark.parametrize("inner_radius", [1e-9, 1e-4, 0.01, 0.1, 0.3, 0.6, 0.9, 0.99, 0.999999])
+def test_the_flat_annulus_converges(inner_radius):
+    fine, coarse = (flat_annulus(inner_radius, points) for points in (100, 64))
+    assert coarse.indentation == pytest.approx(fine.indentation, rel=2e-14)
+    edges = np.linspace(inner_radius, 1.0, 5)
+    np.testing.assert_allclose(coarse.ring_forces(edges), fine.ring_forces(edges), atol=1e-13)
+    assert coarse.ring_forces(edges).sum() == pytest.approx(1.0, abs=1e-14)
+
+
+@pytest.mark.parametrize("inner_radius", [1e-4, 0.1, 0.3, 0.5, 0.8, 0.95, 0.99])
+def test_the_stiffness_lies_within_its_bounds(inner_radius):
+    lower, upper = stiffness_bounds(inner_radius)
+    stiffness = 1 / flat_annulus(inner_radius).indentation
+    assert lower <= stiffness * (1 + 1e-13)
+    assert stiffness <= upper * (1 + 1e-13)
+    assert upper - lower <= 1e-8
+
+
+@pytest.mark.parametrize("method", ["mdr", "bem", "fem"])
+@pytest.mark.parametrize("inner_radius", [0.1, 0.3, 0.6, 0.9, 0.99])
+def test_the_flat_start(method, inner_radius):
+    """To nine digits by the MDR, to the accuracy asked for by elements, with its pressures."""
+    rtol = 1e-4 if method == "fem" else 1e-6
+    one = {"rings": 1, "wear_coefficients": [1.0]}
+    result = run(hollow(inner_radius, [method], rtol, [0.0], **one))
+    exact, start = flat_annulus(inner_radius), result.dataset.isel(solver=0, time=0)
+    error = abs(float(start.indentation) / exact.indentation - 1)
+    assert error <= (0.1 * rtol if method == "fem" else 1e-9)
+    assert error <= float(start.indentation_error)
+    radii = start.radius.values
+    np.testing.assert_allclose(start.pressure, exact.pressure_at(radii), rtol=rtol)
+    bounds = stiffness_bounds(inner_radius)
+    nearest = np.clip(1 / start.indentation, *bounds)
+    assert abs(float(start.indentation * nearest) - 1) <= float(start.indentation_error)
+
+
+@pytest.mark.parametrize("inner_radius", [0.05, 0.5, 0.9])
+def test_methods_agree(inner_radius):
+    result = run(hollow(inner_radius, ["mdr", "bem", "direct", "fem"], 1e-5))
+    assert result.verdict == "agree"
+    assert not result.summary["left_out_of_promise"]
+
+
+def test_a_small_hole_is_nearly_none():
+    """What a hole takes is of the order of its area."""
+    punch = {"ring_edges": [0.5, 1.0], "wear_coefficients": [1.0, 3.0]}
+    small, full = (
+        run(hollow(inner_radius, ["mdr"], 1e-7, **punch)).dataset.isel(solver=0)
+        for inner_radius in (1e-5, 0.0)
+    )
+    np.testing.assert_allclose(small.indentation, full.indentation, rtol=2e-7)
+    np.testing.assert_allclose(small.relaxation_time[:3], full.relaxation_time[:3], rtol=2e-5)
+    np.testing.assert_allclose(small.steady_wear_rate, full.steady_wear_rate, rtol=1e-6)
+
+
+def test_a_pin_that_rotates_wears_by_the_radius():
+    """Goryacheva: ``p = F / (2 pi (a - b) r)`` in the end."""
+    inner_radius = 0.4
+    rotating = {"wear_coefficient": {"radii": [inner_radius, 1.0], "values": [inner_radius, 1.0]}}
+    result = run(hollow(inner_radius, times=[0.0, 10.0], **rotating))
+    assert result.verdict == "agree"
+    radii = result.dataset.radius.values
+    steady = 1 / (2 * np.pi * (1 - inner_radius) * radii)
+    for solver in ("mdr", "fem"):
+        pressure = result.dataset.pressure.sel(solver=solver).isel(time=-1)
+        np.testing.assert_allclose(pressure, steady, rtol=1e-4)
+    rate = 1 / (2 * np.pi * (1 - inner_radius))
+    np.testing.assert_allclose(result.dataset.steady_wear_rate, rate, rtol=1e-9)
+
+
+def test_contact_stays_full():
+    """A flat hollow punch never loses contact, so no inequality need be solved."""
+    times = [0.0, *np.geomspace(1e-4, 3.0, 30).tolist()]
+    punch = {"rings": 3, "wear_coefficients": [1e-3, 1.0]}
+    pressure = run(hollow(0.3, ["mdr"], 1e-5, times, **punch)).dataset.pressure
+    assert float(pressure.min()) > 0
+
+
+LOADS = {
+    "fixed indentation": {"indentation": 0.7},
+    "rising force": {"normal_force": {"times": [0.0, 0.5], "values": [0.5, 1.0]}},
+    "falling force": {"normal_force": {"times": [0.0, 0.5], "values": [1.0, 0.4]}},
+}
+FACES = {
+    "recess": {"recess": [0.0, 0.1]},
+    "sphere": {"profile": {"kind": "parabola", "curvature_radius": 1.0}},
+    "rounded": {"profile": {"kind": "rounded_rim", "flat_radius": 0.8, "curvature_radius": 0.5}},
+    "table": {
+        "profile": {
+            "kind": "table",
+            "radii": [0.4, 0.5, 0.7, 0.9, 1.0],
+            "heights": [0.1, 0.02, 0.0, 0.02, 0.1],
+        }
+    },
+}
+
+
+@pytest.mark.parametrize("load", LOADS)
+def test_any_load(load):
+    result = run(hollow(0.4, rtol=1e-3).changed(load=LOADS[load]))
+    assert result.verdict == "agree"
+
+
+@pytest.mark.parametrize("face", FACES)
+def test_any_face(face):
+    scene = hollow(0.4, rtol=1e-3).changed(
+        punch={
+            "radius": 1.0,
+            "inner_radius": 0.4,
+            "rings": 2,
+            "wear_coefficients": [1.0, 3.0],
+            **FACES[face],
+        }
+    )
+    result = run(scene)
+    assert result.verdict == "agree"
+    first, second = result.dataset.indentation.values
+    np.testing.assert_allclose(first, second, rtol=2e-3)
+
+
+def test_a_hollow_sphere_that_touches_at_its_hole_starts_as_no_annulus():
+    """Its contact is an annulus whose outer radius is free: less than the whole face presses."""
+    sphere = {"profile": {"kind": "parabola", "curvature_radius": 0.05}}
+    punch = {"rings": 1, "wear_coefficients": [1.0], **sphere}
+    start = run(hollow(0.4, ["mdr"], 1e-3, [0.0], **punch)).dataset.isel(solver=0, time=0)
+    assert 0.4 < float(start.contact_radius) < 1.0
+    edges = start.contact_edge.values
+    assert edges[0] == pytest.approx(0.4, abs=1e-12)
+
+
+def random_hollow(rng):
+    """Return a hollow punch drawn at random, with its times."""
+    inner_radius = float(rng.choice([rng.uniform(0.05, 0.95), 10 ** rng.uniform(-3, -1)]))
+    count = int(rng.integers(1, 5))
+    widths = rng.uniform(0.3, 1.0, count)
+    edges = inner_radius + (1 - inner_radius) * np.cumsum(widths) / widths.sum()
+    edges[-1] = 1.0
+    wear = (10 ** rng.uniform(-2, 0, count)).tolist()
+    punch = {"ring_edges": edges.tolist(), "wear_coefficients": wear}
+    times = np.append(0.0, np.sort(10 ** rng.uniform(-4, 1, 4)))
+    return hollow(inner_radius, rtol=float(10 ** rng.uniform(-6, -2)), times=times, **punch)
+
+
+@pytest.mark.parametrize(
+    "seed", [*range(4), *(pytest.param(n, marks=pytest.mark.slow) for n in range(4, 40))]
+)
+def test_random_hollow_punches(seed):
+    """No verdict is false: what is stated is above what the methods differ by."""
+    result = run(random_hollow(np.random.default_rng(seed)))
+    assert result.verdict != "disagree"
+    assert all(anchor["holds"] for anchor in result.summary["anchors"])
+    for row in result.agreement:
+        assert row.difference <= row.uncertainty
+
+
+def test_a_sweep_over_the_hole():
+    axes = {"punch.inner_radius": [0.0, 0.3, 0.6, 0.9]}
+    table = sweep(hollow(0.0, ["mdr"]), axes, ["indentation"])
+    found = 1 / table.indentation.isel(time=0).values.ravel()
+    np.testing.assert_allclose(found, [2.0, *STIFFNESSES.values()], rtol=1e-6)
+
+
+def test_files_and_figures(tmp_path):
+    assert main(["run", "washer", "--rtol", "1e-2", "--out", str(tmp_path / "run")]) == 0
+    files = {file.name for file in (tmp_path / "run").iterdir()}
+    assert {"profiles_and_pressures.png", "stress.png", "half_space.vtu", "mesh.png"} <= files
+
+
+def test_results_of_others_are_checked(tmp_path):
+    """Rows within the hole are left out, and the rest is compared."""
+    scene = hollow(0.4, ["mdr"], rtol=1e-3)
+    table = run(scene).dataset.isel(solver=0)[["pressure"]].to_dataframe().reset_index()
+    within = table.assign(radius=0.1, pressure=0.0).drop_duplicates("time")
+    pandas.concat([table, within])[["time", "radius", "pressure"]].to_csv(
+        tmp_path / "theirs.csv", index=False
+    )
+    (tmp_path / "scene.toml").write_text(scene.to_toml())
+    command = ["check", str(tmp_path / "scene.toml"), str(tmp_path / "theirs.csv")]
+    assert main([*command, "--out", str(tmp_path / "check")]) == 0
+
+
+def test_what_is_modelled_tells_of_the_hole():
+    modelled = run(hollow(0.4, ["mdr"], 1e-2)).summary["modelled"]
+    assert any(line.startswith("hole:") for line in modelled)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"punch__inner_radius": 1.0}, "must be below 1"),
+        ({"punch__inner_radius": -0.1}, "inner_radius"),
+        ({"punch__inner_radius": 1e-12}, "too small to tell"),
+        ({"output__radii": [0.1, 0.5]}, "within the hole"),
+        ({"methods": ["mdr-grid"]}, "knows discs only"),
+    ],
+)
+def test_what_cannot_be_is_refused(change, message):
+    with pytest.raises(SceneError, match=message):
+        run(hollow(0.4).changed(**change))
