@@ -81,6 +81,33 @@ def poles(
     return np.stack([radial, axial], axis=-1) / (2 * shear_modulus), stress
 
 
+def fields_beyond(
+    points: Array, moments: Array, poisson_ratio: float, shear_modulus: float
+) -> tuple[Array, Array]:
+    """Displacement (states, n, 2) and stress (states, n, 4) under pressures on ``r < 1``, far away.
+
+    By Taylor's series of the Hankel transform of the pressure, the pole of order 2k has the size
+    ``(2k)! (-1)^k / (4^k k!^2) int p r^2k dA / (2 pi)``. What is left out of K poles falls as ``1 /
+    rho^(2K)``.
+
+    Parameters
+    ----------
+    points : (n, 2) radius and depth, beyond the distance 1 from the origin
+    moments : (states, K) ``int p r^2k dA``
+    """
+    count = moments.shape[1]
+    orders = tuple(range(0, 2 * count, 2))
+    # (2k)! / (4^k k!^2) is a product of (2i - 1) / (2i)
+    halves = np.arange(1, count)
+    sizes = np.append(1.0, np.cumprod(-(2 * halves - 1) / (2 * halves))) / (2 * np.pi)
+    displacement, stress = poles(points, orders, poisson_ratio, shear_modulus)
+    amplitudes = moments * sizes
+    return (
+        np.einsum("sk,knx->snx", amplitudes, displacement),
+        np.einsum("sk,knx->snx", amplitudes, stress),
+    )
+
+
 def exterior_stiffness(
     segments: Array, orders: tuple[int, ...], poisson_ratio: float, shear_modulus: float
 ) -> Array:

@@ -21,12 +21,14 @@ from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array, exact_graded_breakpoints, gauss, unit_gauss
 from .energy import compliance
 
-# functions of the upper bound; with them it is the stiffness to roundoff up to b = .95, and 1e-11 above it at .99
+# functions of the upper bound; with them it is the stiffness to roundoff up to b = .95, and 1e-11
+# above it at .99
 FUNCTIONS = 32
 # of the lower bound: size of the elements at both edges, over the width of the annulus, their
 # degree, and the ratio of neighbouring sizes
 EDGE_SIZE, DEGREE, RATIO = 1e-12, 10, 0.15
-# of the quadrature of the upper bound: points in an interval, and the power that flattens ln |x - b|
+# of the quadrature of the upper bound: points in an interval, and the power that flattens the
+# logarithm at x = b
 POINTS, POWER = 240, 7
 # argument up to which the recurrence of Legendre functions keeps its digits, and the points by
 # which they are integrated beyond it

@@ -12,7 +12,6 @@ from .gmsh_session import TRIANGLE, elements, session, set_sizes
 from .half_space import as_half_space
 from .sizes import SizeField
 
-
 # gmsh leaves a degenerate triangle now and then: by these factors of the growth it meshes anew
 GROWTHS = (1.0, 0.95, 0.9)
 

@@ -87,6 +87,10 @@ class Reading:
         modulus = solid.get("plane_strain_modulus")
         if modulus is None:
             modulus = solid["youngs_modulus"] / (1 - solid.get("poisson_ratio", 0.3) ** 2)
+        if "punch_youngs_modulus" in solid:
+            # springs in series
+            compliance = 1 - solid.get("punch_poisson_ratio", 0.3) ** 2
+            modulus = 1 / (1 / modulus + compliance / solid["punch_youngs_modulus"])
         edges = _edges(punch)
         coefficients, table = _wear(punch, len(edges) - 1)
         fastest = float(np.max(table["values"] if coefficients is None else coefficients))
@@ -189,6 +193,17 @@ def _heights(profile: dict[str, Any], radii: Array, punch_radius: float) -> Arra
     kind = profile["kind"]
     if kind == "parabola":
         return np.asarray(radii**2 / (2 * profile["curvature_radius"]))
+    if kind == "ball":
+        ball = profile["ball_radius"]
+        # the versed sine, by half the angle
+        return np.asarray(2 * ball * np.sin(np.arcsin(radii / ball) / 2) ** 2)
+    if kind == "truncated_cone":
+        return np.asarray(profile["slope"] * np.maximum(radii - profile["flat_radius"], 0.0))
+    if kind == "truncated_paraboloid":
+        flat = profile["flat_radius"]
+        return np.where(radii > flat, radii**2 - flat**2, 0.0) / (2 * profile["curvature_radius"])
+    if kind == "concave":
+        return np.asarray(profile["depth"] * (1 - (radii / punch_radius) ** 2))
     if kind == "cone":
         return np.asarray(profile["slope"] * radii)
     if kind == "power":
@@ -216,6 +231,6 @@ def _wear(punch: dict[str, Any], rings: int) -> tuple[Array | None, dict[str, An
     if isinstance(given, dict):
         return None, given
     if isinstance(given, float | int):
-        given = [given, given * punch["wear_ratio"]]
+        given = [given, given * punch.get("wear_ratio", 1.0)]
     # two alternate from the centre
     return np.resize(np.array(given, dtype=float), rings), {}

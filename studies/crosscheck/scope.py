@@ -37,6 +37,11 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
         if problem.march != "modal":
             way = f"by steps of {problem.march} Euler"
         lines.append(f"history: {len(problem.times)} times from {start}, {way}")
+    if scene.half_space.punch_youngs_modulus is not None:
+        lines.append(
+            "two elastic bodies: one half-space of their combined modulus; the punch counts as a "
+            "half-space, too, so its own shape and height are not felt"
+        )
     if problem.inner_radius:
         lines.append(
             "hole: the surface under it is free; the flat start is sought among the flat annulus's "

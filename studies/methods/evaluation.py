@@ -223,8 +223,9 @@ class FullContact(Evaluation):
 
     @property
     def _rim_size(self) -> float:
-        """Width of the element at the rim; of that at a hole, where pressures are as infinite, if it
-        is wider.
+        """Width of the element at the rim, or of that at a hole, if it is wider.
+
+        At both pressures are infinite.
         """
         space = self.compliance.space
         carrying = space.widths[space.degrees > 0]

@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 SHARE = 10
 # distance from edges of contact and rings, in radii of the contact, from which on estimates hold
 NEAR = 0.2
+# of the far field beyond the mesh: ratio of distances, angles, and poles, of which at the least
+# distance, 2.5 a, 1e-10 is left out
+FAR_GROWTH, FAR_ANGLES, FAR_POLES = 1.15, 33, 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +140,8 @@ def interior(scene: Scene, fem: Solution) -> Interior:
             excess = result.errors["stress"].max() / (SHARE * problem.rtol)
             # matrices of more pressures are dense, and not worth it for the sake of the inside
             if excess <= 1 or degree >= highest or fine.space.size > 1500:
-                return result
+                depth = (scene.output.depth or 0.0) / problem.units.length
+                return extended(result, fine, pressures[0], depth)
             # three times as accurate by each degree
             degree = min(degree + ceil(log(excess, 3)), highest)
 
@@ -204,13 +208,59 @@ def held_against(
     return Interior(*fine, labels, solid.degree, reaches, errors)
 
 
-def write_half_space(fields: Interior, units: Units, path: Path, series: bool) -> None:
+def extended(inside: Interior, half_space: "HalfSpace", pressures: Array, depth: float) -> Interior:
+    """Return the inside with the exact far field beyond the mesh, up to a depth in punch radii.
+
+    Nothing is added if the mesh goes as far.
+
+    Parameters
+    ----------
+    pressures : (states, size) on the space of the half-space
+    """
+    from ...fem.far_field import fields_beyond
+    from ...meshes.half_space import truncation
+
+    edge, solid, space = truncation(half_space.solid.mesh), half_space.solid, half_space.space
+    if depth <= edge:
+        return inside
+    rings = max(2, 1 + ceil(log(depth / edge) / log(FAR_GROWTH)))
+    distance, angle = np.meshgrid(
+        np.geomspace(edge, depth, rings), np.linspace(0.0, np.pi / 2, FAR_ANGLES), indexing="ij"
+    )
+    points = np.stack([distance * np.sin(angle), distance * np.cos(angle)]).reshape(2, -1)
+    # sines and cosines leave roundoff on the surface and on the axis
+    points[points < 1e-14 * depth] = 0.0
+    radii, lengths, local = space.quadrature
+    areas = (2 * np.pi * radii * lengths).ravel()
+    at_points = (space.on_elements(local) @ pressures.T).T * areas
+    moments = at_points @ radii.ravel()[:, None] ** (2 * np.arange(FAR_POLES))
+    ratio = solid.poisson_ratio
+    displacement, stress = fields_beyond(points.T, moments, ratio, (1 - ratio) / 2)
+    corners = np.arange(points.shape[1]).reshape(rings, FAR_ANGLES)
+    first, second, third, fourth = (
+        part.ravel()
+        for part in (corners[:-1, :-1], corners[1:, :-1], corners[1:, 1:], corners[:-1, 1:])
+    )
+    triangles = np.hstack([np.stack([first, second, third]), np.stack([first, third, fourth])])
+    return replace(
+        inside,
+        points=np.hstack([inside.points, points]),
+        triangles=np.hstack([inside.triangles, triangles + inside.points.shape[1]]),
+        displacement=np.concatenate([inside.displacement, displacement], axis=1),
+        stress=np.concatenate([inside.stress, stress], axis=1),
+    )
+
+
+def write_half_space(fields: Interior, scene: Scene, path: Path, series: bool) -> None:
     """Write the fields as VTU, in the scene's units and upright; as a series also in files of one
     time each, and a collection (.pvd) that ParaView goes through.
 
     X is the radius, y the height (depth is negative).
     """
-    states = [_upright(fields, state, units) for state in range(len(fields.labels))]
+    units, solid = scene.problem.units, scene.half_space
+    # where the punch is elastic, too, the half-space is displaced by its own part only
+    own_part = solid.modulus / solid.own_modulus
+    states = [_upright(fields, state, units, own_part) for state in range(len(fields.labels))]
     labelled = {
         f"{name} {label}": values
         for label, state in zip(fields.labels, states, strict=True)
@@ -232,9 +282,12 @@ def write_half_space(fields: Interior, units: Units, path: Path, series: bool) -
         )
 
 
-def _upright(fields: Interior, state: int, units: Units) -> dict[str, Array]:
-    """Return what is known at the points in a state, y upwards, in the scene's units."""
-    radial, down = fields.displacement[state].T * units.displacement
+def _upright(fields: Interior, state: int, units: Units, own_part: float) -> dict[str, Array]:
+    """Return what is known at the points in a state, y upwards, in the scene's units.
+
+    `own_part` is the part of the displacement that is the half-space's own.
+    """
+    radial, down = fields.displacement[state].T * units.displacement * own_part
     stress = (fields.stress[state] * [1, 1, -1, 1] * units.pressure).T
     return {
         "displacement": np.stack([radial, -down, np.zeros_like(radial)], axis=1),

@@ -88,9 +88,9 @@ def draw(result: "Result", pictures: Sequence["Picture"], directory: Path) -> li
     LOG.info("  output  drawing ...")
     failures = []
     if result.has_inside and (pictures or result.scene.output.field_times):
-        units, series = result.scene.problem.units, bool(result.scene.output.field_times)
+        scene, series = result.scene, bool(result.scene.output.field_times)
         failures += make(
-            directory / INSIDE, lambda path: write_half_space(result.inside, units, path, series)
+            directory / INSIDE, lambda path: write_half_space(result.inside, scene, path, series)
         )
     for picture in pictures:
         if picture.drawn_for(result):

@@ -150,6 +150,75 @@ class RoundedRim(ProfileSection):
         )
 
 
+class Ball(ProfileSection):
+    """A ball to all digits; `parabola` is what is usual for small contacts."""
+
+    kind: Literal["ball"]
+    ball_radius: Positive = Field(
+        description="the radius of the ball, a length that is not below punch.radius"
+    )
+
+    def check_fit(self, punch_radius: float, inner_radius: float) -> None:
+        if self.ball_radius < punch_radius:
+            raise ValueError(
+                f"profile.ball_radius = {self.ball_radius:g} is below punch.radius = "
+                f"{punch_radius:g}: a ball is no wider than that; give a smaller punch.radius"
+            )
+
+    def height_over(self, punch_radius: float) -> Height:
+        radius = self.ball_radius
+        # without the cancellation of R - sqrt(R^2 - r^2)
+        return lambda radii: (
+            radii**2 / (radius + np.sqrt(np.maximum((radius - radii) * (radius + radii), 0.0)))
+        )
+
+
+class Truncated(ProfileSection):
+    """A face that is flat inside a radius, with a kink there."""
+
+    flat_radius: Positive = Field(description="the radius b inside which the face is flat")
+
+    @property
+    def kinks(self) -> list[float]:
+        return [self.flat_radius]
+
+    def check_fit(self, punch_radius: float, inner_radius: float) -> None:
+        if self.flat_radius >= punch_radius:
+            raise ValueError(
+                f"profile.flat_radius = {self.flat_radius:g} leaves nothing beyond it: give less "
+                f"than {punch_radius:g}"
+            )
+
+
+class TruncatedCone(Truncated):
+    kind: Literal["truncated_cone"]
+    slope: Positive = Field(description="the slope of the cone beyond the flat, positive")
+
+    def height_over(self, punch_radius: float) -> Height:
+        return lambda radii: self.slope * np.maximum(radii - self.flat_radius, 0.0)
+
+
+class TruncatedParaboloid(Truncated):
+    kind: Literal["truncated_paraboloid"]
+    curvature_radius: Positive = Field(description="the radius of curvature R, a positive length")
+
+    def height_over(self, punch_radius: float) -> Height:
+        flat = self.flat_radius
+        return lambda radii: (
+            np.maximum(radii - flat, 0.0) * (radii + flat) / (2 * self.curvature_radius)
+        )
+
+
+class Concave(ProfileSection):
+    """A dish: it touches at the rim first."""
+
+    kind: Literal["concave"]
+    depth: Positive = Field(description="the depth h at the centre of f = h (1 - r^2/a^2)")
+
+    def height_over(self, punch_radius: float) -> Height:
+        return lambda radii: self.depth * (1 - (radii / punch_radius) ** 2)
+
+
 class HeightTable(ProfileSection):
     """Monotone cubics through given points (Fritsch and Carlson): smooth, without overshoot."""
 
@@ -223,7 +292,11 @@ KINDS: dict[str, type[Section]] = {
     "graded": WearTable,
     "over time": OverTime,
     "parabola": Parabola,
+    "ball": Ball,
     "cone": Cone,
+    "truncated_cone": TruncatedCone,
+    "truncated_paraboloid": TruncatedParaboloid,
+    "concave": Concave,
     "power": Power,
     "rounded_rim": RoundedRim,
     "table": HeightTable,

@@ -122,9 +122,7 @@ class Problem:
             graded = Rings.graded(np.array(punch.table.radii) / length, coefficients, ring_edges)
             face = Face(graded.ring_edges, ring_edges, graded.at)
             coefficients = ring_areas(ring_edges) / face.ring_sums(face.areas / face.wear)
-        modulus = half_space.plane_strain_modulus or (half_space.youngs_modulus or 0.0) / (
-            1 - half_space.poisson_ratio**2
-        )
+        modulus = half_space.modulus
         force = load.greatest_force(length, punch.inner_radius)
         if load.indentation is not None:
             approach = _approach(punch, load.indentation, ring_edges)

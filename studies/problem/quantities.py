@@ -191,7 +191,7 @@ ANSWER = {
     "indentation_start": Quantity(
         (),
         "displacement",
-        "indentation at the start, of the unworn face; F / (2 a E*) of a full flat punch",
+        "indentation of the unworn face at the start; F / (2 a E*) if flat and full",
     ),
     "indentation_steady": Quantity(
         (),

@@ -21,6 +21,7 @@ from pydantic_core import ErrorDetails
 from ...meshes.errors import SceneError
 from ..registry import METHODS
 from .fields import KINDS, Section, refuse_device
+from .not_modelled import kind_instead, not_modelled
 from .problem import Problem
 from .sections import (
     AccuracySection,
@@ -31,6 +32,9 @@ from .sections import (
     WearSection,
 )
 from .unit_names import without_quantities
+
+# least likeness of an unknown key to the one that it is taken for
+ALIKE = 0.6
 
 
 def check_method(method: str) -> str:
@@ -282,9 +286,11 @@ def explain(error: ValidationError) -> str:
     key = key_of(first)
     remedy = f"; give {field.description}" if field is not None and field.description else ""
     if first["type"] == "extra_forbidden":
+        if (instead := not_modelled(str(first["loc"][-1]))) is not None:
+            return f"unknown key {key}: {instead}"
         names = [info.alias or name for name, info in section.model_fields.items()]
-        (nearest,) = difflib.get_close_matches(str(first["loc"][-1]), names, 1, 0.0)
-        return f"unknown key {key}: did you mean {nearest}? The keys here are {', '.join(names)}"
+        guess = _guess(str(first["loc"][-1]), names)
+        return f"unknown key {key}: {guess}the keys here are {', '.join(names)}"
     if first["type"] == "missing":
         missing = [key_of(item) for item in errors if item["type"] == "missing"]
         keys = f" {key}{remedy}" if len(missing) == 1 else f"s {', '.join(missing)}"
@@ -299,8 +305,26 @@ def explain(error: ValidationError) -> str:
         remedy = "" if isinstance(first["input"], Mapping) else remedy
         return f"{key}: {message}{remedy}" if key else message
     if first["type"].startswith("union_tag"):
-        return f"{key}.kind: {message}{remedy}"
+        return f"{key}.kind: {kind_instead(first['input']) or message}{remedy}"
     return f"{key} = {first['input']!r}: {message[0].lower()}{message[1:]}{remedy}"
+
+
+def _guess(unknown: str, names: list[str]) -> str:
+    """Return what an unknown key may stand for, of the keys at its place or of another table."""
+    tables = {
+        info.alias or name: names_of
+        for name, info in Scene.model_fields.items()
+        if (names_of := getattr(info.annotation, "model_fields", None))
+    }
+    for table, others in tables.items():
+        if unknown in others and unknown not in names:
+            return f"did you mean {table}.{unknown}? Else "
+    if near := difflib.get_close_matches(unknown, names, 1, ALIKE):
+        return f"did you mean {near[0]}? Else "
+    for table, others in tables.items():
+        if near := difflib.get_close_matches(unknown, others, 1, ALIKE):
+            return f"did you mean {table}.{near[0]}? Else "
+    return ""
 
 
 def key_of(error: ErrorDetails) -> str:

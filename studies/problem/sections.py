@@ -13,6 +13,8 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from .fields import (
+    Ball,
+    Concave,
     Cone,
     Height,
     HeightTable,
@@ -25,6 +27,8 @@ from .fields import (
     RoundedRim,
     Section,
     Times,
+    TruncatedCone,
+    TruncatedParaboloid,
     WearTable,
     check_increasing,
     optional,
@@ -58,7 +62,9 @@ class PunchSection(Section):
         description="the radius of the hole of a hollow punch, below that of the first ring; 0 for "
         "a full one",
     )
-    rings: int | None = optional("the number of rings, 1 or more", ge=1, le=100_000)
+    rings: int | None = optional(
+        "the number of rings, 1 or more; of one material it may be left out", ge=1, le=100_000
+    )
     width_ratio: float = Field(
         default=1.0,
         ge=1e-9,
@@ -74,8 +80,20 @@ class PunchSection(Section):
     recess: list[NotNegative] | None = optional(
         "a height, 0 or more, for each ring: material missing"
     )
-    profile: Parabola | Cone | Power | RoundedRim | HeightTable | None = optional(
-        "a table with what goes with its kind, one of parabola, cone, power, rounded_rim and table",
+    profile: (
+        Parabola
+        | Ball
+        | Cone
+        | TruncatedCone
+        | TruncatedParaboloid
+        | Concave
+        | Power
+        | RoundedRim
+        | HeightTable
+        | None
+    ) = optional(
+        "a table with what goes with its kind, one of parabola, ball, cone, truncated_cone, "
+        "truncated_paraboloid, concave, power, rounded_rim and table",
         discriminator="kind",
     )
     heights: list[Callable[[Any], Any]] = Field(
@@ -97,14 +115,15 @@ class PunchSection(Section):
         ]
         | None
     ) = optional(
-        "that of odd rings, k1, a positive number; or that along the radius, { radii = [...], "
-        "values = [...] }"
+        "that of the one material, or of odd rings, k1, a positive number; or that along the "
+        "radius, { radii = [...], values = [...] }"
     )
     wear_ratio: Positive | None = optional("k2/k1 of two materials that alternate from the centre")
 
     @model_validator(mode="after")
     def _check_rings(self) -> Self:
-        if self.table is None or self.rings:
+        given = len(self.coefficients)
+        if (self.table is None and given > 1) or (self.rings and self.ring_edges):
             self.check_one_of("rings", "ring_edges")
         least = min(self.ring_edges or [self.radius])
         if not self.inner_radius < least * (1 - NARROWEST_FACE):
@@ -125,16 +144,18 @@ class PunchSection(Section):
                     f"ring_edges = {self.ring_edges} must end at punch.radius = {self.radius}"
                 )
         forms = self.wear_coefficients, self.wear_coefficient
-        if (self.wear_ratio is None) == isinstance(forms[1], float) or forms.count(None) != 1:
+        of_two = self.wear_ratio is not None
+        if (of_two and not isinstance(forms[1], float)) or forms.count(None) != 1:
             raise ValueError(
-                "give either wear_coefficients, positive numbers, two that alternate from the "
-                "centre or one for each ring, or wear_coefficient = k1 with wear_ratio = k2/k1, or "
-                "wear_coefficient = { radii = [...], values = [...] }"
+                "give one of wear_coefficient = k of one material; wear_coefficient = k1 with "
+                "wear_ratio = k2/k1; wear_coefficients, positive numbers, two that alternate from "
+                "the centre or one for each ring; wear_coefficient = { radii = [...], values = "
+                "[...] }"
             )
-        count, given = self.rings or len(self.ring_edges or [0]), len(self.coefficients)
+        count = self.rings or len(self.ring_edges or [0])
         if self.table:
             self.table.check_fit(self.radius)
-        elif given not in (2, count):
+        elif self.wear_coefficients is not None and given not in (2, count):
             raise ValueError(
                 f"wear_coefficients has {given} values for {count} rings: give {count}, or two, "
                 "which alternate from the centre"
@@ -153,15 +174,15 @@ class PunchSection(Section):
 
     @property
     def coefficients(self) -> list[float]:
-        """Wear coefficients: two, alternating from the centre, or one for each ring, or those of
-        the table.
+        """Wear coefficients: one of all rings, or two, alternating from the centre, or one for each
+        ring, or those of the table.
         """
         if self.wear_coefficients is not None:
             return self.wear_coefficients
         first = self.wear_coefficient or 0.0
         if isinstance(first, WearTable):
             return first.values
-        return [first, first * (self.wear_ratio or 0.0)]
+        return [first] if self.wear_ratio is None else [first, first * self.wear_ratio]
 
     @property
     def table(self) -> WearTable | None:
@@ -216,10 +237,37 @@ class HalfSpaceSection(Section):
         description="a number above -1 and at most 0.5",
     )
 
+    punch_youngs_modulus: Positive | None = optional(
+        "Young's modulus of an elastic punch, which then counts as a second half-space, a positive "
+        "pressure; none for a rigid punch"
+    )
+    punch_poisson_ratio: float | None = optional(
+        "Poisson's ratio of an elastic punch, a number above -1 and at most 0.5; 0.3 if not given",
+        gt=-1,
+        le=0.5,
+        allow_inf_nan=False,
+    )
+
     @model_validator(mode="after")
     def _check_modulus(self) -> Self:
         self.check_one_of("plane_strain_modulus", "youngs_modulus")
+        if self.punch_poisson_ratio is not None and self.punch_youngs_modulus is None:
+            raise ValueError("punch_poisson_ratio goes with punch_youngs_modulus: give that, too")
         return self
+
+    @property
+    def own_modulus(self) -> float:
+        """The plane strain modulus E/(1 - nu^2) of the half-space alone."""
+        given = (self.youngs_modulus or 0.0) / (1 - self.poisson_ratio**2)
+        return self.plane_strain_modulus or given
+
+    @property
+    def modulus(self) -> float:
+        """The plane strain modulus of the contact: of an elastic punch, too, if there is one."""
+        if self.punch_youngs_modulus is None:
+            return self.own_modulus
+        ratio = 0.3 if self.punch_poisson_ratio is None else self.punch_poisson_ratio
+        return 1 / (1 / self.own_modulus + (1 - ratio**2) / self.punch_youngs_modulus)
 
 
 # a number, or a table of times and values
@@ -372,6 +420,10 @@ class OutputSection(Section):
     radii: Increasing | None = optional("radii from 0 to punch.radius, increasing", min_length=1)
     field_times: Increasing | None = optional(
         "times at which the inside of the half-space is written, increasing", min_length=1
+    )
+    depth: Positive | None = optional(
+        "the distance from the axis to which the inside of the half-space is written, in "
+        "half_space.vtu; as far as the mesh goes if not given"
     )
     gradient_average: Literal["line", "area"] = "line"
     every_step: bool = False

@@ -75,7 +75,7 @@ def test_guesses_that_work(call, result):
         (lambda _: run("five_rings", methods=["abaqus"]), "mdr"),
         (lambda _: run("five_rings", rtol=10), "rtol"),
         (lambda _: run("five_rings", quantities="depth"), "indentation"),
-        (lambda _: Scene(punch={"radius": 1.0}), "rings"),
+        (lambda _: Scene(punch={"radius": 1.0}), "wear_coefficient"),
         (lambda _: Scene.load("five_rings").changed(punch__radios=2.0), "did you mean radius"),
         (lambda _: load("nowhere"), "ringwear run"),
         (lambda result: result.plot("pressure"), "profiles_and_pressures"),

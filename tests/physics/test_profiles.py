@@ -1,0 +1,178 @@
+"""Faces with closed forms: balls, truncated cones and paraboloids, dishes; two elastic bodies.
+
+By the one-dimensional profile g of Eq. 3, ``d = g(c)`` and ``F = 2 int_0^c (d - g) dx``.
+"""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+from ringwear import Scene, run
+from ringwear.meshes.errors import SceneError
+
+FLAT = 0.3
+
+
+def ball(x, radius=2.0):
+    """Of Sneddon's ball: ``g = x artanh(x / R)``."""
+    return x * np.arctanh(x / radius)
+
+
+def truncated_cone(x, slope=0.2):
+    return slope * x * np.arccos(FLAT / x) if x > FLAT else 0.0
+
+
+def truncated_paraboloid(x, radius=1.5):
+    return x * np.sqrt(x**2 - FLAT**2) / radius if x > FLAT else 0.0
+
+
+PROFILES = {
+    "ball": ({"kind": "ball", "ball_radius": 2.0}, ball),
+    "truncated cone": (
+        {"kind": "truncated_cone", "flat_radius": FLAT, "slope": 0.2},
+        truncated_cone,
+    ),
+    "truncated paraboloid": (
+        {"kind": "truncated_paraboloid", "flat_radius": FLAT, "curvature_radius": 1.5},
+        truncated_paraboloid,
+    ),
+}
+
+
+def pressed(profile, methods=("mdr", "fem"), force=0.05, rtol=1e-3, **changes):
+    table = {
+        "methods": list(methods),
+        "punch": {"radius": 1.0, "wear_coefficient": 1.0, "profile": profile},
+        "half_space": {"plane_strain_modulus": 1.0},
+        "load": {"normal_force": force},
+        "wear": {"times": [0.0]},
+        "accuracy": {"rtol": rtol},
+    }
+    return Scene.from_table(table).changed(**changes)
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_the_start_is_that_of_the_closed_form(name):
+    profile, g = PROFILES[name]
+
+    def force_on(contact):
+        area, _ = quad(lambda x: g(contact) - g(x), 0.0, contact, points=[min(FLAT, contact)])
+        return 2 * area
+
+    contact = brentq(lambda radius: force_on(radius) - 0.05, 1e-3, 0.999)
+    result = run(pressed(profile))
+    assert result.verdict != "disagree"
+    for solver in ("mdr", "fem"):
+        start = result.dataset.sel(solver=solver).isel(time=0)
+        assert float(start.indentation) == pytest.approx(g(contact), rel=1e-7)
+        assert float(start.contact_radius) == pytest.approx(contact, rel=1e-6)
+
+
+def test_sneddons_ball_has_his_formulas():
+    """``d = c/2 ln((R+c)/(R-c))``, ``F = E* ((c^2 + R^2)/2 ln((R+c)/(R-c)) - c R)``."""
+    contact, radius = 0.6, 2.0
+    logarithm = np.log((radius + contact) / (radius - contact))
+    force = (contact**2 + radius**2) / 2 * logarithm - contact * radius
+    start = run(pressed(PROFILES["ball"][0], ["mdr"], force)).dataset.isel(solver=0, time=0)
+    assert float(start.contact_radius) == pytest.approx(contact, rel=1e-6)
+    assert float(start.indentation) == pytest.approx(contact / 2 * logarithm, rel=1e-7)
+
+
+@pytest.mark.parametrize(("part", "full"), [(1.001, True), (0.9, False)])
+def test_a_dish_fills_at_barbers_force(part, full):
+    """``F = 16/3 E* a h``, from where ``d = h + (F - 4/3 E* a h) / (2 a E*)``."""
+    depth = 0.1
+    force = part * 16 / 3 * depth
+    dish = {"kind": "concave", "depth": depth}
+    start = run(pressed(dish, ["mdr"], force, 1e-4)).dataset.isel(solver=0, time=0)
+    touches = bool((start.contact[:-1] > 0).all())
+    assert touches == full
+    if full:
+        exact = depth + force / 2 - 2 * depth / 3
+        assert float(start.indentation) == pytest.approx(exact, rel=1e-4)
+
+
+def test_a_ball_is_no_narrower_than_the_punch():
+    with pytest.raises(SceneError, match=r"below punch\.radius"):
+        pressed({"kind": "ball", "ball_radius": 0.5})
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("sphere", "'parabola'.*'ball'"),
+        ("bal", "did you mean 'ball'"),
+        ("annulus", "inner_radius"),
+    ],
+)
+def test_a_kind_that_does_not_exist_is_answered(kind, words):
+    with pytest.raises(SceneError, match=words):
+        pressed({"kind": kind, "ball_radius": 1.0})
+
+
+@pytest.mark.parametrize(
+    ("key", "word"),
+    [
+        ("load__friction_coefficient", "no friction"),
+        ("half_space__layers", "no layers"),
+        ("half_space__yield_stress", "no plasticity"),
+        ("load__adhesion_energy", "no adhesion"),
+        ("half_space__temperature", "no temperature"),
+        ("punch__pressure_exponent", "another power of the pressure"),
+        ("load__times", "did you mean wear.times"),
+        ("punch__normal_force", "did you mean load.normal_force"),
+    ],
+)
+def test_what_is_not_modelled_is_told(key, word):
+    with pytest.raises(SceneError, match=word):
+        pressed(PROFILES["ball"][0]).changed(**{key: 1.0})
+
+
+def test_one_material_needs_no_rings():
+    plain = {"radius": 1.0, "wear_coefficient": 2.0}
+    ringed = {"radius": 1.0, "rings": 1, "wear_coefficients": [2.0]}
+    first, second = (
+        run(pressed(PROFILES["ball"][0], ["mdr"], punch=punch, wear__times=[0.0, 1.0])).dataset
+        for punch in (plain, ringed)
+    )
+    np.testing.assert_array_equal(first.indentation, second.indentation)
+    np.testing.assert_array_equal(first.profile, second.profile)
+
+
+def test_two_elastic_bodies_have_a_combined_modulus():
+    """As springs in series: ``1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2``."""
+    both = {"youngs_modulus": 2.0, "punch_youngs_modulus": 3.0, "punch_poisson_ratio": 0.2}
+    modulus = 1 / ((1 - 0.3**2) / 2.0 + (1 - 0.2**2) / 3.0)
+    punch = {"radius": 1.0, "wear_coefficient": 1.0}
+    flat = pressed(PROFILES["ball"][0], ["mdr"], 0.7, punch=punch, half_space=both)
+    result = run(flat.changed(accuracy__rtol=1e-6))
+    assert float(result.dataset.indentation[0, 0]) == pytest.approx(0.7 / 2 / modulus, rel=1e-8)
+    assert any(line.startswith("two elastic bodies") for line in result.summary["modelled"])
+    alone = result.answers["mdr"]
+    assert float(alone["indentation_start"]) == pytest.approx(0.7 / 2 / modulus, rel=1e-8)
+
+
+@pytest.mark.gmsh
+def test_the_inside_goes_as_deep_as_asked_for(tmp_path):
+    """Continuous across the end of the mesh, and Boussinesq's point force far away."""
+    import meshio
+
+    punch = {"radius": 1.0, "wear_coefficient": 1.0}
+    scene = pressed(PROFILES["ball"][0], ["fem"], 1.0, 1e-4, punch=punch, output__depth=60.0)
+    run(scene).save(tmp_path / "out")
+    mesh = meshio.read(tmp_path / "out" / "half_space.vtu")
+    radius, height, _ = mesh.points.T
+    moved = mesh.point_data["displacement t=0"][:, 1]
+    distance = np.hypot(radius, height)
+    assert distance.max() == pytest.approx(60.0)
+    at_edge = np.flatnonzero(np.abs(distance - 2.5) < 1e-9)
+    order = np.argsort(radius[at_edge])
+    near, values = radius[at_edge][order], moved[at_edge][order]
+    together = np.flatnonzero(np.diff(near) < 1e-9)
+    assert len(together) > 3
+    assert np.abs(np.diff(values)[together]).max() <= 1e-4 * np.abs(moved).max()
+    deepest = np.argmin(height)
+    shear = (1 - 0.3) / 2  # of plane strain modulus 1
+    point_force = (2 * (1 - 0.3) + 1) / (4 * np.pi * shear * 60.0)
+    assert -moved[deepest] == pytest.approx(point_force, rel=1e-3)

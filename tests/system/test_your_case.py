@@ -1,0 +1,83 @@
+"""Each row of the README's table of cases runs."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from ringwear import Scene, run
+from ringwear.meshes import bisection
+from ringwear.meshes.sizes import SizeField
+from ringwear.studies.cli import main
+
+README = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
+# what the table's rows change: the scene of the README is longer
+BASE = """
+units = "SI"
+methods = ["mdr"]
+[punch]
+radius = "10 mm"
+wear_coefficient = "1e-6 mm^3/(N m)"
+[half_space]
+youngs_modulus = "2 GPa"
+[load]
+normal_force = "100 N"
+sliding_speed = "0.1 m/s"
+[wear]
+times = ["0 s", "1 h"]
+[accuracy]
+rtol = 1e-2
+"""
+
+
+def rows():
+    table = README.partition("| your case |")[2].partition("\n\n")[0]
+    return [
+        (line.split("|")[1].strip(), re.search(r"`([^`]+)`", line.split("|")[2]).group(1))
+        for line in table.splitlines()[2:]
+    ]
+
+
+SCENES = [row for row in rows() if not row[1].startswith("ringwear")]
+
+
+def test_the_table_has_the_cases_that_people_bring():
+    cases = " ".join(case for case, _ in rows())
+    for word in ("ball", "elastic bodies", "rotates", "both bodies", "washer", "rounded edge"):
+        assert word in cases
+    for word in ("given displacement", "start and stop", "mesh of mine", "results of mine"):
+        assert word in cases
+
+
+@pytest.mark.parametrize("keys", [pytest.param(keys, id=case) for case, keys in SCENES])
+def test_a_row_of_the_table_runs(keys):
+    table = tomllib.loads(BASE)
+    for name, value in tomllib.loads(keys).items():
+        whole = keys.startswith(f"{name} =")
+        table[name] = value if whole else table.get(name, {}) | value
+    result = run(Scene.from_table(table))
+    assert result.verdict != "disagree"
+    assert all(anchor["holds"] for anchor in result.summary["anchors"])
+
+
+def test_results_of_mine(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("punch.toml").write_text(BASE)
+    data = run(Scene.from_toml(BASE)).dataset.isel(solver=0)
+    data[["indentation"]].to_dataframe().reset_index()[["time", "indentation"]].to_csv(
+        "theirs.csv", index=False
+    )
+    (command,) = [keys for case, keys in rows() if case == "results of mine"]
+    assert main(command.split()[1:]) == 0
+
+
+@pytest.mark.slow
+def test_a_mesh_of_mine(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("punch.toml").write_text(BASE)
+    field = SizeField((0.0, 1.0), 0.05, 0.05, 0.6, 4.0)
+    mesh = bisection.mesh(field)
+    mesh.scaled(0.01).save("mine.msh")
+    (command,) = [keys for case, keys in rows() if case == "a mesh of mine"]
+    assert main([*command.split()[1:], "--quick"]) == 0
