@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import pchip_interpolate
 
+from ...mdr.flat_punch import flat_punch
 from ...meshes.radial import Array
 from ..problem.quantities import Units
 from ..problem.scene import Scene
-from .flat_punch import flat_punch
 
 # part of a ring by which a place is beside a step of the wear coefficient
 INSIDE = 1e-12

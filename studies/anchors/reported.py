@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from ...mdr import direct
+from ...mdr.flat_punch import FlatPunch, flat_punch
 from ...meshes.radial import Array
 from ..methods.base import Solution
 from ..problem.quantities import DESCRIBED, STEADY
 from ..problem.scene import Scene
-from .flat_punch import FlatPunch, flat_punch
 from .reading import Reading
 
 # tolerance of sums and closed forms that hold to roundoff, whatever accuracy is asked for

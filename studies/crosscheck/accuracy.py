@@ -8,11 +8,11 @@ from dataclasses import replace
 
 from ...meshes.errors import RingwearError
 from ..methods.base import Method, Solution
-from ..problem.defaults import followed
 from ..problem.problem import Problem
 from ..problem.quantities import ENERGIES
 from ..problem.sections import DEGREES
 from ..progress import LOG, Stages
+from ..sizes.defaults import followed
 from .promise import BY_CELLS, allowed_error, unresolved
 
 # a refinement that leaves more than this part of an error is not followed by another

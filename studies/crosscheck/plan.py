@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from ..methods.spaces import contact_cells, pressure_spaces
-from ..problem import defaults
-from ..problem.marching import steps_between
 from ..problem.problem import Problem
 from ..problem.scene import Scene, Source
+from ..sizes import defaults
+from ..sizes.marching import steps_between
 from .run import run
 from .scope import methods_of, refusals
 from .sizes import predict_memory

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..methods.base import Solution
-from ..problem.defaults import THIN, edge_sizes, field_accuracy
 from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES, IN_LAYERS
+from ..sizes.defaults import THIN, edge_sizes, field_accuracy
 
 # with edges of the contact within the face, these are resolved to a cell, whatever the accuracy
 AT_EDGES = (

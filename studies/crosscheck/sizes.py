@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..methods.spaces import radial_space
-from ..problem.defaults import cells_of, mdr_sizes
 from ..problem.scene import Scene
+from ..sizes.defaults import cells_of, mdr_sizes
 
 GIB = 2.0**30
 

@@ -10,12 +10,12 @@ import numpy as np
 
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
-from ..problem.defaults import missing_layers
 from ..problem.problem import Problem
 from ..problem.quantities import CHANCE, CHANCE_OF_ENERGIES, DESCRIBED, ENERGIES, IN_LAYERS
 from ..sampling.answers import flat_answers
 from ..sampling.norms import Results
 from ..sampling.sampler import Sampler
+from ..sizes.defaults import missing_layers
 from ..wear.full_contact import RunningIn
 from ..wear.history import History
 

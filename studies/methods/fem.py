@@ -12,9 +12,9 @@ import numpy as np
 from ...fem.condensation import solver
 from ...meshes.errors import MeshError
 from ...meshes.sizes import NARROWEST
-from ..problem import defaults
 from ..problem.problem import Problem
 from ..progress import Stages
+from ..sizes import defaults
 from .base import Discretised
 from .pipeline import ComplianceMethod
 from .spaces import contact_cells

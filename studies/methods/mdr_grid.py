@@ -12,12 +12,12 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ...mdr.uniform_grid import UniformGrid
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
-from ..problem.defaults import grid_step
-from ..problem.marching import refused_steps, steps_between
 from ..problem.problem import Problem
 from ..progress import Stages
 from ..sampling.norms import answer_differences, differences
 from ..sampling.sampler import Sampler
+from ..sizes.defaults import grid_step
+from ..sizes.marching import refused_steps, steps_between
 from ..wear.history import History
 from .base import Method, Solution
 

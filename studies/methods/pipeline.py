@@ -16,14 +16,14 @@ from ...meshes.contact_cells import fitted_space
 from ...meshes.errors import RingwearError
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
-from ..problem.defaults import RADIAL_ROUNDOFF, mdr_sizes, smallest_size
-from ..problem.marching import refused_steps, steps_between
 from ..problem.problem import Problem
 from ..problem.profile import FLAT, InitialProfile
-from ..problem.shared import Shared
 from ..progress import Stages
 from ..sampling.answers import joined
 from ..sampling.norms import answer_differences, differences, radial_weight
+from ..sizes.defaults import RADIAL_ROUNDOFF, mdr_sizes, smallest_size
+from ..sizes.marching import refused_steps, steps_between
+from ..sizes.shared import Shared
 from ..wear.fitted_press import fit_presses
 from ..wear.flat_contact import FittedPress
 from ..wear.unilateral import Load

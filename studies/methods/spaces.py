@@ -16,8 +16,8 @@ from ...meshes.errors import SceneError
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, Indices, exact_graded_breakpoints
 from ...meshes.sizes import spared_degrees
-from ..problem.defaults import affordable, cells_of, mdr_sizes
 from ..problem.problem import Problem
+from ..sizes.defaults import affordable, cells_of, mdr_sizes
 from ..wear.contact_edges import located, refine_at_free_edges
 from ..wear.unilateral import Interval, Load
 

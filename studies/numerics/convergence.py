@@ -37,10 +37,10 @@ from ...meshes.radial import Array, graded_breakpoints
 from ...meshes.sizes import SizeField
 from ..methods.moving_evaluation import MovingContact
 from ..methods.spaces import first_contact
-from ..problem.defaults import FACTOR, GROWTH
 from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..sampling.norms import Results, differences
+from ..sizes.defaults import FACTOR, GROWTH
 from ..tables import Row
 from .core import FLAT, Discretised, condense, evaluate, flat_d0_error
 from .sequences import Family, Theory, study_orders
@@ -86,8 +86,10 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
     """Yield MDR and finite elements, on the flat start and on rings, by size and by degree."""
     edges, ratio = problem.merged.ring_edges, problem.poisson_ratio
     # exact values of rings: by a fine MDR, and their gradient in closed form
-    exact = ring_quantities(problem, by_mdr(edges, RING_EDGE, 10, 0.15)[0])
-    exact["RMS gradient"] = direct.rms_slope(edges, direct.steady_pressures(*problem.merged))
+    hollow = problem.merged.hollow
+    exact = ring_quantities(problem, by_mdr(edges, RING_EDGE, 10, 0.15, hollow)[0])
+    steady = direct.steady_pressures(*problem.merged)
+    exact["RMS gradient"] = direct.rms_slope(edges, steady, inner_radius=problem.inner_radius)
 
     def flat(compliance: Compliance) -> Row:
         return {"d0": flat_d0_error(compliance)}
@@ -116,7 +118,8 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
         theory = {"d0": Theory(2 * degree + 3, floor=1e-13)}
         yield refine(f"MDR degree {degree}, graded", by_grading, sizes, flat, theory)
     # degrees above 1 meet zeros or roundoff too early
-    by_grading, sizes = partial(by_mdr, edges, RING_EDGE, 1), ellipses((0.6, 0.7, 0.78, 0.84))
+    by_grading = partial(by_mdr, edges, RING_EDGE, 1, hollow=hollow)
+    sizes = ellipses((0.6, 0.7, 0.78, 0.84))
     # the gradient is of two orders less, and feels the smallest elements more
     theory = dict.fromkeys(exact, Theory(4, floor=2e-10)) | {"RMS gradient": Theory(2, RING_EDGE)}
     yield refine("MDR degree 1, rings", by_grading, sizes, worn, theory)
@@ -137,7 +140,7 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
     theory = {"d0": Theory(np.log10(GAIN), floor=1e-13)}
     yield refine("FEM quads, digits per degree", by_degree, raised, flat, theory)
     if not quick:
-        by_degree = partial(by_quads, edges, RING_EDGE, ratio)
+        by_degree = partial(by_quads, edges, RING_EDGE, ratio, hollow=hollow)
         theory = dict.fromkeys(exact, Theory(floor=1e-13))
         yield refine("FEM quads, rings, digits per degree", by_degree, raised, worn, theory)
 
@@ -185,10 +188,13 @@ def ellipses(gradings: Iterable[float]) -> dict[Any, float]:
     return {ratio: (1 - ratio**0.5) / (1 + ratio**0.5) for ratio in gradings}
 
 
-def by_mdr(ring_edges: Array, smallest: float, degree: int, grading: float) -> Discretised:
+def by_mdr(
+    ring_edges: Array, smallest: float, degree: int, grading: float, hollow: bool = False
+) -> Discretised:
     """Discretise by one degree on a radial mesh graded to one size at ring edges and rim."""
     breakpoints = graded_breakpoints(ring_edges, smallest, smallest, grading)
-    space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), ring_edges)
+    in_hole = (breakpoints[1:] <= ring_edges[1]) & hollow
+    space = PressureSpace(breakpoints, np.where(in_hole, 0, degree), ring_edges)
     return energy.compliance(space), space.size
 
 
@@ -204,7 +210,9 @@ def by_even_triangles(degree: int, poisson_ratio: float, halvings: int) -> Discr
     return condense(mesh, FLAT, degree, poisson_ratio, poles=3)
 
 
-def by_quads(ring_edges: Array, least: float, poisson_ratio: float, degree: int) -> Discretised:
+def by_quads(
+    ring_edges: Array, least: float, poisson_ratio: float, degree: int, hollow: bool = False
+) -> Discretised:
     """Discretise by quadrilaterals, the smallest a tenth with each degree, down to `least`.
 
     Of d0 they cost about 0.06 of their size, some per cent of what the degree does. What is worn is
@@ -213,7 +221,7 @@ def by_quads(ring_edges: Array, least: float, poisson_ratio: float, degree: int)
     """
     smallest = max(0.1 ** (degree + 1), least)
     mesh = graded(ring_edges, smallest, smallest, FACTOR, GROWTH, outer=2.5).mesh
-    return condense(mesh, ring_edges, degree, poisson_ratio, poles=8)
+    return condense(mesh, ring_edges, degree, poisson_ratio, 8, hollow)
 
 
 def ring_quantities(problem: Problem, compliance: Compliance) -> dict[str, float]:

@@ -10,7 +10,7 @@ from ...fem.half_space import HalfSpace, pressure_space
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..methods.evaluation import FullContact
-from ..problem.problem import D0, Problem
+from ..problem.problem import Problem, flat_indentation
 from ..sampling.norms import Results
 from ..wear.flat_contact import press_flat
 
@@ -21,18 +21,29 @@ FLAT = np.array([0.0, 1.0])
 
 
 def condense(
-    mesh: Mesh, ring_edges: Array, degree: int, poisson_ratio: float, poles: int
+    mesh: Mesh,
+    ring_edges: Array,
+    degree: int,
+    poisson_ratio: float,
+    poles: int,
+    hollow: bool = False,
 ) -> Discretised:
-    """Condense the finite-element half-space on a mesh, with so many poles as its far field."""
+    """Condense the finite-element half-space on a mesh, with so many poles as its far field.
+
+    Of a hollow punch the first ring is the hole.
+    """
     solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)
     orders = tuple(range(0, 2 * poles, 2))
-    half_space = HalfSpace(solid, pressure_space(solid, ring_edges), orders)
+    half_space = HalfSpace(solid, pressure_space(solid, ring_edges, hollow), orders)
     return half_space.compliance(), half_space.unknowns
 
 
 def flat_d0_error(compliance: Compliance) -> float:
-    """Return the relative error of the indentation of the flat start, singular at the rim."""
-    return press_flat(compliance).indentation / D0 - 1
+    """Return the relative error of the indentation of the flat start, singular at the rim, and at
+    the edge of a hole.
+    """
+    exact = flat_indentation(compliance.space.inner_radius)
+    return press_flat(compliance).indentation / exact - 1
 
 
 def evaluate(problem: Problem, compliance: Compliance) -> Results:

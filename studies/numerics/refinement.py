@@ -23,11 +23,11 @@ from ...meshes.half_space import truncation
 from ...meshes.sizes import SizeField
 from ..methods.base import method
 from ..methods.fem import half_space_mesh
-from ..problem.defaults import WIDER_TRUNCATION, pole_orders, triangle_degree
 from ..problem.problem import Problem, Rings
 from ..problem.scene import Scene
 from ..problem.sections import FemAccuracy, MdrAccuracy
 from ..progress import Stages
+from ..sizes.defaults import WIDER_TRUNCATION, pole_orders, triangle_degree
 from ..tables import Row
 from .core import FLAT, condense, evaluate, flat_d0_error
 from .sequences import Curves, Family, Sequence, Theory, draw_errors, solve_all
@@ -44,7 +44,7 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     """Refine each way on each case; writes `refinement`, and errors over unknowns."""
     problem, conclusions = scene.problem, list[str]()
     cases = {"flat punch": replace(problem, rings=Rings(FLAT, np.ones(1)))}
-    if len(problem.merged.wear_coefficients) > 1:
+    if len(problem.merged.wear_coefficients) > 1 or problem.inner_radius:
         cases["scene"] = problem
     if options.mesh:
         try:
@@ -85,7 +85,7 @@ def families(
     def solve_on(mesh: Mesh, degree: int) -> Row:
         poles = len(pole_orders(problem, truncation(mesh)))
         compliance, unknowns = condense(
-            mesh, rings.ring_edges, degree, problem.poisson_ratio, poles
+            mesh, rings.ring_edges, degree, problem.poisson_ratio, poles, rings.hollow
         )
         results = evaluate(watched, compliance)
         errors = {

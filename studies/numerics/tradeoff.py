@@ -91,6 +91,9 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
                 f"n = {count}": replace(alone, mdr=MdrAccuracy(grid=count))
                 for count in ((100, 200) if quick else (100, 200, 400))
             }
+            if problem.inner_radius:
+                # it knows discs only
+                del ways["mdr-grid"]
         for name, problems in ways.items():
             solve = partial(measure, group, name, problems, exact, quick)
             yield Family(f"{group}, {name}", dict.fromkeys(problems, np.nan), solve)

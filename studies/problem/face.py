@@ -188,7 +188,9 @@ class Face:
     def blunting(self) -> Array:
         """(R,) factors that make the square of a flat punch's pressure finite at its edges."""
         of_rim = (1 - self.radii) * (1 + self.radii)
-        return of_rim * (self.radii - self.inner_radius) / self.radii
+        if not self.inner_radius:
+            return np.asarray(of_rim)
+        return np.asarray(of_rim * (self.radii - self.inner_radius) / self.radii)
 
     @cached_property
     def ring(self) -> Indices:

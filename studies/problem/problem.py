@@ -24,6 +24,7 @@ from ...meshes.sizes import Sharpness
 from .face import Face, Rings
 from .loading import Loading
 from .profile import FLAT, InitialProfile
+from .punch import PunchSection
 from .quantities import ENERGIES, GROUPS, HISTORIES, OF_PROFILES, STEADY, Units, expand
 from .sections import (
     AccuracySection,
@@ -32,7 +33,6 @@ from .sections import (
     LoadSection,
     MdrAccuracy,
     OutputSection,
-    PunchSection,
     WearSection,
 )
 

@@ -23,12 +23,12 @@ from ..registry import METHODS
 from .fields import KINDS, Section, refuse_device
 from .not_modelled import kind_instead, not_modelled
 from .problem import Problem
+from .punch import PunchSection
 from .sections import (
     AccuracySection,
     HalfSpaceSection,
     LoadSection,
     OutputSection,
-    PunchSection,
     WearSection,
 )
 from .unit_names import without_quantities

@@ -19,9 +19,9 @@ from ..crosscheck.table import in_units
 from ..methods.base import Method, Solution, method
 from ..problem.problem import Problem
 from ..problem.quantities import error_name
-from ..problem.shared import groups
 from ..progress import Stages
 from ..sampling.norms import common
+from ..sizes.shared import groups
 from ..versions import stamp
 from .axes import ANSWERS, Sweep
 from .store import DONE, FAILED, PENDING

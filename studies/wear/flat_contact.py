@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 # functions that a flat start is sought among: what a compliance adds to the first of them is an
 # error of its own
 MOST_FUNCTIONS = 3
-# part of the indentation by which the mean displacement under a flat start may differ from it:
-# beyond it the compliance is not that of a half-space
+# part by which the mean displacement under the first function may differ from that weighted by its
+# pressure: beyond it the compliance is not that of a half-space
 UNEVEN = 0.1
 
 
@@ -112,9 +112,10 @@ def flat_start(
     projected = BandedCholesky(space.mass()).solve(_moments(space, len(series)) @ series)
     displaced = compliance.factor @ projected
     coefficients, depth = _press(np.linalg.qr(displaced, mode="r"), forces, indentation)
-    of_uniform = compliance.factor @ space.uniform
-    mean = of_uniform @ (displaced @ coefficients) / (space.weights @ space.uniform)
-    if abs(mean / depth - 1) > UNEVEN:
+    # the mean displacement under the first of them, and that weighted by its pressure
+    first, of_uniform = displaced[:, 0], compliance.factor @ space.uniform
+    mean = of_uniform @ first / (space.weights @ space.uniform)
+    if abs(mean / (first @ first / forces[0]) - 1) > UNEVEN:
         return press_flat(compliance, indentation)
     return FlatStart(series @ coefficients, projected @ coefficients, depth, space.inner_radius)
 

@@ -19,7 +19,7 @@ from ...meshes.compliance import Compliance
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.loading import Loading
-from ..problem.marching import steps_between
+from ..sizes.marching import steps_between
 from .flat_contact import FittedPress, FlatStart, SteadyState, flat_start
 from .history import History
 from .modes import (

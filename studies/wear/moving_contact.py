@@ -32,7 +32,7 @@ from ...meshes.compliance import Compliance
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.loading import Loading
-from ..problem.marching import steps_between
+from ..sizes.marching import steps_between
 from .full_contact import RunningIn
 from .history import History, Steps
 from .unilateral import Contact, Load, Mask, Press

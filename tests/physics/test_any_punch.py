@@ -19,8 +19,8 @@ from ringwear.studies.cli import main
 from ringwear.studies.crosscheck.agreement import remedy
 from ringwear.studies.crosscheck.promise import AT_EDGES
 from ringwear.studies.methods.spaces import first_contact, load_of
-from ringwear.studies.problem.defaults import cells_of
 from ringwear.studies.registry import STUDIES
+from ringwear.studies.sizes.defaults import cells_of
 from ringwear.studies.wear.contact_edges import located
 
 LENGTH, MODULUS, FORCE = 2.0, 5.0, 0.3
@@ -130,7 +130,7 @@ def test_files_are_those_of_this_punch(tmp_path):
     assert {"contact.png", "history.png", "results.nc", "solver_time_edge.csv"} <= files
     assert {"half_space.vtu", "stress.png", "mesh.png"} <= files
     page = (out / "report.html").read_text("utf-8")
-    assert "of the unworn face;" in page
+    assert "of the unworn face at the start" in page
     # but for an anchor of that name
     assert "flat punch</td>" not in page.replace("reciprocity with the flat punch</td>", "")
 

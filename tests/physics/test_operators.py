@@ -11,8 +11,8 @@ from ringwear.mdr import energy
 from ringwear.meshes.errors import SolverError
 from ringwear.studies.crosscheck.operators import check_multipliers, difference
 from ringwear.studies.methods import fem
-from ringwear.studies.problem.defaults import quad_degree
 from ringwear.studies.progress import Stages
+from ringwear.studies.sizes.defaults import quad_degree
 from ringwear.studies.wear.full_contact import RunningIn
 
 FIVE = Scene.load("five_rings")

@@ -12,8 +12,8 @@ from wear_reference import random_scenes
 from ringwear import Scene, run
 from ringwear.meshes.contact_cells import ContactCells
 from ringwear.studies.crosscheck.agreement import agreements
-from ringwear.studies.problem.defaults import cells_of
 from ringwear.studies.report.words import Account
+from ringwear.studies.sizes.defaults import cells_of
 from ringwear.studies.wear.contact_edges import worn_edges
 
 FIVE = Scene.load("five_rings")

@@ -83,8 +83,10 @@ def test_the_keys_in_the_readme():
 
 
 def test_the_readme_is_read_in_minutes():
+    """But for its tables, in which people look up their own case."""
     text = (ROOT / "README.md").read_text("utf-8")
-    assert len(text[: text.index("## Commands")].split()) <= 900
+    lines = text[: text.index("## Commands")].splitlines()
+    assert len(" ".join(line for line in lines if not line.startswith("|")).split()) <= 900
 
 
 def test_the_readme_names_every_command_and_flag():

@@ -19,7 +19,7 @@ from ringwear.studies.cli import main
 from ringwear.studies.crosscheck.sizes import predict_memory
 from ringwear.studies.problem.problem import Rings
 from ringwear.studies.problem.quantities import QUANTITIES, error_name
-from ringwear.studies.problem.shared import Shared, groups
+from ringwear.studies.sizes.shared import Shared, groups
 from ringwear.studies.sweep.axes import ANSWERS, Sweep
 from ringwear.studies.sweep.store import Store
 

@@ -19,6 +19,7 @@ ROOMS = (
     {"mdr", "fem"},
     {"studies.registry", "studies.progress", "studies.versions"},
     {"studies.tables", "studies.problem"},
+    {"studies.sizes"},
     {"studies.wear"},
     {"studies.problem.scene"},  # times of a scene may be counts of its slowest relaxation time
     {"studies.sampling"},

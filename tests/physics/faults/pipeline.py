@@ -154,7 +154,7 @@ def area_in_place_of_line() -> Put:
     """The RMS slope is an average over the area."""
 
     def put(patch):
-        patch.setattr(sampler, "radial_weight", lambda radii, _: 2 * radii)
+        patch.setattr(sampler, "radial_weight", lambda radii, *_: 2 * radii)
 
     return put
 

@@ -15,9 +15,9 @@ import numpy as np
 from ...meshes.contact_cells import ContactCells
 from ...meshes.radial import Array
 from ...meshes.sizes import SizeField, convergence
-from .problem import Problem
-from .quantities import COMPARED_MODES, FINEST
-from .sections import DEGREES
+from ..problem.problem import Problem
+from ..problem.quantities import COMPARED_MODES, FINEST
+from ..problem.sections import DEGREES
 
 # of the half-space: quadrilaterals with Boussinesq's far field, and anything else (`ringwear study
 # truncation`)

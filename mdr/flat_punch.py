@@ -4,13 +4,15 @@ from typing import Protocol
 
 import numpy as np
 
-from ...mdr.annulus import flat_annulus
-from ...meshes.radial import Array
-from ..problem.problem import D0, P0
+from ..meshes.radial import Array
+from .annulus import flat_annulus
+
+# Eqs. 10 and 11, non-dimensional: d0 = F / (2 a E*) and p0 = F / (2 pi a^2)
+D0, P0 = 0.5, 1 / (2 * np.pi)
 
 
 class FlatPunch(Protocol):
-    """What anchors ask of a flat punch."""
+    """A flat punch under the force 1."""
 
     @property
     def indentation(self) -> float:

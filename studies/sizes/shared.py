@@ -14,7 +14,7 @@ from typing import Self
 import numpy as np
 
 from ...meshes.sizes import Sharpness
-from .problem import Problem
+from ..problem.problem import Problem
 
 
 @dataclass(frozen=True, eq=False)
