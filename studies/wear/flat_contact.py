@@ -111,7 +111,8 @@ def flat_start(
     series, forces = _functions(space.inner_radius, max(1, min(MOST_FUNCTIONS, space.size // 3)))
     projected = BandedCholesky(space.mass()).solve(_moments(space, len(series)) @ series)
     displaced = compliance.factor @ projected
-    coefficients, depth = _press(np.linalg.qr(displaced, mode="r"), forces, indentation)
+    factor = np.asarray(np.linalg.qr(displaced, mode="r"))
+    coefficients, depth = _press(factor, forces, indentation)
     # the mean displacement under the first of them, and that weighted by its pressure
     first, of_uniform = displaced[:, 0], compliance.factor @ space.uniform
     mean = of_uniform @ first / (space.weights @ space.uniform)
@@ -184,7 +185,7 @@ def press_flat(compliance: Compliance, indentation: float | None = None) -> Fitt
     """
     continuous = compliance.space.joined()
     weights = continuous.T @ compliance.space.weights
-    factor = np.linalg.qr((continuous.T @ compliance.factor.T).T, mode="r")
+    factor = np.asarray(np.linalg.qr((continuous.T @ compliance.factor.T).T, mode="r"))
     coefficients, indentation = _press(factor, weights, indentation)
     return FittedPress(
         compliance.space,
