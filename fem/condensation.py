@@ -26,7 +26,7 @@ def solver() -> str:
 
 
 def fill_reducing_order(groups: Indices) -> Indices:
-    """(n,) order in which to eliminate the vertices of a graph.
+    """Return an order (n,) in which to eliminate the vertices of a graph.
 
     Parameters
     ----------
@@ -47,13 +47,13 @@ def fill_reducing_order(groups: Indices) -> Indices:
 
 
 def symmetric(lower: coo_matrix) -> csc_matrix:
-    """The symmetric matrix of a lower triangle, entries at one place summed."""
+    """Return the symmetric matrix of a lower triangle, entries at one place summed."""
     summed = lower.tocsc()
     return (summed + tril(summed, -1).T).tocsc()
 
 
 def cholmod_matrix(lower: coo_matrix) -> Any:
-    """A lower triangle as CHOLMOD's kind of matrix, entries at one place summed."""
+    """Return a lower triangle as CHOLMOD's kind of matrix, entries at one place summed."""
     import kvxopt
 
     # converted one by one: fewer copies at a time
@@ -62,7 +62,8 @@ def cholmod_matrix(lower: coo_matrix) -> Any:
 
 
 def trailing_factor(lower: coo_matrix, inside: int) -> Array:
-    """(k, k) lower Cholesky factor of the Schur complement of the first `inside` unknowns.
+    """Return the lower Cholesky factor (k, k) of the Schur complement of the first `inside`
+    unknowns.
 
     Parameters
     ----------

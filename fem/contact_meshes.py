@@ -22,7 +22,7 @@ COARSER_GROWTH = 0.9
 def fitted_half_space(
     edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int, poisson_ratio: float
 ) -> HalfSpace:
-    """Quadrilaterals of high degree in geometric layers round every edge of a contact.
+    """Return quadrilaterals of high degree in geometric layers round every edge of a contact.
 
     Parameters
     ----------
@@ -53,8 +53,8 @@ def fitted_half_space(
 def even_half_space(
     cells: ContactCells, poisson_ratio: float, growth: float = TRIANGLE_GROWTH, degree: int = 3
 ) -> HalfSpace:
-    """Triangles of one degree whose facets on the contact are no larger than the cells, with linear
-    pressures on these.
+    """Return triangles of one degree whose facets on the contact are no larger than the cells, with
+    linear pressures on these.
     """
     edges, size = cells.ring_edges, cells.edge_size
     field = SizeField(edges, size, size, growth, 5.0, cells.largest, 0.125, cells)

@@ -194,8 +194,8 @@ class AxisymmetricElasticity:
         return Batch(self, degree, elements, functions, unknowns, numbers[:, inside])
 
     def with_insides(self, displacement: Array) -> Array:
-        """(states, dofs, 2) radial and axial coefficients of all functions, by the (2 nodes,
-        states) unknowns of those not inside elements.
+        """Return the radial and axial coefficients (states, dofs, 2) of all functions, by the (2
+        nodes, states) unknowns of those not inside elements.
         """
         states, values = displacement.shape[1], np.pad(displacement, ((0, 1), (0, 0)))
         out = np.zeros((states, int(self.dofs.N), 2))
@@ -231,7 +231,7 @@ class AxisymmetricElasticity:
         return coo_matrix((values, places), shape=(position.max() + 1,) * 2)
 
     def forces(self, displacement: Array) -> Array:
-        """(2 nodes, k) forces on the functions that make the (2 nodes, k) displacements."""
+        """Return the forces (2 nodes, k) on the functions that make (2 nodes, k) displacements."""
         values = np.pad(displacement, ((0, 1), (0, 0)))
         out = np.zeros_like(values)
         for batch in self.batches:
@@ -240,7 +240,7 @@ class AxisymmetricElasticity:
         return out[:-1]
 
     def boundary(self, name: str) -> Indices:
-        """Functions on a named boundary that are not fixed, in the order of the radius."""
+        """Return the functions on a named boundary that are not fixed, along the radius."""
         mesh, (_, part) = self.mesh, self.parts
         numbers = self.dofs.get_facet_dofs(mesh.boundaries[name]).flatten()
         numbers = numbers[~self.fixed[numbers]]
@@ -249,8 +249,8 @@ class AxisymmetricElasticity:
         return np.asarray(numbers[np.argsort(order, kind="stable")], dtype=np.int64)
 
     def interpolate(self, name: str, fields: Callable[[Array], Array]) -> Array:
-        """(functions, ...) coefficients of fields on a named boundary, in its order, by values (n,
-        ...) at (n, 2) points.
+        """Return the coefficients (functions, ...) of fields on a named boundary, in its order, by
+        values (n, ...) at (n, 2) points.
 
         Least squares at as many points of each facet as it has functions, both ends among them: an
         interpolation.
@@ -266,7 +266,8 @@ class AxisymmetricElasticity:
         return np.asarray(coefficients.reshape(-1, *values.shape[1:]))
 
     def trace(self, facets: Indices, local: Array) -> csr_matrix:
-        """(facets x points, nodes) values at local coordinates on facets of the boundary.
+        """Return the values (facets x points, nodes) at local coordinates on facets of the
+        boundary.
 
         Evaluated on the sides of the reference element: `FacetBasis` inverts the mapping by
         Newton's method, which does not end on elements smaller than its tolerance. Local

@@ -24,7 +24,8 @@ from ..meshes.radial import Array, unit_gauss
 
 
 def enough_poles(truncation: float, negligible: float) -> tuple[int, ...]:
-    """Orders of the poles that leave next to nothing of the truncation at a radius in `a`.
+    """Return the orders of the poles that leave next to nothing of the truncation at a radius in
+    `a`.
 
     With n poles tied, the first one neglected has the share ``(a/R)^(4n+1)`` of the energy
     (`ringwear study truncation`).
@@ -34,7 +35,7 @@ def enough_poles(truncation: float, negligible: float) -> tuple[int, ...]:
 
 
 def _moments(points: Array, highest: int) -> tuple[Array, Array]:
-    """(highest + 1, n) L_n / n! and M_n / (r n!), finite on the axis, at the points."""
+    """Return (highest + 1, n) L_n / n! and M_n / (r n!), finite on the axis, at the points."""
     r, z = points.T
     rho = np.hypot(r, z)
     order = np.arange(highest + 1)[:, None]
@@ -50,7 +51,7 @@ def _moments(points: Array, highest: int) -> tuple[Array, Array]:
 def poles(
     points: Array, orders: tuple[int, ...], poisson_ratio: float, shear_modulus: float
 ) -> tuple[Array, Array]:
-    """Displacement and stress of poles of even orders, each normalised to size one at unit
+    """Return displacement and stress of poles of even orders, each normalised to size one at unit
     distance.
 
     Parameters
@@ -84,7 +85,8 @@ def poles(
 def fields_beyond(
     points: Array, moments: Array, poisson_ratio: float, shear_modulus: float
 ) -> tuple[Array, Array]:
-    """Displacement (states, n, 2) and stress (states, n, 4) under pressures on ``r < 1``, far away.
+    """Return the displacement (states, n, 2) and stress (states, n, 4) under pressures on ``r <
+    1``, far away.
 
     By Taylor's series of the Hankel transform of the pressure, the pole of order 2k has the size
     ``(2k)! (-1)^k / (4^k k!^2) int p r^2k dA / (2 pi)``. What is left out of K poles falls as ``1 /
@@ -111,7 +113,8 @@ def fields_beyond(
 def exterior_stiffness(
     segments: Array, orders: tuple[int, ...], poisson_ratio: float, shear_modulus: float
 ) -> Array:
-    """(k, k) energy of the poles outside a polygon, ``-int t_i . u_j dA`` over its sides.
+    """Return the energy (k, k) of the poles outside a polygon, ``-int t_i . u_j dA`` over its
+    sides.
 
     Parameters
     ----------

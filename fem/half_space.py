@@ -35,7 +35,7 @@ from .weak_form import moduli
 def pressure_space(
     solid: AxisymmetricElasticity, ring_edges: Array, hollow: bool = False
 ) -> PressureSpace:
-    """The pressure space on the contact facets of a solid that goes with its displacements.
+    """Return the pressure space on the contact facets of a solid that goes with its displacements.
 
     Of a hollow punch the first ring is the hole, where the surface is free.
     """
@@ -152,8 +152,8 @@ class HalfSpace:
         return np.pad(on_contact.toarray(), ((0, len(self.poles)), (0, 0)))
 
     def displacements(self, pressures: Array) -> Array:
-        """(states, functions, 2) radial and axial coefficients under (states, size) pressure
-        coefficients.
+        """Return the radial and axial coefficients (states, functions, 2) under (states, size)
+        pressure coefficients.
 
         Raises
         ------

@@ -15,8 +15,8 @@ from .weak_form import moduli, tables
 def stresses(
     solid: AxisymmetricElasticity, displacement: Array, elements: Indices, points: Array
 ) -> tuple[Array, Array]:
-    """Displacements (states, m, q, 2) and stresses rr, zz, rz, hoop (states, m, q, 4) at reference
-    points of elements.
+    """Return the displacements (states, m, q, 2) and stresses rr, zz, rz, hoop (states, m, q, 4) at
+    reference points of elements.
 
     The elements must be of one degree p. Near incompressibility lambda makes noise of the
     dilatation but for its part in the polynomials of total degree p - 1, which with displacements
@@ -43,7 +43,7 @@ def stresses(
 
 
 def _polynomials(degree: int, points: Array) -> Array:
-    """(k, q) values of the polynomials of a total degree at reference points."""
+    """Return the values (k, q) of the polynomials of a total degree at reference points."""
     total = np.add.outer(np.arange(degree + 1), np.arange(degree + 1)).ravel()
     first, second = 2 * points - 1
     return legvander2d(first, second, [degree, degree]).T[total <= degree]
@@ -52,8 +52,8 @@ def _polynomials(degree: int, points: Array) -> Array:
 def _strains(
     solid: AxisymmetricElasticity, displacement: Array, elements: Indices, points: Array
 ) -> tuple[Array, Array]:
-    """Displacements (states, m, q, 2) and strains rr, zz, rz, hoop (4, states, m, q) at reference
-    points of elements.
+    """Return the displacements (states, m, q, 2) and strains rr, zz, rz, hoop (4, states, m, q) at
+    reference points of elements.
     """
     value, gradient = tables(solid.element, points)
     mapping = solid.mesh.mapping()
@@ -71,8 +71,8 @@ def _strains(
 def sampled(
     half_space: HalfSpace, pressures: Array, refinements: int
 ) -> tuple[Array, Indices, Array, Array]:
-    """The fields of all elements under (states, size) pressure coefficients, not averaged between
-    elements.
+    """Return the fields of all elements under (states, size) pressure coefficients, not averaged
+    between elements.
 
     Points and triangles depend on the mesh only, so that the fields of two degrees can be compared
     point by point.
@@ -105,6 +105,6 @@ def sampled(
 
 
 def von_mises(stress: Array) -> Array:
-    """(...) von Mises stress of (..., 4) stresses."""
+    """Return the von Mises stress (...) of (..., 4) stresses."""
     rr, zz, rz, hoop = np.moveaxis(stress, -1, 0)
     return np.sqrt(((rr - zz) ** 2 + (zz - hoop) ** 2 + (hoop - rr) ** 2) / 2 + 3 * rz**2)

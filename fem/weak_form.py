@@ -20,13 +20,13 @@ from ..meshes.radial import Array, Indices
 
 
 def moduli(poisson_ratio: float) -> tuple[float, float]:
-    """Lame's lambda and shear modulus for plane strain modulus 1."""
+    """Return Lame's lambda and shear modulus for plane strain modulus 1."""
     shear = (1 - poisson_ratio) / 2
     return 2 * shear * poisson_ratio / (1 - 2 * poisson_ratio), shear
 
 
 def element_of_degree(mesh: Mesh, degree: int) -> Element:
-    """scikit-fem's element of a degree on quadrilaterals (any) or triangles (1 to 4)."""
+    """Return scikit-fem's element of a degree on quadrilaterals (any) or triangles (1 to 4)."""
     return _element(isinstance(mesh, MeshQuad), degree)
 
 
@@ -46,7 +46,7 @@ def stiffness(
     degree: int,
     poisson_ratio: float,
 ) -> Array:
-    """(m, 2, n, 2, n) stiffness of some functions on some elements, radial first.
+    """Return the stiffness (m, 2, n, 2, n) of some functions on some elements, radial first.
 
     The rule of quadrature is exact for polynomials of degree 2p + 1 on quadrilaterals. Triangles,
     which may touch the axis with a corner, need more for the hoop strain u/r: 2p + 4.
@@ -81,7 +81,7 @@ def stiffness(
 
 @lru_cache(maxsize=64)
 def _at_rule(element: Element, order: int) -> tuple[Array, Array, Array, Array]:
-    """Points and weights of scikit-fem's quadrature of an order, and the element's `tables`
+    """Return points and weights of scikit-fem's quadrature of an order, and the element's `tables`
     there.
     """
     points, weights = get_quadrature(element, order)
@@ -89,6 +89,6 @@ def _at_rule(element: Element, order: int) -> tuple[Array, Array, Array, Array]:
 
 
 def tables(element: Element, points: Array) -> tuple[Array, Array]:
-    """Values (n, q) and reference gradients (n, 2, q) of an element's functions."""
+    """Return the values (n, q) and reference gradients (n, 2, q) of an element's functions."""
     pairs = [element.lbasis(points, i) for i in range(len(element.doflocs))]
     return np.array([value for value, _ in pairs]), np.array([gradient for _, gradient in pairs])

@@ -30,12 +30,14 @@ POINTS = 24
 
 
 def steady_pressures(ring_edges: Array, wear_coefficients: Array) -> Array:
-    """Eqs. 24 and 26 for any rings and the force 1: ``p_j = F / (k_j sum_i A_i / k_i)``."""
+    """Return the steady pressures of Eqs. 24 and 26 for any rings and the force 1: ``p_j = F / (k_j
+    sum_i A_i / k_i)``.
+    """
     return 1 / (wear_coefficients * np.sum(ring_areas(ring_edges) / wear_coefficients))
 
 
 def disc_displacement(disc: Array, radius: Array) -> Array:
-    """Displacement at `radius` by unit pressure on a disc; the arguments broadcast."""
+    """Return the displacement at `radius` by unit pressure on a disc; the arguments broadcast."""
     ratio = np.minimum(radius, disc) / np.maximum(radius, disc)
     e = ellipe(ratio**2)
     # (1 - m) K(m) tends to zero at the edge, where K itself is infinite
@@ -45,7 +47,7 @@ def disc_displacement(disc: Array, radius: Array) -> Array:
 
 
 def disc_slope(disc: Array, radius: Array, gap: Array | None = None) -> Array:
-    """Slope ``du/dr`` at `radius` by unit pressure on a disc; the arguments broadcast.
+    """Return the slope ``du/dr`` at `radius` by unit pressure on a disc; the arguments broadcast.
 
     `gap` is ``|radius - disc|``, for where the difference of the two has too few digits.
     ``K - E = m/3 R_D(0, 1 - m, 1)`` with the parameter m: Carlson's integral has no cancellation at
@@ -61,7 +63,7 @@ def disc_slope(disc: Array, radius: Array, gap: Array | None = None) -> Array:
 
 
 def displacement(ring_edges: Array, pressures: Array, radii: Array) -> Array:
-    """Displacement by a constant pressure on each ring: Eq. 21.
+    """Return the displacement by a constant pressure on each ring: Eq. 21.
 
     Parameters
     ----------
@@ -79,8 +81,8 @@ def displacement(ring_edges: Array, pressures: Array, radii: Array) -> Array:
 
 
 def pressure_steps(pressures: Array) -> Array:
-    """Pressures of the discs, one for each ring edge but the centre, whose sum is constant on
-    rings.
+    """Return the pressures of the discs, one for each ring edge but the centre, whose sum is
+    constant on rings.
 
     (N, ...) in, (N, ...) out.
     """
@@ -89,7 +91,9 @@ def pressure_steps(pressures: Array) -> Array:
 
 
 def greatest_displacement(ring_edges: Array, pressures: Array) -> Any:
-    """Greatest displacement under the punch, ``u_max`` of Eq. 27, by (N,) or (N, M) pressures."""
+    """Return the greatest displacement under the punch, ``u_max`` of Eq. 27, by (N,) or (N, M)
+    pressures.
+    """
     radii = np.unique(np.linspace(ring_edges[:-1], ring_edges[1:], 33))
     values = displacement(ring_edges, pressures, radii)
     steps, best = pressure_steps(pressures).T, values.argmax(axis=0)
@@ -104,13 +108,15 @@ def greatest_displacement(ring_edges: Array, pressures: Array) -> Any:
 
 
 def limiting_profile(ring_edges: Array, pressures: Array, radii: Array) -> Array:
-    """Eq. 27: ``f_stat = u_max - u``, zero where the punch has worn least."""
+    """Return the limiting profile of Eq. 27, ``f_stat = u_max - u``, zero where the punch has worn
+    least.
+    """
     return greatest_displacement(ring_edges, pressures) - displacement(ring_edges, pressures, radii)
 
 
 def slopes_everywhere(ring_edges: Array, pressures: Array) -> tuple[Array, Array, Array]:
-    """Radii (R,) and weights (R,) of a quadrature on (0, 1), and the slopes there, (R,) or (R, M),
-    by a constant pressure on each ring, (N,) or (N, M).
+    """Return radii (R,) and weights (R,) of a quadrature on (0, 1), and the slopes there, (R,) or
+    (R, M), by a constant pressure on each ring, (N,) or (N, M).
 
     Each ring is cut in the middle, and each half graded down to its neighbours' widths: a narrow,
     highly loaded ring is felt beside it over many times its width. The seventh power of Gauss
@@ -140,7 +146,7 @@ def slopes_everywhere(ring_edges: Array, pressures: Array) -> tuple[Array, Array
 def rms_slope(
     ring_edges: Array, pressures: Array, average: str = "line", inner_radius: float = 0.0
 ) -> Any:
-    """RMS gradients of the limiting profiles of (N,) or (N, M) pressures: Eq. 18.
+    """Return the RMS gradients of the limiting profiles of (N,) or (N, M) pressures: Eq. 18.
 
     The `average` is `line` (over the radius) or `area`, from an inner radius on, which is one of
     the ring edges.

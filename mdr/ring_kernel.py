@@ -47,7 +47,7 @@ _Blocks = Iterator[tuple[Indices, Indices, Array]]
 
 
 def compliance(space: PressureSpace) -> Compliance:
-    """Compliance of the half-space on `space` by the ring kernel.
+    """Return the compliance of the half-space on `space` by the ring kernel.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def compliance(space: PressureSpace) -> Compliance:
 
 
 def _touching(space: PressureSpace) -> _Blocks:
-    """Each element with itself, over the triangle where the second radius is the smaller, and
+    """Yield each element with itself, over the triangle where the second radius is the smaller, and
     elements that share a breakpoint, over both triangles at that corner.
     """
     depth, cut, weight = _product(_flattened(space.top), _flattened(space.top))
@@ -92,7 +92,7 @@ def _touching(space: PressureSpace) -> _Blocks:
 
 
 def _separate(space: PressureSpace) -> _Blocks:
-    """Elements with others between them, grouped by the rules that the two want."""
+    """Yield elements with others between them, grouped by the rules that the two want."""
     first, second = np.triu_indices(len(space.degrees), 2)
     gap = space.distance(first + 1, second)
     rules = [*map(unit_gauss, GAUSS_LADDER), _flattened(space.top)]
@@ -117,7 +117,8 @@ def _rung(space: PressureSpace, element: Indices, gap: Array) -> Indices:
 
 
 def _flattened(degree: int) -> tuple[Array, Array]:
-    """Points and weights on (0, 1) for products of two shape functions, with logarithms at 0.
+    """Return points and weights on (0, 1) for products of two shape functions, with logarithms at
+    0.
 
     ``log(x) dx`` with ``x = w^6`` is smooth enough at w = 0 for Gauss points in w.
     """
@@ -126,20 +127,20 @@ def _flattened(degree: int) -> tuple[Array, Array]:
 
 
 def _product(inner: tuple[Array, Array], outer: tuple[Array, Array]) -> tuple[Array, Array, Array]:
-    """Points (q,), (q,) and weights (q,) on the unit square by the product of two rules."""
+    """Return points (q,), (q,) and weights (q,) on the unit square by the product of two rules."""
     x, y = np.meshgrid(inner[0], outer[0], indexing="ij")
     return x.ravel(), y.ravel(), np.outer(inner[1], outer[1]).ravel()
 
 
 def _facing(inward: Array, outward: Array, weight: Array) -> _Rule:
-    """Rule of two different elements, from fractions measured from the ends that face each
-    other.
+    """Return the rule of two different elements, from fractions measured from the ends that face
+    each other.
     """
     return _Rule(1 - inward, outward, (inward, outward), weight)
 
 
 def _integrate(space: PressureSpace, first: Indices, second: Indices, rule: _Rule) -> _Blocks:
-    """Pairs of elements and their blocks (m, top+1, top+1) by a rule, a few at a time."""
+    """Yield pairs of elements and their blocks (m, top+1, top+1) by a rule, a few at a time."""
     local = space.top + 1
     products = np.einsum(
         "q,qi,qj->qij",
@@ -166,6 +167,8 @@ def _integrate(space: PressureSpace, first: Indices, second: Indices, rule: _Rul
 
 
 def _weighted_kernel(radius: Array, ring: Array, distance: Array) -> Array:
-    """``G dA dA / (dr ds) = 8 r s K / (r + s)`` of Eq. 19, for radii that are `distance` apart."""
+    """Return ``G dA dA / (dr ds) = 8 r s K / (r + s)`` of Eq. 19, for radii that are `distance`
+    apart.
+    """
     total = radius + ring
     return 8 * radius * ring / total * ellipkm1((distance / total) ** 2)

@@ -142,7 +142,7 @@ def panel_quadrature(space: PressureSpace) -> tuple[Array, Array, Array]:
 
 
 def profile_transform(radii: Array, positions: Array) -> Array:
-    """Matrix of Eq. 3, ``g = T f``, for a profile linear between `radii`.
+    """Return the matrix of Eq. 3, ``g = T f``, for a profile linear between `radii`.
 
     Inside the first of them it is flat; beyond the last it goes on with its last slope. Positions
     must be positive. Eq. 3 as printed holds for ``f(0) = 0``; a centre that has worn adds ``f(0)``
@@ -160,7 +160,8 @@ def profile_transform(radii: Array, positions: Array) -> Array:
 
 
 def pressure_transform(positions: Array, radii: Array) -> Array:
-    """Matrix of Eq. 7 with its edge term, ``p = S q``, for a line density linear between positions.
+    """Return the matrix of Eq. 7 with its edge term, ``p = S q``, for a line density linear between
+    positions.
 
     The positions start at 0 and end at the rim; radii must lie strictly between.
     """

@@ -48,21 +48,21 @@ class UniformGrid:
         return profile, rule, np.concatenate([pressure[:1], pressure])
 
     def contact(self, profile: Array) -> tuple[Array, float]:
-        """Pressure (count+1,) and indentation for a worn profile: Eqs. 3, 17, 6 and 7."""
+        """Return pressure (count+1,) and indentation for a worn profile: Eqs. 3, 17, 6 and 7."""
         to_springs, rule, to_pressure = self._transforms
         springs = to_springs @ profile
         indentation = 0.5 + float(rule @ springs)
         return to_pressure @ (indentation - springs), indentation
 
     def stability_limit(self) -> float:
-        """Greatest stable step.
+        """Return the greatest stable step.
 
         A pattern of wavelength 2/n relaxes in ``2 / (pi n k)``, and Euler takes twice that.
         """
         return 4 / (np.pi * self.count * float(self.coefficients.max()))
 
     def rate_matrix(self) -> Array:
-        """(count+1, count+1) `M` in ``df/dt = M f + const``.
+        """Return the matrix (count+1, count+1) `M` in ``df/dt = M f + const``.
 
         Its eigenvalues are the grid's relaxation rates.
         """
@@ -72,8 +72,8 @@ class UniformGrid:
         )
 
     def march(self, times: Array, step: float) -> tuple[Array, Array, Array]:
-        """Pressures and profiles (T, count+1) and indentations (T,) at `times`, by steps of at most
-        `step`.
+        """Return the pressures and profiles (T, count+1) and indentations (T,) at `times`, by steps
+        of at most `step`.
 
         Raises
         ------

@@ -63,7 +63,7 @@ def mesh(field: SizeField) -> MeshTri:
 
 
 def _dyadic_image(ring_edges: Array) -> tuple[Array, float]:
-    """A dyadic radius close to each edge, in order, and the spacing of that dyadic grid."""
+    """Return a dyadic radius close to each edge, in order, and the spacing of that dyadic grid."""
     level = int(np.ceil(np.log2(2 / np.diff(ring_edges).min())))
     return np.round(ring_edges * 2.0**level) / 2.0**level, 0.5**level
 
@@ -77,7 +77,9 @@ def _moved(points: Array, dyadic: Array, ring_edges: Array) -> Array:
 
 
 def _spans_an_edge(mesh: MeshTri, dyadic: Array, spacing: float) -> Indices:
-    """Triangles whose facet on the contact has a ring edge inside, or cannot have it as its end."""
+    """Return the triangles whose facet on the contact has a ring edge inside, or cannot have it as
+    its end.
+    """
     facets = mesh.boundary_facets()
     r, z = mesh.p[:, mesh.facets[:, facets]]
     low, high = np.sort(r, axis=0)
@@ -86,7 +88,9 @@ def _spans_an_edge(mesh: MeshTri, dyadic: Array, spacing: float) -> Indices:
 
 
 def _polar_quarter_disc(outer: float) -> MeshTri:
-    """A few well-shaped triangles on rays at 0, 45 and 90 degrees, about doubling their radii."""
+    """Return a few well-shaped triangles on rays at 0, 45 and 90 degrees, about doubling their
+    radii.
+    """
     count = max(1, round(np.log2(outer)))
     radii = outer ** (np.arange(count + 1) / count)
     # exact zeros on the axis and the surface: boundaries are recognised by them

@@ -89,7 +89,7 @@ class ContactCells:
         return size
 
     def breakpoints(self) -> Array:
-        """Cells of a radial mesh: in each ring the integral of 1 / size, made even."""
+        """Return the cells of a radial mesh: in each ring the integral of 1 / size, made even."""
         pieces = [np.zeros(1)]
         for inner, outer in itertools.pairwise(self.ring_edges):
             width = outer - inner
@@ -113,7 +113,7 @@ class ContactCells:
         return np.concatenate(pieces)
 
     def space(self) -> PressureSpace:
-        """Continuous piecewise linear pressures, broken at ring edges."""
+        """Return continuous piecewise linear pressures, broken at ring edges."""
         breakpoints = self.breakpoints()
         inner_radius = self.ring_edges[1] if self.hollow else 0.0
         degrees = np.where(breakpoints[1:] <= inner_radius, 0, 1)
@@ -123,7 +123,7 @@ class ContactCells:
 def fitted_space(
     edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int, smallest: float = 1e-7
 ) -> PressureSpace:
-    """Pressures of high degree, graded to the axis and to every edge.
+    """Return pressures of high degree, graded to the axis and to every edge.
 
     Parameters
     ----------

@@ -83,7 +83,7 @@ def content_of(path: Path) -> Any:
 
 
 def _snapped(mesh: Mesh, ring_edges: Array, radius: float) -> Mesh:
-    """The mesh in punch radii, vertices that are off by rounding put where they belong."""
+    """Return the mesh in punch radii, vertices that are off by rounding put where they belong."""
     points, used = mesh.p / radius, np.unique(mesh.t)
     outer = points[0, used].max()
     outside = used[points[:, used].min(axis=0) < -SLACK * outer]

@@ -13,7 +13,7 @@ from .radial import Array, Indices
 
 
 def unavailable() -> str:
-    """Why gmsh cannot be used here, with the remedy; empty if it can."""
+    """Return why gmsh cannot be used here, with the remedy; empty if it can."""
     system_packages = "libgl1 libglu1-mesa libgomp1 libxrender1 libxcursor1 libxft2 libxinerama1"
     try:
         import gmsh  # noqa: F401
@@ -27,7 +27,7 @@ def unavailable() -> str:
 
 @contextmanager
 def session() -> Iterator[Any]:
-    """gmsh, set up and with an empty model, which is gone at the end.
+    """Open gmsh with an empty model, and close it at the end.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def _restore_signal_handlers() -> None:
 
 
 def set_sizes(gmsh: Any, points: Indices, sizes: Array, growth: float, largest: float) -> None:
-    """Element sizes of the model.
+    """Set the element sizes of the model.
 
     (N,) sizes at (N, ...) points of it, growing with the distance to the largest.
     """
@@ -97,7 +97,9 @@ TRIANGLE, QUADRILATERAL = 2, 3  # gmsh's numbers of the kinds of element
 
 
 def elements(gmsh: Any, kind: int) -> tuple[Array, Indices]:
-    """Points (2, n) of the model, and vertex numbers (corners, m) of its elements of one kind."""
+    """Return the points (2, n) of the model, and vertex numbers (corners, m) of its elements of one
+    kind.
+    """
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     _, cells = gmsh.model.mesh.getElementsByType(kind)
     number = np.full(int(tags.max()) + 1, -1)

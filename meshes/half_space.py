@@ -132,7 +132,7 @@ def as_half_space(mesh: Mesh, ring_edges: Array) -> Mesh:
 
 
 def turned(mesh: MeshQuad) -> MeshQuad:
-    """Renumber quadrilaterals so that their sides run as those of their neighbours.
+    """Number quadrilaterals anew so that their sides run as those of their neighbours.
 
     In `ElementQuadP` the functions of a side have the direction of that side, from its first corner
     to its second, and opposite sides are parallel. Neighbours agree on them if every side runs the
@@ -188,12 +188,12 @@ def _check(mesh: Mesh, ring_edges: Array) -> None:
 
 
 def truncation(mesh: Mesh) -> float:
-    """Radius of the half-space."""
+    """Return the radius of the half-space."""
     return float(mesh.p[0].max())
 
 
 def contact_facets(mesh: Mesh) -> Indices:
-    """Facets of the contact, from the axis to the rim."""
+    """Return the facets of the contact, from the axis to the rim."""
     facets = mesh.boundaries["contact"]
     return np.asarray(facets[np.argsort(radial_ranks(mesh)[mesh.facets[:, facets]].sum(axis=0))])
 
@@ -210,19 +210,19 @@ def contact_vertices(mesh: Mesh) -> Indices:
 
 
 def facet_ends(mesh: Mesh, facets: Indices) -> Indices:
-    """(2, k) vertices of facets, those nearer to the axis first."""
+    """Return the vertices (2, k) of facets, those nearer to the axis first."""
     ends = mesh.facets[:, facets]
     order = np.argsort(radial_ranks(mesh)[ends], axis=0, kind="stable")
     return np.take_along_axis(ends, order, axis=0)
 
 
 def segments(mesh: Mesh, facets: Indices) -> Array:
-    """(k, 2, 2) end points (radius, depth) of facets, those nearer to the axis first."""
+    """Return the end points (k, 2, 2) (radius, depth) of facets, those nearer to the axis first."""
     return mesh.p[:, facet_ends(mesh, facets)].transpose(2, 1, 0)
 
 
 def areas(mesh: Mesh) -> Array:
-    """(m,) areas of the elements in the (radius, depth) plane."""
+    """Return the areas (m,) of the elements in the (radius, depth) plane."""
     r, z = mesh.p[:, mesh.t]
     return np.asarray(
         np.abs((r * np.roll(z, -1, axis=0) - np.roll(r, -1, axis=0) * z).sum(axis=0)) / 2
@@ -230,7 +230,7 @@ def areas(mesh: Mesh) -> Array:
 
 
 def quality(mesh: Mesh) -> Array:
-    """(m,) least sine of the corners of each element.
+    """Return the least sine (m,) of the corners of each element.
 
     .87 for an equilateral triangle, 1 for a rectangle, 0 if flat.
     """

@@ -110,8 +110,8 @@ class PressureSpace:
         return table
 
     def _of_functions(self, values: Any) -> Any:
-        """(size,) a value of each basis function, by (n, top+1) values of the shape functions or
-        (n, 1) of elements.
+        """Return a value (size,) of each basis function, by (n, top+1) values of the shape
+        functions or (n, 1) of elements.
         """
         out = np.zeros(self.size + 1, dtype=values.dtype)
         out[self.dofs] = values
@@ -123,7 +123,7 @@ class PressureSpace:
         return np.asarray(self._of_functions(np.where(np.arange(self.top + 1) < 2, 1.0, 0.0)))
 
     def matrix(self, radii: ArrayLike, derivative: bool = False) -> csr_matrix:
-        """(len(radii), size) values, or slopes, of the basis.
+        """Return values, or slopes, of the basis (len(radii), size).
 
         An edge radius belongs to the ring outside it.
         """
@@ -137,8 +137,8 @@ class PressureSpace:
         return self._values(element, np.clip(local / self.widths[element], -1.0, 1.0), derivative)
 
     def on_elements(self, local: Array, derivative: bool = False) -> csr_matrix:
-        """(elements x points, size) values, or slopes, of the basis at local coordinates in [-1, 1]
-        of every element.
+        """Return values, or slopes, of the basis (elements x points, size) at local coordinates in
+        [-1, 1] of every element.
 
         By radii, as in `matrix`, coordinates would lose digits on elements much smaller than the
         punch.
@@ -148,7 +148,7 @@ class PressureSpace:
         return self._values(element, np.tile(local, count), derivative)
 
     def _values(self, element: Indices, local: Array, derivative: bool) -> csr_matrix:
-        """(points, size) values, or slopes, of the basis at local coordinates in elements."""
+        """Return values, or slopes, of the basis (points, size) at local coordinates."""
         values = shapes(local, self.top)
         if derivative:
             values = shape_slopes(local, self.top)
@@ -159,8 +159,8 @@ class PressureSpace:
     def _assembled(
         self, values: Array, rows: Indices | int, columns: Indices, height: int
     ) -> csr_matrix:
-        """(height, size) sums of values in rows and columns, which are broadcast, without what
-        elements have not.
+        """Return sums (height, size) of values in rows and columns, which are broadcast, without
+        what elements have not.
         """
         entries, *places = (part.ravel() for part in np.broadcast_arrays(values, rows, columns))
         return csr_matrix((entries, places), (height, self.size + 1))[:, :-1]
@@ -176,8 +176,8 @@ class PressureSpace:
         return left + half * (1 + local), half * weight, local
 
     def mass(self, ring_values: ArrayLike = 1.0) -> csr_matrix:
-        """(size, size) ``int c phi_i phi_j dA`` with the constant `c` of each ring, or one
-        for all, or (2, N) at the inner and outer edge of each, linear between.
+        """Return the mass matrix (size, size) ``int c phi_i phi_j dA`` with the constant `c` of
+        each ring, or one for all, or (2, N) at the inner and outer edge of each, linear between.
         """
         radii, lengths, local = self.quadrature
         factors = values_on_rings(self.ring_edges, ring_values, radii, self.ring[:, None])
@@ -190,7 +190,9 @@ class PressureSpace:
         return self._assembled(blocks, rows, columns, self.size + 1)[:-1]
 
     def at_vertices(self, ring_values: ArrayLike) -> Array:
-        """(size,) values as in `mass` at the vertex of each hat, for bubbles at the outer one."""
+        """Return values (size,) as in `mass` at the vertex of each hat, for bubbles at the outer
+        one.
+        """
         ends = np.stack([self.breakpoints[:-1], self.breakpoints[1:]], axis=1)
         radii = np.repeat(ends, [1, self.top], axis=1)
         values = values_on_rings(self.ring_edges, ring_values, radii, self.ring[:, None])
@@ -204,8 +206,8 @@ class PressureSpace:
         return np.asarray(self._assembled(values, 0, self.dofs, 1).toarray()[0])
 
     def ring_forces(self, ring_edges: ArrayLike) -> Array:
-        """(M, size) force that each basis function puts on each of the rings between `ring_edges`
-        (any edges).
+        """Return the force (M, size) that each basis function puts on each of the rings between
+        `ring_edges` (any edges).
         """
         ring_edges = np.asarray(ring_edges, dtype=float)
         node, weight = gauss(self.top + 2)
@@ -232,7 +234,8 @@ class PressureSpace:
         )
 
     def ring_indicator(self) -> Array:
-        """(size, N) coefficients of the pressures that are one on a ring and zero on the others.
+        """Return the coefficients (size, N) of the pressures that are one on a ring and zero on the
+        others.
 
         A hole has none.
         """
@@ -241,8 +244,8 @@ class PressureSpace:
         return self.uniform[:, None] * (ring[:, None] == rings)
 
     def joined(self, ring_coefficients: ArrayLike = 1.0) -> csr_matrix:
-        """(size, size-N+1) basis of the pressures whose product with `ring_coefficients`, as in
-        `mass`, is continuous.
+        """Return a basis (size, size-N+1) of the pressures whose product with `ring_coefficients`,
+        as in `mass`, is continuous.
 
         With the wear coefficients: the space of t > 0, in terms of the wear rate. By default:
         continuous pressures.
@@ -270,7 +273,9 @@ class PressureSpace:
         )
 
     def embedding(self, coarse: "PressureSpace") -> csr_matrix:
-        """(size, coarse size) coefficients, on this space, of the functions of one within it."""
+        """Return the coefficients (size, coarse size), on this space, of the functions of one
+        within it.
+        """
         parent = np.searchsorted(coarse.sort_keys, self.sort_keys[1:]) - 1
         left, width = coarse.breakpoints[parent, None], coarse.widths[parent, None]
         node = gauss(self.top + 1)[0]
@@ -286,7 +291,7 @@ class PressureSpace:
 
 
 def shapes(local: Array, top: int) -> Array:
-    """(..., top+1) hats and integrated Legendre bubbles at local coordinates in [-1, 1]."""
+    """Return hats (..., top+1) and integrated Legendre bubbles at local coordinates in [-1, 1]."""
     legendre = np.polynomial.legendre.legvander(local, top)
     bubbles = [
         (legendre[..., j] - legendre[..., j - 2]) / np.sqrt(4 * j - 2) for j in range(2, top + 1)
@@ -295,7 +300,7 @@ def shapes(local: Array, top: int) -> Array:
 
 
 def shape_slopes(local: Array, top: int) -> Array:
-    """(..., top+1) derivatives of `shapes` in the local coordinate."""
+    """Return the derivatives (..., top+1) of `shapes` in the local coordinate."""
     legendre = np.polynomial.legendre.legvander(local, top)
     half = np.full_like(local, 0.5)
     return np.stack(

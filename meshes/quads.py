@@ -77,7 +77,7 @@ class GradedQuads:
         return as_half_space(mesh.with_subdomains(parts), self.ring_edges)
 
     def coarser(self) -> "GradedQuads":
-        """The same without the innermost layer of every patch that has more than one."""
+        """Return the same without the innermost layer of every patch that has more than one."""
         return replace(self, layers=np.maximum(self.layers - 1, 1))
 
     def _patches(self) -> tuple[Array, Array, Indices, Indices]:
@@ -180,7 +180,7 @@ def graded(
 def _between(
     centres: Array, widths: Array, growth: float, outer: float, way: tuple[int, int]
 ) -> tuple[Array, Indices]:
-    """Points and quadrilaterals between the patches and the arc.
+    """Return the points and quadrilaterals between the patches and the arc.
 
     MeshError if gmsh fails or leaves a triangle.
     """

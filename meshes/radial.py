@@ -13,7 +13,7 @@ Indices = NDArray[np.int64]
 
 
 def alternating_edges(count: int, width_ratio: float = 1.0) -> Array:
-    """Edges of `count` rings on [0, 1] whose widths alternate as h1, h2, h1, ...
+    """Return the edges of `count` rings on [0, 1] whose widths alternate as h1, h2, h1, ...
 
     With ``h2/h1 = width_ratio``.
     """
@@ -23,7 +23,7 @@ def alternating_edges(count: int, width_ratio: float = 1.0) -> Array:
 
 
 def ring_areas(ring_edges: ArrayLike) -> Array:
-    """Area of each ring, ``pi (r_o^2 - r_i^2)``, without cancellation for narrow rings."""
+    """Return the area of each ring, ``pi (r_o^2 - r_i^2)``, to all digits of narrow rings."""
     ring_edges = np.asarray(ring_edges, dtype=float)
     return np.pi * np.diff(ring_edges) * (ring_edges[1:] + ring_edges[:-1])
 
@@ -39,7 +39,7 @@ def ring_of(ring_edges: Array, radii: ArrayLike) -> Indices:
 def values_on_rings(
     ring_edges: Array, ring_values: ArrayLike, radii: Array, ring: Indices
 ) -> Array:
-    """Values at radii of given rings.
+    """Return the values at radii of given rings.
 
     Of (N,) constants of rings, one for all, or (2, N) values at the inner and outer edge of each,
     linear between; infinite ones are constant.
@@ -113,7 +113,9 @@ def exact_sum(first: ArrayLike, second: ArrayLike) -> tuple[Array, Array]:
 
 
 def layers(span: float, smallest: float, factor: float) -> Array:
-    """Distances from a singular point: `span`, `span * factor`, ... down to about `smallest`."""
+    """Return distances from a singular point: `span`, `span * factor`, ... down to about
+    `smallest`.
+    """
     count = max(0, round(np.log(max(smallest, 1e-300) / span) / np.log(factor)))
     return span * factor ** np.arange(count + 1.0)
 
@@ -121,7 +123,7 @@ def layers(span: float, smallest: float, factor: float) -> Array:
 def layer_degrees(
     breakpoints: Array, ring_edges: ArrayLike, degree: int, rise: float, lowest: int = 1
 ) -> Indices:
-    """Degree of each element.
+    """Return the degree of each element.
 
     `lowest` at ring edges and rim, rising by `rise` per element to `degree`.
     """
@@ -137,12 +139,14 @@ def layer_degrees(
 
 @cache
 def gauss(count: int) -> tuple[Array, Array]:
-    """Gauss points and weights on (-1, 1); not to be written to."""
+    """Return Gauss points and weights on (-1, 1); not to be written to."""
     node, weight = np.polynomial.legendre.leggauss(count)
     return node, weight
 
 
 def unit_gauss(count: int) -> tuple[Array, Array]:
-    """Gauss points and weights on (0, 1), where singularities are substituted away at one end."""
+    """Return Gauss points and weights on (0, 1), where singularities are substituted away at one
+    end.
+    """
     node, weight = gauss(count)
     return (1 + node) / 2, weight / 2

@@ -66,7 +66,7 @@ class SizeField:
         return size
 
     def coarser(self) -> "SizeField":
-        """The sizes of a mesh whose difference shows what this one errs by."""
+        """Return the sizes of a mesh whose difference shows what this one errs by."""
         _, *rings, rim = (2 * self.sizes).tolist()
         growth = min(1.5 * self.growth, 2.0)
         return replace(self, rim_size=rim, ring_size=tuple(rings), growth=growth)
@@ -84,7 +84,9 @@ class SizeField:
 
 
 def patch_widths(ring_edges: Array) -> Array:
-    """(N, 2) half-widths, inwards and outwards, of the patch at each edge but the centre."""
+    """Return the half-widths (N, 2), inwards and outwards, of the patch at each edge but the
+    centre.
+    """
     rings = np.diff(ring_edges)
     half = np.minimum(rings, np.append(rings[1:], np.inf)) / 2
     widths = np.stack([half, half], axis=1)
@@ -98,14 +100,16 @@ def patch_widths(ring_edges: Array) -> Array:
 
 
 def patch_layers(widths: Array, sizes: Array, factor: float) -> Indices:
-    """(N,) layers that each patch needs for innermost elements no larger than its size."""
+    """Return the number of layers (N,) that each patch needs for innermost elements no larger than
+    its size.
+    """
     return np.maximum(
         1, np.ceil(np.log(sizes / widths.max(axis=1)) / np.log(factor) - 1e-9)
     ).astype(np.int64)
 
 
 def falls(widths: Array, layers: Indices, factor: float, sharpness: Behind) -> list[Indices]:
-    """For each patch (layers + 1,) how much lower the degree may be by layer, the middle last."""
+    """Return by how much the degree may be lowered in each layer of each patch, the middle last."""
     half = widths.max(axis=1)
     behind = [
         sharpness(reach * factor ** np.arange(count + 1.0), reach, np.full(count + 1, number))
@@ -116,7 +120,9 @@ def falls(widths: Array, layers: Indices, factor: float, sharpness: Behind) -> l
 
 
 def beside(widths: Array) -> Array:
-    """(N,) size of the elements beside each patch, in the few distinct values a mesher digests."""
+    """Return the size (N,) of the elements beside each patch, in the few distinct values a mesher
+    digests.
+    """
     return np.asarray(2.0 ** (np.round(4 * np.log2(1.4 * widths.mean(axis=1))) / 4))
 
 
@@ -177,7 +183,8 @@ class Sharpness:
 
 
 def convergence(ratio: float) -> float:
-    """Logarithm of what a degree gains where elements are smaller by `ratio` than their neighbours.
+    """Return the logarithm of what a degree gains where elements are smaller by `ratio` than their
+    neighbours.
 
     A polynomial on an element one element away from a singularity converges with the ellipse
     through it (Bernstein).
@@ -186,5 +193,5 @@ def convergence(ratio: float) -> float:
 
 
 def spared_degrees(less: Array, ratio: float) -> Indices:
-    """Degrees that can be spared where so many times less stands behind them."""
+    """Return by how much degrees may be lowered where the amplitude is so many times smaller."""
     return np.asarray(np.log(less) / convergence(ratio), dtype=np.int64)

@@ -15,7 +15,7 @@ from typing import Any
 
 
 def name_of_file(text: str) -> str:
-    """What refuses an option without text."""
+    """Return what refuses an option without text."""
     if not text.strip():
         raise ArgumentTypeError("is empty: give a file")
     return text

@@ -77,7 +77,7 @@ class Result(dataset.Result):
         return "\n".join(Account(self).brief)
 
     def _repr_html_(self) -> str:
-        """Answer, verdict and one figure, for notebooks."""
+        """Return the answer, the verdict and one figure as HTML, for notebooks."""
         told = f"<pre>{escape(repr(self))}</pre>"
         if not self._pictures:
             return told

@@ -36,7 +36,7 @@ def _as_text(cell: Any) -> Any:
 
 @contextmanager
 def keeping_rows(conclusions: list[str]) -> Iterator[None]:
-    """Ctrl-C ends the computing, not the study.
+    """Stop the computing, not the study, at Ctrl-C.
 
     What is finished is still tabulated, drawn and named incomplete.
     """

@@ -19,7 +19,7 @@ PACKAGES = ("meshes", "mdr", "fem", "studies")
 
 @cache
 def versions() -> dict[str, str]:
-    """Versions of ringwear and of what it computes with."""
+    """Return the versions of ringwear and of what it computes with."""
     names = ("ringwear", "numpy", "scipy", "scikit-fem", "gmsh", "kvxopt", "meshio", "xarray")
     installed = {}
     for name in names:

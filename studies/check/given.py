@@ -52,5 +52,5 @@ class Given(Method):
         return [Solution(results, {}, {}, {})]
 
     def refusal(self, problem: Problem) -> str:
-        """It has solved the problem already."""
+        """Return nothing: it has solved the problem already."""
         return ""

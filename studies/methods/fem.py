@@ -43,7 +43,7 @@ class Meshed:
 
 
 def half_space_mesh(problem: Problem) -> Meshed:
-    """The mesh of a problem.
+    """Return the mesh of a problem.
 
     By the mesher asked for, or by bisection where that cannot, with a note that says why.
     """
@@ -69,7 +69,7 @@ def _meshed(problem: Problem, mesher: str) -> Meshed:
 
 
 def half_space_on(problem: Problem, meshed: Meshed) -> "HalfSpace":
-    """The half-space on a mesh, with scikit-fem's elements of the degree that goes with it."""
+    """Return the half-space on a mesh, with scikit-fem's elements of a suitable degree."""
     from ...fem.elasticity import AxisymmetricElasticity
     from ...fem.half_space import HalfSpace, pressure_space
     from ...meshes.half_space import truncation
@@ -186,7 +186,7 @@ def _on_cells(problem: Problem, stages: Stages) -> Discretised:
 
 
 def _coarser_half_space(problem: Problem, meshed: Meshed, whole: "HalfSpace") -> "HalfSpace":
-    """A degree and a layer less, or larger triangles, and a pole less.
+    """Return a half-space with a degree and a layer less, or larger triangles, and a pole less.
 
     A clamped boundary is held against poles: what it errs by is far more than one of them does.
     """

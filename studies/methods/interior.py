@@ -80,7 +80,7 @@ class Interior:
 
 
 def interior(scene: Scene, fem: Solution) -> Interior:
-    """The inside of the half-space at the scene's field times, and when steady.
+    """Return the inside of the half-space at the scene's field times, and when steady.
 
     Its degree is raised until the estimate of the stresses is `SHARE` times `rtol`, unless the user
     has given it, or poles. It starts at the one that is enough for five rings and for a flat punch

@@ -95,7 +95,7 @@ def _marched(problem: Problem, count: int, step: float) -> tuple[Sampler, Histor
 
 
 def _near(difference: Array) -> Array:
-    """The greatest of each time and its neighbours: differences cross zero now and then."""
+    """Return the greatest of each time and its neighbours: differences cross zero now and then."""
     return sliding_window_view(np.pad(difference, 1), 3).max(axis=1)
 
 

@@ -28,7 +28,7 @@ XLABEL = r"step $\Delta t$ over $a/(E^*k_{max}v_0)$"
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Vary the step, and the springs of the paper's grid; writes `march` and `orders`."""
+    """Test several steps, and springs of the paper's grid; writes `march` and `orders`."""
     problem = replace(scene.problem, times=np.array([]))
     # so coarse that the explicit march is stable in a few thousand steps
     space = radial_space(problem, degree=2, rim_size=0.02, ring_size=0.02, grading=0.5)

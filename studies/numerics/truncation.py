@@ -29,7 +29,7 @@ FAR_FIELDS = {"fixed": 1.0, "1 pole": 5.0, "2 poles": 9.0, "3 poles": 13.0}
 
 
 def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Vary R, the far field and Poisson's ratio; writes `truncation` and `orders`."""
+    """Test several R, far fields and Poisson's ratios; writes `truncation` and `orders`."""
     radii = (4, 5, 6, 7, 8) if options.quick else (4, 5, 6, 7, 8, 11, 16, 32, 128, 1024)
     ratios = {0.3} if options.quick else {0.0, 0.3, 0.4999, 0.5}
     families = [

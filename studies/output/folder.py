@@ -71,7 +71,7 @@ class Folder:
 
 
 def put_in_place(out: Path) -> None:
-    """Let what is complete take its place in a folder; the marker comes last.
+    """Move what is complete to its place in a folder; the marker comes last.
 
     Wherever it is stopped, it can be gone on with.
     """

@@ -12,7 +12,7 @@ STOPPED = threading.Event()
 
 @contextmanager
 def ending_on_signals() -> Iterator[None]:
-    """Let either signal end the work by a KeyboardInterrupt."""
+    """Turn either signal into a KeyboardInterrupt, which ends the work."""
 
     def stop(*_: object) -> None:
         STOPPED.set()
@@ -25,7 +25,7 @@ def ending_on_signals() -> Iterator[None]:
 
 @contextmanager
 def signals_wait() -> Iterator[None]:
-    """Let signals wait until what is done to files is done."""
+    """Hold signals back until files are in place."""
     waiting: list[int] = []
     try:
         with _handled_by(lambda number, _: waiting.append(number)):

@@ -35,13 +35,13 @@ class Rings(NamedTuple):
 
     @classmethod
     def alternating(cls, count: int, width_ratio: float, wear_ratio: float) -> "Rings":
-        """Two materials in turn from the centre, by ``h2/h1`` and ``k2/k1``."""
+        """Return rings of two materials in turn from the centre, by ``h2/h1`` and ``k2/k1``."""
         coefficients = np.where(np.arange(count) % 2, wear_ratio, 1.0)
         return cls(alternating_edges(count, width_ratio), coefficients / coefficients.max())
 
     @classmethod
     def graded(cls, radii: Array, values: Array, ring_edges: Array) -> "Rings":
-        """Rings in which a table of wear coefficients is linear, and at most doubles.
+        """Return rings in which a table of wear coefficients is linear, and at most doubles.
 
         Parameters
         ----------
@@ -125,7 +125,7 @@ class Rings(NamedTuple):
         return values_on_rings(*self, radii, ring_of(self.ring_edges, radii))
 
     def merged(self) -> "Rings":
-        """Neighbouring rings of equal wear made one: what has to be modelled."""
+        """Return the rings with neighbours of equal wear as one: what has to be modelled."""
         if self.linear:
             return self
         changes = np.flatnonzero(np.diff(self.wear_coefficients) != 0) + 1

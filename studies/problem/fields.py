@@ -49,7 +49,7 @@ Times = Annotated[Increasing, AfterValidator(check_ranges)]
 
 
 def optional(description: str, **limits: Any) -> Any:
-    """Declare a key that may be left out, and then is None."""
+    """Return a key that may be left out, and then is None."""
     return Field(default=None, description=description, **limits)
 
 

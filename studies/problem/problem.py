@@ -104,7 +104,7 @@ class Problem:
         accuracy: AccuracySection,
         output: OutputSection,
     ) -> "Problem":
-        """The problem that the tables of a scene pose."""
+        """Return the problem that the tables of a scene pose."""
         length, hole = punch.radius, punch.inner_radius / punch.radius
         if punch.ring_edges is None:
             along = alternating_edges(punch.rings or 1, punch.width_ratio)
@@ -285,7 +285,7 @@ class Problem:
         return replace(self, quantities=wanted, times=times, march=march, steady=steady)
 
     def wants(self, quantity: str) -> bool:
-        """Whether a quantity is wanted."""
+        """Return whether a quantity is wanted."""
         return self.quantities is None or quantity in self.quantities
 
     @property

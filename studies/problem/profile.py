@@ -56,14 +56,14 @@ class InitialProfile:
         return self.in_ring(radii, ring_of(self.ring_edges, radii))
 
     def in_ring(self, radii: Array, ring: Indices) -> Array:
-        """Heights at radii of given rings: at their edges, too."""
+        """Return the heights at radii of given rings: at their edges, too."""
         total = np.asarray(self.recess[ring], dtype=float)
         for height in self.heights:
             total = total + height(radii)
         return np.asarray(np.broadcast_to(total, np.shape(radii)), dtype=float)
 
     def slope(self, radii: Array) -> Array:
-        """Slope within rings, by central differences: steps at ring edges are no slope."""
+        """Return the slope within rings by central differences; steps at edges are no slope."""
         ring, step = ring_of(self.ring_edges, radii), 1e-5
         low = np.maximum(radii - step, self.ring_edges[ring])
         high = np.minimum(radii + step, self.ring_edges[ring + 1])
@@ -81,7 +81,7 @@ class InitialProfile:
         return np.diff(self.recess)
 
     def sampled(self, *more: float) -> tuple[Array, Array]:
-        """Radii, many in every ring, its edges and kinks and `more`, and heights there."""
+        """Return radii, many in every ring, its edges and kinks and `more`, and heights there."""
         within, kinks = np.linspace(0.0, 1.0, 501), np.array([*self.kinks, *more])
         parts = [
             np.union1d(a + (b - a) * within, kinks[(kinks > a) & (kinks < b)])

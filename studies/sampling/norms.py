@@ -22,7 +22,7 @@ def radial_weight(radii: Array, average: str, inner_radius: float) -> Array:
 
 
 def common(*shapes: tuple[int, ...]) -> tuple[slice, ...]:
-    """The part that arrays of these shapes have in common.
+    """Return the part that arrays of these shapes have in common.
 
     Of relaxation times each method may know another number.
     """
@@ -30,7 +30,7 @@ def common(*shapes: tuple[int, ...]) -> tuple[slice, ...]:
 
 
 def differences(results: Results, against: Results, face: Face) -> Results:
-    """Relative difference of every quantity that both have, in its norm.
+    """Return the relative difference of every quantity that both have, in its norm.
 
     Fields are those on the face of the punch.
     """

@@ -44,7 +44,7 @@ MOST_PRESSURES = 3500
 
 
 def pressure_degree(problem: Problem, ratio: float) -> float:
-    """Highest degree of the pressure that an accuracy asks for."""
+    """Return the highest degree of the pressure that an accuracy asks for."""
     half, behind = problem.merged.widths / 2, problem.sharpness
     edges = np.arange(len(half))
     greatest = max(
@@ -55,7 +55,9 @@ def pressure_degree(problem: Problem, ratio: float) -> float:
 
 
 def _enough(degree: Array | float) -> Array | float:
-    """Degrees that are enough, of those that sharpness asks for."""
+    """Return the degrees that are enough, a little below those that the estimate of the amplitude
+    asks for.
+    """
     return degree - np.minimum(0.1 * degree, 0.7)
 
 
@@ -75,7 +77,7 @@ def degree_of_modes(problem: Problem) -> float:
 
 
 def pressures(problem: Problem, ratio: float) -> float:
-    """About how many pressures a mesh takes whose elements shrink by a ratio towards every ring
+    """Estimate how many pressures a mesh takes whose elements shrink by a ratio towards every ring
     edge and the rim.
     """
     half, sizes, behind = problem.merged.widths / 2, edge_sizes(problem), problem.sharpness
@@ -94,7 +96,7 @@ def pressures(problem: Problem, ratio: float) -> float:
 
 
 def affordable(problem: Problem, ratio: float) -> Problem:
-    """The problem with the accuracy that its fields can have.
+    """Return the problem with the tolerance that its fields can have.
 
     With so many rings that it would take too many pressures, fields are as accurate as the root of
     what is asked for at the least: energies, which converge twice as fast, still reach it.
@@ -109,14 +111,14 @@ def affordable(problem: Problem, ratio: float) -> Problem:
 
 
 def field_accuracy(problem: Problem) -> float:
-    """The accuracy that fields are resolved to: the one asked for, unless there are too
-    many rings.
+    """Return the accuracy that fields are resolved to: the one asked for, unless there are too many
+    rings.
     """
     return affordable(problem, FACTOR).rtol
 
 
 def mdr_sizes(problem: Problem) -> dict[str, Any]:
-    """Of the radial mesh of the MDR and of boundary elements."""
+    """Return the sizes of the radial mesh of the MDR and of boundary elements."""
     chosen, grading = problem.mdr, problem.mdr.grading or 0.2
     fields, modes = affordable(problem, grading), np.ceil(degree_of_modes(problem))
     degree = np.ceil(pressure_degree(fields, grading))
@@ -131,7 +133,7 @@ def mdr_sizes(problem: Problem) -> dict[str, Any]:
 
 
 def edge_sizes(problem: Problem) -> Array:
-    """(N,) wanted sizes at every ring edge but the centre, the rim last."""
+    """Return the wanted sizes (N,) at every ring edge but the centre, the rim last."""
     rtol, narrower, blunted = problem.rtol, problem.merged.narrower, problem.sharpness
     narrower = np.append(narrower, problem.merged.widths[-1])
     at_rim = np.arange(len(narrower)) == len(narrower) - 1
@@ -151,7 +153,8 @@ def edge_sizes(problem: Problem) -> Array:
 
 
 def rim_size(problem: Problem, fields: Problem) -> float:
-    """Wanted size at the rim, of a problem and of the one with the accuracy of its fields.
+    """Return the wanted size at the rim, of a problem and of the one with the accuracy of its
+    fields.
 
     Pressures of the flat start err by up to three times that size, its energy by a tenth.
     """
@@ -159,8 +162,8 @@ def rim_size(problem: Problem, fields: Problem) -> float:
 
 
 def ring_sizes(problem: Problem, fields: Problem) -> Array:
-    """(N-1,) wanted sizes at the ring edges between centre and rim, in a few distinct values, of a
-    problem and of the one with the accuracy of its fields.
+    """Return the wanted sizes (N-1,) at the ring edges between centre and rim, in a few distinct
+    values, of a problem and of the one with the accuracy of its fields.
 
     At the edge of a hole, pressures of the flat start are as at the rim.
     """
@@ -203,7 +206,9 @@ def missing_layers(problem: Problem, smallest: float) -> Array:
 
 
 def quad_sizes(problem: Problem) -> dict[str, Any]:
-    """Of quadrilaterals in geometric layers, by the names of `meshes.quads.graded`."""
+    """Return the sizes of quadrilaterals in geometric layers, by the names of
+    `meshes.quads.graded`.
+    """
     chosen, fields = problem.fem, affordable(problem, FACTOR)
     wanted = np.maximum(ring_sizes(problem, fields), fem_smallest(problem))
     far = TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION
@@ -218,7 +223,8 @@ def quad_sizes(problem: Problem) -> dict[str, Any]:
 
 
 def quad_degree(problem: Problem) -> int:
-    """Degree of the displacement, above that of the pressure (`ringwear study convergence`).
+    """Return the degree of the displacement, above that of the pressure (`ringwear study
+    convergence`).
 
     More towards incompressibility, which costs two digits in the end.
     """
@@ -235,7 +241,7 @@ def quad_degree(problem: Problem) -> int:
 
 
 def triangle_ring_sizes(problem: Problem) -> Array:
-    """(N-1,) wanted sizes of triangles at the ring edges.
+    """Return the wanted sizes (N-1,) of triangles at the ring edges.
 
     Their degree is low, and smaller ones would not help fields.
     """
@@ -249,13 +255,13 @@ def triangle_ring_sizes(problem: Problem) -> Array:
 
 
 def triangle_degree(problem: Problem) -> int:
-    """Degree of the displacement on triangles: the one given, else the highest."""
+    """Return the degree of the displacement on triangles: the one given, else the highest."""
     highest = DEGREES["gmsh"][-1]
     return min(problem.fem.degree or highest, highest)
 
 
 def triangle_sizes(problem: Problem) -> SizeField:
-    """Of graded triangles."""
+    """Return the sizes of graded triangles."""
     rtol, chosen, ring_edges = problem.rtol, problem.fem, problem.merged.ring_edges
     return SizeField(
         ring_edges=tuple(float(edge) for edge in ring_edges),
@@ -271,7 +277,9 @@ def triangle_sizes(problem: Problem) -> SizeField:
 
 
 def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:
-    """Orders of the poles tied to the outer boundary: those asked for, or enough of them."""
+    """Return the orders of the poles tied to the outer boundary: those asked for, or enough of
+    them.
+    """
     from ...fem.far_field import enough_poles
 
     if problem.fem.poles:
@@ -280,8 +288,8 @@ def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:
 
 
 def grid_step(problem: Problem, stability_limit: float) -> float:
-    """Of the march on the uniform grid: half of the greatest stable one (`ringwear study
-    march`).
+    """Return the step of the march on the uniform grid: half of the greatest stable one (`ringwear
+    study march`).
     """
     if problem.mdr.step:
         return problem.mdr.step / problem.units.time
@@ -302,7 +310,7 @@ def followed(problem: Problem, pressures: int) -> tuple[float, float]:
 
 
 def cells_of(problem: Problem, finer: float = 1.0) -> ContactCells:
-    """Cells that an accuracy asks for, before it is known where contact begins."""
+    """Return the cells that an accuracy asks for, before it is known where contact begins."""
     # where edges move d errs by about their inverse; as many as a tenth of 1e-4 asks for take
     # minutes
     count = finer * float(np.clip(150 * (1e-4 / problem.rtol) ** 0.5, 80, 300))

@@ -8,12 +8,12 @@ MOST_STEPS = 2_000_000
 
 
 def steps_between(times: Array, step: float) -> Array:
-    """(T,) equal steps of at most `step` up to each time from the one before."""
+    """Count the equal steps (T,) of at most `step` up to each time from the one before."""
     return np.asarray(np.ceil(np.diff(times, prepend=0.0) / step * (1 - 1e-12)))
 
 
 def refused_steps(count: float, remedy: str) -> str:
-    """Why so many steps will not be made, with the remedy; empty if they will."""
+    """Return why so many steps will not be made, with the remedy; empty if they will."""
     return (
         f"{count:.3g} steps are needed to the last time, more than {MOST_STEPS}: {remedy}"
         if count > MOST_STEPS

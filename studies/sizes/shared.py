@@ -53,7 +53,7 @@ class Shared(Problem):
 
 
 def discretised_alike(problem: Problem) -> Hashable:
-    """What a discretisation depends on, but for the sharpness."""
+    """Return what a discretisation depends on, but for the sharpness."""
     sizes = problem.fem.model_dump_json(), problem.mdr.model_dump_json()
     numbers = problem.poisson_ratio, problem.rtol, problem.gradient_average
     kinds = bool(len(problem.times)), problem.full_contact
@@ -63,7 +63,9 @@ def discretised_alike(problem: Problem) -> Hashable:
 
 
 def groups(problems: Sequence[Problem]) -> list[list[int]]:
-    """Numbers of the problems that share a discretisation, the sharpest of each group first."""
+    """Return the numbers of the problems that share a discretisation, the sharpest of each group
+    first.
+    """
     # greatest ratio of the lengths that wear has blunted in problems that share a discretisation:
     # pressures that the sharper needs cost the others their third power
     widest = 100.0

@@ -245,7 +245,7 @@ def _refuse_another(path: Path, about: dict[str, str]) -> None:
 
 
 def _copy_labels(fresh: Path, path: Path) -> None:
-    """Bring the labels of a store in order, each file as a whole, the root last."""
+    """Copy the labels of a store in order, each file as a whole, the root last."""
     files = [file.relative_to(fresh) for file in sorted(fresh.rglob("*")) if file.is_file()]
     for file in sorted(files, key=lambda file: file == Path(ROOT)):
         target, content = path / file, (fresh / file).read_bytes()

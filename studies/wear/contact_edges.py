@@ -28,7 +28,7 @@ MOST_REFINEMENTS, MOST_GROWTH_OF_CELLS = 12, 4
 
 
 def nodes(space: PressureSpace) -> tuple[Array, Indices]:
-    """(size,) radius and ring of the node of each linear pressure."""
+    """Return radius and ring (size,) of the node of each linear pressure."""
     # the last takes what a hole has no nodes for
     radius, ring = np.empty(space.size + 1), np.empty(space.size + 1, dtype=np.int64)
     radius[space.dofs] = np.stack([space.breakpoints[:-1], space.breakpoints[1:]], axis=1)
@@ -37,7 +37,7 @@ def nodes(space: PressureSpace) -> tuple[Array, Indices]:
 
 
 def contact_runs(contact: Mask, broken: Mask) -> list[tuple[int, int]]:
-    """First and last node of every run of nodes in contact.
+    """Return the first and the last node of every run of nodes in contact.
 
     `broken` (size - 1,) parts a node from the next.
     """
@@ -52,7 +52,7 @@ def contact_runs(contact: Mask, broken: Mask) -> list[tuple[int, int]]:
 def first_intervals(
     space: PressureSpace, contact: Mask, profile: InitialProfile
 ) -> tuple[Interval, ...]:
-    """Intervals of an unworn face, cut where it has a step.
+    """Return the intervals of an unworn face, cut where it has a step.
 
     Beside one that falls away, pressures are infinite.
     """
@@ -69,7 +69,7 @@ def first_intervals(
 
 
 def _end(radius: Array, step: Array, node: int, way: int) -> tuple[float, bool]:
-    """Where a run that goes as far as a node ends, and whether that edge is free."""
+    """Return where a run that goes as far as a node ends, and whether that edge is free."""
     other = node + way
     if not 0 <= other < len(radius):
         return float(radius[node]), False
@@ -85,7 +85,8 @@ def located(
     load: Load,
     cells: ContactCells,
 ) -> tuple[tuple[Interval, ...], ContactCells]:
-    """Where contact begins, and cells with a spot wherever it begins on a narrow part of the face.
+    """Return where contact begins, and cells with a spot wherever it begins on a narrow part of the
+    face.
 
     The looks end where the first contact is many cells wide, or where there are as many cells as
     there were before: from then on spots would stay, or go round.
@@ -184,8 +185,8 @@ def _refined_edges(space: PressureSpace, intervals: tuple[Interval, ...]) -> tup
 def _with_spots(
     cells: ContactCells, narrow: list[tuple[float, float]], most: int
 ) -> ContactCells | None:
-    """Cells with a spot at each of some narrow parts, which spread as slowly as so many cells
-    allow; None if they do not.
+    """Return cells with a spot at each of some narrow parts, which spread as slowly as so many
+    cells allow; None if they do not.
     """
     while cells.spread < 0.3:
         spots = tuple(
@@ -201,7 +202,8 @@ def _with_spots(
 def _unfelt(
     space: PressureSpace, displacement: Array, press: Press, profile: InitialProfile
 ) -> list[tuple[float, float]]:
-    """Where the face is in the half-space between nodes that do not carry: on less than a cell.
+    """Return where the face is in the half-space between nodes that do not carry: on less than a
+    cell.
 
     The deepest first.
     """
@@ -217,7 +219,7 @@ def _unfelt(
 
 
 def worn_edges(space: PressureSpace, contact: Mask, worn: Array) -> list[tuple[float, float]]:
-    """Inner and outer radius of every part of the contact of a worn face.
+    """Return the inner and outer radius of every part of the contact of a worn face.
 
     An edge lies between two nodes. Where contact spreads, the face beyond is unworn, and the worn
     depth of the nodes before says where it begins.

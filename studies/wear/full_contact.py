@@ -264,7 +264,9 @@ class RunningIn:
         return History.in_full_contact(distances, pressure, profile, indentation, forces)
 
     def stability_limit(self) -> float:
-        """Greatest stable step of the explicit march, twice the shortest relaxation time."""
+        """Return the greatest stable step of the explicit march, twice the shortest relaxation
+        time.
+        """
         return float(2 * self.relaxation_times[-1])
 
     def history(self, times: Array, march: str = "modal", step: float | None = None) -> History:

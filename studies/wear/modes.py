@@ -52,7 +52,7 @@ class BandedCholesky:
             ) from error
 
     def forward(self, right: Array, trans: str = "N") -> Array:
-        """``L^-1`` times a vector or the columns of a matrix."""
+        """Return ``L^-1`` times a vector or the columns of a matrix."""
         if not right.size:
             # LAPACK's wrapper writes where it should not
             return right
@@ -61,11 +61,11 @@ class BandedCholesky:
         return np.asarray(solution).reshape(right.shape)
 
     def backward(self, right: Array) -> Array:
-        """``L^-T`` times a vector or the columns of a matrix."""
+        """Return ``L^-T`` times a vector or the columns of a matrix."""
         return self.forward(right, "T")
 
     def solve(self, right: Array) -> Array:
-        """The inverse of the matrix times a vector or the columns of a matrix."""
+        """Return the inverse of the matrix times a vector or the columns of a matrix."""
         return self.backward(self.forward(right))
 
 
@@ -179,7 +179,7 @@ def every_mode(
     moments: Array,
     earliest: float,
 ) -> Modes:
-    """All modes that are felt.
+    """Return all modes above roundoff.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ def every_mode(
 
 
 def slowest_times(energy: Array, weights: Array | None) -> Array:
-    """(m,) the `SHOWN` slowest relaxation times, all of them if there are fewer.
+    """Return the `SHOWN` slowest relaxation times (m,), all of them if there are fewer.
 
     Parameters as for `every_mode`.
     """
@@ -225,8 +225,8 @@ def slowest_times(energy: Array, weights: Array | None) -> Array:
 
 
 def _axis(weights: Array | None) -> Array | None:
-    """Of the reflection that maps the steady state to the first axis, so that the other axes carry
-    no force; None where they may.
+    """Return the axis of the reflection that maps the steady state to the first axis, so that the
+    other axes carry no force; None where they may.
     """
     if weights is None:
         return None
@@ -236,8 +236,8 @@ def _axis(weights: Array | None) -> Array | None:
 
 
 def _forceless(energy: Array, axis: Array | None) -> Array:
-    """(n-1, n-1) the compliance, reflected, on those that carry no force; (n, n) on all of them
-    without a reflection.
+    """Return the compliance (n-1, n-1), reflected, on those that carry no force; (n, n) on all of
+    them without a reflection.
     """
     if axis is None:
         return energy.copy()
@@ -248,7 +248,8 @@ def _forceless(energy: Array, axis: Array | None) -> Array:
 
 
 def excited_modes(energy: Array, weights: Array | None, moments: Array, earliest: float) -> Modes:
-    """The modes that the flat start excites, as far as they are felt at `earliest` or later.
+    """Return the modes that the flat start excites, as far as they are above roundoff at `earliest`
+    or later.
 
     Parameters as for `every_mode`; `earliest` is above 0.
     """
@@ -282,8 +283,8 @@ def excited_modes(energy: Array, weights: Array | None, moments: Array, earliest
 
 
 def _carried(relaxation: Array, within: Array, lost: Array, earliest: float) -> bool:
-    """Whether a Krylov space carries the history from `earliest` on, and the slowest relaxation
-    times.
+    """Return whether a Krylov space carries the history from `earliest` on, and the slowest
+    relaxation times.
     """
     felt = _felt(relaxation, earliest)
     left = within[:, felt] @ (
@@ -294,7 +295,7 @@ def _carried(relaxation: Array, within: Array, lost: Array, earliest: float) -> 
 
 
 def _felt(relaxation: Array, earliest: float) -> slice:
-    """The modes, fastest first, that are above roundoff.
+    """Return the modes, fastest first, that are above roundoff.
 
     Raises
     ------
@@ -313,7 +314,7 @@ def _felt(relaxation: Array, earliest: float) -> slice:
 
 
 def modes_of(relaxation: Array, shapes: Array, moments: Array, exact: int) -> Modes:
-    """Modes, slowest first, with what the flat start has of each.
+    """Return the modes, slowest first, with what the flat start has of each.
 
     (n,) `moments` as for `every_mode`.
     """

@@ -14,7 +14,8 @@ from ..problem.profile import InitialProfile
 
 
 def moments(profile: InitialProfile, space: PressureSpace, radius: float = 1.0) -> Array:
-    """(size,) ``int f phi_i dA``; integrals are broken at kinks and at ring edges.
+    """Return the moments (size,) ``int f phi_i dA``; integrals are broken at kinks and at ring
+    edges.
 
     Parameters
     ----------
@@ -72,7 +73,7 @@ class _Points(NamedTuple):
 
 
 def _points(profile: InitialProfile, space: PressureSpace, radius: float) -> _Points:
-    """Gauss points between breakpoints, kinks and ring edges."""
+    """Return Gauss points between breakpoints, kinks and ring edges."""
     edges = np.concatenate([profile.ring_edges, profile.kinks]) / radius
     cuts = np.union1d(space.breakpoints, edges[(edges > 0) & (edges < 1)])
     # more than a polynomial of its degree needs: heights may be anything

@@ -236,7 +236,9 @@ class Contact:
         raise SolverError("no contact satisfies the inequalities: ask for fewer cells")
 
     def _not_empty(self, contact: Mask, gap: Array) -> Mask:
-        """Under a force something carries it: at the least the node nearest to the half-space."""
+        """Return a contact in which something carries the force: at the least the node nearest to
+        the half-space.
+        """
         if contact.any():
             return contact
         return np.arange(len(gap)) == np.argmin(gap / self.weights)
