@@ -85,7 +85,7 @@ class AxisymmetricElasticity:
     ----------
     mesh : triangles or turned quadrilaterals, with boundaries named (`meshes.half_space`)
     degree : polynomial degree of the displacement: 1 to 4 on triangles, any on quadrilaterals
-    given_ratio : Poisson's ratio, up to and including 1/2
+    nominal_poisson_ratio : Poisson's ratio, up to and including 1/2
     own_element : an H1 element of scikit-fem's, or of one's own, of that degree along a side;
         default `element_of_degree`
     highest_ratio : Poisson's ratio that stands for any from there to 1/2
@@ -94,10 +94,10 @@ class AxisymmetricElasticity:
 
     mesh: Mesh
     degree: int
-    given_ratio: float
+    nominal_poisson_ratio: float
     own_element: Element | None = None
     highest_ratio: float = 0.49999
-    spared: int = 0
+    lowered_degrees: int = 0
 
     @property
     def poisson_ratio(self) -> float:
@@ -107,7 +107,7 @@ class AxisymmetricElasticity:
         depend on it, and closer to 1/2 roundoff costs more than it gains. What is inside depends on
         it, in proportion to 1 - 2 nu.
         """
-        return min(self.given_ratio, self.highest_ratio)
+        return min(self.nominal_poisson_ratio, self.highest_ratio)
 
     @property
     def element(self) -> Element:
@@ -124,15 +124,15 @@ class AxisymmetricElasticity:
         out = np.full(self.mesh.nelements, self.degree)
         for name, elements in (self.mesh.subdomains or {}).items():
             if name == DEEP or name.startswith(LOWER):
-                lower = self.spared if name == DEEP else int(name.removeprefix(LOWER))
+                lower = self.lowered_degrees if name == DEEP else int(name.removeprefix(LOWER))
                 out[elements] = max(min(self.degree, LOWEST), self.degree - lower)
         return out
 
     @cached_property
     def facet_degrees(self) -> Indices:
         """(facets,) degree along each facet: the lower of its elements'."""
-        beside = self.mesh.f2t
-        return np.where(beside < 0, self.degree, self.degrees[beside]).min(axis=0)
+        neighbours = self.mesh.f2t
+        return np.where(neighbours < 0, self.degree, self.degrees[neighbours]).min(axis=0)
 
     @property
     def nodes(self) -> int:
@@ -178,16 +178,16 @@ class AxisymmetricElasticity:
         corners, sides, count = len(self.mesh.t), len(self.mesh.t2f), int(self.element.facet_dofs)
         elements = np.flatnonzero(self.degrees == degree)
         # the functions of a side come by degree
-        beside = np.append(np.ones(corners), np.tile(np.arange(count) + 2, sides)) <= degree
+        neighbours = np.append(np.ones(corners), np.tile(np.arange(count) + 2, sides)) <= degree
         within = np.ones(int(self.element.interior_dofs), dtype=bool)
         if isinstance(self.element, ElementQuadP):
             # products of bubbles. If their two degrees sum to more than 2 above the degree they
             # cost more than they give, but near incompressibility, where stresses need them
             first, second = np.indices((count, count)).reshape(2, -1) + 2
             within = np.maximum(first, second) <= degree
-            within &= (first + second <= degree + 2) | (self.given_ratio > 0.45)
+            within &= (first + second <= degree + 2) | (self.nominal_poisson_ratio > 0.45)
         numbers = self.dofs.element_dofs[:, elements].T
-        outer, inside = np.flatnonzero(beside), len(beside) + np.flatnonzero(within)
+        outer, inside = np.flatnonzero(neighbours), len(neighbours) + np.flatnonzero(within)
         unknowns = np.concatenate([numbers[:, outer], numbers[:, outer] + self.nodes], axis=1)
         unknowns[np.tile(self.fixed[numbers[:, outer]], 2)] = 2 * self.nodes
         functions = np.concatenate([outer, inside])

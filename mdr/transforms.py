@@ -64,10 +64,10 @@ def _from_afar(space: PressureSpace, x: Array, to_left: Array, element: Indices)
     left, half = space.breakpoints[element], space.widths[element] / 2
     outside = 1 + to_left / half
     count = (space.degrees[element] + 1 - np.log(1e-17) / np.arccosh(outside)) / 2
-    enough = np.ceil(count).astype(np.int64)
+    point_counts = np.ceil(count).astype(np.int64)
     values = np.empty((len(x), space.top + 1))
-    for points in np.unique(enough):
-        group = np.flatnonzero(enough == points)
+    for points in np.unique(point_counts):
+        group = np.flatnonzero(point_counts == points)
         node, weight = gauss(int(points))
         # the gap r - x as a sum, not a difference: elements may be as small as roundoff allows
         within = half[group, None] * (1 + node)

@@ -22,7 +22,15 @@ from .errors import MeshError
 from .gmsh_session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
 from .half_space import DEEP, LOWER, ExactQuads, as_half_space, quality
 from .radial import Array, Indices, exact_sum
-from .sizes import LARGEST, Behind, Sharpness, beside, falls, patch_layers, patch_widths
+from .sizes import (
+    LARGEST,
+    Amplitude,
+    EdgeAmplitude,
+    adjacent_sizes,
+    degree_reductions,
+    patch_layers,
+    patch_widths,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +45,7 @@ class GradedQuads:
     layers : (N,) layers of each patch outside its two kites
     factor : size of a layer over that of the layer outside it
     between : points (2, n) and quadrilaterals (4, m) outside the patches
-    sharpness : where in the patches a lower degree will do
+    edge_amplitude : of the highest degree near an edge, which says where a lower degree will do
     """
 
     ring_edges: Array
@@ -45,7 +53,7 @@ class GradedQuads:
     layers: Indices
     factor: float
     between: tuple[Array, Indices]
-    sharpness: Behind
+    edge_amplitude: Amplitude
 
     @cached_property
     def mesh(self) -> MeshQuad:
@@ -89,7 +97,7 @@ class GradedQuads:
         # outside it; and of the outermost
         layer = np.array([[-1.0, 0.0], [-0.75, 0.75], [0.0, 1.0], [0.75, 0.75], [1.0, 0.0]])
         points, low_parts, quadrilaterals, lower, count = [], [], [], [], 0
-        lowered = falls(self.widths, self.layers, self.factor, self.sharpness)
+        lowered = degree_reductions(self.widths, self.layers, self.factor, self.edge_amplitude)
         for centre, (inner, outer), fall in zip(
             self.ring_edges[1:], self.widths, lowered, strict=True
         ):
@@ -127,7 +135,7 @@ def graded(
     factor: float,
     growth: float,
     outer: float,
-    sharpness: Behind | None = None,
+    edge_amplitude: Amplitude | None = None,
 ) -> GradedQuads:
     """Mesh the quarter disc.
 
@@ -140,7 +148,8 @@ def graded(
     factor : size of a layer over that of the layer outside it
     growth : growth of the elements with the distance from the patches
     outer : truncation radius of the half-space, in punch radii
-    sharpness : where in the patches a lower degree will do; default as if nothing had been blunted
+    edge_amplitude : of the highest degree near an edge, which says where a lower degree will do; by
+        default as if nothing had worn
 
     Raises
     ------
@@ -160,21 +169,23 @@ def graded(
     layers = patch_layers(
         widths, np.append(np.broadcast_to(sizes, len(ring_edges) - 2), rim_size), factor
     )
-    sharpness = sharpness or Sharpness(0.0, np.zeros(len(widths)), np.ones(len(widths)))
-    meshed: list[tuple[float, GradedQuads]] = []
+    edge_amplitude = edge_amplitude or EdgeAmplitude(
+        0.0, np.zeros(len(widths)), np.ones(len(widths))
+    )
+    tried: list[tuple[float, GradedQuads]] = []
     for way in ways:
         try:
             between = _between(ring_edges[1:], widths, growth, outer, way)
-            graded = GradedQuads(ring_edges, widths, layers, factor, between, sharpness)
-            meshed.append((quality(graded.mesh).min(), graded))
+            graded = GradedQuads(ring_edges, widths, layers, factor, between, edge_amplitude)
+            tried.append((quality(graded.mesh).min(), graded))
         except MeshError as error:
             reason = error
             continue
-        if meshed[-1][0] >= good:
+        if tried[-1][0] >= good:
             break
-    if not meshed:
+    if not tried:
         raise MeshError(f"no quadrilaterals between the rings: {reason}")
-    return max(meshed, key=itemgetter(0))[1]
+    return max(tried, key=itemgetter(0))[1]
 
 
 def _between(
@@ -226,4 +237,4 @@ def _geometry(gmsh: Any, centres: Array, widths: Array, growth: float, outer: fl
     curves.append(geometry.addLine(axis_end, origin))
     geometry.addPlaneSurface([geometry.addCurveLoop(curves)])
     geometry.synchronize()
-    set_sizes(gmsh, np.array(at_patches), beside(widths), growth, LARGEST * outer)
+    set_sizes(gmsh, np.array(at_patches), adjacent_sizes(widths), growth, LARGEST * outer)

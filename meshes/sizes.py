@@ -14,9 +14,9 @@ import numpy as np
 
 from .radial import Array, Indices
 
-# what stands behind the highest degree of elements, by their distance from the nearest edge, the
-# half width of the ring there, and the number of the edge
-Behind = Callable[[Array, Array, Indices], Array]
+# estimated amplitude of the highest polynomial degree on elements, by the distances of their far
+# ends from the nearest edge, the half width of the ring there, and the number of the edge
+Amplitude = Callable[[Array, Array, Indices], Array]
 
 # greatest quadrilaterals between the patches, over the truncation
 LARGEST = 0.4
@@ -108,90 +108,123 @@ def patch_layers(widths: Array, sizes: Array, factor: float) -> Indices:
     ).astype(np.int64)
 
 
-def falls(widths: Array, layers: Indices, factor: float, sharpness: Behind) -> list[Indices]:
-    """Return by how much the degree may be lowered in each layer of each patch, the middle last."""
-    half = widths.max(axis=1)
-    behind = [
-        sharpness(reach * factor ** np.arange(count + 1.0), reach, np.full(count + 1, number))
-        for number, (reach, count) in enumerate(zip(half, layers, strict=True))
+def degree_reductions(
+    half_widths: Array, layer_counts: Indices, grading: float, amplitude: Amplitude
+) -> list[Indices]:
+    """Return by how much the polynomial degree may be lowered in each layer of each patch.
+
+    Where the amplitude of high degrees is small, lower degrees reach the same error.
+
+    Parameters
+    ----------
+    half_widths : (N, 2) half-widths of the patch at each ring edge but the centre, inwards and
+        outwards
+    layer_counts : (N,) layers of each patch
+    grading : ratio of the sizes of neighbouring layers
+    amplitude : of the highest degree on an element
+
+    Returns
+    -------
+    list of (layers + 1,) int arrays
+        Outermost layer first; the last number belongs to the elements in the middle of the patch.
+    """
+    reach = half_widths.max(axis=1)
+    amplitudes = [
+        amplitude(width * grading ** np.arange(count + 1.0), width, np.full(count + 1, number))
+        for number, (width, count) in enumerate(zip(reach, layer_counts, strict=True))
     ]
-    greatest = np.max(np.concatenate(behind))
-    return [spared_degrees(greatest / in_layers, factor) for in_layers in behind]
+    greatest = np.max(np.concatenate(amplitudes))
+    return [degree_reduction(greatest / of_patch, grading) for of_patch in amplitudes]
 
 
-def beside(widths: Array) -> Array:
-    """Return the size (N,) of the elements beside each patch, in the few distinct values a mesher
-    digests.
+def adjacent_sizes(widths: Array) -> Array:
+    """Return the size (N,) of the elements next to each patch, in powers of a fourth root of 2.
+
+    A mesher gets few distinct values, because each makes a size field of its own.
     """
     return np.asarray(2.0 ** (np.round(4 * np.log2(1.4 * widths.mean(axis=1))) / 4))
 
 
 @dataclass(frozen=True, eq=False)
-class Sharpness:
-    """How much stands behind the highest degree of an element near a ring edge, over the rest.
+class EdgeAmplitude:
+    """Estimate the amplitude of the highest polynomial degree of an element near a ring edge.
 
-    It has to become smaller than the accuracy. Wear blunts the pressure beside an edge over a
-    length that grows in time, on each side as its material wears: between the two lengths the edge
-    of the slower ring is sharp, as the rim is. At a distance it is sharpest when the slower side
-    has just been blunted so far. The worn profile keeps ``x log x`` there, and its slope, whose
-    square counts, ``log x``.
+    It is relative to the rest of the solution, and has to become smaller than the tolerance. Wear
+    smooths the pressure beside an edge over a length that grows in time with the wear of the
+    material there. Between the worn lengths of both sides, the pressure at the edge of the slower
+    ring is as singular as at the rim. The worn profile keeps a term ``x log x`` there, and its
+    slope, whose square is integrated, a term ``log x``.
 
     Parameters
     ----------
-    accuracy : wanted
-    slow : (N,) length that wear has blunted at the first time after the start, beside each edge but
-        the centre, on the side that wears slower; infinite if no history is wanted
-    ratio : (N,) of the length on the other side to it, at least 1
-    span : last time over the first
+    tolerance : relative accuracy wanted
+    worn_length_slow : (N,) length over which wear has smoothed the pressure by the first time after
+        the start, on the side of each edge that wears slower, for each edge but the centre;
+        infinite if no history is wanted
+    ratio : (N,) of the worn length on the other side to it, at least 1
+    time_ratio : last time over the first
     kinks : (N,) how strong the kink of the wear coefficient is at each edge, 1 where it has a step
-    narrower : (N,) width of the narrower ring beside each edge; not felt if not given
+    narrower_width : (N,) width of the narrower ring beside each edge; left out if not given
     """
 
-    accuracy: float
-    slow: Array
+    tolerance: float
+    worn_length_slow: Array
     ratio: Array
-    span: float = 1.0
+    time_ratio: float = 1.0
     kinks: Array | None = None
-    narrower: Array | None = None
+    narrower_width: Array | None = None
 
     @property
-    def fast(self) -> Array:
-        """(N,) length that wear has blunted at the first time on the side that wears faster."""
-        return self.slow * self.ratio
+    def worn_length_fast(self) -> Array:
+        """(N,) worn length by the first time on the side that wears faster."""
+        return self.worn_length_slow * self.ratio
 
-    def __call__(self, distance: Array, half: Array, edge: Indices) -> Array:
-        """By the distance of an element's far end from an edge, the ring's half width, the edge."""
-        at_rim, slow = edge == len(self.slow) - 1, self.slow[edge]
-        with np.errstate(divide="ignore"):
-            sharp = np.minimum(1.0, distance / slow)
-            within = np.minimum(1.0, distance / np.minimum(slow, half))
-        fast, ratio = self.fast[edge], self.ratio[edge]
-        blunted = np.maximum(
-            distance, np.minimum(np.maximum(fast, distance * ratio), fast * self.span)
+    def __call__(self, distance: Array, half_width: Array, edge: Indices) -> Array:
+        """Return the amplitude on elements.
+
+        Parameters
+        ----------
+        distance : (n,) of the far end of each element from its nearest edge
+        half_width : (n,) half the width of the ring that the element is on
+        edge : (n,) number of that edge; the last is the rim
+        """
+        at_rim = edge == len(self.worn_length_slow) - 1
+        slow, fast, ratio = (
+            part[edge] for part in (self.worn_length_slow, self.worn_length_fast, self.ratio)
         )
-        whole = np.sqrt(np.minimum(1.0, blunted / half))
-        if self.narrower is not None:
-            # a narrow ring is felt beside it over a few times its own width
-            width = self.narrower[edge]
-            of_narrow = np.sqrt(np.minimum(1.0, 2 * blunted / width))
-            whole = np.maximum(whole, np.minimum(1.0, width / distance) * of_narrow)
-        whole = np.where(at_rim, 1.0, whole)
+        with np.errstate(divide="ignore"):
+            edge_factor = np.minimum(1.0, distance / slow)
+            slope_factor = np.minimum(1.0, distance / np.minimum(slow, half_width))
+        # At this distance the edge is most singular when the slower side has been worn so far: then
+        # the faster side is worn over a multiple of it.
+        worn_length = np.maximum(
+            distance, np.minimum(np.maximum(fast, distance * ratio), fast * self.time_ratio)
+        )
+        far_factor = np.sqrt(np.minimum(1.0, worn_length / half_width))
+        if self.narrower_width is not None:
+            # a narrow ring changes the pressure beside it over a few times its own width
+            width = self.narrower_width[edge]
+            of_narrow = np.sqrt(np.minimum(1.0, 2 * worn_length / width))
+            far_factor = np.maximum(far_factor, np.minimum(1.0, width / distance) * of_narrow)
+        far_factor = np.where(at_rim, 1.0, far_factor)
         kink = 1.0 if self.kinks is None else self.kinks[edge]
-        pressure = kink * whole * sharp**1.5
-        slope = 3 * np.sqrt(self.accuracy * np.maximum(whole**2 * within, distance / half)) * kink
-        return np.asarray(np.maximum(np.maximum(pressure, slope), distance))
+        of_pressure = kink * far_factor * edge_factor**1.5
+        of_slope = np.maximum(far_factor**2 * slope_factor, distance / half_width)
+        # the square of the slope counts, so that its amplitude may be the root of the tolerance
+        of_slope = 3 * np.sqrt(self.tolerance * of_slope) * kink
+        return np.asarray(np.maximum(np.maximum(of_pressure, of_slope), distance))
 
 
-def convergence(ratio: float) -> float:
-    """Return the logarithm of what a degree gains where elements are smaller by `ratio` than their
-    neighbours.
+def convergence(grading: float) -> float:
+    """Return the logarithm of the factor by which one more degree lowers the error.
 
-    A polynomial on an element one element away from a singularity converges with the ellipse
-    through it (Bernstein).
+    A polynomial of degree p on an element one element away from a singularity errs by ``rho^-p``
+    with ``rho = (1 + sqrt(grading)) / (1 - sqrt(grading))`` (Bernstein's ellipse), where elements
+    are smaller by `grading` than their neighbours.
     """
-    return float(np.log((1 + ratio**0.5) / (1 - ratio**0.5)))
+    return float(np.log((1 + grading**0.5) / (1 - grading**0.5)))
 
 
-def spared_degrees(less: Array, ratio: float) -> Indices:
+def degree_reduction(smaller: Array, grading: float) -> Indices:
     """Return by how much degrees may be lowered where the amplitude is so many times smaller."""
-    return np.asarray(np.log(less) / convergence(ratio), dtype=np.int64)
+    return np.asarray(np.log(smaller) / convergence(grading), dtype=np.int64)

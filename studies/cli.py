@@ -179,15 +179,15 @@ def _mesh(options: argparse.Namespace) -> Status:
         from .figures.mesh import write_mesh
         from .methods.fem import half_space_mesh
 
-        meshed = half_space_mesh(scene.problem)
-        write_mesh(scene, meshed.mesh, meshed.mesher, folder.hidden)
-    mesh, shape = meshed.mesh, quality(meshed.mesh)
+        chosen = half_space_mesh(scene.problem)
+        write_mesh(scene, chosen.mesh, chosen.mesher, folder.hidden)
+    mesh, shape = chosen.mesh, quality(chosen.mesh)
     kind = "triangles" if len(mesh.t) == 3 else "quadrilaterals"
     print(
-        f"{mesh.nelements} {kind} by {meshed.mesher}, {len(mesh.boundaries['contact'])} facets on "
+        f"{mesh.nelements} {kind} by {chosen.mesher}, {len(mesh.boundaries['contact'])} facets on "
         f"the contact, quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean "
         f"{shape.mean():.2f}",
-        *(f"note: {note}" for note in meshed.notes),
+        *(f"note: {note}" for note in chosen.notes),
         sep="\n",
     )
     _print_files(folder, [])

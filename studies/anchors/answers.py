@@ -35,9 +35,9 @@ def check_times_of_running_in(report: Reported) -> Rows:
             steady, doubts = report.integrate(moved, report.steady_wear_rate / report.wear)
             whole, doubt = float(steady[0]) - report.flat.indentation, float(doubts[0])
         near = wear.modes.left(time * np.array([1 - NEARBY, 1.0, 1 + NEARBY]))
-        falls = abs(np.log(near[2] / near[0])) / (2 * NEARBY)
+        decay = abs(np.log(near[2] / near[0])) / (2 * NEARBY)
         stated = float(report.tolerance(name))
-        tolerance = stated * falls + (doubt + 1e-12) / whole
+        tolerance = stated * decay + (doubt + 1e-12) / whole
         yield Row(f"{name}: what is left then", near[1] / whole, part, tolerance)
 
 

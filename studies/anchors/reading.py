@@ -144,9 +144,9 @@ class Reading:
         radii, least, greatest = np.array(self.table["radii"]) / self.units.length, [], []
         for inner, outer in pairwise(self.edges):
             inside = radii[(radii > inner) & (radii < outer)]
-            beside = INSIDE * (outer - inner)
+            offset = INSIDE * (outer - inner)
             places = np.concatenate(
-                [[inner + beside, outer - beside], inside - beside, inside + beside]
+                [[inner + offset, outer - offset], inside - offset, inside + offset]
             )
             values = self.wear_at(np.clip(places, inner, outer))
             least.append(values.min())

@@ -58,9 +58,9 @@ def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
         unworn.to_csv(folder / "unworn.csv", index=False)
     reach = 100.0
     sizes = {"mesher": "gmsh", "truncation": reach}
-    meshed = half_space_mesh(scene.changed(accuracy__fem=sizes).problem)
-    points = meshed.mesh.p.T * scaled(scene.punch.radius, "length")
-    triangles = meshio.Mesh(np.pad(points, ((0, 0), (0, 1))), {"triangle": meshed.mesh.t.T})
+    chosen = half_space_mesh(scene.changed(accuracy__fem=sizes).problem)
+    points = chosen.mesh.p.T * scaled(scene.punch.radius, "length")
+    triangles = meshio.Mesh(np.pad(points, ((0, 0), (0, 1))), {"triangle": chosen.mesh.t.T})
     triangles.write(folder / "mesh.msh", file_format="gmsh")
     ratio, modulus = scene.half_space.poisson_ratio, problem.units.modulus
     kinds = {"normal_force": "force", "mean_pressure": "pressure", "indentation": "displacement"}
@@ -91,7 +91,7 @@ def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
         "the surface, into the half-space; profile f, with what the unworn face lacks; indentation "
         "d of the unworn face plane, u = d - f in contact; normal_force. Pressures at ring edges, "
         "where they jump, are not compared; at the rim they may be infinite.",
-        *meshed.notes,
+        *chosen.notes,
     ]
     (folder / "scene.txt").write_text("\n".join(lines) + "\n", "utf-8")
     return lines

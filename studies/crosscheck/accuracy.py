@@ -12,7 +12,7 @@ from ..problem.problem import Problem
 from ..problem.quantities import ENERGIES
 from ..problem.sections import DEGREES
 from ..progress import LOG, Stages
-from ..sizes.defaults import followed
+from ..sizes.defaults import tolerance_range
 from .promise import BY_CELLS, allowed_error, unresolved
 
 # a refinement that leaves more than this part of an error is not followed by another
@@ -40,7 +40,7 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
     error = error_of_sizes(problem, solution)
     # where edges move, half of the uncertainty that two methods may have
     allowed = allowed_error(problem)
-    least, most = followed(problem, solution.settings.get("pressures", 0))
+    least, most = tolerance_range(problem, solution.settings.get("pressures", 0))
     rtol = min(problem.rtol, most)
     if problem.sizes_given(method.name):
         return solution

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Meshed:
+class ChosenMesh:
     """The mesh of a problem.
 
     Parameters
@@ -42,7 +42,7 @@ class Meshed:
     notes: tuple[str, ...] = ()
 
 
-def half_space_mesh(problem: Problem) -> Meshed:
+def half_space_mesh(problem: Problem) -> ChosenMesh:
     """Return the mesh of a problem.
 
     By the mesher asked for, or by bisection where that cannot, with a note that says why.
@@ -56,29 +56,31 @@ def half_space_mesh(problem: Problem) -> Meshed:
     return replace(_meshed(problem, "bisection"), notes=(note,))
 
 
-def _meshed(problem: Problem, mesher: str) -> Meshed:
+def _meshed(problem: Problem, mesher: str) -> ChosenMesh:
     from ...meshes import bisection, triangles
     from ...meshes.quads import graded
 
     if mesher == "quads":
         layered = graded(problem.merged.ring_edges, **defaults.quad_sizes(problem))
-        return Meshed(layered.mesh, mesher, lambda: layered.coarser().mesh)
+        return ChosenMesh(layered.mesh, mesher, lambda: layered.coarser().mesh)
     field = defaults.triangle_sizes(problem)
     make = triangles.mesh if mesher == "gmsh" else bisection.mesh
-    return Meshed(make(field), mesher, lambda: make(field.coarser()))
+    return ChosenMesh(make(field), mesher, lambda: make(field.coarser()))
 
 
-def half_space_on(problem: Problem, meshed: Meshed) -> "HalfSpace":
+def half_space_on(problem: Problem, chosen: ChosenMesh) -> "HalfSpace":
     """Return the half-space on a mesh, with scikit-fem's elements of a suitable degree."""
     from ...fem.elasticity import AxisymmetricElasticity
     from ...fem.half_space import HalfSpace, pressure_space
     from ...meshes.half_space import truncation
 
-    quads = meshed.mesher == "quads"
+    quads = chosen.mesher == "quads"
     degree = (defaults.quad_degree if quads else defaults.triangle_degree)(problem)
     # the field below is smoother: a fifth of the degree less costs nothing on the contact
-    solid = AxisymmetricElasticity(meshed.mesh, degree, problem.poisson_ratio, spared=degree // 5)
-    poles = defaults.pole_orders(problem, truncation(meshed.mesh))
+    solid = AxisymmetricElasticity(
+        chosen.mesh, degree, problem.poisson_ratio, lowered_degrees=degree // 5
+    )
+    poles = defaults.pole_orders(problem, truncation(chosen.mesh))
     return HalfSpace(
         solid, pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow), poles
     )
@@ -119,9 +121,9 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
 
     fixed = problem.fem.far_field == "fixed"
     with stages("meshing"):
-        meshed = half_space_mesh(problem)
+        chosen = half_space_mesh(problem)
     with stages("assembling"):
-        half_space = half_space_on(problem, meshed)
+        half_space = half_space_on(problem, chosen)
         _ = half_space.lower_triangle
     with stages("condensing"):
         fine = half_space.compliance()
@@ -130,37 +132,37 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
             # clamped
             fine = replace(fine, factor=fine.factor[: -len(half_space.poles)])
     settings = {
-        "mesher": meshed.mesher,
-        "elements": meshed.mesh.nelements,
+        "mesher": chosen.mesher,
+        "elements": chosen.mesh.nelements,
         "degree": half_space.solid.degree,
         "poles": 0 if fixed else len(half_space.poles),
-        "truncation": truncation(meshed.mesh),
+        "truncation": truncation(chosen.mesh),
         "solver": solver(),
     }
     return Discretised(
         fine,
-        lambda: _coarser_half_space(problem, meshed, half_space).compliance(),
+        lambda: _coarser_half_space(problem, chosen, half_space).compliance(),
         half_space.unknowns,
         settings,
         # displacements and stresses inside are those of the clamped half-space, too
         replace(half_space, poles=()) if fixed else half_space,
-        meshed.notes,
+        chosen.notes,
         # on triangles, whose degree is low, meshes of two sizes may miss the same
-        safety=1.5 if meshed.mesher == "quads" else 8.0,
-        smallest=_smallest(problem, meshed),
+        safety=1.5 if chosen.mesher == "quads" else 8.0,
+        smallest=_smallest(problem, chosen),
     )
 
 
-def _smallest(problem: Problem, meshed: Meshed) -> float:
+def _smallest(problem: Problem, chosen: ChosenMesh) -> float:
     """Return the least size of elements beside a ring edge that a mesher is asked for.
 
     Triangles, whose degree is low, are as small as they are, because smaller ones would not help.
     """
     from ...meshes.half_space import contact_radii
 
-    if meshed.mesher == "quads":
+    if chosen.mesher == "quads":
         return defaults.fem_smallest(problem)
-    return float(np.diff(contact_radii(meshed.mesh)).min())
+    return float(np.diff(contact_radii(chosen.mesh)).min())
 
 
 def _on_cells(problem: Problem, stages: Stages) -> Discretised:
@@ -185,7 +187,7 @@ def _on_cells(problem: Problem, stages: Stages) -> Discretised:
     )
 
 
-def _coarser_half_space(problem: Problem, meshed: Meshed, whole: "HalfSpace") -> "HalfSpace":
+def _coarser_half_space(problem: Problem, chosen: ChosenMesh, whole: "HalfSpace") -> "HalfSpace":
     """Return a half-space with a degree and a layer less, or larger triangles, and a pole less.
 
     A clamped boundary is held against poles: what it errs by is far more than one of them does.
@@ -193,7 +195,7 @@ def _coarser_half_space(problem: Problem, meshed: Meshed, whole: "HalfSpace") ->
     from ...fem.half_space import HalfSpace, pressure_space
 
     # with a degree of less than two no multipliers are stable
-    solid = replace(whole.solid, degree=max(whole.solid.degree - 1, 2), mesh=meshed.coarser())
+    solid = replace(whole.solid, degree=max(whole.solid.degree - 1, 2), mesh=chosen.coarser())
     poles = whole.poles if problem.fem.far_field == "fixed" else whole.poles[:-1]
     return HalfSpace(
         solid, pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow), poles

@@ -125,7 +125,7 @@ def interior(scene: Scene, fem: Solution) -> Interior:
             spaces = []
             for lower, tied in enumerate(orders):
                 solid = replace(
-                    half_space.solid, degree=degree - lower, highest_ratio=ratio, spared=0
+                    half_space.solid, degree=degree - lower, highest_ratio=ratio, lowered_degrees=0
                 )
                 ring_edges = problem.merged.ring_edges
                 hollow = problem.merged.hollow
@@ -162,7 +162,9 @@ def pressures_of(problem: Problem, fem: Solution, half_space: "HalfSpace", coars
         within = space.coarser() if coarse else space
         compliance = compliance.restricted(within)
         wear = RunningIn(compliance, problem.merged.wear_coefficients, continuous=False)
-        pressures = fem.evaluate(problem, compliance, looser=1 + 3 * coarse).history.pressure
+        pressures = fem.evaluate(
+            problem, compliance, step_tolerance_factor=1 + 3 * coarse
+        ).history.pressure
     if problem.steady:
         pressures = np.vstack([pressures, problem.loading.forces[-1] * wear.steady.pressure])
     return np.asarray(pressures @ space.embedding(within).T)

@@ -47,13 +47,13 @@ class MovingContact(Evaluation):
         problem: Problem,
         compliance: Compliance,
         start: FittedPress | None = None,
-        looser: float = 1.0,
+        step_tolerance_factor: float = 1.0,
     ) -> None:
         super().__init__(problem, compliance)
-        self.start, self.looser = start, looser
+        self.start, self.step_tolerance_factor = start, step_tolerance_factor
         # of the accuracy asked for, that each step may add to the worn depth: cells do not get
         # coarser than 1e-3 asks for, and steps, too few to tell their error by, would save nothing
-        self._tolerance = 0.05 * looser * min(problem.rtol, 1e-3)
+        self._tolerance = 0.05 * step_tolerance_factor * min(problem.rtol, 1e-3)
         if np.ptp(problem.loading.forces):
             # measured: while a force rises from zero, little has worn for how deep the punch is
             self._tolerance *= 0.02
@@ -94,7 +94,9 @@ class MovingContact(Evaluation):
     @cached_property
     def for_estimate(self) -> Results:
         # the coarser one is asked for all of the times that are watched
-        watched = self._started(self.march.watched) if self.looser == 1 else self.history
+        watched = (
+            self._started(self.march.watched) if self.step_tolerance_factor == 1 else self.history
+        )
         return self.sampler.history(watched, on_face=True)
 
     @cached_property
@@ -168,8 +170,8 @@ class MovingContact(Evaluation):
         heights = DESCRIBED[name].norm == "indentation"
         # the unworn face is given, and a press that is fitted to its edges integrates all of it
         exact = name == "profile" or (name == "indentation" and self.start is not None)
-        felt = heights & (later | (not exact))
-        return np.where(felt, np.maximum(least, self._unresolved), least)
+        by_cells = heights & (later | (not exact))
+        return np.where(by_cells, np.maximum(least, self._unresolved), least)
 
     @cached_property
     def _unresolved(self) -> Array:

@@ -173,7 +173,7 @@ def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: 
         _ = fine.results
     with stages("estimating"):
         watched = replace(problem, times=fine.march.times)
-        coarse = MovingContact(watched, made.coarser(), presses[1], looser=4.0)
+        coarse = MovingContact(watched, made.coarser(), presses[1], step_tolerance_factor=4.0)
         solution = _without_infinite_peak(_solution(made, fine, coarse), problem.rtol)
     solution = replace(
         solution,

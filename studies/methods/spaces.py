@@ -15,10 +15,10 @@ from ...meshes.contact_cells import ContactCells
 from ...meshes.errors import SceneError
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, Indices, exact_graded_breakpoints
-from ...meshes.sizes import spared_degrees
+from ...meshes.sizes import degree_reduction
 from ..problem.problem import Problem
-from ..sizes.defaults import affordable, cells_of, mdr_sizes
-from ..wear.contact_edges import located, refine_at_free_edges
+from ..sizes.defaults import cells_of, mdr_sizes, with_affordable_field_tolerance
+from ..wear.contact_edges import find_first_contact, refine_at_free_edges
 from ..wear.unilateral import Interval, Load
 
 # strength of a kink of the wear coefficient (`Rings.kinks`) that asks for no layer
@@ -58,7 +58,7 @@ def first_contact(
     """
     cells = cells_of(problem, finer)
     load = load_at_start(problem)
-    intervals, cells = located(energy.compliance, problem.profile, load, cells)
+    intervals, cells = find_first_contact(energy.compliance, problem.profile, load, cells)
     if not intervals:
         raise SceneError("load.indentation presses on less than cells can be made for: give more")
     if finer == 1:
@@ -118,9 +118,11 @@ def degrees(
     from_outer = space.distance(element, at_edges[ring + 1])
     nearest = np.where(from_outer <= from_inner, ring, ring - 1)
     distance, half = np.minimum(from_inner, from_outer), np.diff(edges)[ring] / 2
-    behind = affordable(problem, grading).sharpness(distance, half, nearest)
+    amplitude = with_affordable_field_tolerance(problem, grading).edge_amplitude(
+        distance, half, nearest
+    )
     layer = np.log(np.minimum(distance / half, 1.0)) / np.log(grading)
     least = np.maximum(np.ceil(of_modes * 0.5**layer), 2).astype(np.int64)
-    lower = highest - spared_degrees(behind.max() / behind, grading)
+    lower = highest - degree_reduction(amplitude.max() / amplitude, grading)
     raised = np.maximum(lower, np.minimum(least, max(highest, of_modes)))
     return np.where((ring == 0) & problem.merged.hollow, 0, raised)

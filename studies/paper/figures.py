@@ -81,8 +81,8 @@ def draw_history(states: xarray.Dataset, history: xarray.DataArray, path: Path) 
         marked = {"markerfacecolor": "white", "zorder": 5, "label": "states of Fig. 4"}
         axes.plot(marks.time, marks, "kD", **marked)
         for percent, *place in zip(PERCENTS, marks.time.values, marks.values, strict=False):
-            beside = {"xytext": (8, -9), "textcoords": "offset points", "fontsize": 8}
-            axes.annotate(f"{percent} %", place, **beside)
+            placement = {"xytext": (8, -9), "textcoords": "offset points", "fontsize": 8}
+            axes.annotate(f"{percent} %", place, **placement)
         axes.axhline(1, **FAINT)
         axes.set(xlabel="time $t/t_{stat}$", title=AVERAGES[average])
     panels[0].set(ylim=(-0.09, 1.09), ylabel=r"RMS gradient $\nabla f/\nabla f_{stat}$")

@@ -20,7 +20,7 @@ from ...meshes.radial import (
     ring_areas,
     ring_of,
 )
-from ...meshes.sizes import Sharpness
+from ...meshes.sizes import EdgeAmplitude
 from .face import Face, Rings
 from .loading import Loading
 from .profile import FLAT, InitialProfile
@@ -95,7 +95,7 @@ class Problem:
     loading: Loading = field(default_factory=Loading)
 
     @classmethod
-    def posed(
+    def from_tables(
         cls,
         punch: PunchSection,
         half_space: HalfSpaceSection,
@@ -236,16 +236,16 @@ class Problem:
         return float(min(self.distances[self.distances > 0], default=0.0))
 
     @property
-    def sharpness(self) -> Sharpness:
+    def edge_amplitude(self) -> EdgeAmplitude:
         """Of the pressures that are asked for, by what wear has blunted: sizes go by it."""
         (inner, wear), earliest = self.merged.ends, self.earliest or np.inf
         outside = np.append(inner[1:], wear[-1])
         slower = np.minimum(wear, outside)
         span = float(self.distances[-1] / earliest) if self.earliest else 1.0
-        slow = np.where(self.merged.smooth, np.inf, slower * earliest)
+        worn_length_slow = np.where(self.merged.smooth, np.inf, slower * earliest)
         ratio = np.maximum(wear, outside) / slower
         narrower = np.append(self.merged.narrower, self.merged.widths[-1])
-        return Sharpness(self.rtol, slow, ratio, span, self.merged.kinks, narrower)
+        return EdgeAmplitude(self.rtol, worn_length_slow, ratio, span, self.merged.kinks, narrower)
 
     def sizes_given(self, method: str) -> bool:
         """Return whether the user has given the sizes of a method, which then stay as they are."""
@@ -327,11 +327,13 @@ class Problem:
         if self.compared_on is not None:
             return self.compared_on
         rings = self.merged
-        rim = float(np.clip(0.1 * self.sharpness.slow[-1], 1e-12, 1e-6))
+        rim = float(np.clip(0.1 * self.edge_amplitude.worn_length_slow[-1], 1e-12, 1e-6))
         nearest = 1e-4 * rings.narrower
         if self.full_contact:
             # slopes of early times are steepest within what wear has blunted beside an edge
-            nearest = np.clip(0.1 * self.sharpness.slow[:-1], 1e-12, 1e-8 * rings.narrower)
+            nearest = np.clip(
+                0.1 * self.edge_amplitude.worn_length_slow[:-1], 1e-12, 1e-8 * rings.narrower
+            )
         breakpoints = graded_breakpoints(rings.ring_edges, nearest, rim, factor=0.4)
         # the integral over each ring that the scene names, also where nothing happens at its edge
         breakpoints = np.union1d(breakpoints, self.ring_edges)

@@ -229,7 +229,7 @@ class Scene(Section):
     @cached_property
     def problem(self) -> Problem:
         """What the methods are given: geometry, wear and times, non-dimensional."""
-        return Problem.posed(
+        return Problem.from_tables(
             self.punch, self.half_space, self.load_, self.wear, self.accuracy, self.output
         )
 

@@ -45,16 +45,16 @@ MOST_PRESSURES = 3500
 
 def pressure_degree(problem: Problem, ratio: float) -> float:
     """Return the highest degree of the pressure that an accuracy asks for."""
-    half, behind = problem.merged.widths / 2, problem.sharpness
+    half, amplitude = problem.merged.widths / 2, problem.edge_amplitude
     edges = np.arange(len(half))
     greatest = max(
-        float(behind(half, half, edges).max()),
-        float(behind(half[1:], half[1:], edges[:-1]).max(initial=0.0)),
+        float(amplitude(half, half, edges).max()),
+        float(amplitude(half[1:], half[1:], edges[:-1]).max(initial=0.0)),
     )
-    return float(max(_enough(np.log(greatest / problem.rtol) / convergence(ratio)), 2))
+    return float(max(_relaxed_degree(np.log(greatest / problem.rtol) / convergence(ratio)), 2))
 
 
-def _enough(degree: Array | float) -> Array | float:
+def _relaxed_degree(degree: Array | float) -> Array | float:
     """Return the degrees that are enough, a little below those that the estimate of the amplitude
     asks for.
     """
@@ -80,7 +80,7 @@ def pressures(problem: Problem, ratio: float) -> float:
     """Estimate how many pressures a mesh takes whose elements shrink by a ratio towards every ring
     edge and the rim.
     """
-    half, sizes, behind = problem.merged.widths / 2, edge_sizes(problem), problem.sharpness
+    half, sizes, amplitude = problem.merged.widths / 2, edge_sizes(problem), problem.edge_amplitude
     total, most = 0.0, pressure_degree(problem, ratio)
     # on the inner side of each edge, and on the outer side of all but the rim
     for reach, size, edges in (
@@ -89,13 +89,13 @@ def pressures(problem: Problem, ratio: float) -> float:
     ):
         distance = reach[:, None] * ratio ** np.arange(np.ceil(np.log(sizes.min()) / np.log(ratio)))
         edges = np.broadcast_to(edges[:, None], distance.shape)
-        digits = np.log(behind(distance, reach[:, None], edges) / problem.rtol)
-        degrees = np.clip(_enough(digits / convergence(ratio)), 2, most)
+        digits = np.log(amplitude(distance, reach[:, None], edges) / problem.rtol)
+        degrees = np.clip(_relaxed_degree(digits / convergence(ratio)), 2, most)
         total += float(np.sum(degrees, where=distance > size[:, None]))
     return total
 
 
-def affordable(problem: Problem, ratio: float) -> Problem:
+def with_affordable_field_tolerance(problem: Problem, ratio: float) -> Problem:
     """Return the problem with the tolerance that its fields can have.
 
     With so many rings that it would take too many pressures, fields are as accurate as the root of
@@ -114,13 +114,16 @@ def field_accuracy(problem: Problem) -> float:
     """Return the accuracy that fields are resolved to: the one asked for, unless there are too many
     rings.
     """
-    return affordable(problem, FACTOR).rtol
+    return with_affordable_field_tolerance(problem, FACTOR).rtol
 
 
 def mdr_sizes(problem: Problem) -> dict[str, Any]:
     """Return the sizes of the radial mesh of the MDR and of boundary elements."""
     chosen, grading = problem.mdr, problem.mdr.grading or 0.2
-    fields, modes = affordable(problem, grading), np.ceil(degree_of_modes(problem))
+    fields, modes = (
+        with_affordable_field_tolerance(problem, grading),
+        np.ceil(degree_of_modes(problem)),
+    )
     degree = np.ceil(pressure_degree(fields, grading))
     smallest = smallest_size(problem, RADIAL_ROUNDOFF)
     return {
@@ -134,18 +137,18 @@ def mdr_sizes(problem: Problem) -> dict[str, Any]:
 
 def edge_sizes(problem: Problem) -> Array:
     """Return the wanted sizes (N,) at every ring edge but the centre, the rim last."""
-    rtol, narrower, blunted = problem.rtol, problem.merged.narrower, problem.sharpness
+    rtol, narrower, worn = problem.rtol, problem.merged.narrower, problem.edge_amplitude
     narrower = np.append(narrower, problem.merged.widths[-1])
     at_rim = np.arange(len(narrower)) == len(narrower) - 1
-    sharp = np.where(at_rim, 1.0, np.minimum(1.0, blunted.fast / narrower))
+    sharp = np.where(at_rim, 1.0, np.minimum(1.0, worn.worn_length_fast / narrower))
     # of the square of the slope, as much is missed as the size is of the ring, or of what wear has
     # blunted
     sizes = np.minimum(
         0.1 * rtol * narrower,
-        np.where(at_rim, 0.03, 0.1) * rtol * np.minimum(blunted.slow, narrower) / sharp,
+        np.where(at_rim, 0.03, 0.1) * rtol * np.minimum(worn.worn_length_slow, narrower) / sharp,
     )
     # of the pressure, the power 3/2 of that
-    sizes = np.minimum(sizes, 0.3 * blunted.slow * (rtol / np.sqrt(sharp)) ** (2 / 3))
+    sizes = np.minimum(sizes, 0.3 * worn.worn_length_slow * (rtol / np.sqrt(sharp)) ** (2 / 3))
     # where wear is continuous, pressures of early times are a logarithm of the distance at most,
     # whose amplitude is that of the kink
     continuous = np.minimum(rtol**0.5 / np.maximum(problem.merged.kinks, rtol), 1.0) * narrower
@@ -209,7 +212,7 @@ def quad_sizes(problem: Problem) -> dict[str, Any]:
     """Return the sizes of quadrilaterals in geometric layers, by the names of
     `meshes.quads.graded`.
     """
-    chosen, fields = problem.fem, affordable(problem, FACTOR)
+    chosen, fields = problem.fem, with_affordable_field_tolerance(problem, FACTOR)
     wanted = np.maximum(ring_sizes(problem, fields), fem_smallest(problem))
     far = TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION
     return {
@@ -218,7 +221,7 @@ def quad_sizes(problem: Problem) -> dict[str, Any]:
         "factor": FACTOR,
         "growth": chosen.growth or GROWTH,
         "outer": chosen.truncation or far,
-        "sharpness": fields.sharpness,
+        "edge_amplitude": fields.edge_amplitude,
     }
 
 
@@ -228,7 +231,7 @@ def quad_degree(problem: Problem) -> int:
 
     More towards incompressibility, which costs two digits in the end.
     """
-    of_pressure = pressure_degree(affordable(problem, FACTOR), FACTOR)
+    of_pressure = pressure_degree(with_affordable_field_tolerance(problem, FACTOR), FACTOR)
     compressibility = 1 - 2 * min(problem.poisson_ratio, 0.4999)
     wanted = (
         # of less, the coarser solution would have linear pressures, too far off to judge by
@@ -236,8 +239,8 @@ def quad_degree(problem: Problem) -> int:
         + 1.45
         + max(0.0, -0.2 - 0.4 * np.log10(compressibility))
     )
-    enough = int(np.clip(np.ceil(wanted), DEGREES["quads"][0], DEGREES["quads"][-1]))
-    return problem.fem.degree or enough
+    degree = int(np.clip(np.ceil(wanted), DEGREES["quads"][0], DEGREES["quads"][-1]))
+    return problem.fem.degree or degree
 
 
 def triangle_ring_sizes(problem: Problem) -> Array:
@@ -246,8 +249,8 @@ def triangle_ring_sizes(problem: Problem) -> Array:
     Their degree is low, and smaller ones would not help fields.
     """
     rtol, narrower = problem.rtol, problem.merged.narrower
-    blunted = max(0.5 * problem.earliest, rtol**0.75) if problem.earliest else 1.0
-    wanted = np.minimum(min(10 * rtol**0.6, 0.25) * narrower, blunted)
+    worn = max(0.5 * problem.earliest, rtol**0.75) if problem.earliest else 1.0
+    wanted = np.minimum(min(10 * rtol**0.6, 0.25) * narrower, worn)
     if problem.merged.hollow:
         # as at the rim
         wanted[0] = min(0.1 * rtol, float(narrower[0]) / 4)
@@ -296,7 +299,7 @@ def grid_step(problem: Problem, stability_limit: float) -> float:
     return problem.step if problem.step and problem.march == "explicit" else 0.5 * stability_limit
 
 
-def followed(problem: Problem, pressures: int) -> tuple[float, float]:
+def tolerance_range(problem: Problem, pressures: int) -> tuple[float, float]:
     """Return the least and the greatest accuracy that sizes follow, if at first there were so many
     pressures.
     """

@@ -13,7 +13,7 @@ from typing import Self
 
 import numpy as np
 
-from ...meshes.sizes import Sharpness
+from ...meshes.sizes import EdgeAmplitude
 from ..problem.problem import Problem
 
 
@@ -35,17 +35,19 @@ class Shared(Problem):
         return cls(**first | {"rtol": rtol}, members=tuple(members))
 
     @property
-    def sharpness(self) -> Sharpness:
-        blunted = [member.sharpness for member in self.members]
-        slow = np.min([lengths.slow for lengths in blunted], axis=0)
-        ratio = np.max([lengths.ratio for lengths in blunted], axis=0)
+    def edge_amplitude(self) -> EdgeAmplitude:
+        amplitudes = [member.edge_amplitude for member in self.members]
+        worn_length_slow = np.min([lengths.worn_length_slow for lengths in amplitudes], axis=0)
+        ratio = np.max([lengths.ratio for lengths in amplitudes], axis=0)
         latest = max(
-            lengths.span * member.earliest
-            for lengths, member in zip(blunted, self.members, strict=True)
+            lengths.time_ratio * member.earliest
+            for lengths, member in zip(amplitudes, self.members, strict=True)
         )
         span = latest / self.earliest if self.earliest else 1.0
         kinks = np.max([member.merged.kinks for member in self.members], axis=0)
-        return Sharpness(self.rtol, slow, ratio, span, kinks, blunted[0].narrower)
+        return EdgeAmplitude(
+            self.rtol, worn_length_slow, ratio, span, kinks, amplitudes[0].narrower_width
+        )
 
     @property
     def earliest(self) -> float:
@@ -53,7 +55,7 @@ class Shared(Problem):
 
 
 def discretised_alike(problem: Problem) -> Hashable:
-    """Return what a discretisation depends on, but for the sharpness."""
+    """Return what a discretisation depends on, but for the amplitudes at edges."""
     sizes = problem.fem.model_dump_json(), problem.mdr.model_dump_json()
     numbers = problem.poisson_ratio, problem.rtol, problem.gradient_average
     kinds = bool(len(problem.times)), problem.full_contact
@@ -69,7 +71,7 @@ def groups(problems: Sequence[Problem]) -> list[list[int]]:
     # greatest ratio of the lengths that wear has blunted in problems that share a discretisation:
     # pressures that the sharper needs cost the others their third power
     widest = 100.0
-    sharpest = [float(problem.sharpness.slow.min()) for problem in problems]
+    sharpest = [float(problem.edge_amplitude.worn_length_slow.min()) for problem in problems]
     parts, latest = list[list[int]](), dict[Hashable, list[int]]()
     for number in np.argsort(sharpest, kind="stable").tolist():
         kind = discretised_alike(problems[number])

@@ -124,8 +124,8 @@ class Sweep:
                 "table, and [axes], [zip] or [random]"
             )
         if isinstance(base, str):
-            beside = (folder or Path()) / base
-            base = Scene.load(beside if beside.is_file() else base).table()
+            in_folder = (folder or Path()) / base
+            base = Scene.load(in_folder if in_folder.is_file() else base).table()
         if "units" not in base and has_units(varied.items()):
             base = base | {"units": "SI"}
         columns = read_columns(table, base)
@@ -267,9 +267,9 @@ def _read_profiles(base: Table, columns: dict[str, Column], folder: Path) -> Tab
             tables += [_changed(base, key.split("."), value) for value in column.values]
     profiles: Table = {}
     for file in dict.fromkeys(filter(None, map(_profile_file, tables))):
-        beside = folder / file
+        in_folder = folder / file
         try:
-            radii, heights = read_table(beside if beside.is_file() else Path(file))
+            radii, heights = read_table(in_folder if in_folder.is_file() else Path(file))
         except ValueError as error:
             raise SceneError(f"punch.profile: {error}") from error
         profiles[file] = {"radii": radii, "heights": heights}

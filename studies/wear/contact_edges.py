@@ -79,7 +79,7 @@ def _end(radius: Array, step: Array, node: int, way: int) -> tuple[float, bool]:
     return float(radius[node]), not step[min(node, other)] * way > 0
 
 
-def located(
+def find_first_contact(
     compliance: Callable[[PressureSpace], Compliance],
     profile: InitialProfile,
     load: Load,
@@ -101,14 +101,16 @@ def located(
         intervals = first_intervals(space, press.contact, profile)
         # between corners of the face, at ring edges, cells are small enough
         spreading = [part for part in intervals if part.inner_free or part.outer_free]
-        unfelt = _unfelt(
+        penetrating = _penetrating_parts(
             space, splu(space.mass().tocsc()).solve(matrix @ press.pressure), press, profile
         )
-        narrow = [(part.inner, part.outer) for part in spreading] + unfelt
-        while not (spotted := _with_spots(cells, narrow, most)) and len(narrow) > len(spreading):
+        narrow = [(part.inner, part.outer) for part in spreading] + penetrating
+        while not (with_refinements := _with_spots(cells, narrow, most)) and len(narrow) > len(
+            spreading
+        ):
             # the deepest first: where they carry, others may not touch
             del narrow[(len(narrow) + len(spreading)) // 2 :]
-        if spotted is None:
+        if with_refinements is None:
             # rough: more parts, or narrower ones, than cells can be made for
             return intervals, cells
         # nodes that carry, of each part of the contact: as many as say how wide it is
@@ -116,11 +118,11 @@ def located(
         counts = [
             int(np.sum((carrying >= part.inner) & (carrying <= part.outer))) for part in spreading
         ]
-        wide = min(counts, default=12) >= min(12, 0.5 / spotted.spread)
-        if (wide and not unfelt) or space.size in seen:
-            return intervals, spotted
+        wide = min(counts, default=12) >= min(12, 0.5 / with_refinements.spread)
+        if (wide and not penetrating) or space.size in seen:
+            return intervals, with_refinements
         seen.add(space.size)
-        cells = spotted
+        cells = with_refinements
     return intervals, cells
 
 
@@ -192,14 +194,14 @@ def _with_spots(
         spots = tuple(
             (inner, outer, max(cells.spread * (outer - inner), 1e-9)) for inner, outer in narrow
         )
-        spotted = replace(cells, spots=spots)
-        if len(spotted.breakpoints()) <= most:
-            return spotted
+        with_refinements = replace(cells, spots=spots)
+        if len(with_refinements.breakpoints()) <= most:
+            return with_refinements
         cells = replace(cells, spread=2 * cells.spread)
     return None
 
 
-def _unfelt(
+def _penetrating_parts(
     space: PressureSpace, displacement: Array, press: Press, profile: InitialProfile
 ) -> list[tuple[float, float]]:
     """Return where the face is in the half-space between nodes that do not carry: on less than a

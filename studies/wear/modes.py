@@ -193,8 +193,8 @@ def every_mode(
     axis = _axis(weights)
     try:
         relaxation, shapes = eigh(_forceless(energy, axis), driver="evd", check_finite=False)
-        felt = _felt(relaxation, earliest)
-        relaxation, shapes = relaxation[felt][::-1], shapes[:, felt][:, ::-1]
+        significant = _significant(relaxation, earliest)
+        relaxation, shapes = relaxation[significant][::-1], shapes[:, significant][:, ::-1]
     except TooEarlyError:
         of_modes = factor()
         if axis is not None:
@@ -258,7 +258,7 @@ def excited_modes(energy: Array, weights: Array | None, moments: Array, earliest
     basis = np.empty((size + 1, size))
     basis[0] = 0.0 if weights is None else weights / np.linalg.norm(weights)
     size -= weights is not None
-    diagonal, beside = np.empty(size), np.empty(size)
+    diagonal, remaining = np.empty(size), np.empty(size)
     image, look = moments - basis[0] * (basis[0] @ moments), min(40, size)
     for k in range(size):
         vector = basis[k + 1] = image / np.linalg.norm(image)
@@ -267,17 +267,21 @@ def excited_modes(energy: Array, weights: Array | None, moments: Array, earliest
         # twice, or roundoff of the first time would grow
         for _ in range(2):
             image -= (basis[: k + 2] @ image) @ basis[: k + 2]
-        beside[k] = np.linalg.norm(image)
+        remaining[k] = np.linalg.norm(image)
         # below the roundoff of the image, nothing is left that the flat start excites
-        ended = beside[k] <= 100 * np.finfo(float).eps * diagonal[0] or k + 1 == size
+        ended = remaining[k] <= 100 * np.finfo(float).eps * diagonal[0] or k + 1 == size
         if ended or k + 1 == look:
-            relaxation, within = eigh_tridiagonal(diagonal[: k + 1], beside[:k])
-            lost = np.abs(beside[k] * within[-1])
+            relaxation, within = eigh_tridiagonal(diagonal[: k + 1], remaining[:k])
+            lost = np.abs(remaining[k] * within[-1])
             if ended or _carried(relaxation, within, lost, earliest):
                 break
             look = min(int(1.2 * look), size)
-    felt = _felt(relaxation, earliest)
-    relaxation, within, lost = relaxation[felt][::-1], within[:, felt][:, ::-1], lost[felt][::-1]
+    significant = _significant(relaxation, earliest)
+    relaxation, within, lost = (
+        relaxation[significant][::-1],
+        within[:, significant][:, ::-1],
+        lost[significant][::-1],
+    )
     exact = int(np.argmin(np.append(lost <= np.sqrt(NEGLIGIBLE) * relaxation, False)))
     return modes_of(relaxation, basis[1 : len(within) + 1].T @ within, moments, max(exact, 1))
 
@@ -286,15 +290,17 @@ def _carried(relaxation: Array, within: Array, lost: Array, earliest: float) -> 
     """Return whether a Krylov space carries the history from `earliest` on, and the slowest
     relaxation times.
     """
-    felt = _felt(relaxation, earliest)
-    left = within[:, felt] @ (
-        within[0, felt] * np.exp(-earliest / relaxation[felt]) / relaxation[felt]
+    significant = _significant(relaxation, earliest)
+    left = within[:, significant] @ (
+        within[0, significant]
+        * np.exp(-earliest / relaxation[significant])
+        / relaxation[significant]
     )
     history = np.abs(left[-5:]).max() <= NEGLIGIBLE * np.linalg.norm(left)
     return bool(history and (lost[-5:] <= NEGLIGIBLE * relaxation[-1]).all())
 
 
-def _felt(relaxation: Array, earliest: float) -> slice:
+def _significant(relaxation: Array, earliest: float) -> slice:
     """Return the modes, fastest first, that are above roundoff.
 
     Raises

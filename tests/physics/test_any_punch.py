@@ -21,7 +21,7 @@ from ringwear.studies.crosscheck.promise import AT_EDGES
 from ringwear.studies.methods.spaces import first_contact, load_of
 from ringwear.studies.registry import STUDIES
 from ringwear.studies.sizes.defaults import cells_of
-from ringwear.studies.wear.contact_edges import located
+from ringwear.studies.wear.contact_edges import find_first_contact
 
 LENGTH, MODULUS, FORCE = 2.0, 5.0, 0.3
 WEAR = np.array([1.0, 10.0, 1.0])
@@ -183,7 +183,7 @@ def test_first_contact_is_located_in_a_few_looks(name):
         looks.append(space)
         return energy.compliance(space)
 
-    intervals, _ = located(look, problem.profile, load_of(problem), cells_of(problem))
+    intervals, _ = find_first_contact(look, problem.profile, load_of(problem), cells_of(problem))
     assert intervals
     assert 1 <= len(looks) <= 4
 
@@ -193,7 +193,7 @@ def test_first_contact_is_located_once_for_all_methods(monkeypatch):
 
     def count(*arguments):
         calls.append(arguments)
-        return located(*arguments)
+        return find_first_contact(*arguments)
 
     monkeypatch.setattr("ringwear.studies.methods.spaces.located", count)
     run(RECESSED.changed(accuracy__rtol=1e-2), methods=["mdr", "bem"])

@@ -89,8 +89,8 @@ def test_one_discretisation_serves_every_wear():
     for problem, distance in product(problems[1:4], np.geomspace(1e-10, 0.1, 40)):
         # sharper at every distance from every edge
         distances = np.full(5, distance)
-        sharpest = shared.sharpness(distances, halves, edges)
-        assert (sharpest >= problem.sharpness(distances, halves, edges)).all()
+        sharpest = shared.edge_amplitude(distances, halves, edges)
+        assert (sharpest >= problem.edge_amplitude(distances, halves, edges)).all()
 
 
 @pytest.mark.parametrize("number", [6, 7])

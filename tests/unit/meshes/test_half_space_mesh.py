@@ -157,8 +157,8 @@ def test_degrees_fall_inwards():
         if name.startswith(LOWER)
     }
     layers = np.arange(whole.layers[0] + 1)
-    spared = np.log(whole.factor**-0.5) / convergence(whole.factor) * layers
-    assert set(parts) == set(spared.astype(int)) - {0}
+    lowered_degrees = np.log(whole.factor**-0.5) / convergence(whole.factor) * layers
+    assert set(parts) == set(lowered_degrees.astype(int)) - {0}
     r, z = mesh.p[:, mesh.t].mean(axis=1)
     distance = np.hypot(r[:, None] - whole.ring_edges[1:], z[:, None]).min(axis=1)
     furthest = [distance[parts[k]].max() for k in sorted(parts)]
