@@ -20,6 +20,8 @@ from scipy.optimize import brentq
 
 Array = np.ndarray
 FACTOR = 0.2  # of neighbouring elements
+# least degree of the elements
+LEAST_DEGREE = 14
 
 
 class Pieces:
@@ -292,7 +294,8 @@ def solved(
     distances = load.at(later)[1]
     earliest = min(distances, default=np.inf)
     smallest = _sizes(pieces, earliest, error)
-    degree = int(np.ceil(np.log(1 / error) / np.log(3))) + 1
+    # eight relaxation times, which may all be of one piece, ask for a degree of their own
+    degree = max(int(np.ceil(np.log(1 / error) / np.log(3))) + 1, LEAST_DEGREE)
     punch = Punch(pieces, smallest, degree, held)
     results = {"relaxation_time": punch.times[:8]}
     if len(times):

@@ -17,6 +17,7 @@ from ..sampling.norms import Results
 from ..wear.fitted_press import CompliancesOn
 from ..wear.flat_contact import FittedPress
 from ..wear.full_contact import RunningIn
+from .error_factors import error_factor
 
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace
@@ -123,7 +124,7 @@ class Discretised:
     half_space: "HalfSpace | None" = None
     notes: tuple[str, ...] = ()
     fitted: tuple[CompliancesOn, CompliancesOn] | None = None
-    safety: float = 1.5
+    safety: float = error_factor("flat punch")
     smallest: float = 0.0
 
 

@@ -11,17 +11,15 @@ import numpy as np
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..problem.problem import Problem
-from ..problem.quantities import CHANCE, CHANCE_OF_ENERGIES, DESCRIBED, ENERGIES, IN_LAYERS
+from ..problem.quantities import DESCRIBED, ENERGIES, IN_LAYERS
 from ..sampling.answers import flat_answers
 from ..sampling.norms import Results
 from ..sampling.sampler import Sampler
 from ..sizes.defaults import missing_layers
 from ..wear.full_contact import RunningIn
 from ..wear.history import History
+from .error_factors import error_factor
 
-# times the error estimate where wear varies along the radius: kinks of its table ask for fewer
-# layers, so that a coarser solution differs by less (tests/physics/test_graded.py)
-OF_GRADED_WEAR = 1.5
 # the first and the last of the times
 ENDS = np.array([0, -1])
 
@@ -129,11 +127,11 @@ class FullContact(Evaluation):
         self,
         problem: Problem,
         compliance: Compliance,
-        safety: float = 1.5,
+        safety: float = error_factor("flat punch"),
         smallest: float = 0.0,
     ) -> None:
         super().__init__(problem, compliance)
-        graded = OF_GRADED_WEAR if problem.merged.linear else 1.0
+        graded = error_factor("wear along the radius") if problem.merged.linear else 1.0
         self.safety, self.smallest, self._graded = graded * safety, smallest, graded
         wear_coefficients = problem.merged.wear_coefficients
         self.wear: RunningIn = RunningIn(
@@ -197,7 +195,8 @@ class FullContact(Evaluation):
             # the coarser one lacks one layer more, and each of them makes about the same difference
             error = error * (1 + self._missing_layers)
         if DESCRIBED[name].dims[:1] == ("time",):
-            grid, times, factor = self.problem.estimate_times, self.problem.times[:, None], 2.5
+            grid, times = self.problem.estimate_times, self.problem.times[:, None]
+            factor = error_factor("nearby times")
             near = (grid >= times / factor) & (grid <= times * factor)
             error = np.where(near, error, 0.0).max(axis=1)
         return np.maximum(error, self._least_error(name))
@@ -212,12 +211,12 @@ class FullContact(Evaluation):
             return max(chance, self._stiffness_at_rim)
         if name in ("pressure_min", "pressure_max"):
             # the element at the rim moves the other functions that the start is sought among
-            return max(chance, 3.0 * self._rim_size)
+            return max(chance, error_factor("pressure at the rim") * self._rim_size)
         return chance
 
     def _chance(self, name: str) -> float:
         """Return by how much two computations may agree by chance, of sums over the elements."""
-        part = CHANCE_OF_ENERGIES if name in ENERGIES else CHANCE
+        part = error_factor("floor of energies" if name in ENERGIES else "floor")
         elements = len(self.compliance.space.degrees)
         return max(self._graded * self.problem.rtol * part, 1e-14 * elements)
 
@@ -247,7 +246,8 @@ class FullContact(Evaluation):
 
         Measured: .06 to .11 of its size.
         """
-        return 0.2 * self._rim_size + 0.1 * self._unknown_rim_force
+        at_rim = error_factor("stiffness at the rim") * self._rim_size
+        return at_rim + 0.1 * self._unknown_rim_force
 
     def _least_error(self, name: str) -> Array | float:
         """Return what a quantity is not known better than."""
@@ -256,7 +256,7 @@ class FullContact(Evaluation):
             "indentation": self._stiffness_at_rim,
             "normal_force": self._stiffness_at_rim,
             # it moves the other functions that the start is sought among
-            "pressure": 3.0 * size + unknown,
+            "pressure": error_factor("pressure at the rim") * size + unknown,
             "ring_force": unknown,
         }
         if name not in at_start:

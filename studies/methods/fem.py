@@ -16,6 +16,7 @@ from ..problem.problem import Problem
 from ..progress import Stages
 from ..sizes import defaults
 from .base import Discretised
+from .error_factors import error_factor
 from .pipeline import ComplianceMethod
 from .spaces import contact_cells
 
@@ -148,7 +149,9 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
         replace(half_space, poles=()) if fixed else half_space,
         chosen.notes,
         # on triangles, whose degree is low, meshes of two sizes may miss the same
-        safety=1.5 if chosen.mesher == "quads" else 8.0,
+        safety=error_factor(
+            "flat punch" if chosen.mesher == "quads" else "flat punch on triangles"
+        ),
         smallest=_smallest(problem, chosen),
     )
 

@@ -30,6 +30,7 @@ from ..problem.quantities import Units
 from ..problem.scene import Scene
 from ..wear.full_contact import RunningIn
 from .base import Solution
+from .error_factors import error_factor
 
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace
@@ -191,6 +192,7 @@ def held_against(
     (r, z), solid, space = fine[0], spaces[0].solid, spaces[0].space
     # fields are in proportion to 1 - 2 nu, plus a constant, and neither is much more than the unit
     modelled = 2 * max(0.0, problem.poisson_ratio - solid.highest_ratio)
+    factor = error_factor("inside of the half-space")
     middles, reaches = space.on_elements(np.zeros(1)), np.ones(len(labels))
     errors = {name: np.zeros(len(labels)) for name in ("displacement", "stress", "von_mises")}
     for state, pressure in enumerate(pressures[0]):
@@ -205,8 +207,7 @@ def held_against(
         # a norm: that of the difference is at least the difference of two
         differences = moved * reach / (D0 * force), stress / mean, von_mises(stress) / mean
         for stated, difference in zip(errors.values(), differences, strict=True):
-            # with the factor of safety of the contact's own estimates
-            stated[state] = 1.5 * np.abs(difference).max() + modelled
+            stated[state] = factor * np.abs(difference).max() + modelled
     return Interior(*fine, labels, solid.degree, reaches, errors)
 
 

@@ -9,13 +9,14 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..problem.problem import Problem
-from ..problem.quantities import CHANCE, DESCRIBED, ENERGIES
+from ..problem.quantities import DESCRIBED, ENERGIES
 from ..sampling.answers import moving_answers
 from ..sampling.norms import Results
 from ..wear.flat_contact import FittedPress
 from ..wear.history import History, Pressed
 from ..wear.moments import moments, unresolved_height
 from ..wear.moving_contact import ContactMarch
+from .error_factors import error_factor
 from .evaluation import ENDS, Evaluation
 from .spaces import load_of
 
@@ -40,7 +41,7 @@ class MovingContact(Evaluation):
     """
 
     # edges move, and seldom to the same place in a cell
-    safety = 2.5
+    safety = error_factor("moving contact")
 
     def __init__(
         self,
@@ -114,9 +115,9 @@ class MovingContact(Evaluation):
             if quantity in errors:
                 return np.broadcast_to(errors[quantity][row], difference.shape)
         least = {"contact_radius_start": 5e-8, "pressure_peak_start": 1e-12}
-        floor = least.get(name, 2 * CHANCE * self.problem.rtol)
+        floor = least.get(name, error_factor("floor of moving contact") * self.problem.rtol)
         # the step in which the last node begins to carry is another in both marches
-        step = 2.0 if name == "time_to_full_contact" else 1.0
+        step = error_factor("time to full contact") if name == "time_to_full_contact" else 1.0
         return np.maximum(step * self.safety_of(name) * difference, floor)
 
     def estimate(self, name: str, difference: Array) -> Array:
@@ -137,11 +138,11 @@ class MovingContact(Evaluation):
         if self._decays(name):
             # forces at a given indentation go as no more than the square of the depth, and their
             # errors stay while they decay
-            return 2 * self.safety
+            return error_factor("decaying force") * self.safety
         # under one load energies and volumes are of second order and more in the cells, which makes
         # a difference three times the error
         converges = name in (*ENERGIES, "ring_worn_volume") and not self.problem.loading.varies
-        return 1.5 if converges else self.safety
+        return error_factor("moving contact, energies and volumes") if converges else self.safety
 
     def _decays(self, name: str) -> bool:
         return self.problem.indentation is not None and name in ("normal_force", "ring_force")
@@ -155,18 +156,19 @@ class MovingContact(Evaluation):
         # their tolerance; at the start nothing has worn; and edges of the contact leave more to
         # chance
         at_start = {"rms_slope": 1e-8, "contact_radius": 5e-8}.get(name, 1e-12)
-        least = np.where(later, 2 * CHANCE * self.problem.rtol, at_start)
+        floor = error_factor("floor of moving contact") * self.problem.rtol
+        least = np.where(later, floor, at_start)
         if name in ("profile", "displacement"):
             # cells lose this of the bend of fields: where an edge stays in a cell of both meshes,
             # their difference says nothing of it. Of punches drawn at random none penetrates by
             # more than .23 of it where cells hold the face
-            lost = 0.25 * self._lost_bends * self._per_depth
+            lost = error_factor("lost bend") * self._lost_bends * self._per_depth
             least = np.maximum(least, np.where(later | (name != "profile"), lost, 0.0))
         if name == "contact_radius":
             # where both meshes have an edge in the same cell, their difference says nothing of it
             return np.maximum(least, np.where(later, self._cells_at_edge, 0.0))
         if self._decays(name):
-            return 2 * np.maximum(least, self._unresolved)
+            return error_factor("decaying force") * np.maximum(least, self._unresolved)
         heights = DESCRIBED[name].norm == "indentation"
         # the unworn face is given, and a press that is fitted to its edges integrates all of it
         exact = name == "profile" or (name == "indentation" and self.start is not None)

@@ -28,6 +28,7 @@ from ..wear.fitted_press import fit_presses
 from ..wear.flat_contact import FittedPress
 from ..wear.unilateral import Load
 from .base import Discretised, Method, Solution
+from .error_factors import error_factor
 from .evaluation import Evaluation, FullContact
 from .moving_evaluation import MovingContact
 from .spaces import first_contact, load_at_start, pressure_spaces
@@ -229,7 +230,7 @@ OF_FIELD = {"displacement_max": "displacement", "steady_displacement_max": "stea
 
 # numbers of a flat punch that are values of the displacement at one place, whose differences cross
 # zero now and then: their errors are at least this part of that of the field
-TAKEN_FROM_FIELD, PART_OF_FIELD = {"displacement_centre", "displacement_max"}, 0.1
+TAKEN_FROM_FIELD = {"displacement_centre", "displacement_max"}
 
 
 def estimate_errors(
@@ -247,9 +248,10 @@ def estimate_errors(
             missed["steady_rms_slope"], _square_of_slopes(fine, coarse)
         )
     errors = {name: fine.estimate(name, difference) for name, difference in missed.items()}
+    part = error_factor("part of the field")
     for name in TAKEN_FROM_FIELD & errors.keys():
         if problem.full_contact and "displacement" in errors:
-            errors[name] = np.maximum(errors[name], PART_OF_FIELD * errors["displacement"])
+            errors[name] = np.maximum(errors[name], part * errors["displacement"])
     compared = answer_differences(coarse.answers, fine.answers)
     for name, difference in compared.items():
         errors[name] = fine.estimate_answer(name, difference, errors)

@@ -8,9 +8,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-# part of the accuracy asked for that energies, and everything else, are not known better than:
-# where two computations differ by less, it may be by chance
-CHANCE_OF_ENERGIES, CHANCE = 1e-5, 0.01
 # the finest accuracy that can be asked for
 FINEST = 1e-9
 ERROR = "relative error of {}, the method's own estimate: {}"
