@@ -1,5 +1,6 @@
 """Hollow punches, against the flat annulus, direct integration and each other's methods."""
 
+import meshio
 import numpy as np
 import pandas
 import pytest
@@ -200,6 +201,13 @@ def test_files_and_figures(tmp_path):
     assert main(["run", "washer", "--rtol", "1e-2", "--out", str(tmp_path / "run")]) == 0
     files = {file.name for file in (tmp_path / "run").iterdir()}
     assert {"profiles_and_pressures.png", "stress.png", "half_space.vtu", "mesh.png"} <= files
+    # nothing presses on the surface under the hole
+    inside = meshio.read(tmp_path / "run" / "half_space.vtu")
+    radius, height, _ = inside.points.T
+    surface = (height == 0) & (radius < 0.9 * 0.012)
+    steady = inside.point_data["stress_zz steady"]
+    assert surface.sum() > 5
+    assert np.abs(steady[surface]).max() <= 1e-2 * np.abs(steady).max()
 
 
 def test_results_of_others_are_checked(tmp_path):
