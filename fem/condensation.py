@@ -62,8 +62,10 @@ def cholmod_matrix(lower: coo_matrix) -> Any:
 
 
 def trailing_factor(lower: coo_matrix, inside: int) -> Array:
-    """Return the lower Cholesky factor (k, k) of the Schur complement of the first `inside`
-    unknowns.
+    """Return the Cholesky factor of the Schur complement that eliminating unknowns leaves.
+
+    The factor is lower triangular (k, k), with k the number of unknowns that remain when the first
+    `inside` are eliminated.
 
     Parameters
     ----------

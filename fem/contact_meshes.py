@@ -53,8 +53,10 @@ def fitted_half_space(
 def even_half_space(
     cells: ContactCells, poisson_ratio: float, growth: float = TRIANGLE_GROWTH, degree: int = 3
 ) -> HalfSpace:
-    """Return triangles of one degree whose facets on the contact are no larger than the cells, with
-    linear pressures on these.
+    """Return a half-space of triangles of one degree with piecewise linear contact pressures.
+
+    The facets on the contact are no larger than the cells, and the pressure is linear on each
+    facet.
     """
     edges, size = cells.ring_edges, cells.edge_size
     field = SizeField(edges, size, size, growth, 5.0, cells.largest, 0.125, cells)

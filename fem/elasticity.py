@@ -1,8 +1,7 @@
-"""The axisymmetric elastic solid on any scikit-fem mesh of the half-space, its degrees of freedom
-numbered by scikit-fem.
+"""The axisymmetric elastic solid on any scikit-fem mesh of the half-space.
 
-Functions inside elements are condensed, all elements of one degree at once, before anything is
-assembled.
+The degrees of freedom are numbered by scikit-fem. Functions inside elements are condensed, all
+elements of one degree at once, before anything is assembled.
 """
 
 from collections.abc import Callable
@@ -45,8 +44,11 @@ class Batch:
 
     @cached_property
     def condensed(self) -> tuple[Array, Array]:
-        """(m, 2b, 2b) stiffness of the boundary, and (m, 2i, 2b) coefficients inside by those on
-        it.
+        """Condensed stiffness of the element boundaries, and what recovers the functions inside.
+
+        The first array (m, 2b, 2b) is the stiffness of the functions on the boundary of each
+        element. The second array (m, 2i, 2b) maps their coefficients to the coefficients of the
+        functions inside.
         """
         solid, b, i = self.solid, self.unknowns.shape[1], 2 * self.inside.shape[1]
         # so many at once that their matrices hold a million numbers
@@ -116,6 +118,7 @@ class AxisymmetricElasticity:
 
     @cached_property
     def dofs(self) -> Dofs:
+        """scikit-fem's numbering of all functions, as if every element had the highest degree."""
         return Dofs(self.mesh, self.element)
 
     @cached_property
@@ -160,8 +163,11 @@ class AxisymmetricElasticity:
 
     @property
     def parts(self) -> tuple[Indices, Indices]:
-        """Vertices and facets of each element (p, m), in one numbering, and the vertex or facet of
-        each node (nodes,).
+        """Vertices and facets of each element, and the vertex or facet that each node belongs to.
+
+        The first array (p, m) lists the p vertices and facets of each of the m elements in one
+        numbering, all vertices first. The second array (nodes,) gives the vertex or facet of each
+        node in the same numbering.
         """
         mesh = self.mesh
         per_part = np.repeat([1, int(self.element.facet_dofs)], [mesh.nvertices, mesh.nfacets])
@@ -194,8 +200,10 @@ class AxisymmetricElasticity:
         return Batch(self, degree, elements, functions, unknowns, numbers[:, inside])
 
     def with_insides(self, displacement: Array) -> Array:
-        """Return the radial and axial coefficients (states, dofs, 2) of all functions, by the (2
-        nodes, states) unknowns of those not inside elements.
+        """Return the coefficients of all functions from the unknowns that are not inside elements.
+
+        `displacement` (2 nodes, states) holds those unknowns. The result (states, dofs, 2) holds
+        the radial and axial coefficients of all functions.
         """
         states, values = displacement.shape[1], np.pad(displacement, ((0, 1), (0, 0)))
         out = np.zeros((states, int(self.dofs.N), 2))
@@ -249,8 +257,10 @@ class AxisymmetricElasticity:
         return np.asarray(numbers[np.argsort(order, kind="stable")], dtype=np.int64)
 
     def interpolate(self, name: str, fields: Callable[[Array], Array]) -> Array:
-        """Return the coefficients (functions, ...) of fields on a named boundary, in its order, by
-        values (n, ...) at (n, 2) points.
+        """Return the coefficients of fields on the functions of a named boundary.
+
+        The coefficients (functions, ...) are in the order of `boundary`. `fields` returns the
+        values (n, ...) of the fields at points (n, 2).
 
         Least squares at as many points of each facet as it has functions, both ends among them: an
         interpolation.
@@ -266,8 +276,9 @@ class AxisymmetricElasticity:
         return np.asarray(coefficients.reshape(-1, *values.shape[1:]))
 
     def trace(self, facets: Indices, local: Array) -> csr_matrix:
-        """Return the values (facets x points, nodes) at local coordinates on facets of the
-        boundary.
+        """Return the values of all nodes' functions at local coordinates on facets of the boundary.
+
+        The matrix has the shape (facets x points, nodes).
 
         Evaluated on the sides of the reference element: `FacetBasis` inverts the mapping by
         Newton's method, which does not end on elements smaller than its tolerance. Local

@@ -24,8 +24,10 @@ from ..meshes.radial import Array, unit_gauss
 
 
 def enough_poles(truncation: float, negligible: float) -> tuple[int, ...]:
-    """Return the orders of the poles that leave next to nothing of the truncation at a radius in
-    `a`.
+    """Return the orders of the poles that make the error of the truncation negligible.
+
+    `truncation` is the radius R of the outer boundary in units of the punch radius `a`;
+    `negligible` is the share of the energy that may be lost.
 
     With n poles tied, the first one neglected has the share ``(a/R)^(4n+1)`` of the energy
     (`ringwear study truncation`).
@@ -51,8 +53,9 @@ def _moments(points: Array, highest: int) -> tuple[Array, Array]:
 def poles(
     points: Array, orders: tuple[int, ...], poisson_ratio: float, shear_modulus: float
 ) -> tuple[Array, Array]:
-    """Return displacement and stress of poles of even orders, each normalised to size one at unit
-    distance.
+    """Return the displacements and stresses of poles of even orders.
+
+    Each pole is normalised to size one at unit distance from the origin.
 
     Parameters
     ----------
@@ -85,8 +88,9 @@ def poles(
 def fields_beyond(
     points: Array, moments: Array, poisson_ratio: float, shear_modulus: float
 ) -> tuple[Array, Array]:
-    """Return the displacement (states, n, 2) and stress (states, n, 4) under pressures on ``r <
-    1``, far away.
+    """Return displacements and stresses far away from the pressures on ``r < 1`` that cause them.
+
+    The displacement has the shape (states, n, 2), the stress (states, n, 4).
 
     By Taylor's series of the Hankel transform of the pressure, the pole of order 2k has the size
     ``(2k)! (-1)^k / (4^k k!^2) int p r^2k dA / (2 pi)``. What is left out of K poles falls as ``1 /
@@ -113,8 +117,10 @@ def fields_beyond(
 def exterior_stiffness(
     segments: Array, orders: tuple[int, ...], poisson_ratio: float, shear_modulus: float
 ) -> Array:
-    """Return the energy (k, k) of the poles outside a polygon, ``-int t_i . u_j dA`` over its
-    sides.
+    """Return the energy matrix (k, k) of the poles outside a polygon.
+
+    Its entries are the integrals ``-int t_i . u_j dA`` over the sides of the polygon, with the
+    traction t and the displacement u of the poles.
 
     Parameters
     ----------

@@ -85,8 +85,10 @@ class HalfSpace:
 
     @cached_property
     def _order(self) -> Indices:
-        """Unknowns inside the half-space in the order of elimination, then axial ones on the
-        contact by radius.
+        """Unknowns inside the half-space and on the contact, in the order of `system`.
+
+        The unknowns inside come first, in the order of elimination; the axial unknowns on the
+        contact follow by radius.
         """
         solid, n = self.solid, self.solid.nodes
         free = np.tile(~solid.fixed, (2, 1))
@@ -152,8 +154,10 @@ class HalfSpace:
         return np.pad(on_contact.toarray(), ((0, len(self.poles)), (0, 0)))
 
     def displacements(self, pressures: Array) -> Array:
-        """Return the radial and axial coefficients (states, functions, 2) under (states, size)
-        pressure coefficients.
+        """Return the displacement coefficients of all functions under given contact pressures.
+
+        `pressures` (states, size) are coefficients on the pressure space. The result (states,
+        functions, 2) holds the radial and axial coefficients.
 
         Raises
         ------

@@ -15,8 +15,10 @@ from .weak_form import moduli, tables
 def stresses(
     solid: AxisymmetricElasticity, displacement: Array, elements: Indices, points: Array
 ) -> tuple[Array, Array]:
-    """Return the displacements (states, m, q, 2) and stresses rr, zz, rz, hoop (states, m, q, 4) at
-    reference points of elements.
+    """Return the displacements and stresses at reference points of elements.
+
+    The displacements have the shape (states, m, q, 2), the stresses rr, zz, rz, hoop the shape
+    (states, m, q, 4).
 
     The elements must be of one degree p. Near incompressibility lambda makes noise of the
     dilatation but for its part in the polynomials of total degree p - 1, which with displacements
@@ -52,8 +54,10 @@ def _polynomials(degree: int, points: Array) -> Array:
 def _strains(
     solid: AxisymmetricElasticity, displacement: Array, elements: Indices, points: Array
 ) -> tuple[Array, Array]:
-    """Return the displacements (states, m, q, 2) and strains rr, zz, rz, hoop (4, states, m, q) at
-    reference points of elements.
+    """Return the displacements and strains at reference points of elements.
+
+    The displacements have the shape (states, m, q, 2), the strains rr, zz, rz, hoop the shape (4,
+    states, m, q).
     """
     value, gradient = tables(solid.element, points)
     mapping = solid.mesh.mapping()
@@ -71,7 +75,9 @@ def _strains(
 def sampled(
     half_space: HalfSpace, pressures: Array, refinements: int
 ) -> tuple[Array, Indices, Array, Array]:
-    """Return the fields of all elements under (states, size) pressure coefficients, not averaged
+    """Return the displacements and stresses of all elements under given contact pressures.
+
+    `pressures` (states, size) are coefficients on the pressure space. The fields are not averaged
     between elements.
 
     Points and triangles depend on the mesh only, so that the fields of two degrees can be compared

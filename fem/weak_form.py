@@ -81,8 +81,9 @@ def stiffness(
 
 @lru_cache(maxsize=64)
 def _at_rule(element: Element, order: int) -> tuple[Array, Array, Array, Array]:
-    """Return points and weights of scikit-fem's quadrature of an order, and the element's `tables`
-    there.
+    """Return the points and weights of a quadrature of an order, and the element's `tables` there.
+
+    The quadrature is scikit-fem's.
     """
     points, weights = get_quadrature(element, order)
     return points, weights, *tables(element, points)

@@ -110,8 +110,9 @@ def flat_annulus(inner_radius: float, points: int = POINTS) -> FlatAnnulus:
 
 
 def suited_series(inner_radius: float, count: int) -> Array:
-    """Return cosine coefficients (J, count) of the flat annulus's pressure times Legendre
-    polynomials in ``r^2``.
+    """Return cosine coefficients of the flat annulus's pressure times Legendre polynomials.
+
+    The polynomials are in ``r^2``; the coefficients (J, count) have one column for each of them.
 
     A method's own flat annulus is sought among these, as that of a full punch is among ``P_2j(t) /
     t``.

@@ -30,8 +30,10 @@ POINTS = 24
 
 
 def steady_pressures(ring_edges: Array, wear_coefficients: Array) -> Array:
-    """Return the steady pressures of Eqs. 24 and 26 for any rings and the force 1: ``p_j = F / (k_j
-    sum_i A_i / k_i)``.
+    """Return the steady pressures (N,) of Eqs. 24 and 26 for any rings under the force 1.
+
+    The pressure on ring j is ``p_j = F / (k_j sum_i A_i / k_i)`` with the force F, the wear
+    coefficients k and the ring areas A.
     """
     return 1 / (wear_coefficients * np.sum(ring_areas(ring_edges) / wear_coefficients))
 
@@ -81,18 +83,19 @@ def displacement(ring_edges: Array, pressures: Array, radii: Array) -> Array:
 
 
 def pressure_steps(pressures: Array) -> Array:
-    """Return the pressures of the discs, one for each ring edge but the centre, whose sum is
-    constant on rings.
+    """Return the pressures on discs whose sum is constant on each ring.
 
-    (N, ...) in, (N, ...) out.
+    There is one disc for each ring edge but the centre. Ring pressures (N, ...) give disc pressures
+    (N, ...).
     """
     outside = np.zeros_like(pressures[:1])
     return -np.diff(np.concatenate([pressures, outside]), axis=0)
 
 
 def greatest_displacement(ring_edges: Array, pressures: Array) -> Any:
-    """Return the greatest displacement under the punch, ``u_max`` of Eq. 27, by (N,) or (N, M)
-    pressures.
+    """Return the greatest displacement under the punch, ``u_max`` of Eq. 27.
+
+    The ring pressures are (N,), or (N, M) for M states; the result is then a number, or (M,).
     """
     radii = np.unique(np.linspace(ring_edges[:-1], ring_edges[1:], 33))
     values = displacement(ring_edges, pressures, radii)
@@ -108,15 +111,18 @@ def greatest_displacement(ring_edges: Array, pressures: Array) -> Any:
 
 
 def limiting_profile(ring_edges: Array, pressures: Array, radii: Array) -> Array:
-    """Return the limiting profile of Eq. 27, ``f_stat = u_max - u``, zero where the punch has worn
-    least.
+    """Return the limiting profile of Eq. 27, ``f_stat = u_max - u``.
+
+    It is zero where the punch has worn least.
     """
     return greatest_displacement(ring_edges, pressures) - displacement(ring_edges, pressures, radii)
 
 
 def slopes_everywhere(ring_edges: Array, pressures: Array) -> tuple[Array, Array, Array]:
-    """Return radii (R,) and weights (R,) of a quadrature on (0, 1), and the slopes there, (R,) or
-    (R, M), by a constant pressure on each ring, (N,) or (N, M).
+    """Return a quadrature on (0, 1), and the slopes of the displacement at its points.
+
+    The radii and weights of the quadrature are (R,) each. The slopes, caused by a constant pressure
+    on each ring, are (R,) for pressures (N,), or (R, M) for pressures (N, M).
 
     Each ring is cut in the middle, and each half graded down to its neighbours' widths: a narrow,
     highly loaded ring is felt beside it over many times its width. The seventh power of Gauss

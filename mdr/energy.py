@@ -8,8 +8,9 @@ from .transforms import line_density, panel_quadrature
 
 
 def compliance(space: PressureSpace) -> Compliance:
-    """Return the compliance of the half-space on `space`; the factor is the weighted line density
-    itself.
+    """Return the compliance of the half-space on `space`.
+
+    Its factor is the line density itself, weighted by the quadrature.
     """
     positions, weights, low_parts = panel_quadrature(space)
     density = line_density(space, positions, low_parts)

@@ -79,8 +79,10 @@ def compliance(space: PressureSpace) -> Compliance:
 
 
 def _touching(space: PressureSpace) -> _Blocks:
-    """Yield each element with itself, over the triangle where the second radius is the smaller, and
-    elements that share a breakpoint, over both triangles at that corner.
+    """Yield the blocks of each element with itself, and of each element with its neighbour.
+
+    An element with itself is integrated over the triangle where the second radius is the smaller.
+    Two elements that share a breakpoint are integrated over both triangles at that corner.
     """
     depth, cut, weight = _product(_flattened(space.top), _flattened(space.top))
     element, weight = np.arange(len(space.degrees)), depth * weight
@@ -117,8 +119,9 @@ def _rung(space: PressureSpace, element: Indices, gap: Array) -> Indices:
 
 
 def _flattened(degree: int) -> tuple[Array, Array]:
-    """Return points and weights on (0, 1) for products of two shape functions, with logarithms at
-    0.
+    """Return points and weights on (0, 1) for integrands with a logarithm at 0.
+
+    The integrands are products of two shape functions of a degree and the logarithm.
 
     ``log(x) dx`` with ``x = w^6`` is smooth enough at w = 0 for Gauss points in w.
     """
@@ -133,8 +136,10 @@ def _product(inner: tuple[Array, Array], outer: tuple[Array, Array]) -> tuple[Ar
 
 
 def _facing(inward: Array, outward: Array, weight: Array) -> _Rule:
-    """Return the rule of two different elements, from fractions measured from the ends that face
-    each other.
+    """Return the rule of two different elements.
+
+    `inward` and `outward` are fractions of the two widths, measured from the ends that face each
+    other.
     """
     return _Rule(1 - inward, outward, (inward, outward), weight)
 
@@ -167,8 +172,9 @@ def _integrate(space: PressureSpace, first: Indices, second: Indices, rule: _Rul
 
 
 def _weighted_kernel(radius: Array, ring: Array, distance: Array) -> Array:
-    """Return ``G dA dA / (dr ds) = 8 r s K / (r + s)`` of Eq. 19, for radii that are `distance`
-    apart.
+    """Return the kernel of Eq. 19 with its areas, ``G dA dA / (dr ds) = 8 r s K / (r + s)``.
+
+    The radii r (`radius`) and s (`ring`) are `distance` apart.
     """
     total = radius + ring
     return 8 * radius * ring / total * ellipkm1((distance / total) ** 2)

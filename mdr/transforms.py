@@ -111,8 +111,9 @@ def _from_near(
 
 
 def panel_quadrature(space: PressureSpace) -> tuple[Array, Array, Array]:
-    """Return positions, weights and low parts of the positions on (0, 1), (P,) each, that integrate
-    products of line densities of the space.
+    """Return a quadrature on (0, 1) that integrates products of line densities of the space.
+
+    It consists of the positions, the weights, and the low parts of the positions, (P,) each.
 
     A line density has a square-root singularity on the left of every breakpoint and ``x^2 log x``
     at the axis; squares substituted at those ends make the integrand smooth.
@@ -160,10 +161,10 @@ def profile_transform(radii: Array, positions: Array) -> Array:
 
 
 def pressure_transform(positions: Array, radii: Array) -> Array:
-    """Return the matrix of Eq. 7 with its edge term, ``p = S q``, for a line density linear between
-    positions.
+    """Return the matrix of Eq. 7 with its edge term, ``p = S q``.
 
-    The positions start at 0 and end at the rim; radii must lie strictly between.
+    The line density q is linear between the positions. The positions start at 0 and end at the rim;
+    radii must lie strictly between.
     """
     root = np.arccosh(np.maximum(positions / radii[:, None], 1.0))
     by_slope = np.diff(root, axis=1) / np.diff(positions) / np.pi

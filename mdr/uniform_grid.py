@@ -72,8 +72,10 @@ class UniformGrid:
         )
 
     def march(self, times: Array, step: float) -> tuple[Array, Array, Array]:
-        """Return the pressures and profiles (T, count+1) and indentations (T,) at `times`, by steps
-        of at most `step`.
+        """Return the pressures, profiles and indentations at `times`, marched by explicit steps.
+
+        The pressures and profiles are (T, count+1), the indentations (T,). No step is longer than
+        `step`.
 
         Raises
         ------

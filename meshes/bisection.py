@@ -77,8 +77,10 @@ def _moved(points: Array, dyadic: Array, ring_edges: Array) -> Array:
 
 
 def _spans_an_edge(mesh: MeshTri, dyadic: Array, spacing: float) -> Indices:
-    """Return the triangles whose facet on the contact has a ring edge inside, or cannot have it as
-    its end.
+    """Return the triangles that must be refined because a ring edge lies inside their facet.
+
+    Only facets on the contact count. A facet that cannot have the ring edge as its end is refined
+    until it can.
     """
     facets = mesh.boundary_facets()
     r, z = mesh.p[:, mesh.facets[:, facets]]
@@ -88,8 +90,10 @@ def _spans_an_edge(mesh: MeshTri, dyadic: Array, spacing: float) -> Indices:
 
 
 def _polar_quarter_disc(outer: float) -> MeshTri:
-    """Return a few well-shaped triangles on rays at 0, 45 and 90 degrees, about doubling their
-    radii.
+    """Return a few well-shaped triangles of a quarter disc.
+
+    Their vertices lie on rays at 0, 45 and 90 degrees; the radius about doubles from one circle of
+    vertices to the next.
     """
     count = max(1, round(np.log2(outer)))
     radii = outer ** (np.arange(count + 1) / count)

@@ -33,6 +33,13 @@ class Compliance:
     factor: Array
 
     def __post_init__(self) -> None:
+        """Check that the factor is finite.
+
+        Raises
+        ------
+        SolverError
+            if it is not, because the half-space system was singular
+        """
         if not np.isfinite(self.factor).all():
             raise SolverError(
                 "the compliance holds values that are not finite: the half-space system was "

@@ -19,8 +19,9 @@ GRID_POINTS = 400
 
 
 class FreeEdge(NamedTuple):
-    """Cells beside an edge of the first contact that lies within the face, where pressures may be
-    nearly infinite.
+    """Cells beside an edge of the first contact that lies within the face.
+
+    Pressures may be nearly infinite there.
 
     Parameters
     ----------

@@ -97,8 +97,9 @@ TRIANGLE, QUADRILATERAL = 2, 3  # gmsh's numbers of the kinds of element
 
 
 def elements(gmsh: Any, kind: int) -> tuple[Array, Indices]:
-    """Return the points (2, n) of the model, and vertex numbers (corners, m) of its elements of one
-    kind.
+    """Return the points of the model, and the vertices of its elements of one kind.
+
+    The points are (2, n), the vertex numbers (corners, m).
     """
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     _, cells = gmsh.model.mesh.getElementsByType(kind)

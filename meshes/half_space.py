@@ -132,7 +132,7 @@ def as_half_space(mesh: Mesh, ring_edges: Array) -> Mesh:
 
 
 def turned(mesh: MeshQuad) -> MeshQuad:
-    """Number quadrilaterals anew so that their sides run as those of their neighbours.
+    """Reorder the corners of quadrilaterals so that neighbours agree on the direction of sides.
 
     In `ElementQuadP` the functions of a side have the direction of that side, from its first corner
     to its second, and opposite sides are parallel. Neighbours agree on them if every side runs the

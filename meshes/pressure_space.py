@@ -98,8 +98,9 @@ class PressureSpace:
 
     @cached_property
     def dofs(self) -> Indices:
-        """(n, top+1) global number of each local shape function; `size` where the element
-        has none.
+        """(n, top+1) global number of each local shape function.
+
+        The number is `size` where the element does not have the function.
         """
         left = self.ring - self.hollow + np.cumsum(self.degrees) - self.degrees
         # left vertex, bubbles, right vertex along the radius; in the table both vertices come first
@@ -110,8 +111,10 @@ class PressureSpace:
         return table
 
     def _of_functions(self, values: Any) -> Any:
-        """Return a value (size,) of each basis function, by (n, top+1) values of the shape
-        functions or (n, 1) of elements.
+        """Return a value (size,) of each basis function from values on the elements.
+
+        `values` is (n, top+1), one for each shape function of each element, or (n, 1), one for each
+        element.
         """
         out = np.zeros(self.size + 1, dtype=values.dtype)
         out[self.dofs] = values
@@ -137,10 +140,10 @@ class PressureSpace:
         return self._values(element, np.clip(local / self.widths[element], -1.0, 1.0), derivative)
 
     def on_elements(self, local: Array, derivative: bool = False) -> csr_matrix:
-        """Return values, or slopes, of the basis (elements x points, size) at local coordinates in
-        [-1, 1] of every element.
+        """Return values, or slopes, of the basis at local coordinates of every element.
 
-        By radii, as in `matrix`, coordinates would lose digits on elements much smaller than the
+        The local coordinates are in [-1, 1]; the matrix has the shape (elements x points, size). By
+        radii, as in `matrix`, coordinates would lose digits on elements much smaller than the
         punch.
         """
         count = len(self.degrees)
@@ -159,8 +162,10 @@ class PressureSpace:
     def _assembled(
         self, values: Array, rows: Indices | int, columns: Indices, height: int
     ) -> csr_matrix:
-        """Return sums (height, size) of values in rows and columns, which are broadcast, without
-        what elements have not.
+        """Return the matrix (height, size) that sums values in rows and columns.
+
+        Values, rows and columns are broadcast. Functions that an element does not have, whose
+        column is `size`, are left out.
         """
         entries, *places = (part.ravel() for part in np.broadcast_arrays(values, rows, columns))
         return csr_matrix((entries, places), (height, self.size + 1))[:, :-1]
@@ -176,8 +181,11 @@ class PressureSpace:
         return left + half * (1 + local), half * weight, local
 
     def mass(self, ring_values: ArrayLike = 1.0) -> csr_matrix:
-        """Return the mass matrix (size, size) ``int c phi_i phi_j dA`` with the constant `c` of
-        each ring, or one for all, or (2, N) at the inner and outer edge of each, linear between.
+        """Return the mass matrix (size, size) ``int c phi_i phi_j dA``.
+
+        `ring_values` gives the factor `c`: a constant for each ring (N,), one constant for all
+        rings, or values (2, N) at the inner and outer edge of each ring, with `c` linear between
+        them.
         """
         radii, lengths, local = self.quadrature
         factors = values_on_rings(self.ring_edges, ring_values, radii, self.ring[:, None])
@@ -190,8 +198,10 @@ class PressureSpace:
         return self._assembled(blocks, rows, columns, self.size + 1)[:-1]
 
     def at_vertices(self, ring_values: ArrayLike) -> Array:
-        """Return values (size,) as in `mass` at the vertex of each hat, for bubbles at the outer
-        one.
+        """Return the values (size,) of a function given on rings, at the vertex of each hat.
+
+        `ring_values` gives the function as in `mass`. A bubble has the value at the outer vertex of
+        its element.
         """
         ends = np.stack([self.breakpoints[:-1], self.breakpoints[1:]], axis=1)
         radii = np.repeat(ends, [1, self.top], axis=1)
@@ -206,8 +216,9 @@ class PressureSpace:
         return np.asarray(self._assembled(values, 0, self.dofs, 1).toarray()[0])
 
     def ring_forces(self, ring_edges: ArrayLike) -> Array:
-        """Return the force (M, size) that each basis function puts on each of the rings between
-        `ring_edges` (any edges).
+        """Return the force (M, size) that each basis function puts on each of M rings.
+
+        The rings lie between `ring_edges` (M+1,), which may be any edges.
         """
         ring_edges = np.asarray(ring_edges, dtype=float)
         node, weight = gauss(self.top + 2)
@@ -234,21 +245,20 @@ class PressureSpace:
         )
 
     def ring_indicator(self) -> Array:
-        """Return the coefficients (size, N) of the pressures that are one on a ring and zero on the
-        others.
+        """Return the coefficients of the pressures that are one on a ring and zero on the others.
 
-        A hole has none.
+        The coefficients (size, N) have one column for each ring. A hole has none.
         """
         ring = self._of_functions(self.ring[:, None])
         rings = np.arange(int(self.hollow), len(self.ring_edges) - 1)
         return self.uniform[:, None] * (ring[:, None] == rings)
 
     def joined(self, ring_coefficients: ArrayLike = 1.0) -> csr_matrix:
-        """Return a basis (size, size-N+1) of the pressures whose product with `ring_coefficients`,
-        as in `mass`, is continuous.
+        """Return a basis of the pressures whose product with `ring_coefficients` is continuous.
 
-        With the wear coefficients: the space of t > 0, in terms of the wear rate. By default:
-        continuous pressures.
+        The basis is (size, size-N+1); `ring_coefficients` are given as `ring_values` in `mass`.
+        With the wear coefficients, it is the space of t > 0 in terms of the wear rate. By default,
+        it is the space of continuous pressures.
         """
         ring, function = self._of_functions(self.ring[:, None]), np.arange(self.size)
         # the last function of a ring and the first of the next are joined in one column
@@ -256,8 +266,11 @@ class PressureSpace:
         return csr_matrix((values, (function, column)), (self.size, int(column[-1]) + 1))
 
     def coarser(self) -> "PressureSpace":
-        """Return a space within this one: of a degree less in every element, and an element less on
-        each side of every ring edge but the axis; of degree 1, of every second element.
+        """Return a coarser space within this one.
+
+        It has a degree less in every element, but no less than 1, and an element less on each side
+        of every ring edge but the axis. If this space has degree 1 only, neighbouring elements are
+        joined in pairs instead, but not across ring edges.
         """
         count, edges = len(self.breakpoints), np.searchsorted(self.sort_keys, self.ring_edges + 0j)
         dropped = np.arange(1, count, 2)
@@ -273,8 +286,10 @@ class PressureSpace:
         )
 
     def embedding(self, coarse: "PressureSpace") -> csr_matrix:
-        """Return the coefficients (size, coarse size), on this space, of the functions of one
-        within it.
+        """Return the matrix (size, coarse size) that embeds a coarser space in this one.
+
+        Each column holds the coefficients, on this space, of one basis function of `coarse`, which
+        must be a space within this one.
         """
         parent = np.searchsorted(coarse.sort_keys, self.sort_keys[1:]) - 1
         left, width = coarse.breakpoints[parent, None], coarse.widths[parent, None]

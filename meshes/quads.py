@@ -89,8 +89,10 @@ class GradedQuads:
         return replace(self, layers=np.maximum(self.layers - 1, 1))
 
     def _patches(self) -> tuple[Array, Array, Indices, Indices]:
-        """Return points (2, n) of the patches, what rounding has taken from their radii (n,), their
-        quadrilaterals (4, m), and how much lower the degree of each may be (m,).
+        """Return the points and quadrilaterals of the patches, and where degrees may be lower.
+
+        The four arrays are the points (2, n), what rounding has taken from their radii (n,), the
+        quadrilaterals (4, m), and by how much the degree of each may be lowered (m,).
         """
         outline = np.array([[-1.0, 0.0], [-0.5, 0.5], [0.0, 1.0], [0.5, 0.5], [1.0, 0.0]])
         # corners of a layer of half-width 1, from the surface inside the singular point to that

@@ -1,5 +1,6 @@
-"""Ring edges, the graded radial mesh between them (radius of the punch = 1), and Gauss rules on its
-elements.
+"""Ring edges, the graded radial mesh between them, and Gauss rules on its elements.
+
+The radius of the punch is 1.
 """
 
 import itertools
@@ -29,7 +30,7 @@ def ring_areas(ring_edges: ArrayLike) -> Array:
 
 
 def ring_of(ring_edges: Array, radii: ArrayLike) -> Indices:
-    """Number of the ring at each radius, from 0.
+    """Return the number of the ring at each radius, counted from 0.
 
     A radius on an edge belongs to the ring outside it, the rim to the last.
     """
@@ -113,8 +114,9 @@ def exact_sum(first: ArrayLike, second: ArrayLike) -> tuple[Array, Array]:
 
 
 def layers(span: float, smallest: float, factor: float) -> Array:
-    """Return distances from a singular point: `span`, `span * factor`, ... down to about
-    `smallest`.
+    """Return the distances of the boundaries of graded layers from a singular point.
+
+    The distances are `span`, `span * factor`, ... down to about `smallest`.
     """
     count = max(0, round(np.log(max(smallest, 1e-300) / span) / np.log(factor)))
     return span * factor ** np.arange(count + 1.0)
@@ -145,8 +147,9 @@ def gauss(count: int) -> tuple[Array, Array]:
 
 
 def unit_gauss(count: int) -> tuple[Array, Array]:
-    """Return Gauss points and weights on (0, 1), where singularities are substituted away at one
-    end.
+    """Return Gauss points and weights on (0, 1).
+
+    They serve where a substitution removes the singularity at one end.
     """
     node, weight = gauss(count)
     return (1 + node) / 2, weight / 2

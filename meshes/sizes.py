@@ -84,8 +84,9 @@ class SizeField:
 
 
 def patch_widths(ring_edges: Array) -> Array:
-    """Return the half-widths (N, 2), inwards and outwards, of the patch at each edge but the
-    centre.
+    """Return the half-widths (N, 2) of the patch at each ring edge but the centre.
+
+    The first column holds the half-widths inwards, the second those outwards.
     """
     rings = np.diff(ring_edges)
     half = np.minimum(rings, np.append(rings[1:], np.inf)) / 2
@@ -100,8 +101,9 @@ def patch_widths(ring_edges: Array) -> Array:
 
 
 def patch_layers(widths: Array, sizes: Array, factor: float) -> Indices:
-    """Return the number of layers (N,) that each patch needs for innermost elements no larger than
-    its size.
+    """Return the number of layers (N,) that each patch needs.
+
+    With so many layers its innermost elements are no larger than the size given for the patch.
     """
     return np.maximum(
         1, np.ceil(np.log(sizes / widths.max(axis=1)) / np.log(factor) - 1e-9)

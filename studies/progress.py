@@ -20,6 +20,7 @@ class Stages:
 
     @contextmanager
     def __call__(self, stage: str) -> Iterator[None]:
+        """Time a stage: log when the `with` block begins and ends, and add up its seconds."""
         STAGES.info("%8s  %s ...", self.name, stage)
         start = time.perf_counter()
         yield
@@ -44,6 +45,11 @@ class Terminal(logging.Handler):
     _last = float("-inf")
 
     def emit(self, record: logging.LogRecord) -> None:
+        """Write a record to standard error.
+
+        If this is not a terminal, an unfinished line is written only if more than ten seconds have
+        passed since the last line.
+        """
         line, now = record.getMessage(), time.monotonic()
         unfinished = line.endswith("...")
         if sys.stderr.isatty():

@@ -27,9 +27,17 @@ INTERRUPTED = "INTERRUPTED: tables and figures hold the rows that were finished.
 
 @dataclass(frozen=True)
 class Study:
-    """A study: its file, its purpose, the seconds that `--quick` takes, its scene by default, its
-    own options, and whether it is about any punch, or shaped ones, too, not flat ones under a
-    force alone.
+    """A study, as the command line uses it.
+
+    Parameters
+    ----------
+    module : the module that conducts it, relative to `ringwear.studies`
+    purpose : what it studies
+    seconds : that `--quick` takes
+    scene : its scene by default
+    options : its own options and the arguments of `add_argument` for each
+    of_any_punch : whether it takes any punch
+    of_shaped_punches : whether it takes shaped punches, too, not only flat ones under a force
     """
 
     module: str
@@ -42,6 +50,7 @@ class Study:
 
     @property
     def conduct(self) -> Callable[..., list[str]]:
+        """The function ``conduct(scene, out, options)`` of the module, imported at first use."""
         return import_module(f"ringwear.studies.{self.module}").conduct
 
 

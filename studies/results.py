@@ -74,6 +74,7 @@ class Result(dataset.Result):
     """
 
     def __repr__(self) -> str:
+        """Return the answer in a few lines, and the verdict."""
         return "\n".join(Account(self).brief)
 
     def _repr_html_(self) -> str:
@@ -150,8 +151,9 @@ def load(folder: str | Path) -> Stored:
 
 
 class Checked(Result, checked.Checked):
-    """A run beside which results of other programs stand: `verdicts`, `diagnoses` and `passes`
-    tell of theirs.
+    """A run beside which results of other programs stand.
+
+    `verdicts`, `diagnoses` and `passes` tell about these results.
     """
 
 

@@ -47,13 +47,15 @@ def keeping_rows(conclusions: list[str]) -> Iterator[None]:
 
 
 def keep_tables(directory: Path) -> None:
-    """Remove what may be half there of a study that was stopped between its rows: tables are whole
-    after every row.
+    """Remove all files but the tables of a study that was stopped between its rows.
+
+    Other files may be incomplete, but tables are complete after every row. Files whose names begin
+    with a dot stay.
 
     Raises
     ------
     KeyboardInterrupt
-        if there are no rows either
+        if the tables have no rows
     """
     tables = set(directory.glob("*.csv"))
     for file in set(directory.iterdir()) - tables:

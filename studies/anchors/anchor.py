@@ -28,6 +28,7 @@ class Anchor:
 
     @property
     def holds(self) -> bool:
+        """Whether the difference is within the tolerance."""
         return self.difference <= self.tolerance
 
 

@@ -78,8 +78,10 @@ def _compare_with_many_rings(report: Reported) -> Rows:
 
 
 def _displace_by_rings(report: Reported, count: int) -> tuple[float, Array]:
-    """Return the greatest steady displacement, and that at the radii of the output, by so many
-    rings of constant pressure.
+    """Compute the greatest steady displacement, and the steady displacements at the output radii.
+
+    The steady pressure is replaced by its mean on each ring. The rings are `count` rings of
+    `_even_edges`, divided at the ring edges of the scene.
     """
     own = report.problem.merged.ring_edges
     edges = np.union1d(_even_edges(report, count), own[own >= report.inner_radius])
@@ -95,8 +97,10 @@ def _displace_by_rings(report: Reported, count: int) -> tuple[float, Array]:
 
 
 def _even_edges(report: Reported, count: int) -> Array:
-    """Return the edges (count + 1,) of rings on which the wear coefficient changes as little as on
-    any other, and none of which is much wider than the others.
+    """Return the edges (count + 1,) of rings across which the wear coefficient k changes little.
+
+    The width of a ring, in punch radii, plus the change of log k across it is the same for all
+    rings. So k changes little in any of them, and no ring is much wider than the others.
     """
     radii = np.linspace(report.inner_radius, 1, 4001)
     changes = np.abs(np.diff(np.log(report.reading.wear_at(radii))))

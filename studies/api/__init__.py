@@ -1,5 +1,6 @@
-"""Wear of a ringed punch on an elastic half-space, by finite elements, dimensionality reduction and
-direct integration.
+"""Wear of a ringed punch on an elastic half-space.
+
+It is computed by finite elements, dimensionality reduction and direct integration.
 
 `Scene`
     what is computed: a TOML file or a bundled name, as ``Scene.load("five_rings")``;

@@ -97,10 +97,15 @@ class Checked(Result):
 
     @property
     def notes(self) -> tuple[str, ...]:
+        """The verdict on the results of other programs, then the notes of our methods."""
         return (*self.lines, *super().notes)
 
     @property
     def summary(self) -> dict[str, Any]:
+        """The summary of the run, with the verdicts and the diagnoses on results of other programs.
+
+        There, numbers that are not finite are None, because JSON cannot express them.
+        """
         rows = [_plain(row) for row in self.verdicts]
         looks = {name: [_plain(of) for of in self.diagnoses[name]] for name in self.judged}
         return super().summary | {"verdicts": rows, "diagnoses": looks}

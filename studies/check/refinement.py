@@ -1,9 +1,10 @@
-"""Several results of one program, coarse to fine: does it converge, and is its own estimate honest?
+"""Check whether several results of one program converge, and whether its own estimate is honest.
 
-Signed errors are what theirs and ours differ by, so that differences of theirs are differences of
-errors. Where values follow ``v + c h^p``, three of them give p, Richardson's limit v, and Roache's
-grid convergence index, 1.25 times the distance of the finest from that limit: what a program can
-say of its error without knowing the truth.
+The results are ordered from coarse to fine. Signed errors are the differences of theirs to ours, so
+differences of theirs are differences of errors. If values follow ``v + c h^p``, three of them give
+the order p, Richardson's limit v, and Roache's grid convergence index, which is 1.25 times the
+distance of the finest value from that limit. A program can state this index as its error without
+knowing the truth.
 """
 
 from collections.abc import Iterator, Sequence
@@ -33,8 +34,10 @@ class Refinement:
 
     @property
     def estimate(self) -> tuple[float, float]:
-        """Signed error of Richardson's limit, and the grid convergence index, both relative; NaN of
-        fields, of fewer than three results, and where these do not converge in one direction.
+        """Signed error of Richardson's limit, and the grid convergence index, both relative.
+
+        Both are NaN for fields, for fewer than three results, and if the last three results do not
+        converge in one direction.
         """
         nothing = np.nan, np.nan
         if self.sequence.quantity in FIELDS or len(self.sequence.sizes) < 3:

@@ -54,10 +54,12 @@ class SampledFace(Face):
 
     @cached_property
     def radii(self) -> Array:
+        """(R,) radii that are given, increasing."""
         return self.breakpoints
 
     @cached_property
     def areas(self) -> Array:
+        """(R,) area of the face that each radius stands for."""
         inner, outer = self.radii[:-1], self.radii[1:]
         between = np.concatenate([self.radii[:1], (inner + outer) / 2, self.radii[-1:]])
         return np.pi * np.diff(between**2) if len(inner) else np.ones(1)

@@ -67,6 +67,7 @@ class Agreement:
 
     @property
     def agrees(self) -> bool:
+        """Whether the verdict is `agree`."""
         return self.verdict == AGREE
 
 
@@ -79,6 +80,7 @@ class Difference(NamedTuple):
 
     @property
     def uncertainty(self) -> Array:
+        """(n,) sum of the error estimates of both methods."""
         return self.first + self.second
 
     def over_bound(self, allowed: float) -> Array:

@@ -1,5 +1,7 @@
-"""The result of a run, as a table of arrays (netCDF-4), an xarray Dataset and a summary (JSON), in
-the scene's units.
+"""The result of a run in the scene's units.
+
+It can be had as a table of arrays (written as netCDF-4), as an xarray Dataset and as a summary
+(written as JSON).
 """
 
 from collections.abc import Mapping
@@ -142,6 +144,7 @@ class Result:
 
     @property
     def notes(self) -> tuple[str, ...]:
+        """The notes of all methods; a note that several methods give appears once."""
         # what is the same by every method is said once
         notes = (note for solution in self.solutions.values() for note in solution.notes)
         return tuple(dict.fromkeys(notes))
@@ -170,8 +173,9 @@ class Result:
 
     @property
     def has_inside(self) -> bool:
-        """Whether finite elements can tell what is inside the half-space, and fields are asked
-        for: at times of a history, if contact changes.
+        """Whether fields inside the half-space are wanted and finite elements can compute them.
+
+        If the contact changes, they can be computed only at times of a history.
         """
         problem, fem = self.scene.problem, self.solutions.get("fem")
         wanted = any(map(problem.wants, FIELDS)) or bool(self.scene.output.field_times)
@@ -221,8 +225,10 @@ class Result:
 
     @cached_property
     def between(self) -> tuple[str, dict[str, Array]]:
-        """The first method that knows more than the times asked for, and what it says between them;
-        else none, and what the first method reports that gives profiles.
+        """The first method that has values between the times asked for, and these values.
+
+        The values are quantities by name, in the scene's units. If no method has such values, the
+        name is empty, and the values are the report of the first method that gives profiles.
         """
         problem = self.scene.problem
         later = problem.times[problem.distances > 0]

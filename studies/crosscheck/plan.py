@@ -56,8 +56,10 @@ def predict_work(name: str, problem: Problem, unknowns: int, pressures: int) -> 
 
 
 def coarsen(scene: Scene) -> Scene:
-    """Return the probe of a scene: the same at a coarse accuracy, of many rings some, and of steps
-    that are given the first hundred.
+    """Return the probe of a scene: the same scene at a coarse accuracy.
+
+    If a flat punch has more than 16 rings, the probe has the inner 16. If a time step is given, the
+    probe makes the first hundred steps.
     """
     problem, step, times = scene.problem, scene.wear.step, scene.wear.times
     fem = problem.fem.model_dump(include={"far_field"}, exclude_unset=True)

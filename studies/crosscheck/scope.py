@@ -1,5 +1,6 @@
-"""What a scene requires, and what it does not: said before a run by `plan`, after it in the
-summary.
+"""What is computed for a scene, and what is not.
+
+`plan` says it before a run, and the summary says it after the run.
 """
 
 from collections.abc import Mapping, Sequence
@@ -151,8 +152,10 @@ def time_scale(scene: Scene) -> list[str]:
 
 
 def outside(problem: Problem, slowest: float) -> list[str]:
-    """Return a note if no time of a flat punch shows its running-in, whose slowest relaxation time
-    this is, non-dimensional; NaN if it is not known.
+    """Return a note if the times of a flat punch do not show its running-in; else an empty list.
+
+    `slowest` is the slowest relaxation time, non-dimensional. If it is NaN, it is not known, and
+    there is no note.
     """
     remedy = 'times = "running-in" shows all of it'
     if not (problem.full_contact and problem.earliest):

@@ -9,8 +9,10 @@ from .style import PAGE, complete, curve, method_curve, new_panels
 
 
 def draw_contact(result: Result) -> Figure:
-    """Draw edges of the contact by every method, its inside shaded, and forces and worn volumes of
-    rings by the first; of many rings, five.
+    """Draw the edges of the contact, the forces on rings and the worn volumes of rings over time.
+
+    Edges are shown by every method, with the inside of the contact shaded. Forces and worn volumes
+    are shown by the first method. If there are more than five rings, five of them are shown.
     """
     scale, (_, between) = Scale(result.scene), result.between
     figure, panels = new_panels(PAGE, 2.9, columns=3)

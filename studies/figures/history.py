@@ -24,9 +24,11 @@ from .style import (
 
 
 def draw_history(result: Result) -> Figure:
-    """Draw displacement, or the force that a given indentation takes, and RMS slope over time,
-    marked at the times of the scene, and below them by how much of the value methods differ from
-    the first.
+    """Draw displacement and RMS slope over time, and by how much methods differ from the first.
+
+    Values are marked at the times of the scene. In place of the displacement, the force is drawn if
+    the indentation is given, and the indentation if more methods give it. Differences are drawn in
+    panels below, relative to the value.
     """
     scale, fixed = Scale(result.scene), result.scene.problem.indentation is not None
     worn = result.coordinates["time"] > 0

@@ -102,11 +102,10 @@ def _draw_punch(axes: Any, depth: float, ring_edges: Array) -> None:
 
 
 def write_mesh(scene: Scene, mesh: Any, mesher: str, directory: Path) -> None:
-    """Write a mesh as scikit-fem does, in the scene's units and with its boundaries, and its
-    figure.
+    """Write a mesh and its figure, in the format of scikit-fem and in the scene's units.
 
-    The file can be read back: by `skfem.Mesh.load`, and as a mesh of one's own by `ringwear study
-    refinement --mesh`.
+    The file contains the boundaries of the mesh. It can be read back: by `skfem.Mesh.load`, and as
+    a mesh of one's own by `ringwear study refinement --mesh`.
     """
     from skfem.io.meshio import to_meshio
 

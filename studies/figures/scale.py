@@ -111,8 +111,10 @@ class Scale:
 
 
 def least_wear(problem: Problem, profiles: Array) -> Any:
-    """Return what has worn off everywhere, of (..., R) profiles at the radii of the output, in the
-    scene's units.
+    """Return the least worn height over the radii of the output, in the scene's units.
+
+    All of the face has worn by at least this height. `profiles` are (..., R) heights of the face at
+    these radii, in the scene's units, too.
     """
     unworn = problem.profile(problem.radii) * problem.units.displacement
     return np.nanmin(profiles - unworn, axis=-1)
@@ -124,8 +126,10 @@ def high_pressure(pressure: Array) -> float:
 
 
 def panel_tops(heights: Sequence[float]) -> Array:
-    """Return heights that panels are scaled to: all to the greatest, unless they differ by more
-    than a factor of ten.
+    """Return the height that each panel is scaled to.
+
+    It is the greatest height for all panels, unless heights differ by more than a factor of ten;
+    then each panel is scaled to its own height.
     """
     tops = np.where(np.array(heights) > 0, heights, max(heights) or 1.0)
     return np.where(tops.max() > 10 * tops.min(), tops, tops.max())

@@ -208,8 +208,9 @@ def method_curve(name: str, points: int = 0) -> dict[str, Any]:
 def shade_rings(
     axes: Any, ring_edges: Array, wear_coefficients: Array, radius: float = 1.0
 ) -> None:
-    """Draw grey bands over the rings that wear fastest, and the radius from 0 to that of the
-    punch.
+    """Draw grey bands over the rings that wear fastest.
+
+    The axis of the radius is set to run from 0 to the punch radius.
     """
     fast = wear_coefficients > np.sqrt(wear_coefficients.min() * wear_coefficients.max())
     for inner, outer in zip(ring_edges[:-1][fast], ring_edges[1:][fast], strict=True):

@@ -43,6 +43,7 @@ class Solution:
     presses : its start, fitted to the edges of the contact, and a coarser one; empty if that failed
     answers : the numbers of the answer
     evaluate : (problem, compliance) -> the `Evaluation` of another compliance
+    steady_part : the steady state of a shaped punch, which is solved by itself, if it has one
     """
 
     results: Results
@@ -59,6 +60,7 @@ class Solution:
     presses: tuple[FittedPress, ...] = ()
     answers: Results = field(default_factory=dict)
     evaluate: Callable[..., Any] | None = None
+    steady_part: "Solution | None" = None
 
     @property
     def error_estimate(self) -> float:
@@ -66,8 +68,9 @@ class Solution:
         return float(sum(self.parts.values()))
 
     def beyond(self, rtol: float) -> dict[str, float]:
-        """Return quantities whose error is above an accuracy by the method's own estimate, with the
-        greatest estimate.
+        """Return the quantities whose estimated error exceeds an accuracy.
+
+        Each is returned with the greatest error that the method estimates for it.
         """
         errors = {name: self.greatest_error(name) for name in self.errors}
         return {name: error for name, error in errors.items() if error > rtol}
@@ -78,8 +81,10 @@ class Solution:
         return error[problem.checked] if DESCRIBED[name].dims[:1] == ("time",) else error
 
     def greatest_error(self, name: str) -> float:
-        """Return the greatest error of a quantity over all times, of relaxation times that of the
-        slowest.
+        """Return the greatest error of a quantity over all times.
+
+        For relaxation times, it is the greatest error of the slowest ones, which are compared
+        between methods. Numbers of the answer that the method does not give have no error.
         """
         shown = slice(COMPARED_MODES) if "mode" in DESCRIBED[name].dims else ...
         errors = self.errors[name][shown]
@@ -146,10 +151,22 @@ class Method(ABC):
         """Return everything that a problem asks for."""
         return self.solve_all([problem], stages)[0]
 
+    def solve_again(self, problem: Problem, steady: Solution | None, stages: Stages) -> Solution:
+        """Return a problem's solution, by finer sizes than one before.
+
+        Parameters
+        ----------
+        problem : with the accuracy that sizes follow
+        steady : the steady state of a shaped punch that is accurate enough, if it is known
+        stages : tells of the progress
+        """
+        return self.solve(problem, stages)
+
     @abstractmethod
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
-        """Return everything that problems on the same ring edges and half-space ask for; what they
-        have in common is made once.
+        """Return the solutions of several problems on the same ring edges and half-space.
+
+        What the problems have in common is computed once.
         """
 
     def refusal(self, problem: Problem) -> str:

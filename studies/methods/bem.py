@@ -1,5 +1,6 @@
-"""Boundary elements: the ring kernel of Eq. 19 on the radial mesh of the MDR, and no identity of
-the MDR in it.
+"""Boundary elements: the ring kernel of Eq. 19 on the radial mesh of the MDR.
+
+The method uses no identity of the MDR.
 """
 
 from ...mdr import ring_kernel
@@ -18,6 +19,7 @@ class Bem(AnySpaceMethod):
     )
 
     def compliance(self, space: PressureSpace) -> Compliance:
+        """Return the compliance on a space by integration of the ring kernel."""
         return ring_kernel.compliance(space)
 
 

@@ -24,6 +24,11 @@ class Direct(Method):
     lacks: ClassVar[dict[str, str]] = {"history": "direct integration knows the steady state only"}
 
     def refusal(self, problem: Problem) -> str:
+        """Return why the problem cannot be solved at all, with the remedy; empty if it can.
+
+        Direct integration needs wear coefficients that are constant on rings, and a load that is a
+        force.
+        """
         if problem.merged.linear:
             return (
                 "direct integration knows pressures that are constant on rings, and with "
@@ -38,6 +43,7 @@ class Direct(Method):
         return ""
 
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+        """Return the steady states of several problems on the same ring edges, in closed form."""
         ring_edges = problems[0].merged.ring_edges
         slopes = greatest = np.full(len(problems), np.nan)
         wanted = {name for name in STEADY for problem in problems if problem.wants(name)}

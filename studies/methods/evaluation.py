@@ -94,8 +94,9 @@ class Evaluation(ABC):
 
     @cached_property
     def checked(self) -> Results:
-        """The quantities at the times that are checked, on the face of the punch: what is compared
-        with another method.
+        """The quantities at the times that are checked, on the face of the punch.
+
+        They are what is compared with another method.
         """
         results = self._timeless_on_face
         if len(self.problem.times):
@@ -144,15 +145,21 @@ class FullContact(Evaluation):
 
     @cached_property
     def history(self) -> History:
+        """The history at the times asked for, by the march and the step asked for."""
         problem = self.problem
         return self.wear.history(problem.times, problem.march, problem.step)
 
     @property
     def exact_in_time(self) -> History:
+        """The history at the times asked for, by relaxation modes: exact in time."""
         return self.wear.modal(self.problem.times)
 
     @cached_property
     def for_estimate(self) -> Results:
+        """The quantities on the face of the punch at the times that errors are estimated at.
+
+        The history is that of the modes; quantities of no time, such as steady ones, are included.
+        """
         results, times = self._timeless_on_face, self.problem.estimate_times
         if len(times):
             results = results | self.sampler.history(self.wear.modal(times), on_face=True)
@@ -171,10 +178,12 @@ class FullContact(Evaluation):
 
     @cached_property
     def answers(self) -> Results:
+        """The numbers of the answer, by the march and the step asked for."""
         return self._answers(self.history[ENDS] if len(self.problem.times) else None)
 
     @property
     def answers_exact_in_time(self) -> Results:
+        """The numbers of the answer, by relaxation modes: exact in time."""
         times = self.problem.times
         return self._answers(self.wear.modal(times[ENDS]) if len(times) else None)
 
@@ -183,6 +192,7 @@ class FullContact(Evaluation):
         return flat_answers(self.problem, self.wear, self._timeless_on_face, ends)
 
     def safety_of(self, name: str) -> float:
+        """Return what differences to a coarser evaluation are multiplied by, for every quantity."""
         return self.safety
 
     @cached_property
@@ -190,6 +200,13 @@ class FullContact(Evaluation):
         return missing_layers(self.problem, self.smallest)
 
     def estimate(self, name: str, difference: Array) -> Array:
+        """Return the error of a quantity by its differences to a coarser evaluation.
+
+        The differences are multiplied by the safety factor. Quantities that are felt in thin layers
+        beside ring edges err by as much again for each layer that the mesh lacks, if the march is
+        by modes. At each time asked for, the error is the greatest at nearby times, because
+        differences cross zero now and then. No error is below the least error of the quantity.
+        """
         error = self.safety_of(name) * difference
         if name in IN_LAYERS and self.problem.march == "modal":
             # the coarser one lacks one layer more, and each of them makes about the same difference
@@ -202,6 +219,11 @@ class FullContact(Evaluation):
         return np.maximum(error, self._least_error(name))
 
     def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
+        """Return the error of a number of the answer by its difference to a coarser evaluation.
+
+        It is the difference times the safety factor, or the least error of that number if it is
+        greater.
+        """
         return np.maximum(self.safety_of(name) * difference, self._least_error_of_answer(name))
 
     def _least_error_of_answer(self, name: str) -> float:

@@ -1,5 +1,6 @@
-"""The finite-element half-space at a wanted accuracy, on the mesh that is asked for or that suits
-it best.
+"""The finite-element half-space at a wanted accuracy.
+
+It is built on the mesh that is asked for, or on the one that suits the problem best.
 """
 
 from collections.abc import Callable
@@ -88,8 +89,10 @@ def half_space_on(problem: Problem, chosen: ChosenMesh) -> "HalfSpace":
 
 
 class Fem(ComplianceMethod):
-    """scikit-fem's elements, Lagrange multipliers, Boussinesq's far field, condensed to the
-    contact.
+    """Finite elements, condensed to the contact.
+
+    The elements are scikit-fem's, contact pressures are Lagrange multipliers, and the far field is
+    Boussinesq's.
     """
 
     name = "fem"
@@ -99,6 +102,11 @@ class Fem(ComplianceMethod):
     )
 
     def refusal(self, problem: Problem) -> str:
+        """Return why the problem cannot be solved at all, with the remedy; empty if it can.
+
+        Besides what every `ComplianceMethod` refuses, rings narrower than `NARROWEST` cannot be
+        meshed, and only the mesh of a flat punch can be sized by the user.
+        """
         if not problem.full_contact and problem.fem.model_fields_set - {"mesher"}:
             return (
                 "accuracy.fem sizes the mesh of a flat punch: with an initial profile leave out "
@@ -113,6 +121,11 @@ class Fem(ComplianceMethod):
         return super().refusal(problem)
 
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:
+        """Return the half-space that suits a problem, condensed, and what makes a coarser one.
+
+        For a flat punch, elements are small at ring edges and rim; for any other, there are cells
+        over the face.
+        """
         return (_layered if problem.full_contact else _on_cells)(problem, stages)
 
 

@@ -148,8 +148,10 @@ def interior(scene: Scene, fem: Solution) -> Interior:
 
 
 def pressures_of(problem: Problem, fem: Solution, half_space: "HalfSpace", coarse: bool) -> Array:
-    """Return the pressures (states, size) at a problem's times, and when steady; of a march on
-    every second cell, if coarse, whose steps may err by more.
+    """Return the pressures (states, size) at a problem's times, and when steady.
+
+    If `coarse`, the pressures of a shaped punch are those of a march on every second cell, whose
+    steps in time may err by more.
     """
     compliance, space = half_space.compliance(), half_space.space
     assert fem.evaluate is not None
@@ -255,8 +257,10 @@ def extended(inside: Interior, half_space: "HalfSpace", pressures: Array, depth:
 
 
 def write_half_space(fields: Interior, scene: Scene, path: Path, series: bool) -> None:
-    """Write the fields as VTU, in the scene's units and upright; as a series also in files of one
-    time each, and a collection (.pvd) that ParaView goes through.
+    """Write the fields as VTU, in the scene's units and upright.
+
+    If `series`, also write files of one time each, and a collection (.pvd) that ParaView goes
+    through.
 
     X is the radius, y the height (depth is negative).
     """

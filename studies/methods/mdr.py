@@ -16,6 +16,7 @@ class Mdr(AnySpaceMethod):
     )
 
     def compliance(self, space: PressureSpace) -> Compliance:
+        """Return the compliance on a space by the energy of the MDR."""
         return energy.compliance(space)
 
 

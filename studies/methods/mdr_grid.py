@@ -32,6 +32,11 @@ class MdrGrid(Method):
     }
 
     def refusal(self, problem: Problem) -> str:
+        """Return why the problem cannot be solved at all, with the remedy; empty if it can.
+
+        The uniform grid is for full flat discs under one force and one sliding speed, with wear
+        coefficients that are constant on rings, at given times, and in a limited number of steps.
+        """
         if problem.inner_radius:
             return "mdr-grid knows discs only: with punch.inner_radius leave it out of methods"
         if problem.merged.linear:
@@ -59,6 +64,7 @@ class MdrGrid(Method):
         return float(steps_between(problem.times, self._step(problem)).sum())
 
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+        """Return the solutions of the problems, each marched and estimated by itself."""
         return [self._marched_and_estimated(problem, stages) for problem in problems]
 
     def _marched_and_estimated(self, problem: Problem, stages: Stages) -> Solution:

@@ -69,10 +69,12 @@ class MovingContact(Evaluation):
 
     @cached_property
     def exact_in_time(self) -> History:
+        """The history at the times asked for, in steps that suit the accuracy asked for."""
         return self._started(self.march.adaptive(self.problem.times, self._tolerance))
 
     @cached_property
     def history(self) -> History:
+        """The history at the times asked for, in the steps asked for or in adaptive ones."""
         if self.problem.step is None:
             return self.exact_in_time
         return self._started(self.march.implicit(self.problem.times, self.problem.step))
@@ -94,6 +96,11 @@ class MovingContact(Evaluation):
 
     @cached_property
     def for_estimate(self) -> Results:
+        """The quantities on the face of the punch at all times that the march watches.
+
+        A coarser evaluation, whose problem asks for all of these times, gives them at the times
+        asked for.
+        """
         # the coarser one is asked for all of the times that are watched
         watched = (
             self._started(self.march.watched) if self.step_tolerance_factor == 1 else self.history
@@ -102,14 +109,22 @@ class MovingContact(Evaluation):
 
     @cached_property
     def answers(self) -> Results:
+        """The numbers of the answer, by the march and the step asked for."""
         return moving_answers(self.problem, self.march, self.start, self.history[ENDS])
 
     @property
     def answers_exact_in_time(self) -> Results:
+        """The numbers of the answer, which are those of the last march."""
         # the march in steps that are given is the last, and estimates by the other would undo it
         return self.answers
 
     def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
+        """Return the error of a number of the answer by its difference to a coarser evaluation.
+
+        A number that is a quantity at the first or the last time has the error of that quantity.
+        The error of any other is its difference times its safety factor, or a floor if that is
+        greater.
+        """
         if name in REPORTED_AT:
             quantity, row = REPORTED_AT[name]
             if quantity in errors:
@@ -121,6 +136,13 @@ class MovingContact(Evaluation):
         return np.maximum(step * self.safety_of(name) * difference, floor)
 
     def estimate(self, name: str, difference: Array) -> Array:
+        """Return the error of a quantity by its differences to a coarser evaluation.
+
+        The differences are multiplied by the safety factor of the quantity. At each time asked for,
+        the error is the greatest among seven neighbouring times of the march, because differences
+        cross zero now and then; a start that is fitted to the edges of the contact keeps its own.
+        No error is below the least error of the quantity.
+        """
         times = self.march.times
         error = self.safety_of(name) * difference
         later = (times > 0) | self._starts_on_cells
@@ -135,6 +157,11 @@ class MovingContact(Evaluation):
         return self.start is None and self.problem.loading.forces[0] > 0
 
     def safety_of(self, name: str) -> float:
+        """Return what the difference of a quantity to a coarser evaluation is multiplied by.
+
+        The factor is larger for forces that decay at a given indentation, and another for energies
+        and volumes under one load.
+        """
         if self._decays(name):
             # forces at a given indentation go as no more than the square of the depth, and their
             # errors stay while they decay
@@ -177,9 +204,7 @@ class MovingContact(Evaluation):
 
     @cached_property
     def _unresolved(self) -> Array:
-        """(T,) by how much heights of the face differ from what cells hold, over the
-        indentation.
-        """
+        """(T,) by how much heights differ from what cells hold, over the indentation."""
         depth, space = float(self.history.indentation.max()), self.compliance.space
         return unresolved_height(self.problem.profile, space, depth) * self._per_depth
 

@@ -78,6 +78,12 @@ class ComplianceMethod(Method):
             return solve_in_full_contact(self, problems, stages)
         return [solve_in_moving_contact(self, problem, stages) for problem in problems]
 
+    def solve_again(self, problem: Problem, steady: Solution | None, stages: Stages) -> Solution:
+        """Return a problem's solution by finer sizes, with a steady state that is known."""
+        if steady is None or problem.full_contact:
+            return self.solve(problem, stages)
+        return solve_in_moving_contact(self, problem, stages, steady)
+
 
 class AnySpaceMethod(ComplianceMethod):
     """A method whose compliance can be had on any pressure space."""
@@ -87,6 +93,11 @@ class AnySpaceMethod(ComplianceMethod):
         """Return the compliance on a space."""
 
     def refusal(self, problem: Problem) -> str:
+        """Return why it cannot solve the problem at all, with the remedy; empty if it can.
+
+        Besides what every `ComplianceMethod` refuses, only the radial mesh of a flat punch can be
+        sized by the user.
+        """
         if not problem.full_contact and problem.mdr.given:
             return (
                 "accuracy.mdr sizes the mesh of a flat punch: with an initial profile leave it out"
@@ -94,6 +105,7 @@ class AnySpaceMethod(ComplianceMethod):
         return super().refusal(problem)
 
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:
+        """Return the compliance on the space that suits a problem, and what makes a coarser one."""
         fine, coarse = pressure_spaces(problem)
 
         def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> Compliance:
@@ -141,10 +153,11 @@ _STARTS: WeakKeyDictionary[
 ] = WeakKeyDictionary()
 
 
-def solve_in_moving_contact(method: ComplianceMethod, problem: Problem, stages: Stages) -> Solution:
+def solve_in_moving_contact(
+    method: ComplianceMethod, problem: Problem, stages: Stages, steady: Solution | None = None
+) -> Solution:
     """Solve a punch whose contact opens, closes and spreads; its steady state is the flat one's."""
-    steady = None
-    if problem.steady:
+    if problem.steady and steady is None:
         flat = replace(problem, profile=FLAT, times=problem.times[:0], compared_on=problem.face)
         steady = method.solve(replace(flat, loading=problem.loading.held_last), stages)
         if not len(problem.times):
@@ -300,6 +313,7 @@ def _beside(history: Solution, steady: Solution) -> Solution:
     """Return a history beside the steady state of the flat punch."""
     return replace(
         history,
+        steady_part=steady,
         results=steady.results | history.results,
         checked=steady.checked | history.checked,
         errors=history.errors | steady.errors | _join_errors(history, steady),

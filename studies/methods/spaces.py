@@ -86,8 +86,9 @@ def radial_space(
     grading: float,
     degree_of_modes: int = 1,
 ) -> PressureSpace:
-    """Return a graded space whose degrees rise away from the singular points, to at least that of
-    smooth modes in the largest elements.
+    """Return a graded space whose degrees rise away from the singular points.
+
+    In the largest elements the degrees are at least those that smooth modes need.
 
     A ring narrower than the sizes still gets a layer at each of its edges, no wider than a tenth of
     the ring. Where the wear coefficient has but a weak kink, it may have none.

@@ -146,8 +146,10 @@ def families(problem: Problem, quick: bool) -> Iterator[Family]:
 
 
 def families_of_cells(problem: Problem, quick: bool) -> Iterator[Family]:
-    """Yield ever smaller cells where contact opens and spreads, by MDR and by finite elements of
-    each degree, against boundary elements on cells half as large; the greatest errors over time.
+    """Yield families of ever smaller cells on which contact opens and spreads.
+
+    MDR, and finite elements of each degree, are compared with boundary elements on cells half as
+    large as the smallest. Errors are the greatest over time.
     """
     problem = replace(problem, rtol=1e-4, march="modal", step=None)
     sizes = {finer: 1 / finer for finer in ((0.25, 0.5) if quick else (0.25, 0.5, 1.0, 2.0))}
@@ -182,8 +184,10 @@ def families_of_cells(problem: Problem, quick: bool) -> Iterator[Family]:
 
 
 def ellipses(gradings: Iterable[float]) -> dict[Any, float]:
-    """Return, by the ratio of neighbouring sizes, how fast polynomials converge that are singular
-    one element away (Bernstein).
+    """Return the rate of convergence of polynomials, by the ratio of neighbouring element sizes.
+
+    The function is singular one element away. With each degree its error is multiplied by the rate.
+    The rate is (1 - q) / (1 + q) with q = sqrt(ratio) (Bernstein ellipse).
     """
     return {ratio: (1 - ratio**0.5) / (1 + ratio**0.5) for ratio in gradings}
 

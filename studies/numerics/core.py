@@ -39,8 +39,9 @@ def condense(
 
 
 def flat_d0_error(compliance: Compliance) -> float:
-    """Return the relative error of the indentation of the flat start, singular at the rim, and at
-    the edge of a hole.
+    """Return the relative error of the indentation of a flat punch before wear.
+
+    Its pressure is singular at the rim, and at the edge of a hole.
     """
     exact = flat_indentation(compliance.space.inner_radius)
     return press_flat(compliance).indentation / exact - 1

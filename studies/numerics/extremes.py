@@ -120,8 +120,9 @@ def rank(judged: dict[str, Any]) -> tuple[int, float]:
 
 
 def judge_quantities(result: Result) -> Iterator[dict[str, Any]]:
-    """Yield the verdict on every quantity of the steady state, which `direct` has in closed form,
-    and on every anchor.
+    """Yield the verdict on every quantity of the steady state and on every anchor.
+
+    The quantities are compared with `direct`, which has the steady state in closed form.
     """
     rtol = result.scene.accuracy.rtol
     for row in result.agreement:

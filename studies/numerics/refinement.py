@@ -148,9 +148,7 @@ def own_mesh(problem: Problem, path: str) -> Mesh:
 
 
 def conclude(case: str, rows: pd.DataFrame) -> Iterator[str]:
-    """Yield the errors on the user's mesh, and the unknowns with which each way reaches the
-    goal.
-    """
+    """Yield the errors on the user's mesh, and the unknowns that each way needs for the goal."""
     for row in rows[rows.family == OWN].to_dict("records"):
         errors = ", ".join(f"{name} {row[name]:.1e}" for name in ERRORS)
         elements = f"{row['elements']} elements of degree {row['degree']}"

@@ -79,6 +79,7 @@ class Sequence:
 
     @property
     def errors(self) -> Array:
+        """(n,) relative errors without their signs."""
         return np.abs(self.signed)
 
     @property
@@ -180,8 +181,10 @@ def fit(families: Iterable[Family], rows: pd.DataFrame) -> list[Sequence]:
 
 
 def study_orders(families: Iterable[Family], out: Path, name: str, ylabel: str) -> list[str]:
-    """Solve families, fit their orders and draw them; writes `orders`, and a table and a figure of
-    the study's name.
+    """Solve families, fit their orders and draw their errors.
+
+    The orders are written to `orders.csv`, the errors to a table and a figure with the study's
+    name.
 
     Returns
     -------

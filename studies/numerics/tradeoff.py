@@ -65,8 +65,11 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
 
 
 def families(problem: Problem, quick: bool) -> Iterator[Family]:
-    """Yield for each group the accuracies asked of each method, and its settings in steps and on
-    the uniform grid.
+    """Yield a family of problems for each group of quantities and each method.
+
+    Each method is asked for several accuracies. For histories of flat punches, the implicit march
+    is also asked for several time steps, and `mdr-grid` for several numbers of springs on the
+    uniform grid.
     """
     dial = [1e-1, 1e-2, 1e-4] if quick else [10.0**-digits for digits in range(1, 9)]
     exact_problem = replace(problem, rtol=1e-3 * min(dial) if quick else 1e-9)

@@ -38,27 +38,33 @@ class Stored(Result):
 
     @cached_property
     def table(self) -> Table:
+        """The table in `results.nc`."""
         return self.written
 
     @property
     def summary(self) -> dict[str, Any]:
+        """The content of `summary.json`."""
         return self.told
 
     @property
     def verdict(self) -> str:
+        """The verdict that was written: `agree`, `disagree` or `undecided`."""
         return str(self.told["verdict"])
 
     @cached_property
     def left_out_of_promise(self) -> tuple[LeftOut, ...]:
+        """Quantities that could not be promised, with the times and the reason."""
         rows = self.told.get("left_out_of_promise", [])
         return tuple(LeftOut(**row | {"times": tuple(row["times"])}) for row in rows)
 
     @property
     def notes(self) -> tuple[str, ...]:
+        """The notes that the methods gave."""
         return tuple(self.told["notes"])
 
     @cached_property
     def answers(self) -> dict[str, dict[str, Array]]:
+        """What a user asked of the punch, by method, and the relative errors of these numbers."""
         return {
             name: {key: np.array(value, dtype=float) for key, value in given.items()}
             for name, given in self.told["answer"].items()
@@ -66,6 +72,7 @@ class Stored(Result):
 
     @cached_property
     def anchors(self) -> tuple[Anchor, ...]:
+        """Closed forms and conservation laws that the report of each method was checked against."""
         return _rebuilt(Anchor, self.told["anchors"])
 
 

@@ -31,6 +31,7 @@ class Claim(NamedTuple):
 
     @property
     def verdict(self) -> str:
+        """One of `VERDICTS`: `holds`, `holds with a remark` or `does not hold`."""
         return VERDICTS[bool(self.remark) if self.holds else 2]
 
 

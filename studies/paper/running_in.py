@@ -86,8 +86,9 @@ def way_of(worn: xarray.Dataset) -> xarray.DataArray:
 
 
 def normalised(result: Result, stationary: float) -> xarray.Dataset:
-    """Return the fields of a run over (solver, time, radius), times in t_stat; `limiting_...` are
-    those of the steady state by direct integration.
+    """Return the fields of a run over (solver, time, radius), with times in t_stat (`stationary`).
+
+    The variables `limiting_...` are those of the steady state by direct integration.
     """
     problem, worn = result.scene.problem, result.dataset
     exact, worn = worn.sel(solver="direct", drop=True), worn.sel(solver=list(SOLVERS))

@@ -113,6 +113,7 @@ class Rings(NamedTuple):
 
     @property
     def widths(self) -> Array:
+        """(N,) width of each ring."""
         return np.diff(self.ring_edges)
 
     @property
@@ -219,8 +220,10 @@ class Face:
         return np.moveaxis(by_element @ inverse.T, -1, 0)
 
     def interpolate(self, values: Array, radii: Array) -> tuple[Array, Array]:
-        """Return (T, M) values at radii (M,) off the rim by (T, R) ones, and how much they may be
-        off.
+        """Return (T, M) values at radii (M,) off the rim, and estimates (T, M) of their errors.
+
+        The values are interpolated from `values` (T, R). An estimate is the sum of the absolute
+        values of the last two Legendre coefficients in the element.
         """
         element = np.clip(
             np.searchsorted(self.breakpoints, radii, side="right") - 1, 0, len(self.breakpoints) - 2
@@ -238,8 +241,9 @@ class Face:
         return values, np.abs(coefficients[-2:]).sum(axis=0)
 
     def slopes(self, values: Array) -> tuple[Array, Array]:
-        """Return (T, R) derivatives along the radius of (T, R) values, and those without the last
-        two coefficients.
+        """Return (T, R) derivatives along the radius of (T, R) values, and less accurate ones.
+
+        The second ones leave out the last two Legendre coefficients of each element.
         """
         coefficients = self._coefficients(values)
         rates = 2 / np.repeat(np.diff(self.breakpoints), POINTS)
@@ -254,11 +258,11 @@ class Face:
         return slopes[0], slopes[1]
 
     def integral_doubt(self, parts: Array) -> Array:
-        """Return how much the sum of (T, R) parts, one of each radius, may differ from the integral
-        it stands for, (T,).
+        """Return estimates (T,) of the errors of integrals that are sums of parts over the radii.
 
-        Gauss's rule is exact up to twice the degree, where coefficients that fall at one rate have
-        the square of the last over the first.
+        `parts` (T, R) are the parts, one for each radius. Gauss's rule is exact up to twice the
+        degree. If Legendre coefficients fall at a constant rate, the coefficient of that degree is
+        the square of the last one over the greatest one.
         """
         weights = np.tile(gauss(POINTS)[1], len(self.breakpoints) - 1)
         coefficients = np.abs(self._coefficients(parts / weights))

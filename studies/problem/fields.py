@@ -83,6 +83,7 @@ class OverTime(Section):
 
     @property
     def greatest(self) -> float:
+        """The greatest of the values."""
         return max(self.values)
 
 
@@ -104,40 +105,53 @@ class ProfileSection(Section):
 
 
 class Parabola(ProfileSection):
+    """Heights f = r^2 / (2 R), with the radius of curvature R."""
+
     kind: Literal["parabola"]
     curvature_radius: Positive = Field(description="the radius of curvature R, a positive length")
 
     def height_over(self, punch_radius: float) -> Height:
+        """Return the function of radii that gives the heights."""
         return lambda radii: radii**2 / (2 * self.curvature_radius)
 
 
 class Cone(ProfileSection):
+    """Heights f = slope * r."""
+
     kind: Literal["cone"]
     slope: Positive = Field(description="the slope of the cone, positive")
 
     def height_over(self, punch_radius: float) -> Height:
+        """Return the function of radii that gives the heights."""
         return lambda radii: self.slope * np.abs(radii)
 
 
 class Power(ProfileSection):
+    """Heights f = c (r/a)^n, with the punch radius a."""
+
     kind: Literal["power"]
     coefficient: Positive = Field(description="the height at the rim of f = c (r/a)^n, positive")
     exponent: Positive = Field(description="the exponent n of f = c (r/a)^n, positive")
 
     def height_over(self, punch_radius: float) -> Height:
+        """Return the function of radii that gives the heights."""
         return lambda radii: self.coefficient * np.abs(radii / punch_radius) ** self.exponent
 
 
 class RoundedRim(ProfileSection):
+    """Heights f = (r - b)^2 / (2 R) beyond the flat radius b, and 0 inside it."""
+
     kind: Literal["rounded_rim"]
     flat_radius: NotNegative = Field(description="the radius b inside which the face is flat")
     curvature_radius: Positive = Field(description="the radius of curvature R, a positive length")
 
     @property
     def kinks(self) -> list[float]:
+        """The flat radius, at which the curvature jumps."""
         return [self.flat_radius]
 
     def check_fit(self, punch_radius: float, inner_radius: float) -> None:
+        """Raise ValueError if the flat radius is not below the punch radius."""
         if self.flat_radius >= punch_radius:
             raise ValueError(
                 f"profile.flat_radius = {self.flat_radius} leaves nothing to round: give less than "
@@ -145,6 +159,7 @@ class RoundedRim(ProfileSection):
             )
 
     def height_over(self, punch_radius: float) -> Height:
+        """Return the function of radii that gives the heights."""
         return lambda radii: (
             np.maximum(radii - self.flat_radius, 0.0) ** 2 / (2 * self.curvature_radius)
         )
@@ -159,6 +174,7 @@ class Ball(ProfileSection):
     )
 
     def check_fit(self, punch_radius: float, inner_radius: float) -> None:
+        """Raise ValueError if the ball is smaller than the punch."""
         if self.ball_radius < punch_radius:
             raise ValueError(
                 f"profile.ball_radius = {self.ball_radius:g} is below punch.radius = "
@@ -166,6 +182,7 @@ class Ball(ProfileSection):
             )
 
     def height_over(self, punch_radius: float) -> Height:
+        """Return the function of radii that gives the heights R - sqrt(R^2 - r^2)."""
         radius = self.ball_radius
         # without the cancellation of R - sqrt(R^2 - r^2)
         return lambda radii: (
@@ -180,9 +197,11 @@ class Truncated(ProfileSection):
 
     @property
     def kinks(self) -> list[float]:
+        """The flat radius, at which the slope jumps."""
         return [self.flat_radius]
 
     def check_fit(self, punch_radius: float, inner_radius: float) -> None:
+        """Raise ValueError if the flat radius is not below the punch radius."""
         if self.flat_radius >= punch_radius:
             raise ValueError(
                 f"profile.flat_radius = {self.flat_radius:g} leaves nothing beyond it: give less "
@@ -191,18 +210,24 @@ class Truncated(ProfileSection):
 
 
 class TruncatedCone(Truncated):
+    """Heights f = slope * (r - b) beyond the flat radius b, and 0 inside it."""
+
     kind: Literal["truncated_cone"]
     slope: Positive = Field(description="the slope of the cone beyond the flat, positive")
 
     def height_over(self, punch_radius: float) -> Height:
+        """Return the function of radii that gives the heights."""
         return lambda radii: self.slope * np.maximum(radii - self.flat_radius, 0.0)
 
 
 class TruncatedParaboloid(Truncated):
+    """Heights f = (r^2 - b^2) / (2 R) beyond the flat radius b, and 0 inside it."""
+
     kind: Literal["truncated_paraboloid"]
     curvature_radius: Positive = Field(description="the radius of curvature R, a positive length")
 
     def height_over(self, punch_radius: float) -> Height:
+        """Return the function of radii that gives the heights."""
         flat = self.flat_radius
         return lambda radii: (
             np.maximum(radii - flat, 0.0) * (radii + flat) / (2 * self.curvature_radius)
@@ -216,6 +241,7 @@ class Concave(ProfileSection):
     depth: Positive = Field(description="the depth h at the centre of f = h (1 - r^2/a^2)")
 
     def height_over(self, punch_radius: float) -> Height:
+        """Return the function of radii that gives the heights."""
         return lambda radii: self.depth * (1 - (radii / punch_radius) ** 2)
 
 
@@ -249,9 +275,11 @@ class HeightTable(ProfileSection):
 
     @property
     def kinks(self) -> list[float]:
+        """All radii of the table."""
         return self.radii
 
     def check_fit(self, punch_radius: float, inner_radius: float) -> None:
+        """Raise ValueError if the radii do not reach from the axis, or the hole, to the rim."""
         reaches_rim = self.radii[-1] >= punch_radius * (1 - 1e-9)
         if self.radii[0] > inner_radius or not reaches_rim:
             raise ValueError(
@@ -260,6 +288,7 @@ class HeightTable(ProfileSection):
             )
 
     def height_over(self, punch_radius: float) -> Height:
+        """Return the function of radii that interpolates the heights."""
         from scipy.interpolate import PchipInterpolator
 
         return PchipInterpolator(self.radii, self.heights)

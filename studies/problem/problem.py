@@ -177,8 +177,10 @@ class Problem:
 
     @property
     def full_contact(self) -> bool:
-        """Whether all of the face carries at all times: a flat punch at a fixed indentation, or
-        under a force that never falls, keeps contact, and any other may lose it.
+        """Whether all of the face carries at all times.
+
+        A flat punch at a fixed indentation, or under a force that never falls, keeps contact; any
+        other may lose it.
         """
         return self.profile.flat and self.loading.rising
 
@@ -217,10 +219,12 @@ class Problem:
 
     @property
     def ring_edges(self) -> Array:
+        """(N+1,) edges of the rings of the scene, from 0, or from the hole, to 1."""
         return self.rings.ring_edges
 
     @property
     def wear_coefficients(self) -> Array:
+        """(N,) wear coefficients of these rings over the greatest, harmonic means where graded."""
         return self.rings.wear_coefficients
 
     @cached_property
@@ -307,10 +311,7 @@ class Problem:
 
     @cached_property
     def radii(self) -> Array:
-        """Radii of the output.
-
-        The user's, or a grid that crowds at every ring edge without touching it.
-        """
+        """Radii of the output: the user's, or a grid that is dense near ring edges, not on them."""
         if self.output_radii is not None:
             return self.output_radii
         count = max(8, 320 // len(self.wear_coefficients))
@@ -348,9 +349,7 @@ class Problem:
 
     @cached_property
     def checked(self) -> Indices:
-        """Which of the times whole fields are compared at: all of them, or some spread over
-        them.
-        """
+        """(C,) indices of times at which whole fields are compared: all, or evenly chosen ones."""
         count = len(self.times)
         return np.unique(
             np.linspace(0, count - 1, min(count, MOST_CHECKED)).round().astype(np.int64)

@@ -35,6 +35,8 @@ NARROWEST_HOLE, NARROWEST_FACE = 1e-9, 1e-9
 
 
 class PunchSection(Section):
+    """The table `punch` of the scene: radii, rings, wear coefficients and the unworn face."""
+
     radius: Positive = Field(description="the punch radius, a positive length")
     inner_radius: NotNegative = Field(
         default=0.0,
@@ -153,8 +155,9 @@ class PunchSection(Section):
 
     @property
     def coefficients(self) -> list[float]:
-        """Wear coefficients: one of all rings, or two, alternating from the centre, or one for each
-        ring, or those of the table.
+        """Wear coefficients of the rings, or those of the table if wear is graded.
+
+        There is one for all rings, or two that alternate from the centre, or one for each ring.
         """
         if self.wear_coefficients is not None:
             return self.wear_coefficients

@@ -61,6 +61,7 @@ class Units:
 
     @property
     def slope(self) -> float:
+        """The unit of slopes df/dr, F / (a^2 E*)."""
         return self.displacement / self.length
 
     @property

@@ -35,6 +35,8 @@ RUNNING_IN = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5,
 
 
 class HalfSpaceSection(Section):
+    """The table `half_space` of the scene: elastic constants of the half-space and the punch."""
+
     plane_strain_modulus: Positive | None = optional("E* = E/(1 - nu^2), a positive pressure")
     youngs_modulus: Positive | None = optional("Young's modulus E, a positive pressure")
     poisson_ratio: float = Field(
@@ -86,6 +88,8 @@ Varying = Annotated[
 
 
 class LoadSection(Section):
+    """The table `load` of the scene: force, mean pressure or indentation, and sliding speed."""
+
     normal_force: Varying | None = optional(
         "the normal force F, positive, or { times = [...], values = [...] }"
     )
@@ -123,6 +127,8 @@ class LoadSection(Section):
 
 
 class WearSection(Section):
+    """The table `wear` of the scene: times of the history, the march, and the steady state."""
+
     times: Times = Field(
         default=[],
         description="increasing times, 0 or later, none for no history; or 'running-in'; or counts "
@@ -178,6 +184,8 @@ class Sizes(Section):
 
 
 class FemAccuracy(Sizes):
+    """The table `accuracy.fem` of the scene: mesh and far field of the finite elements."""
+
     mesher: Literal["quads", "gmsh", "bisection"] | None = optional(
         "quads (quadrilaterals), gmsh or bisection (triangles of degree 2 to 4)"
     )
@@ -205,6 +213,8 @@ class FemAccuracy(Sizes):
 
 
 class MdrAccuracy(Sizes):
+    """The table `accuracy.mdr` of the scene: elements, and the uniform grid of `mdr-grid`."""
+
     degree: int | None = optional("highest degree of the pressure, 1 to 20", ge=1, le=20)
     grading: float | None = optional("ratio of neighbouring sizes, 0.05 to 0.8", ge=0.05, le=0.8)
     grid: int = Field(
@@ -217,6 +227,8 @@ class MdrAccuracy(Sizes):
 
 
 class AccuracySection(Section):
+    """The table `accuracy` of the scene: the relative accuracy, and sizes by method."""
+
     rtol: float = Field(
         default=1e-4, ge=1e-9, le=0.1, description="the relative accuracy wanted, 1e-9 to 0.1"
     )
@@ -225,6 +237,8 @@ class AccuracySection(Section):
 
 
 class OutputSection(Section):
+    """The table `output` of the scene: the quantities, radii and times that are written."""
+
     radii: Increasing | None = optional("radii from 0 to punch.radius, increasing", min_length=1)
     field_times: Increasing | None = optional(
         "times at which the inside of the half-space is written, increasing", min_length=1

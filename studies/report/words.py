@@ -97,6 +97,7 @@ class Account:
 
     @property
     def verdict_line(self) -> str:
+        """The verdict on the methods, and how many anchors hold, in a sentence."""
         anchors = self.result.anchors
         holding = sum(anchor.holds for anchor in anchors)
         line = "One method: nothing to compare it with"

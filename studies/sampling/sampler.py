@@ -38,8 +38,10 @@ def _slopes(space: PressureSpace) -> csr_matrix:
 
 @lru_cache(maxsize=8)
 def _samples(space: PressureSpace) -> Array:
-    """Return enough radii in each element that a cubic finds the greatest value between them to
-    nine digits.
+    """Return the radii at which functions of a space are sampled to find their greatest values.
+
+    Each element has enough of them that a cubic finds the greatest value between them to nine
+    digits.
     """
     count = 3 * (space.top + 2)
     within = (1 - np.cos(np.pi * np.arange(count) / count)) / 2
@@ -213,8 +215,9 @@ class Sampler:
         return wanted
 
     def _edges(self, history: History) -> Array:
-        """Return inner and outer radius of every part of the contact in turn (T, E), nan where
-        there are no more.
+        """Return the inner and outer radius of every part of the contact in turn (T, E).
+
+        Entries are nan where there are no more parts.
         """
         parts = [
             worn_edges(self.space, contact, worn)
@@ -248,8 +251,10 @@ class Sampler:
 
     @property
     def by_fields(self) -> bool:
-        """Whether greatest values are known no better than their fields: of low degree, their
-        differences often vanish.
+        """Whether greatest values are known no better than their fields.
+
+        This is so for flat punches on spaces of degree 2 or less, where the differences of greatest
+        values often vanish.
         """
         return self.problem.full_contact and self.space.top <= 2
 

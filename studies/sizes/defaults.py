@@ -26,10 +26,10 @@ TRUNCATION, WIDER_TRUNCATION = 2.5, 5.0
 # patches grow by that
 FACTOR, GROWTH = 0.25, 0.5
 # relative error of the RMS slope by roundoff, times the size of the smallest elements, in a: of
-# finite elements, and of dimensionality reduction and boundary elements. Measured by five rings on
-# elements of 1e-10 to 1e-24 a: slopes of elements of size h err by roundoff / h, and their mean
-# square over the face by roundoff^2 / h
-FEM_ROUNDOFF, RADIAL_ROUNDOFF = 2e-22, 5e-27
+# finite elements, and of dimensionality reduction and boundary elements. Slopes of elements of size
+# h err by roundoff / h. Measured by five rings on elements of 1e-10 to 1e-24 a, and by finite
+# elements on six rings whose wear coefficients differ by 1700 times: 2e-22 and 1e-20
+FEM_ROUNDOFF, RADIAL_ROUNDOFF = 1e-20, 5e-27
 # greatest size that this roundoff may ask for: larger elements would lose more than it takes
 GREATEST_OF_SMALLEST = 1e-12
 # first time over the slowest relaxation time below which roundoff of the modes is felt, too
@@ -55,8 +55,9 @@ def pressure_degree(problem: Problem, ratio: float) -> float:
 
 
 def _relaxed_degree(degree: Array | float) -> Array | float:
-    """Return the degrees that are enough, a little below those that the estimate of the amplitude
-    asks for.
+    """Return degrees that are enough, a little below those that the amplitude asks for.
+
+    The estimate of the amplitude asks for more than is needed.
     """
     return degree - np.minimum(0.1 * degree, 0.7)
 
@@ -77,8 +78,9 @@ def degree_of_modes(problem: Problem) -> float:
 
 
 def pressures(problem: Problem, ratio: float) -> float:
-    """Estimate how many pressures a mesh takes whose elements shrink by a ratio towards every ring
-    edge and the rim.
+    """Estimate how many pressures a graded mesh takes.
+
+    The elements of the mesh shrink by a ratio towards every ring edge and the rim.
     """
     half, sizes, amplitude = problem.merged.widths / 2, edge_sizes(problem), problem.edge_amplitude
     total, most = 0.0, pressure_degree(problem, ratio)
@@ -111,8 +113,9 @@ def with_affordable_field_tolerance(problem: Problem, ratio: float) -> Problem:
 
 
 def field_accuracy(problem: Problem) -> float:
-    """Return the accuracy that fields are resolved to: the one asked for, unless there are too many
-    rings.
+    """Return the accuracy that fields are resolved to.
+
+    It is the one asked for, unless only energies are wanted or there are too many rings.
     """
     return with_affordable_field_tolerance(problem, FACTOR).rtol
 
@@ -156,8 +159,9 @@ def edge_sizes(problem: Problem) -> Array:
 
 
 def rim_size(problem: Problem, fields: Problem) -> float:
-    """Return the wanted size at the rim, of a problem and of the one with the accuracy of its
-    fields.
+    """Return the wanted size of the elements at the rim.
+
+    `fields` is the problem with the accuracy of its fields.
 
     Pressures of the flat start err by up to three times that size, its energy by a tenth.
     """
@@ -165,8 +169,10 @@ def rim_size(problem: Problem, fields: Problem) -> float:
 
 
 def ring_sizes(problem: Problem, fields: Problem) -> Array:
-    """Return the wanted sizes (N-1,) at the ring edges between centre and rim, in a few distinct
-    values, of a problem and of the one with the accuracy of its fields.
+    """Return the wanted sizes (N-1,) at the ring edges between centre and rim.
+
+    The sizes are rounded to a few distinct values. `fields` is the problem with the accuracy of its
+    fields.
 
     At the edge of a hole, pressures of the flat start are as at the rim.
     """
@@ -197,8 +203,10 @@ def fem_smallest(problem: Problem) -> float:
 
 
 def missing_layers(problem: Problem, smallest: float) -> Array:
-    """Return how many layers of elements (T,) a mesh lacks at each time that errors are estimated
-    at, because its elements are no smaller than a least size.
+    """Return how many layers of elements (T,) a mesh lacks at each time.
+
+    The times are those that errors are estimated at. A mesh lacks layers because its elements are
+    no smaller than a least size.
     """
     missing = np.zeros(len(problem.estimate_times))
     for number, time in enumerate(problem.estimate_times):
@@ -209,8 +217,9 @@ def missing_layers(problem: Problem, smallest: float) -> Array:
 
 
 def quad_sizes(problem: Problem) -> dict[str, Any]:
-    """Return the sizes of quadrilaterals in geometric layers, by the names of
-    `meshes.quads.graded`.
+    """Return the sizes of quadrilaterals in geometric layers.
+
+    The names are those of the arguments of `meshes.quads.graded`.
     """
     chosen, fields = problem.fem, with_affordable_field_tolerance(problem, FACTOR)
     wanted = np.maximum(ring_sizes(problem, fields), fem_smallest(problem))
@@ -226,10 +235,10 @@ def quad_sizes(problem: Problem) -> dict[str, Any]:
 
 
 def quad_degree(problem: Problem) -> int:
-    """Return the degree of the displacement, above that of the pressure (`ringwear study
-    convergence`).
+    """Return the degree of the displacement on quadrilaterals.
 
-    More towards incompressibility, which costs two digits in the end.
+    It is above that of the pressure (`ringwear study convergence`), and higher still towards
+    incompressibility, which costs two digits in the end.
     """
     of_pressure = pressure_degree(with_affordable_field_tolerance(problem, FACTOR), FACTOR)
     compressibility = 1 - 2 * min(problem.poisson_ratio, 0.4999)
@@ -280,8 +289,9 @@ def triangle_sizes(problem: Problem) -> SizeField:
 
 
 def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:
-    """Return the orders of the poles tied to the outer boundary: those asked for, or enough of
-    them.
+    """Return the orders of the poles tied to the outer boundary.
+
+    They are those asked for, or enough of them for the accuracy.
     """
     from ...fem.far_field import enough_poles
 
@@ -291,8 +301,9 @@ def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:
 
 
 def grid_step(problem: Problem, stability_limit: float) -> float:
-    """Return the step of the march on the uniform grid: half of the greatest stable one (`ringwear
-    study march`).
+    """Return the step of the march on the uniform grid.
+
+    It is the one asked for, or half of the greatest stable one (`ringwear study march`).
     """
     if problem.mdr.step:
         return problem.mdr.step / problem.units.time
@@ -300,8 +311,9 @@ def grid_step(problem: Problem, stability_limit: float) -> float:
 
 
 def tolerance_range(problem: Problem, pressures: int) -> tuple[float, float]:
-    """Return the least and the greatest accuracy that sizes follow, if at first there were so many
-    pressures.
+    """Return the least and the greatest accuracy that sizes follow.
+
+    For a shaped punch the least depends on `pressures`, the number of pressures at first.
     """
     if problem.full_contact:
         return FINEST, 1.0

@@ -30,12 +30,18 @@ class Shared(Problem):
 
     @classmethod
     def of(cls, members: Sequence[Problem]) -> Self:
+        """Return the problem that stands for several, with the smallest of their tolerances."""
         first = {field.name: getattr(members[0], field.name) for field in fields(Problem)}
         rtol = min(member.rtol for member in members)
         return cls(**first | {"rtol": rtol}, members=tuple(members))
 
     @property
     def edge_amplitude(self) -> EdgeAmplitude:
+        """Estimate of the amplitude of high degrees at ring edges that covers all members.
+
+        At each edge it takes the least length over which wear has smoothed the pressure on the
+        slower side, and the greatest ratio of the lengths on both sides.
+        """
         amplitudes = [member.edge_amplitude for member in self.members]
         worn_length_slow = np.min([lengths.worn_length_slow for lengths in amplitudes], axis=0)
         ratio = np.max([lengths.ratio for lengths in amplitudes], axis=0)
@@ -51,6 +57,7 @@ class Shared(Problem):
 
     @property
     def earliest(self) -> float:
+        """The first sliding distance after the start in any of the problems; 0 without any."""
         return min((each.earliest for each in self.members if each.earliest), default=0.0)
 
 
@@ -65,8 +72,10 @@ def discretised_alike(problem: Problem) -> Hashable:
 
 
 def groups(problems: Sequence[Problem]) -> list[list[int]]:
-    """Return the numbers of the problems that share a discretisation, the sharpest of each group
-    first.
+    """Return the numbers of the problems in groups that share a discretisation.
+
+    Each group begins with the problem in which wear has smoothed the pressure at a ring edge over
+    the shortest length: it needs the smallest elements.
     """
     # greatest ratio of the lengths that wear has blunted in problems that share a discretisation:
     # pressures that the sharper needs cost the others their third power

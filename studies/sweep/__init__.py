@@ -1,0 +1,1 @@
+"""Sweeps: scenes over axes of scene keys, in one labelled dataset."""

@@ -304,8 +304,15 @@ def _without_alternatives(base: Table, keys: set[str]) -> Table:
 
 
 def _checked_keep(keep: Any, problems: list[Problem], axes: Iterable[str]) -> tuple[str, ...]:
-    """Return the quantities to keep: those named, or all that need no radius and no ring; none
-    that is an axis.
+    """Return the quantities to keep: those named, or by default those without radius and ring.
+
+    The default holds if `keep` is None. Relaxation times are left out of it, too, if there are no
+    times. A quantity that is an axis is never kept.
+
+    Raises
+    ------
+    SceneError
+        if `keep` is empty or names something that is no quantity of these scenes
     """
     given = set[str]().union(*map(_given, problems)) - set(axes)
     if keep is None:

@@ -45,6 +45,7 @@ class Piece(NamedTuple):
 
     @property
     def sizes(self) -> list[int]:
+        """Number of scenes along each dimension of the box."""
         return [part.stop - part.start for part in self.box]
 
     def halves(self) -> "tuple[Piece, Piece]":

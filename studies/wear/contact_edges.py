@@ -85,11 +85,10 @@ def find_first_contact(
     load: Load,
     cells: ContactCells,
 ) -> tuple[tuple[Interval, ...], ContactCells]:
-    """Return where contact begins, and cells with a spot wherever it begins on a narrow part of the
-    face.
+    """Return where contact begins, and cells that are small on every narrow part of it.
 
-    The looks end where the first contact is many cells wide, or where there are as many cells as
-    there were before: from then on spots would stay, or go round.
+    The search ends where the first contact is many cells wide, or where there are as many cells as
+    there were before: from then on the cells would stay the same or go round in a circle.
     """
     # that narrow first contacts may take
     most = 5 * len(cells.breakpoints())
@@ -187,8 +186,10 @@ def _refined_edges(space: PressureSpace, intervals: tuple[Interval, ...]) -> tup
 def _with_spots(
     cells: ContactCells, narrow: list[tuple[float, float]], most: int
 ) -> ContactCells | None:
-    """Return cells with a spot at each of some narrow parts, which spread as slowly as so many
-    cells allow; None if they do not.
+    """Return cells that are smaller at each of some narrow parts of the face.
+
+    Away from these parts, sizes grow as slowly as `most` cells allow; None if they allow no growth
+    below 0.3.
     """
     while cells.spread < 0.3:
         spots = tuple(
@@ -204,10 +205,9 @@ def _with_spots(
 def _penetrating_parts(
     space: PressureSpace, displacement: Array, press: Press, profile: InitialProfile
 ) -> list[tuple[float, float]]:
-    """Return where the face is in the half-space between nodes that do not carry: on less than a
-    cell.
+    """Return the parts of the face that penetrate the half-space between nodes that do not carry.
 
-    The deepest first.
+    They are narrower than a cell. The deepest comes first.
     """
     # part of the indentation by which that is not felt
     deep = 1e-3 * press.indentation

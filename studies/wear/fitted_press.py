@@ -151,8 +151,9 @@ def fit_press(
 def _solve(
     profile: InitialProfile, load: Load | None, intervals: Intervals, compliance_on: CompliancesOn
 ) -> FittedPress:
-    """Return the press with these edges, and the d that makes it free at the outermost if no load
-    is given.
+    """Return the press whose contact has these edges.
+
+    If no load is given, its indentation d is the one at which the outermost edge is free.
     """
     last = intervals[-1]
     radius = last.outer

@@ -96,11 +96,11 @@ class FlatStart:
 def flat_start(
     compliance: Compliance, indentation: float | None = None
 ) -> "FlatStart | FittedPress":
-    """Press the unworn punch: ``A c = d b`` on the functions that suit it, with ``b . c = 1`` or d
-    as given.
+    """Press the unworn punch: solve ``A c = d b`` on the functions that suit a flat start.
 
-    Under them a half-space is displaced uniformly. What is displaced otherwise (a foundation of
-    springs, say) is pressed by the pressures of the space itself.
+    Either ``b . c = 1`` or d is given. Under these functions a half-space is displaced uniformly.
+    What is displaced otherwise (a foundation of springs, say) is pressed by the pressures of the
+    space itself.
 
     Raises
     ------

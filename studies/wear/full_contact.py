@@ -77,6 +77,7 @@ class RunningIn:
 
     @cached_property
     def flat(self) -> FlatStart | FittedPress:
+        """The unworn punch, pressed by the force 1 or to the indentation that is held fixed."""
         return flat_start(self.compliance, self.indentation)
 
     @cached_property
@@ -99,8 +100,9 @@ class RunningIn:
 
     @cached_property
     def _mass(self) -> BandedCholesky:
-        """Factor `L` of the mass of weight k: orthonormal wear rates are `L^T` times those by
-        unknowns of the space.
+        """Factor `L` of the mass matrix of weight k.
+
+        Orthonormal wear rates are `L^T` times the wear rates by unknowns of the space.
         """
         mass = self.compliance.space.mass(self.wear_coefficients)
         return BandedCholesky(self._by_rates.T @ mass @ self._by_rates)
@@ -138,6 +140,17 @@ class RunningIn:
 
     @cached_property
     def modes(self) -> Modes:
+        """Relaxation modes, slowest first, with what the flat start has of each.
+
+        If there are many pressures and an earliest time, only the modes that the flat start excites
+        are computed.
+
+        Raises
+        ------
+        TooEarlyError
+            if modes below roundoff are still felt at the earliest time, and there are too many
+            pressures for singular values to keep them
+        """
         pencil = self._forceless, self._moments, self.earliest
         # of so many pressures, modes that the flat start does not excite are left out
         if self.earliest and len(self._moments) > 700:
@@ -193,8 +206,14 @@ class RunningIn:
         return slowest_times(self._energy, self._forceless)
 
     def modal(self, times: Array) -> History:
-        """Return the exact history from the flat start at any times from `earliest` on, none of
-        which depends on another.
+        """Return the exact history from the flat start at any times from `earliest` on.
+
+        None of the times depends on another.
+
+        Raises
+        ------
+        SceneError
+            if a time after the start is before `earliest`
         """
         state = self.loading.at(times)
         later = state.distance[state.distance > 0]
@@ -264,8 +283,9 @@ class RunningIn:
         return History.in_full_contact(distances, pressure, profile, indentation, forces)
 
     def stability_limit(self) -> float:
-        """Return the greatest stable step of the explicit march, twice the shortest relaxation
-        time.
+        """Return the greatest stable step of the explicit march.
+
+        It is twice the shortest relaxation time.
         """
         return float(2 * self.relaxation_times[-1])
 

@@ -125,6 +125,7 @@ class History:
         )
 
     def __getitem__(self, which: Indices | slice) -> "History":
+        """Return the history at some of its times, given by number or slice."""
         pressed = self.pressed
         if pressed is not None:
             pressed = pressed._replace(force=pressed.force[which], rest=pressed.rest[which])

@@ -225,8 +225,9 @@ def slowest_times(energy: Array, weights: Array | None) -> Array:
 
 
 def _axis(weights: Array | None) -> Array | None:
-    """Return the axis of the reflection that maps the steady state to the first axis, so that the
-    other axes carry no force; None where they may.
+    """Return the axis of the reflection that maps the steady state to the first axis.
+
+    All other axes then carry no force. The result is None if modes may carry force.
     """
     if weights is None:
         return None
@@ -236,8 +237,10 @@ def _axis(weights: Array | None) -> Array | None:
 
 
 def _forceless(energy: Array, axis: Array | None) -> Array:
-    """Return the compliance (n-1, n-1), reflected, on those that carry no force; (n, n) on all of
-    them without a reflection.
+    """Return the compliance on the wear rates that carry no force.
+
+    After the reflection it is (n-1, n-1). Without a reflection it is the compliance on all wear
+    rates (n, n).
     """
     if axis is None:
         return energy.copy()
@@ -248,8 +251,9 @@ def _forceless(energy: Array, axis: Array | None) -> Array:
 
 
 def excited_modes(energy: Array, weights: Array | None, moments: Array, earliest: float) -> Modes:
-    """Return the modes that the flat start excites, as far as they are above roundoff at `earliest`
-    or later.
+    """Return the modes that the flat start excites.
+
+    Modes that are below roundoff at `earliest` and later are left out.
 
     Parameters as for `every_mode`; `earliest` is above 0.
     """
@@ -287,8 +291,9 @@ def excited_modes(energy: Array, weights: Array | None, moments: Array, earliest
 
 
 def _carried(relaxation: Array, within: Array, lost: Array, earliest: float) -> bool:
-    """Return whether a Krylov space carries the history from `earliest` on, and the slowest
-    relaxation times.
+    """Return whether a Krylov space carries the history and the slowest relaxation times.
+
+    The history is the one from `earliest` on.
     """
     significant = _significant(relaxation, earliest)
     left = within[:, significant] @ (

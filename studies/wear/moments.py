@@ -14,8 +14,9 @@ from ..problem.profile import InitialProfile
 
 
 def moments(profile: InitialProfile, space: PressureSpace, radius: float = 1.0) -> Array:
-    """Return the moments (size,) ``int f phi_i dA``; integrals are broken at kinks and at ring
-    edges.
+    """Return the moments (size,) ``int f phi_i dA`` of a profile f.
+
+    The integrals are broken at kinks of the profile and at ring edges.
 
     Parameters
     ----------

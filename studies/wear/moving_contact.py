@@ -280,8 +280,10 @@ class ContactMarch:
         )
 
     def _relaxing(self, now: _Moment, times: Array) -> History | None:
-        """Return the history at times, and at 64 from now to the last for distances, if contact
-        stays full from now on; else none.
+        """Return the history at times if contact stays full from now on; None otherwise.
+
+        After these times the history has 64 instants between now and the last time. There, it holds
+        the instants themselves in place of their sliding distances.
         """
         slowed, after = float(self.loading.speeds[-1]), times - now.time
         fastest = float(self._full.relaxation_times[-1]) / slowed

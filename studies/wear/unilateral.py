@@ -170,8 +170,9 @@ class Contact:
     def _solved(
         self, moments: Array, load: Load, contact: Mask, anew: bool = False
     ) -> tuple[Array, Array, float]:
-        """Return pressure, gap and indentation if exactly these nodes were in contact, whatever the
-        signs.
+        """Return pressure, gap and indentation if exactly the given nodes were in contact.
+
+        Pressures and gaps may have any sign.
         """
         if not contact.any():
             indentation = float(load.indentation or 0.0)
@@ -236,8 +237,9 @@ class Contact:
         raise SolverError("no contact satisfies the inequalities: ask for fewer cells")
 
     def _not_empty(self, contact: Mask, gap: Array) -> Mask:
-        """Return a contact in which something carries the force: at the least the node nearest to
-        the half-space.
+        """Return a contact in which at least one node carries the force.
+
+        An empty contact is replaced by the node that is nearest to the half-space.
         """
         if contact.any():
             return contact

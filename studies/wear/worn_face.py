@@ -81,8 +81,10 @@ class WornFace:
         return self._has_worn[:, None] & ~near_edge & (displaced < worn)
 
     def _bends(self, functions: Array) -> Array:
-        """Return by how much functions (T, size) change their slope at either end of each cell, the
-        more of both, times the width of the wider cell there (T, E).
+        """Return by how much functions change their slope at the ends of each cell (T, E).
+
+        The functions are (T, size). The change at each end is multiplied by the width of the wider
+        cell there, and the greater of both ends is returned.
         """
         space = self.space
         width = np.diff(space.breakpoints)
@@ -113,8 +115,10 @@ class WornFace:
         return np.where(follows, below, worn)
 
     def slopes(self, at_points: csr_matrix, radii: Array) -> Array:
-        """Return slopes of the face (T, E Q) at Q points (E, Q) in each cell, by the matrix of the
-        slopes of the basis there.
+        """Return the slopes of the face (T, E Q) at Q points in each of E cells.
+
+        `at_points` is the matrix of the slopes of the basis at these points, `radii` (E, Q) are
+        their radii.
         """
         worn = self.profile.slope(radii.ravel()) + (at_points @ self.history.profile.T).T
         follows = np.repeat(self.follows_half_space, radii.shape[1], axis=1)

@@ -173,7 +173,7 @@ def move_force(size):
 def delay(size):
     """Times at the door are too late."""
     return change_result(
-        Problem, "posed", lambda problem: replace(problem, times=problem.times * (1 + size))
+        Problem, "from_tables", lambda problem: replace(problem, times=problem.times * (1 + size))
     )
 
 

@@ -1,5 +1,6 @@
-"""Starts of the flat punch and the sphere (problems 1 and 7) by two programs that put a half-space
-on a square grid of points, ContactMechanics and tamaas, on three grids.
+"""Starts of the flat punch and the sphere (problems 1 and 7) by ContactMechanics and tamaas.
+
+Both programs put a half-space on a square grid of points. Each problem is solved on three grids.
 """
 
 from time import perf_counter
@@ -11,6 +12,11 @@ from SurfaceTopography import Topography
 
 
 def contact_mechanics(heights, size, force):
+    """Return the pressures and displacements that ContactMechanics computes at the grid points.
+
+    `heights` (n, n) are those of the face, `size` is the side of the grid, and `force` the normal
+    force. The plane strain modulus and the punch radius are 1.
+    """
     half_space = FreeFFTElasticHalfSpace(heights.shape, 1, (size, size))
     system = make_system(substrate=half_space, surface=Topography(-heights, (size, size)))
     system.minimize_proxy(external_force=force, pentol=1e-8)
@@ -18,6 +24,10 @@ def contact_mechanics(heights, size, force):
 
 
 def tamaas(heights, size, force):
+    """Return the pressures and displacements that tamaas computes at the grid points.
+
+    The arguments are those of `contact_mechanics`.
+    """
     kind = tm.model_type.basic_2d
     model = tm.ModelFactory.createModel(kind, [size, size], heights.shape)
     model.E, model.nu = 1, 0

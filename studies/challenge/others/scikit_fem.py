@@ -14,6 +14,10 @@ from skfem.helpers import ddot, div, sym_grad
 
 @BilinearForm
 def stiffness(u, v, at):
+    """Return the integrand of the elastic stiffness for displacements u and v in axial symmetry.
+
+    `at.x` are the radius and the height of the quadrature points.
+    """
     # Lame's constants by a plane strain modulus of 1 and a Poisson's ratio of 0.3
     volume = 0.525 * (div(u) + u[0] / at.x[0]) * (div(v) + v[0] / at.x[0])
     shape = 0.7 * (ddot(sym_grad(u), sym_grad(v)) + u[0] * v[0] / at.x[0] ** 2)

@@ -33,7 +33,9 @@ def change_result(owner, name: str, change: Callable) -> Put:
 
 def pose(change: Callable[[Problem], dict]) -> Put:
     """The problem is not the one that the scene poses."""
-    return change_result(Problem, "posed", lambda problem: replace(problem, **change(problem)))
+    return change_result(
+        Problem, "from_tables", lambda problem: replace(problem, **change(problem))
+    )
 
 
 def unit(**factors: float) -> Put:
