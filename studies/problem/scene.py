@@ -50,8 +50,8 @@ class Scene(Section):
     A frozen value, made by `load`, `from_toml` or `from_table`, or of its tables, varied by
     `changed`.
 
-    The tables `punch`, `half_space` and `load` are needed; the README has all keys. Numbers are in
-    any consistent units, and any may be a quantity with its own, ``"20 mm"``.
+    The tables `punch`, `half_space` and `load` are needed; `studies/reference.md` has all keys.
+    Numbers are in any consistent units, and any may be a quantity with its own, ``"20 mm"``.
 
     Raises
     ------
