@@ -88,7 +88,7 @@ def prepare():
     return prepare
 
 
-@pytest.fixture(params=["mdr", *MESHERS])
+@pytest.fixture(params=["mdr", "bem", *MESHERS])
 def method(request):
     """The methods that every invariant is tested on."""
     return str(request.param)

@@ -87,7 +87,7 @@ def test_a_step_that_is_unstable_is_refused():
     assert "unstable" in unstable["message"]
 
 
-def test_what_no_method_says_of_itself_is_a_crash(monkeypatch):
+def test_an_unexpected_exception_is_a_crash(monkeypatch):
     monkeypatch.delattr(extremes, "run")
     row = next(iter(QUICK.values()))()
     assert row["verdict"] == "crashed"
