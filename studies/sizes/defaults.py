@@ -27,9 +27,10 @@ TRUNCATION, WIDER_TRUNCATION = 2.5, 5.0
 FACTOR, GROWTH = 0.25, 0.5
 # relative error of the RMS slope by roundoff, times the size of the smallest elements, in a: of
 # finite elements, and of dimensionality reduction and boundary elements. Slopes of elements of size
-# h err by roundoff / h. Measured by five rings on elements of 1e-10 to 1e-24 a, and by finite
-# elements on six rings whose wear coefficients differ by 1700 times: 2e-22 and 1e-20
-FEM_ROUNDOFF, RADIAL_ROUNDOFF = 1e-20, 5e-27
+# h err by roundoff / h. Measured by five rings on elements of 1e-10 to 1e-24 a. That of finite
+# elements grows with the ratio of the wear coefficients (up to 1e-20 was measured for 1700), and is
+# taken to grow with its power 2/3
+FEM_ROUNDOFF, RADIAL_ROUNDOFF = 2e-22, 5e-27
 # greatest size that this roundoff may ask for: larger elements would lose more than it takes
 GREATEST_OF_SMALLEST = 1e-12
 # first time over the slowest relaxation time below which roundoff of the modes is felt, too
@@ -199,7 +200,8 @@ def smallest_size(problem: Problem, roundoff: float) -> float:
 
 def fem_smallest(problem: Problem) -> float:
     """Return the least size of finite elements beside a ring edge."""
-    return smallest_size(problem, FEM_ROUNDOFF)
+    wear = problem.merged.ends[np.isfinite(problem.merged.ends)]
+    return smallest_size(problem, FEM_ROUNDOFF * float(wear.max() / wear.min()) ** (2 / 3))
 
 
 def missing_layers(problem: Problem, smallest: float) -> Array:

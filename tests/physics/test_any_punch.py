@@ -195,7 +195,7 @@ def test_first_contact_is_located_once_for_all_methods(monkeypatch):
         calls.append(arguments)
         return find_first_contact(*arguments)
 
-    monkeypatch.setattr("ringwear.studies.methods.spaces.located", count)
+    monkeypatch.setattr("ringwear.studies.methods.spaces.find_first_contact", count)
     run(RECESSED.changed(accuracy__rtol=1e-2), methods=["mdr", "bem"])
     # on the cells of the result, and on half as many for its error
     assert len(calls) == 2
