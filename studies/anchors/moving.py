@@ -15,6 +15,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ...mdr.transforms import profile_transform
 from ...meshes.radial import Array, unit_gauss
 from ..sampling.norms import radial_weight
+from ..wear.unilateral import Mask
 from .anchor import Row, Rows
 from .reported import DOUBT, Reported
 
@@ -44,7 +45,10 @@ def check_kinematics(report: Reported) -> Rows:
     gap = report.take("displacement") + report.take("profile") - depth[:, None]
     stated = report.errors("indentation", "displacement", "profile")
     allowed, scale = report.rtol + stated.sum(axis=0), _elastic_depth(report)
-    touching = np.where(_presses_around(pressure), np.abs(gap), 0.0).max(axis=1)
+    # the last radius that presses lies in the cell in which contact ends: the face was worn there
+    # for a part of the time only, and one height for the cell cannot tell that
+    inside = _with_neighbours(pressure > 0, 1)
+    touching = np.where(inside, np.abs(gap), 0.0).max(axis=1)
     yield Row("u + f = d where it presses", touching, 0.0, allowed, scale)
     below = np.maximum(-gap.min(axis=1), 0.0)
     # in the cell that holds an edge of the contact, the face is not known better
@@ -118,9 +122,7 @@ def check_pressures_inside(report: Reported) -> Rows:
     elements = len(face.breakpoints) - 1
     element = np.clip(element, 0, elements - 1)
     carries = (pressure.reshape(len(pressure), elements, -1) > 0).all(axis=2)
-    padded = np.pad(carries, ((0, 0), (AWAY, AWAY)), mode="edge")
-    around = np.asarray(sliding_window_view(padded, 2 * AWAY + 1, axis=1))
-    inside = np.asarray(around.all(axis=2))[:, element]
+    inside = _with_neighbours(np.asarray(carries), AWAY)[:, element]
     reference, doubt = face.interpolate(pressure, report.radii)
     wrong = report.take("pressure", on_face=False) - reference
     count = inside.sum(axis=1)
@@ -175,14 +177,11 @@ def check_peak(report: Reported) -> Rows:
         yield Row("peak pressure of the answer", peak, highest, tolerance)
 
 
-def _presses_around(pressure: Array) -> Array:
-    """Return where a radius of the face and both its neighbours press (T, R).
-
-    The last radius that presses lies in the cell in which contact ends. The face was worn there for
-    a part of the time only, and one height for the cell cannot tell that.
-    """
-    padded = np.pad(pressure > 0, ((0, 0), (1, 1)), mode="edge")
-    return np.asarray(padded[:, :-2] & padded[:, 1:-1] & padded[:, 2:])
+def _with_neighbours(mask: Mask, reach: int) -> Mask:
+    """Return where a mask (T, n) holds, and at so many neighbours on each side, too."""
+    padded = np.pad(mask, ((0, 0), (reach, reach)), mode="edge")
+    around = np.asarray(sliding_window_view(padded, 2 * reach + 1, axis=1))
+    return np.asarray(around.all(axis=2))
 
 
 def _unseen(pressure: Array) -> Array:

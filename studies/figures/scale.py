@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ...mdr.flat_punch import D0, P0
 from ...meshes.radial import Array, Indices
-from ..problem.problem import D0, P0, Problem
+from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
 from .style import broken_at, method_curve, set_logarithmic, shade_rings

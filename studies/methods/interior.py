@@ -24,8 +24,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from ...mdr.flat_punch import D0, P0
 from ...meshes.radial import Array, Indices
-from ..problem.problem import D0, P0, Problem
+from ..problem.problem import Problem
 from ..problem.quantities import Units
 from ..problem.scene import Scene
 from ..wear.full_contact import RunningIn

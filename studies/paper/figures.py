@@ -7,6 +7,7 @@ import numpy as np
 import xarray
 
 from ...mdr import direct
+from ...mdr.flat_punch import D0
 from ..figures.style import (
     FAINT,
     LINES,
@@ -16,7 +17,7 @@ from ..figures.style import (
     new_figure,
     shade_rings,
 )
-from ..problem.problem import D0, Rings
+from ..problem.problem import Rings
 from .theory import PERCENTS, STATIONARY, WEAR_RATIO_OF_WIDTHS
 
 AVERAGES = ("average over the radius (line)", "average over the area")

@@ -10,11 +10,11 @@ import numpy as np
 import xarray
 from scipy.interpolate import CubicSpline
 
+from ...mdr.flat_punch import D0
 from ...mdr.transforms import line_density
 from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
 from ..crosscheck.run import run
-from ..problem.problem import D0
 from ..problem.scene import Scene
 from ..sampling.sampler import AVERAGES
 from .theory import PERCENTS, STATIONARY

@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ...mdr.flat_punch import flat_punch
 from ...meshes.errors import SceneError
 from ...meshes.radial import (
     Array,
@@ -35,9 +36,6 @@ from .sections import (
     OutputSection,
     WearSection,
 )
-
-D0, P0 = 0.5, 1 / (2 * np.pi)  # the paper's d0 = F/(2 a E*) and p0 = F/(2 pi a^2), non-dimensional
-
 
 # times that running-in, and the times asked for, may take until all of the face carries: where it
 # takes more, its steady state is out of reach
@@ -126,7 +124,7 @@ class Problem:
         force = load.greatest_force(length, punch.inner_radius)
         if load.indentation is not None:
             approach = _approach(punch, load.indentation, ring_edges)
-            force = length * modulus * approach / flat_indentation(hole)
+            force = length * modulus * approach / flat_punch(hole).indentation
         time = length / modulus / fastest / load.sliding.greatest
         units = Units(length, modulus, force, time, fastest)
         profile = punch.unworn(ring_edges, units.displacement)
@@ -148,7 +146,7 @@ class Problem:
             units=units,
             profile=profile,
             graded=graded,
-            indentation=None if load.indentation is None else flat_indentation(hole),
+            indentation=None if load.indentation is None else flat_punch(hole).indentation,
             loading=Loading.over_time(load.pressing, load.sliding, time),
         )
         if problem.why_never_steady:
@@ -169,11 +167,6 @@ class Problem:
     def inner_radius(self) -> float:
         """The radius of the hole; 0 if there is none."""
         return float(self.ring_edges[0])
-
-    @property
-    def flat_indentation(self) -> float:
-        """Indentation of a flat punch of the same radii under the force 1."""
-        return flat_indentation(self.inner_radius)
 
     @property
     def full_contact(self) -> bool:
@@ -370,15 +363,6 @@ class Problem:
             # what knots bring does not come in proportion to the time
             times.append(self.times[self.checked])
         return np.unique(np.concatenate(times))
-
-
-def flat_indentation(inner_radius: float) -> float:
-    """Return the indentation of a flat punch under the force 1: F / (2 a E*) if it is full."""
-    if not inner_radius:
-        return D0
-    from ...mdr.annulus import flat_annulus  # full punches do not need it
-
-    return flat_annulus(inner_radius).indentation
 
 
 def _approach(punch: PunchSection, given: float, ring_edges: Array) -> float:
