@@ -23,6 +23,20 @@ def _pairs(text: str) -> dict[str, str]:
     return pairs
 
 
+def _name_of_file(text: str) -> str:
+    if not text.strip():
+        raise ArgumentTypeError("is empty: give a file")
+    return text
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(","))
+
+
+def _steps(text: str) -> tuple[float, ...]:
+    return tuple(_sizes(text))
+
+
 FLAGS = {
     "--no-figures": "numbers only: neither figures nor the report",
     "--no-report": "figures, but no report.html",
@@ -92,3 +106,53 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "help": "processes on this machine (default: its cores)",
     },
 }
+OF_STUDIES: dict[str, tuple[str, dict[str, Any]]] = {
+    "meshes": (
+        "--mesh",
+        {
+            "action": "append",
+            "default": [],
+            "type": _name_of_file,
+            "metavar": "FILE",
+            "help": "a mesh file of yours: .msh of gmsh, .vtu, ...; repeated, from coarse to fine",
+        },
+    ),
+    "degree": (
+        "--degree",
+        {"type": int, "metavar": "K", "help": "degree of the finite elements on your meshes"},
+    ),
+    "quantities": (
+        "--quantity",
+        {
+            "action": "append",
+            "default": [],
+            "metavar": "FILE.py:NAME",
+            "help": "a function of yours that takes a result of a run and returns a number; may be "
+            "repeated",
+        },
+    ),
+    "elements": (
+        "--element",
+        {
+            "action": "append",
+            "default": [],
+            "metavar": "NAME",
+            "help": "an element of scikit-fem, such as ElementTriP2, or FILE.py:NAME; may be "
+            "repeated",
+        },
+    ),
+    "methods": (
+        "--methods",
+        {"type": _names, "default": (), "help": "methods, comma-separated, in place of all"},
+    ),
+    "steps": (
+        "--steps",
+        {
+            "type": _steps,
+            "default": (),
+            "metavar": "H,...",
+            "help": "steps in time, from coarse to fine, in the units of the scene",
+        },
+    ),
+}
+"""Options of studies by the name of the option: the flag, and what `argparse` is told of it."""

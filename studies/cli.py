@@ -13,21 +13,22 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from enum import IntEnum
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..meshes.errors import RingwearError, SceneError
-from .arguments import ARGUMENTS
+from .arguments import ARGUMENTS, OF_STUDIES
 from .output.folder import Folder, output_folder
 from .output.signals import ending_on_signals
 from .problem.scene import Scene, bundled, text_of
 from .progress import show_progress
-from .registry import INTERRUPTED, STUDIES
+from .registry import INTERRUPTED
+from .study.listing import STUDIES
 from .versions import versions
 
 if TYPE_CHECKING:
     from .figures.style import Picture
+    from .study.options import Options
 
 
 class Status(IntEnum):
@@ -222,37 +223,41 @@ def _compare(options: argparse.Namespace) -> Status:
 
 
 def _study(options: argparse.Namespace) -> Status:
+    from .study.conduct import conduct, refuse_what_does_not_fit
+    from .study.levels import Record
     from .tables import keep_tables, keeping_rows
 
-    scene, study = Scene.load(options.scene), STUDIES[options.study]
-    problem = scene.problem
-    flat = problem.full_contact and problem.indentation is None
-    shaped = study.of_shaped_punches and not problem.full_contact
-    if problem.merged.linear or not (study.of_any_punch or flat or shaped):
-        raise SceneError(
-            f"study {options.study} is about flat punches under a force, whose edges stay, with "
-            "wear constant on rings: leave out punch.recess, punch.profile and "
-            "punch.wear_coefficient along the radius, and give load.normal_force; study tradeoff "
-            "takes any punch, and study convergence shaped ones, too"
-        )
-    out = _out(options, options.study)
+    name, scene = options.study, Scene.load(options.scene)
+    asked = _options_of_study(options)
+    refuse_what_does_not_fit(name, scene, asked)
     if options.quick:
-        print(f"about {study.seconds} s on a machine of two cores", flush=True)
-    with output_folder(out, f"study {options.study}", ["report.html"]) as folder:
-        conclusions, failures = list[str](), list[str]()
-        with keeping_rows(conclusions):
-            conclusions += study.conduct(scene, folder.hidden, options)
-        if conclusions == [INTERRUPTED]:
+        print(f"about {STUDIES[name].seconds} s on a machine of two cores", flush=True)
+    with output_folder(_out(options, name), f"study {name}", ["report.html"]) as folder:
+        found, failures, record = None, list[str](), Record(folder.hidden)
+        with keeping_rows(record.conclusions):
+            found = conduct(name, scene, asked, record)
+        conclusions = list(found.conclusions if found else record.conclusions)
+        if found is None:
             keep_tables(folder.hidden)
-        with keeping_rows(conclusions):
-            from .output.files import make
-            from .report.page import write_study
-
-            write = partial(write_study, options.study, study.purpose, scene, conclusions)
-            failures += make(folder.hidden / "report.html", write)
+        else:
+            with keeping_rows(conclusions):
+                failures += found.write(folder.hidden)
     print("\n".join(conclusions))
     _print_files(folder, failures)
     return Status.FAILED if failures or INTERRUPTED in conclusions else Status.DONE
+
+
+def _options_of_study(options: argparse.Namespace) -> "Options":
+    """Return what the command line asks of a study, with quantities and elements loaded."""
+    from .study.options import Options
+    from .study.own_objects import load_element, load_quantity
+
+    given = {name: getattr(options, name) for name in STUDIES[options.study].takes}
+    if "quantities" in given:
+        given["quantities"] = dict(map(load_quantity, given["quantities"]))
+    if "elements" in given:
+        given["elements"] = tuple(map(load_element, given["elements"]))
+    return Options(options.quick, **given)
 
 
 def _sweep(options: argparse.Namespace) -> Status:
@@ -341,8 +346,9 @@ def _parser() -> argparse.ArgumentParser:
             for study, row in STUDIES.items():
                 taker = names.add_parser(study, help=row.purpose)
                 _add(taker, ("scene", "--out", "--quick"), row.scene)
-                for option, settings in row.options:
-                    taker.add_argument(option, **settings)
+                for option in row.takes:
+                    flag, settings = OF_STUDIES[option]
+                    taker.add_argument(flag, dest=option, **settings)
     return parser
 
 

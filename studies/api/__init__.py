@@ -16,6 +16,9 @@ It is computed by finite elements, dimensionality reduction and direct integrati
     read results that were saved
 `plan`
     what a run will be made of and cost, by a coarse probe of it: lines of text
+`study`
+    a study of convergence, refinement, limits or cost: ``found = study("march", "five_rings")``,
+    then ``found.table``, ``found.orders``, ``found.conclusions``, ``found.figures``
 `sweep`
     scenes over axes of scene keys, in one labelled dataset
 
@@ -35,11 +38,12 @@ from ringwear.studies.problem.scene import Scene
 if TYPE_CHECKING:
     from ringwear.studies.crosscheck.plan import plan
     from ringwear.studies.results import check, load, run
+    from ringwear.studies.study.conduct import study
     from ringwear.studies.sweep.conduct import sweep
 
     __version__: str
 
-__all__ = ["Scene", "__version__", "check", "load", "plan", "run", "sweep"]
+__all__ = ["Scene", "__version__", "check", "load", "plan", "run", "study", "sweep"]
 
 # a scene alone does not need the numerics that these bring in
 _LATER = {
@@ -47,6 +51,7 @@ _LATER = {
     "check": "ringwear.studies.results",
     "load": "ringwear.studies.results",
     "plan": "ringwear.studies.crosscheck.plan",
+    "study": "ringwear.studies.study.conduct",
     "sweep": "ringwear.studies.sweep.conduct",
     "RingwearError": "ringwear.meshes.errors",
     "SceneError": "ringwear.meshes.errors",

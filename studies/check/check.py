@@ -16,10 +16,10 @@ from ..crosscheck.dataset import Result
 from ..crosscheck.run import run
 from ..figures.style import in_style
 from ..methods.base import Method
-from ..numerics.sequences import draw_errors
 from ..problem.scene import Scene, Source, listed
 from ..problem.unit_names import UnitNames
 from ..registry import METHODS
+from ..study.errors_over_size import draw_errors
 from ..tables import write_csv
 from .checked import Checked
 from .given import Given
@@ -37,7 +37,8 @@ def write_check(result: Checked, directory: Path) -> None:
     }
     if curves:
         with in_style():
-            draw_errors(directory / "refinement.png", {"size": curves}, "error, relative to ours")
+            figure = draw_errors({"size": curves}, "error, relative to ours")
+            figure.savefig(directory / "refinement.png")
 
 
 def check(

@@ -1,21 +1,20 @@
 """Check whether several results of one program converge, and whether its own estimate is honest.
 
 The results are ordered from coarse to fine. Signed errors are the differences of theirs to ours, so
-differences of theirs are differences of errors. If values follow ``v + c h^p``, three of them give
-the order p, Richardson's limit v, and Roache's grid convergence index, which is 1.25 times the
-distance of the finest value from that limit. A program can state this index as its error without
-knowing the truth.
+differences of theirs are differences of errors: the order, Richardson's limit and the grid
+convergence index follow from three of them as their program would find them
+(`studies/study/orders.py`).
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
-from ..numerics import sequences
 from ..problem.quantities import FIELDS
 from ..problem.unit_names import UnitNames
+from ..study.levels import Theory
+from ..study.orders import Sequence as Levels
 from .verdict import Verdict
 
 
@@ -29,7 +28,7 @@ class Refinement:
     time : at which the finest is worst; in the units of the scene
     """
 
-    sequence: sequences.Sequence
+    sequence: Levels
     time: float
 
     @property
@@ -39,22 +38,9 @@ class Refinement:
         Both are NaN for fields, for fewer than three results, and if the last three results do not
         converge in one direction.
         """
-        nothing = np.nan, np.nan
-        if self.sequence.quantity in FIELDS or len(self.sequence.sizes) < 3:
-            return nothing
-        sizes, errors = self.sequence.sizes[-3:], self.sequence.signed[-3:]
-        before, last = errors[:-1] - errors[1:]
-
-        def misfit(order: float) -> float:
-            powers = sizes**order
-            return float((powers[0] - powers[1]) * last - (powers[1] - powers[2]) * before)
-
-        lowest, highest = 0.05, 20.0
-        if misfit(lowest) * misfit(highest) >= 0:
-            return nothing
-        order = brentq(misfit, lowest, highest)
-        left = last / ((sizes[1] / sizes[2]) ** order - 1)
-        return float(errors[2] - left), float(1.25 * abs(left) / (1 + errors[2]))
+        if self.sequence.quantity in FIELDS:
+            return np.nan, np.nan
+        return self.sequence.richardson
 
     @property
     def stalled(self) -> float:
@@ -102,7 +88,7 @@ def refinements(
         if times := set.intersection(*map(set, errors)):
             time = max(times, key=lambda time: abs(errors[-1][time].error))
             at = [of[time] for of in errors]
-            theory = sequences.Theory(floor=max(row.stated for row in at))
+            theory = Theory(floor=max(row.stated for row in at))
             signed = np.array([row.error for row in at])
-            sequence = sequences.Sequence("theirs", quantity, theory, np.array(sizes), signed)
+            sequence = Levels("theirs", quantity, theory, np.array(sizes), signed)
             yield Refinement(sequence, time)

@@ -18,11 +18,9 @@ the factor, and powers of k make it greater at first. The size of a raised degre
 so that its order is the digits that a degree gains.
 """
 
-import argparse
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -41,9 +39,12 @@ from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..sampling.norms import Results, differences
 from ..sizes.defaults import FACTOR, GROWTH
+from ..study.levels import Family, Record, Theory
+from ..study.options import Options
+from ..study.study import Study
+from ..study.study_orders import study_orders
 from ..tables import Row
 from .core import FLAT, Discretised, condense, evaluate, flat_d0_error
-from .sequences import Family, Theory, study_orders
 from .subdivision import subdivided, triangulated
 
 PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
@@ -68,18 +69,19 @@ GAIN = ((1 + FACTOR**0.5) / (1 - FACTOR**0.5)) ** 2
 """Factor per degree on quadrilaterals, by theory."""
 
 
-def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Refine everything; writes `convergence` and `orders`."""
+def conduct(scene: Scene, options: Options, record: Record) -> Study:
+    """Refine everything."""
     flat = scene.problem.full_contact
     refined = (families if flat else families_of_cells)(scene.problem, options.quick)
-    conclusions = study_orders(refined, out, "convergence", "relative error")
-    if not flat:
-        conclusions.append(
-            "Edges lie anywhere within a cell, so that orders scatter; by cells half as large, "
-            "those of the last levels look high. Left out: higher degrees of the pressure, whose "
-            "sign is asked for at nodes, and which an edge within an element spoils."
-        )
-    return conclusions
+    found = study_orders(refined, record, "convergence", scene, "relative error")
+    if flat:
+        return found
+    scatter = (
+        "Edges lie anywhere within a cell, so that orders scatter; by cells half as large, "
+        "those of the last levels look high. Left out: higher degrees of the pressure, whose "
+        "sign is asked for at nodes, and which an edge within an element spoils."
+    )
+    return replace(found, conclusions=(*found.conclusions, scatter))
 
 
 def families(problem: Problem, quick: bool) -> Iterator[Family]:

@@ -12,7 +12,6 @@ direct integration has in closed form, and of anchors (`studies/anchors/`):
     crashed     any other exception or a RuntimeWarning: a defect
 """
 
-import argparse
 import json
 import sys
 import time
@@ -22,19 +21,21 @@ from collections.abc import Iterator
 from functools import partial
 from importlib.resources import files
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from ...meshes.errors import RingwearError
 from ..crosscheck.dataset import Result
 from ..crosscheck.run import run
 from ..figures.style import GREYS, RED, legend_of, new_figure
 from ..problem.scene import Scene
+from ..study.levels import Family, Record
+from ..study.options import Options
+from ..study.study import Study
 from ..tables import Row
-from .sequences import Family, solve_all
 
 VERDICTS: dict[str, tuple[Any, ...]] = {
     "within": ("s", "0.8", 20, "its error is within its own estimate"),
@@ -46,21 +47,19 @@ VERDICTS: dict[str, tuple[Any, ...]] = {
 """From the best to the worst: marker, shade, size, meaning. Only defects are red."""
 
 
-def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Judge every cell; writes `extremes`.
+def conduct(scene: Scene, options: Options, record: Record) -> Study:
+    """Judge every cell.
 
     Of the scene, Poisson's ratio is taken.
     """
     columns = ["family", "method", "x", "y", "verdict", "quantity", "error", "estimate"]
     columns += ["seconds", "message", "parameters"]
-    conclusions: list[str] = []
     judged = families(scene.half_space.poisson_ratio, options.quick)
-    cells = solve_all(judged, out / "extremes.csv", columns, conclusions)
-    if len(cells):
-        draw(cells, out / "extremes.png")
+    cells = record.solve("extremes", judged, columns)
     counted = ", ".join(f"{(cells.verdict == verdict).sum()} {verdict}" for verdict in VERDICTS)
-    conclusions.append(f"{len(cells)} cells: {counted}")
-    return conclusions
+    conclusions = (*record.conclusions, f"{len(cells)} cells: {counted}")
+    figures = {"extremes": draw(cells)} if len(cells) else {}
+    return Study("extremes", scene, cells, conclusions=conclusions, figures=figures)
 
 
 def families(poisson_ratio: float, quick: bool) -> Iterator[Family]:
@@ -142,7 +141,7 @@ def verdict_on(quantity: str, error: float, estimate: float, rtol: float) -> dic
     return {"verdict": verdict, "quantity": quantity, "error": error, "estimate": estimate}
 
 
-def draw(cells: pd.DataFrame, path: Path) -> None:
+def draw(cells: pd.DataFrame) -> Figure:
     """Draw one page: a panel for each family and method, a symbol for each cell."""
     panels = cells.groupby(["family", "method"], sort=False)
     height = -(-len(panels) // 5)
@@ -161,4 +160,4 @@ def draw(cells: pd.DataFrame, path: Path) -> None:
             axis.set_ticks(range(0, len(values), step), labels)
         axes.margins(0.1)
     legend_of(figure, figure.axes[:1])
-    figure.savefig(path)
+    return figure

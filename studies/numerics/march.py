@@ -5,9 +5,7 @@ explicit march is stable below two over the greatest rate of relaxation: on the 
 paper with n springs that is about ``4/(pi n k)``. The modal march has no step.
 """
 
-import argparse
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -16,9 +14,12 @@ from ...mdr.uniform_grid import UniformGrid
 from ..methods.spaces import radial_space
 from ..problem.problem import Problem
 from ..problem.scene import Scene
+from ..study.levels import Family, Record, Theory
+from ..study.options import Options
+from ..study.study import Study
+from ..study.study_orders import study_orders
 from ..tables import Row
 from ..wear.full_contact import RunningIn
-from .sequences import Family, Theory, study_orders
 
 TIME = 0.5
 """When errors are taken, non-dimensional."""
@@ -27,8 +28,8 @@ LIMIT = "limit over 4/(pi n k), less 1"
 XLABEL = r"step $\Delta t$ over $a/(E^*k_{max}v_0)$"
 
 
-def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Test several steps, and springs of the paper's grid; writes `march` and `orders`."""
+def conduct(scene: Scene, options: Options, record: Record) -> Study:
+    """Test several steps, and springs of the paper's grid."""
     problem = replace(scene.problem, times=np.array([]))
     # so coarse that the explicit march is stable in a few thousand steps
     space = radial_space(problem, degree=2, rim_size=0.02, ring_size=0.02, grading=0.5)
@@ -39,7 +40,8 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
     # the paper's grid knows discs only
     springs = (25, 50) if options.quick else (25, 50, 100, 200, 400)
     grids = [] if problem.inner_radius else [refine_grid(problem, springs)]
-    return study_orders([*marches, *grids], out, "march", f"relative error at $t$ = {TIME:g}")
+    label = f"relative error at $t$ = {TIME:g}"
+    return study_orders([*marches, *grids], record, "march", scene, label)
 
 
 def refine_step(wear: RunningIn, march: str, count: int) -> Family:

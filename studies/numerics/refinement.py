@@ -6,7 +6,6 @@ singular rim; `ringwear study convergence` has the orders of graded meshes and d
 theory.
 """
 
-import argparse
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
@@ -19,7 +18,7 @@ from skfem import Mesh, MeshQuad
 from ...mdr.direct import greatest_displacement, steady_pressures
 from ...meshes import bisection, files
 from ...meshes.errors import MeshError, SceneError
-from ...meshes.half_space import truncation
+from ...meshes.half_space import as_half_space, truncation
 from ...meshes.sizes import SizeField
 from ..methods.base import method
 from ..methods.fem import half_space_mesh
@@ -28,9 +27,13 @@ from ..problem.scene import Scene
 from ..problem.sections import FemAccuracy, MdrAccuracy
 from ..progress import Stages
 from ..sizes.defaults import WIDER_TRUNCATION, pole_orders, triangle_degree
+from ..study.errors_over_size import Curves, draw_errors
+from ..study.levels import Family, Record, Theory
+from ..study.options import Options
+from ..study.orders import Sequence
+from ..study.study import Study
 from ..tables import Row
 from .core import FLAT, condense, evaluate, flat_d0_error
-from .sequences import Curves, Family, Sequence, Theory, draw_errors, solve_all
 
 GOAL = 1e-5
 """Error in every quantity for which the unknowns of each way are told."""
@@ -40,25 +43,22 @@ ERRORS = ("d0", "history", "steady")
 """Errors of each mesh: of d0, the greatest of d(t), and of the greatest steady displacement."""
 
 
-def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Refine each way on each case; writes `refinement`, and errors over unknowns."""
-    problem, conclusions = scene.problem, list[str]()
+def conduct(scene: Scene, options: Options, record: Record) -> Study:
+    """Refine each way on each case."""
+    problem = scene.problem
     cases = {"flat punch": replace(problem, rings=Rings(FLAT, np.ones(1)))}
     if len(problem.merged.wear_coefficients) > 1 or problem.inner_radius:
         cases["scene"] = problem
-    if options.mesh:
+    for mesh in options.meshes:
         try:
-            own_mesh(cases["flat punch"], options.mesh)
+            own_mesh(cases["flat punch"], mesh)
         except MeshError as error:  # what does not fit the flat punch fits nothing
             raise SceneError(f"--mesh {error}") from error
-    ways = (
-        family
-        for name, case in cases.items()
-        for family in families(name, case, options.quick, options.mesh)
-    )
+    ways = (family for name, case in cases.items() for family in families(name, case, options))
     columns = ["case", "family", "setting", "degree", "unknowns", "elements", "multipliers"]
-    columns += [*ERRORS, "greatest", "remark"]
-    rows = solve_all(ways, out / "refinement.csv", columns, conclusions).dropna(subset="greatest")
+    columns += [*ERRORS, "greatest"]
+    table = record.solve("refinement", ways, columns)
+    rows, conclusions = table.dropna(subset="greatest"), list(record.conclusions)
     panels, drawn = dict[str, Curves](), ["unknowns", "greatest"]
     for case, of_case in rows.groupby("case", sort=False):
         panels[f"unknowns, {case}"] = {
@@ -66,14 +66,13 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
             for way, of_way in of_case.groupby("family", sort=False)
         }
         conclusions += conclude(str(case), of_case)
-    draw_errors(out / "error_against_unknowns.png", panels, "greatest relative error")
-    return conclusions
+    figures = {"error_against_unknowns": draw_errors(panels, "greatest relative error")}
+    return Study("refinement", scene, table, conclusions=tuple(conclusions), figures=figures)
 
 
-def families(
-    case: str, problem: Problem, quick: bool, mesh_file: str | None = None
-) -> Iterator[Family]:
-    """Yield each way to refine a mesh of a case, from coarse to fine; last a mesh file."""
+def families(case: str, problem: Problem, options: Options) -> Iterator[Family]:
+    """Yield each way to refine a mesh of a case, from coarse to fine; last the user's meshes."""
+    quick = options.quick
     rings = problem.merged
     edges = tuple(rings.ring_edges.tolist())
     # meshes suit the times of the scene; what they are held to knows nothing of its settings
@@ -105,11 +104,11 @@ def families(
     def solve(meshes: dict[str, tuple[Mesh, int]], setting: str) -> Row:
         return solve_on(*meshes[setting])
 
-    def solve_own(path: str) -> Row:
-        mesh = own_mesh(problem, path)
+    def solve_own(given: str | Mesh) -> Row:
+        mesh = own_mesh(problem, given)
         quads = isinstance(mesh, MeshQuad)
         degree = (problem.fem.degree or 6) if quads else triangle_degree(problem)
-        return solve_on(mesh, degree)
+        return solve_on(mesh, options.degree or degree)
 
     def mesh_at(rtol: float, mesher: str) -> Mesh:
         fem = FemAccuracy.model_validate({"mesher": mesher})
@@ -131,20 +130,25 @@ def families(
         ways["quadrilaterals of rising degree"] = {f"degree {k}": (layered, k) for k in degrees}
     for way, meshes in ways.items():
         yield Family(way, dict.fromkeys(meshes, np.nan), partial(solve, meshes))
-    if mesh_file:
-        named = {Path(mesh_file).name: mesh_file}
+    if options.meshes:
+        named = {
+            Path(mesh).name if isinstance(mesh, str) else f"mesh {number}": mesh
+            for number, mesh in enumerate(options.meshes, 1)
+        }
         yield Family(OWN, dict.fromkeys(named, np.nan), lambda name: solve_own(named[name]))
 
 
-def own_mesh(problem: Problem, path: str) -> Mesh:
-    """Read the user's mesh.
+def own_mesh(problem: Problem, given: str | Mesh) -> Mesh:
+    """Return the user's mesh, read from a file if it is one.
 
     Raises
     ------
     MeshError
         if a ring edge is not a vertex of it, or if it is no mesh of a half-space
     """
-    return files.read(path, problem.merged.ring_edges, problem.units.length)
+    if isinstance(given, Mesh):
+        return as_half_space(given, problem.merged.ring_edges)
+    return files.read(given, problem.merged.ring_edges, problem.units.length)
 
 
 def conclude(case: str, rows: pd.DataFrame) -> Iterator[str]:

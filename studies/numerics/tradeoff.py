@@ -5,17 +5,16 @@ quantities, each in its norm, against an MDR of an accuracy of its own; seconds 
 for one whole solution with its estimate, the least of some repeats after a warm-up.
 """
 
-import argparse
 import os
 import platform
 import time
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from ..crosscheck.agreement import compare
 from ..methods.base import Solution, method
@@ -24,8 +23,12 @@ from ..problem.quantities import GROUPS
 from ..problem.scene import Scene
 from ..problem.sections import MdrAccuracy
 from ..progress import Stages
+from ..study.errors_over_size import Curves, draw_errors
+from ..study.levels import Family, Record, Theory
+from ..study.options import Options
+from ..study.orders import Sequence
+from ..study.study import Study
 from ..tables import Row
-from .sequences import Curves, Family, Sequence, Theory, draw_errors, solve_all
 
 # what is asked for alone
 ASKED = {
@@ -39,16 +42,15 @@ ASKED = {
 BY_DIAL = ("mdr", "bem", "fem")
 
 
-def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Measure every method; writes `tradeoff`, and concludes what a digit more costs."""
-    problem, conclusions = replace(scene.problem, march="modal", step=None), list[str]()
+def conduct(scene: Scene, options: Options, record: Record) -> Study:
+    """Measure every method, and conclude what a digit more costs."""
+    problem = replace(scene.problem, march="modal", step=None)
     if not problem.earliest:
         problem = replace(problem, times=np.array([0.01, 0.1, 1.0]))
     columns = ["group", "method", "setting", "unknowns", "seconds", "error", "estimate", "rtol"]
     measured = families(problem, options.quick)
-    table = solve_all(measured, out / "tradeoff.csv", [*columns, "remark"], conclusions)
-    rows = table.dropna(subset="error")
-    draw(rows, out / "tradeoff.png")
+    table = record.solve("tradeoff", measured, columns)
+    rows, conclusions = table.dropna(subset="error"), list(record.conclusions)
     for group, of_group in rows.dropna(subset="rtol").groupby("group", sort=False):
         costs = []
         for name, of_method in of_group.groupby("method", sort=False):
@@ -61,7 +63,8 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
             told = f"{group}: a digit more costs, in times the seconds, {', '.join(costs)}."
             conclusions.append(told)
     conclusions.append(f"Measured on {platform.platform()}, one thread of {os.cpu_count()}.")
-    return conclusions
+    figures = {"tradeoff": draw(rows)}
+    return Study("tradeoff", scene, table, conclusions=tuple(conclusions), figures=figures)
 
 
 def families(problem: Problem, quick: bool) -> Iterator[Family]:
@@ -123,11 +126,11 @@ def measure(
     }
 
 
-def draw(rows: pd.DataFrame, path: Path) -> None:
+def draw(rows: pd.DataFrame) -> Figure:
     """Draw errors over seconds, a panel for each group."""
     panels = dict[str, Curves]()
     for (group, name), of_method in rows.groupby(["group", "method"], sort=False):
         values = of_method[["seconds", "error"]].to_numpy(float).T
         curve = Sequence(name, group, Theory(), *values)
         panels.setdefault(f"processor seconds, {group}", {})[name] = curve
-    draw_errors(path, panels, "greatest relative error")
+    return draw_errors(panels, "greatest relative error")

@@ -11,33 +11,33 @@ has outside R as ``(a/R)^(4n+1)``: order 1, 5, 9, 13 for a clamped boundary and 
 poles. The next pole adds a term smaller by ``(a/R)^2``, so levels begin at R = 4 a.
 """
 
-import argparse
 from dataclasses import replace
-from pathlib import Path
 
 from ...meshes.compliance import Compliance
 from ...meshes.sizes import SizeField
 from ..problem.scene import Scene
+from ..study.levels import Family, Record, Theory
+from ..study.options import Options
+from ..study.study import Study
+from ..study.study_orders import study_orders
 from ..tables import Row
 from ..wear.flat_contact import press_flat
 from .core import FLAT, condense
-from .sequences import Family, Theory, study_orders
 from .subdivision import triangulated
 
 FAR_FIELDS = {"fixed": 1.0, "1 pole": 5.0, "2 poles": 9.0, "3 poles": 13.0}
 """Far fields, and the orders of what they err by."""
 
 
-def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Test several R, far fields and Poisson's ratios; writes `truncation` and `orders`."""
+def conduct(scene: Scene, options: Options, record: Record) -> Study:
+    """Test several R, far fields and Poisson's ratios."""
     radii = (4, 5, 6, 7, 8) if options.quick else (4, 5, 6, 7, 8, 11, 16, 32, 128, 1024)
     ratios = {0.3} if options.quick else {0.0, 0.3, 0.4999, 0.5}
     families = [
         move_outwards(radii, ratio) for ratio in sorted(ratios | {scene.problem.poisson_ratio})
     ]
-    return study_orders(
-        families, out, "truncation", "truncation part of the relative error of $d_0$"
-    )
+    label = "truncation part of the relative error of $d_0$"
+    return study_orders(families, record, "truncation", scene, label)
 
 
 def move_outwards(radii: tuple[float, ...], poisson_ratio: float) -> Family:

@@ -1,7 +1,7 @@
 """The files of a run and of a mesh: numbers, then what shows them, which loses no number."""
 
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,7 +10,7 @@ from ...meshes.errors import RingwearError
 from ..problem.unit_names import NO_UNIT
 from ..progress import LOG
 from ..tables import write_csv
-from .signals import STOPPED
+from .one_file import make
 
 if TYPE_CHECKING:
     import xarray
@@ -96,21 +96,3 @@ def draw(result: "Result", pictures: Sequence["Picture"], directory: Path) -> li
         if picture.drawn_for(result):
             failures += make(directory / picture.file, partial(picture.write, result))
     return failures
-
-
-def make(path: Path, write: Callable[[Path], object]) -> list[str]:
-    """Write a file whose failure is to lose nothing else; return why it failed, if it has.
-
-    Nothing half-written is left.
-    """
-    try:
-        write(path)
-    except BaseException as error:
-        path.unlink(missing_ok=True)
-        if STOPPED.is_set():
-            raise KeyboardInterrupt from error
-        if not isinstance(error, Exception):
-            raise
-        reason, *_ = str(error).strip().splitlines() or [type(error).__name__]
-        return [f"{path.name} could not be made: {reason}"]
-    return []

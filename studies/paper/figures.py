@@ -1,10 +1,10 @@
 """Figs. 4 to 7 of the paper, redrawn."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray
+from matplotlib.figure import Figure
 
 from ...mdr import direct
 from ...mdr.flat_punch import D0
@@ -24,7 +24,7 @@ AVERAGES = ("average over the radius (line)", "average over the area")
 FIVE_RINGS = "five rings, $k_2/k_1$ = 10, $h_2/h_1$ = 1"
 
 
-def draw_states(states: xarray.Dataset, path: Path) -> None:
+def draw_states(states: xarray.Dataset) -> Figure:
     """Draw Fig. 4: profile, one-dimensional profile and pressure at seven states."""
     rings, radii = Rings.alternating(5, 1.0, 10.0), states.radius.values
     figure = new_figure(2.05 * len(PERCENTS), 7.4)
@@ -65,10 +65,10 @@ def draw_states(states: xarray.Dataset, path: Path) -> None:
         f"$t_{{stat}}$: {STATIONARY:.1%}; shaded rings wear faster",
         fontsize=10,
     )
-    figure.savefig(path)
+    return figure
 
 
-def draw_history(states: xarray.Dataset, history: xarray.DataArray, path: Path) -> None:
+def draw_history(states: xarray.Dataset, history: xarray.DataArray) -> Figure:
     """Draw Fig. 5: RMS gradient over time, the states of Fig. 4 marked."""
     figure = new_figure(10, 4)
     panels = figure.subplots(1, 2, sharey=True)
@@ -89,10 +89,10 @@ def draw_history(states: xarray.Dataset, history: xarray.DataArray, path: Path) 
     panels[0].set(ylim=(-0.09, 1.09), ylabel=r"RMS gradient $\nabla f/\nabla f_{stat}$")
     legend_of(figure, panels[:1])
     figure.suptitle(f"Fig. 5: gradient of the worn surface, {FIVE_RINGS}", fontsize=10)
-    figure.savefig(path)
+    return figure
 
 
-def draw_gradients(number: int, curves: xarray.Dataset, path: Path) -> None:
+def draw_gradients(number: int, curves: xarray.Dataset) -> Figure:
     """Draw Fig. 6 or 7: gradient against a ratio, and limiting profiles of two punches."""
     ratios, fem = curves.ratio.values, method_curve("fem") | {"linestyle": "none"}
     if number == 6:
@@ -131,4 +131,4 @@ def draw_gradients(number: int, curves: xarray.Dataset, path: Path) -> None:
         f"Fig. {number}: RMS gradient of the limiting profile against the {ratio}, {constant}",
         fontsize=10,
     )
-    figure.savefig(path)
+    return figure

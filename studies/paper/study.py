@@ -3,24 +3,28 @@
 The punches are the paper's; Poisson's ratio and the accuracy are those of the scene.
 """
 
-import argparse
-from pathlib import Path
-
+import pandas as pd
 import xarray
+from matplotlib.figure import Figure
 
 from ..problem.scene import Scene
 from ..sampling.sampler import AVERAGES
+from ..study.levels import Record
+from ..study.options import Options
+from ..study.study import Study
 from ..sweep.axes import Sweep
 from ..sweep.conduct import sweep
-from ..tables import keeping_rows, write_csv
+from ..tables import keeping_rows
 from . import claims, figures
 from .running_in import FiveRings
 from .theory import WEAR_RATIO_OF_WIDTHS, homogeneous, many_rings
 
 
-def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
-    """Write the figures, their data, and the table of claims."""
-    conclusions: list[str] = []
+def conduct(scene: Scene, options: Options, record: Record) -> Study:
+    """Compute the figures, their data, and the table of claims."""
+    drawn = dict[str, Figure]()
+    tables = dict[str, pd.DataFrame]()
+    table, conclusions = pd.DataFrame(), record.conclusions
     with keeping_rows(conclusions):
         five = FiveRings(scene)
         states, history = five.states, five.history
@@ -28,23 +32,25 @@ def conduct(scene: Scene, out: Path, options: argparse.Namespace) -> list[str]:
             f"Figs. 4, 5: {', '.join(states.solver.values)}; 70 % of the displacement difference "
             f"after {float(states.time[4]):.1%} of t_stat"
         )
-        figures.draw_states(states, out / "fig4.png")
+        drawn["fig4"] = figures.draw_states(states)
         fields = states[["least_wear_over_d0", "f_over_d0", "g_over_d0", "p_over_p0"]]
-        fields.to_dataframe().to_csv(out / "fig4.csv")
-        figures.draw_history(states, history, out / "fig5.png")
-        history.to_dataframe("gradient").to_csv(out / "fig5.csv")
+        tables["fig4"] = fields.to_dataframe().reset_index()
+        drawn["fig5"] = figures.draw_history(states, history)
+        tables["fig5"] = history.to_dataframe("gradient").reset_index()
         curves = {}
         for number in (6, 7):
             counts = (2, 4, 8) if options.quick else (2, 4, 8, 16, 32, 64)
             curves[number] = compute_gradients(number, scene, counts)
-            figures.draw_gradients(number, curves[number], out / f"fig{number}.png")
-            curves[number].to_dataframe().to_csv(out / f"fig{number}.csv")
+            drawn[f"fig{number}"] = figures.draw_gradients(number, curves[number])
+            tables[f"fig{number}"] = curves[number].to_dataframe().reset_index()
             difference = float(abs(curves[number].fem / curves[number].direct - 1).max())
             conclusions.append(f"Fig. {number}: finite elements within {difference:.0e}")
         table = claims.tabulate_claims(states, history, curves[6], curves[7])
-        write_csv(table, out / "claims.csv")
         conclusions += claims.conclude(table)
-    return conclusions
+    tables["claims"] = table
+    return Study(
+        "paper", scene, table, conclusions=tuple(conclusions), figures=drawn, tables=tables
+    )
 
 
 def compute_gradients(figure: int, scene: Scene, counts: tuple[int, ...]) -> xarray.Dataset:

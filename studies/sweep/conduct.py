@@ -12,8 +12,8 @@ import xarray
 
 from ...meshes.errors import SceneError
 from ..figures.style import new_figure, set_logarithmic
-from ..output.files import make
 from ..output.folder import Folder, lock_folder, output_folder, refuse_foreign_folders
+from ..output.one_file import make
 from ..problem.scene import Scene
 from ..progress import LOG
 from .axes import Sweep

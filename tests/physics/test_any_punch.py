@@ -3,14 +3,11 @@
 What they ask for, what is refused, and what results say.
 """
 
-import argparse
-import csv
-
 import numpy as np
 import pytest
 from closed_forms import PowerPunch
 
-from ringwear import Scene, plan, run, sweep
+from ringwear import Scene, plan, run, study, sweep
 from ringwear.fem.contact_meshes import even_half_space
 from ringwear.mdr import energy
 from ringwear.meshes.errors import SceneError
@@ -19,7 +16,6 @@ from ringwear.studies.cli import main
 from ringwear.studies.crosscheck.agreement import remedy
 from ringwear.studies.crosscheck.promise import AT_EDGES
 from ringwear.studies.methods.spaces import first_contact, load_of
-from ringwear.studies.registry import STUDIES
 from ringwear.studies.sizes.defaults import cells_of
 from ringwear.studies.wear.contact_edges import find_first_contact
 
@@ -321,11 +317,11 @@ def test_a_sweep_takes_flat_and_recessed_punches():
 
 
 @pytest.mark.slow
-def test_the_tradeoff_of_a_sphere(tmp_path):
+def test_the_tradeoff_of_a_sphere():
     scene = Scene.load("sphere").changed(wear__times=[0.0, 0.1])
-    told = STUDIES["tradeoff"].conduct(scene, tmp_path, argparse.Namespace(quick=True))
-    assert not [line for line in told if "failed" in line]
-    rows = list(csv.DictReader((tmp_path / "tradeoff.csv").open(encoding="utf-8")))
+    found = study("tradeoff", scene, quick=True)
+    assert not [line for line in found.conclusions if "failed" in line]
+    rows = found.table.to_dict("records")
     promised = [row for row in rows if row["group"].startswith(("indentation", "steady"))]
     assert {row["method"] for row in promised} == {"mdr", "bem", "fem"}
     assert len(promised) == len(rows) / 2 == 12

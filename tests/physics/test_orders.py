@@ -17,8 +17,9 @@ from ringwear.studies.numerics.convergence import (
     ring_quantities,
 )
 from ringwear.studies.numerics.core import FLAT, flat_d0_error
-from ringwear.studies.numerics.sequences import WITHIN, Sequence, Theory, fit
 from ringwear.studies.numerics.truncation import move_outwards
+from ringwear.studies.study.levels import Theory
+from ringwear.studies.study.orders import WITHIN, Sequence, sequences_of
 
 
 def assert_order(fitted, cap):
@@ -91,7 +92,9 @@ def test_truncation_by_every_far_field(ratio):
         {"family": family.name, "size": size} | family.solve(outer)
         for outer, size in family.sizes.items()
     ]
-    fitted = {sequence.quantity: sequence for sequence in fit([family], pd.DataFrame(rows))}
+    fitted = {
+        sequence.quantity: sequence for sequence in sequences_of([family], pd.DataFrame(rows))
+    }
     caps = {"fixed": 0.3, "1 pole": 7e-5, "2 poles": 3e-8, "3 poles": 2e-11}
     for far_field, cap in caps.items():
         assert_order(fitted.pop(far_field), cap)

@@ -5,7 +5,6 @@ Limits from both sides, methods against each other, and the files it writes.
 
 from __future__ import annotations
 
-import argparse
 from itertools import pairwise
 
 import numpy as np
@@ -13,11 +12,10 @@ import pandas as pd
 import pytest
 from scipy.integrate import quad
 
-from ringwear import Scene, run, sweep
+from ringwear import Scene, run, study, sweep
 from ringwear.mdr import direct
 from ringwear.mdr.transforms import profile_transform
 from ringwear.meshes.radial import alternating_edges
-from ringwear.studies.paper import study as paper
 from ringwear.studies.paper.running_in import FiveRings, way_of
 from ringwear.studies.paper.theory import PERCENTS, STATIONARY, homogeneous, many_rings
 from ringwear.studies.problem.problem import Rings
@@ -34,7 +32,7 @@ def five():
 def written(tmp_path_factory):
     """Everything, in its smaller version."""
     out = tmp_path_factory.mktemp("paper")
-    paper.conduct(Scene.load("five_rings"), out, argparse.Namespace(quick=True))
+    study("paper", "five_rings", quick=True).save(out)
     return out
 
 
@@ -143,8 +141,10 @@ def test_steady_state_in_units_of_the_paper(five):
 @pytest.mark.slow
 @pytest.mark.gmsh
 def test_files(written):
-    figures = {f"fig{number}{end}" for number in (4, 5, 6, 7) for end in (".png", ".csv")}
-    assert {file.name for file in written.iterdir()} == figures | {"claims.csv"}
+    endings = ("png", "csv", "md", "tex")
+    expected = {f"fig{number}.{end}" for number in (4, 5, 6, 7) for end in endings}
+    expected |= {f"claims.{end}" for end in endings if end != "png"} | {"report.html"}
+    assert {file.name for file in written.iterdir() if file.name[0] != "."} == expected
     for number in (6, 7):
         rows = pd.read_csv(written / f"fig{number}.csv")
         assert set(rows.rings) == {2, 4, 8}

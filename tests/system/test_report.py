@@ -5,18 +5,22 @@ All in one file, says what was asked, and works in a browser, on paper and on a 
 
 from __future__ import annotations
 
+import base64
 import json
 import re
 
 import numpy as np
+import pandas as pd
 import pytest
 from browser import Browser, installed
+from matplotlib.figure import Figure
 
 from ringwear import Scene, run
 from ringwear.studies.cli import main
 from ringwear.studies.report.page import write_report
 from ringwear.studies.report.slides import slides
 from ringwear.studies.report.words import Account
+from ringwear.studies.study.study import Study
 
 RUBBER = Scene.load("rubber").changed(
     title="Stone & binder </script><b> $x_{", methods=["mdr", "direct"]
@@ -111,19 +115,23 @@ def test_every_part_of_a_scene_has_a_page(changes, states, tmp_path):
 
 
 def test_the_page_of_a_study(tmp_path, monkeypatch):
-    def conduct(_, out, __):
-        rows = "method,error,count\nmdr,0.000123456,25378\n<fem>,,\n"
-        (out / "rows.csv").write_text(rows, "utf-8")
-        (out / "curve.png").write_bytes(b"\x89PNG")
-        return ["All is well.", "| a | table |"]
+    rows = pd.DataFrame(
+        {"method": ["mdr", "<fem>"], "error": [0.000123456, np.nan], "count": [25378, 1]}
+    )
+
+    def conduct(scene, _, __):
+        figure = Figure()
+        conclusions = ("All is well.", "| a | table |")
+        return Study("march", scene, rows, conclusions=conclusions, figures={"curve": figure})
 
     monkeypatch.setattr("ringwear.studies.numerics.march.conduct", conduct)
     assert main(["study", "march", "--out", str(tmp_path)]) == 0
     files = {file.name for file in tmp_path.glob("[!.]*")}
-    assert files == {"report.html", "rows.csv", "curve.png"}
+    assert files == {"report.html", "march.csv", "march.md", "march.tex", "curve.png"}
     text = (tmp_path / "report.html").read_text("utf-8")
     assert "| a |" not in text
-    for told in ("All is well.", "0.0001235", "25378", "&lt;fem&gt;", "iVBORw==", "orders of"):
+    picture = base64.b64encode((tmp_path / "curve.png").read_bytes()).decode()
+    for told in ("All is well.", "0.0001235", "25378", "&lt;fem&gt;", picture, "orders of"):
         assert told in text, told
 
 

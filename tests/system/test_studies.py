@@ -5,7 +5,6 @@ Tables that are on disk at once, and Ctrl-C, which keeps what is finished and sa
 
 from __future__ import annotations
 
-import argparse
 import csv
 import logging
 import signal
@@ -20,9 +19,12 @@ import pytest
 
 from ringwear import Scene
 from ringwear.studies.cli import main
-from ringwear.studies.numerics.sequences import Family, solve_all
 from ringwear.studies.progress import LOG
-from ringwear.studies.registry import INTERRUPTED, STUDIES, Study
+from ringwear.studies.registry import INTERRUPTED
+from ringwear.studies.study.conduct import conduct
+from ringwear.studies.study.levels import Family, Record
+from ringwear.studies.study.listing import STUDIES, ListedStudy
+from ringwear.studies.study.options import Options
 
 
 def rows(path):
@@ -55,53 +57,59 @@ def test_rows_are_on_disk_at_once_and_kept_on_interruption(tmp_path):
     def solve(setting):
         if setting == 1:
             return {"b": "x"}
-        assert rows(tmp_path / "t.csv") == [{"setting": "1", "b": "x"}]
+        (row,) = rows(tmp_path / "t.csv")
+        assert row["setting"] == "1"
+        assert row["b"] == "x"
+        assert float(row["seconds"]) >= 0
+        assert float(row["peak MiB"]) > 10
         raise KeyboardInterrupt
 
-    conclusions = list[str]()
+    record = Record(tmp_path)
     family = Family("h", {1: np.nan, 2: np.nan}, solve)
-    solve_all([family], tmp_path / "t.csv", ["setting", "b"], conclusions)
-    assert conclusions == [INTERRUPTED]
+    record.solve("t", [family], ["setting", "b"])
+    assert record.conclusions == [INTERRUPTED]
 
 
 @pytest.mark.parametrize("line", [1, 2])
 @pytest.mark.parametrize("name", sorted(STUDIES.keys() - {"paper"}))
 def test_a_study_stopped_early_keeps_its_tables(name, line, tmp_path):
-    options = argparse.Namespace(quick=True, mesh=None)
+    scene = Scene.load("five_rings")
     with interrupted_at(line):
-        lines = STUDIES[name].conduct(Scene.load("five_rings"), tmp_path, options)
-    assert INTERRUPTED in lines
+        found = conduct(name, scene, Options(quick=True), Record(tmp_path))
+    assert INTERRUPTED in found.conclusions
+    assert len(found.table) == line - 1
     assert len(rows(tmp_path / f"{name}.csv")) == line - 1
 
 
 def test_ctrl_c_outside_of_a_studys_rows_leaves_nothing(tmp_path, monkeypatch):
-    def conduct(_, out, __):
-        (out / "rows.csv").write_text("a\n", "utf-8")
+    def conduct(_, __, record):
+        (record.folder / "rows.csv").write_text("a\n", "utf-8")
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(Study, "conduct", property(lambda _: conduct))
+    monkeypatch.setattr(ListedStudy, "conduct", property(lambda _: conduct))
     assert main(["study", "march", "--quick", "--out", str(tmp_path)]) == 1
     assert list(tmp_path.iterdir()) == []
 
 
 WAITING = """
 import signal, sys, time
-from ringwear.studies import registry
+from pandas import DataFrame
+from ringwear.studies.study import listing
 from ringwear.studies.cli import main
+from ringwear.studies.study.study import Study
 from ringwear.studies.tables import keeping_rows
 
 # where the tests themselves run in the background, the shell has told them to ignore it
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
-def conduct(scene, out, options):
-    conclusions = []
-    with keeping_rows(conclusions):
-        (out / "rows.csv").write_text("a\\n1\\n", "utf-8")
+def conduct(scene, options, record):
+    with keeping_rows(record.conclusions):
+        (record.folder / "rows.csv").write_text("a\\n1\\n", "utf-8")
         print("waiting", flush=True)
         time.sleep(60)
-    return conclusions
+    return Study("march", scene, DataFrame({"a": [1]}), conclusions=tuple(record.conclusions))
 
-registry.Study.conduct = property(lambda _: conduct)
+listing.ListedStudy.conduct = property(lambda _: conduct)
 sys.exit(main(["study", "march", "--out", sys.argv[1]]))
 """
 
@@ -124,7 +132,7 @@ def test_ctrl_c_while_the_page_is_written_keeps_all_the_rest(tmp_path, monkeypat
         arguments[-1].write_text("<html>", "utf-8")
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("ringwear.studies.report.page.write_study", half_write)
+    monkeypatch.setattr("ringwear.studies.report.study_page.write_study", half_write)
     assert main(["study", "march", "--quick", "--out", str(tmp_path)]) == 1
     assert INTERRUPTED in capsys.readouterr().out
     names = {file.name for file in tmp_path.iterdir()}

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-import argparse
 import csv
 
 import numpy as np
 import pytest
 
-from ringwear import Scene
+from ringwear import Scene, study
 from ringwear.studies.cli import main
 from ringwear.studies.numerics.march import LIMIT
-from ringwear.studies.registry import STUDIES
 
 Rows = list[dict[str, str]]
 
 
 def conduct(name, out):
     """Return the rows of each table of a quick study."""
-    options = argparse.Namespace(quick=True)
-    assert STUDIES[name].conduct(Scene.load("five_rings"), out, options)
-    assert (out / f"{name}.png").exists()
+    found = study(name, "five_rings", quick=True)
+    assert found.conclusions
+    assert f"{name}.png" in found.save(out)
     return {
         file.stem: list(csv.DictReader(file.read_text("utf-8").splitlines()))
         for file in out.glob("*.csv")

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from ringwear import Scene
+from ringwear import Scene, study
 from ringwear.meshes import bisection
 from ringwear.meshes.errors import MeshError, SceneError
 from ringwear.meshes.half_space import contact_radii
 from ringwear.meshes.sizes import SizeField
 from ringwear.studies.numerics import refinement
 from ringwear.studies.problem.problem import Rings
+from ringwear.studies.study.options import Options
 
 PUNCHES = {"flat": [1.0], "five": [0.2, 0.4, 0.6, 0.8, 1.0], "narrow": [0.2, 0.4, 0.401, 0.8, 1.0]}
 
@@ -27,7 +27,7 @@ def case(request):
 
 
 def rows_of(case, way):
-    families = refinement.families("", case, quick=True)
+    families = refinement.families("", case, Options(quick=True))
     (family,) = (family for family in families if family.name == way)
     return [family.solve(setting) for setting in family.sizes]
 
@@ -50,15 +50,11 @@ def own(tmp_path):
 
 
 def test_the_study_writes_rows_figures_and_a_line_for_the_users_mesh(tmp_path, own):
-    out = tmp_path / "out"
-    out.mkdir()
-    options = argparse.Namespace(quick=True, mesh=str(own))
-    lines = refinement.conduct(Scene.load("flat_punch"), out, options)
-    assert lines[0].startswith("flat punch: mine.vtu, ")
-    assert {file.name for file in out.iterdir()} == {
-        "refinement.csv",
-        "error_against_unknowns.png",
-    }
+    found = study("refinement", "flat_punch", quick=True, meshes=[str(own)], degree=3)
+    assert found.conclusions[0].startswith("flat punch: mine.vtu, ")
+    assert "of degree 3" in found.conclusions[0]
+    written = set(found.save(tmp_path / "out"))
+    assert {"refinement.csv", "refinement.md", "error_against_unknowns.png"} <= written
 
 
 def test_a_mesh_file_is_refused_where_it_does_not_fit(tmp_path, own):
@@ -68,6 +64,5 @@ def test_a_mesh_file_is_refused_where_it_does_not_fit(tmp_path, own):
     fitting = Rings(np.array([0.0, 0.5, 1.0]), np.array([1.0, 0.1]))
     mesh = refinement.own_mesh(replace(scene.problem, rings=fitting), str(own))
     assert 0.5 in contact_radii(mesh)
-    options = argparse.Namespace(quick=True, mesh=str(tmp_path / "absent"))
     with pytest.raises(SceneError, match="no such file"):
-        refinement.conduct(scene, tmp_path, options)
+        study("refinement", scene, quick=True, meshes=[str(tmp_path / "absent")])

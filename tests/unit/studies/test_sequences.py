@@ -5,13 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from ringwear import Scene
 from ringwear.meshes import bisection
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.half_space import contact_radii, quality
 from ringwear.meshes.sizes import SizeField
-from ringwear.studies.numerics.sequences import Family, Sequence, Theory, study_orders
 from ringwear.studies.numerics.subdivision import subdivided
 from ringwear.studies.registry import INTERRUPTED
+from ringwear.studies.study.levels import Family, Record, Theory
+from ringwear.studies.study.orders import Sequence
+from ringwear.studies.study.study_orders import study_orders
 
 SIZES = np.array([0.5, 0.3, 0.2, 0.1])
 
@@ -60,7 +63,8 @@ def test_levels_that_fail_are_rows_and_those_before_ctrl_c_are_kept(tmp_path):
         return {"value": size**2}
 
     family = Family("h", {size: size for size in SIZES}, solve, {"value": Theory(2.0)})
-    conclusions = study_orders([family], tmp_path, "levels", "error")
+    scene, record = Scene.load("flat_punch"), Record(tmp_path)
+    conclusions = study_orders([family], record, "levels", scene, "error").conclusions
     assert conclusions[0].startswith("1 of 1")
     assert conclusions[1] == "h, value: 2.00 (theory 2: yes), finest error 4.0e-02"
     assert conclusions[-1] == INTERRUPTED

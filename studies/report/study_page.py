@@ -1,0 +1,37 @@
+"""The page of a study: conclusions, figures and tables."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from ..problem.scene import Scene
+from .template import write_page
+
+
+def write_study(
+    name: str, purpose: str, scene: Scene, conclusions: Iterable[str], path: Path
+) -> None:
+    """Write the page of a study; its figures and tables are those that stand beside it."""
+    import pandas as pd  # runs do without
+
+    tables = {
+        _plain(file): pd.read_csv(file, dtype=str, keep_default_na=False, nrows=200).map(_short)
+        for file in sorted(path.parent.glob("*.csv"))
+    }
+    rows = {name: table.to_dict("records") for name, table in tables.items()}
+    # tables stand below
+    told = [line for line in conclusions if not line.startswith("|")]
+    about = {"title": f"Study: {name}", "purpose": purpose, "conclusions": told, "tables": rows}
+    captions = {file.name: _plain(file) for file in sorted(path.parent.glob("*.png"))}
+    write_page(path, "study.html.j2", scene, captions, **about)
+
+
+def _plain(file: Path) -> str:
+    return file.stem.replace("_", " ")
+
+
+def _short(cell: str) -> str:
+    """Return a number with four digits, and any other text as it is."""
+    try:
+        return f"{float(cell):.4g}" if "." in cell or "e" in cell else cell
+    except ValueError:
+        return cell

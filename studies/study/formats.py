@@ -1,0 +1,87 @@
+"""Tables of studies in Markdown and LaTeX, for papers and notes."""
+
+import re
+
+import numpy as np
+import pandas as pd
+
+SPECIAL = {
+    "\\": r"\textbackslash{}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    **{character: f"\\{character}" for character in "&%$#_{}"},
+}
+"""Characters that LaTeX reads as commands, and what prints them."""
+LETTERS = {
+    "ν": r"$\nu$",
+    "Δ": r"$\Delta$",
+    "×": r"$\times$",
+    "²": r"$^2$",
+    "³": r"$^3$",
+    "·": r"$\cdot$",
+    "≤": r"$\le$",
+    "≥": r"$\ge$",
+    "−": "$-$",
+    "∞": r"$\infty$",
+    "λ": r"$\lambda$",
+}
+"""Letters that plain LaTeX does not know, and what prints them."""
+
+
+def to_markdown(table: pd.DataFrame) -> str:
+    """Return a table in the pipe syntax of Markdown."""
+    rows = [[str(name) for name in table.columns], *cells(table)]
+    lines = ["| " + " | ".join(_escape_pipes(cell) for cell in row) + " |" for row in rows]
+    return "\n".join([lines[0], "|" + "---|" * len(table.columns), *lines[1:]]) + "\n"
+
+
+def to_latex(table: pd.DataFrame) -> str:
+    """Return a table as a `tabular` with the rules of the package `booktabs`."""
+    head = " & ".join(escape_latex(str(name)) for name in table.columns)
+    body = [" & ".join(map(escape_latex, row)) + r" \\" for row in cells(table)]
+    aligned = "".join("r" if np.issubdtype(kind, np.number) else "l" for kind in _kinds(table))
+    return "\n".join(
+        [
+            rf"\begin{{tabular}}{{{aligned}}}",
+            r"\toprule",
+            head + r" \\",
+            r"\midrule",
+            *body,
+            r"\bottomrule",
+            r"\end{tabular}",
+            "",
+        ]
+    )
+
+
+def cells(table: pd.DataFrame) -> list[list[str]]:
+    """Return the cells of a table as text: numbers with four digits, and nothing where none is."""
+    return [[_as_text(cell) for cell in row] for row in table.itertuples(index=False)]
+
+
+def escape_latex(text: str) -> str:
+    """Return a text that LaTeX prints as it is; parts between dollar signs are formulas already."""
+    parts = re.split(r"(\$[^$]+\$)", text)
+    return "".join(
+        part if number % 2 else "".join(SPECIAL.get(each, LETTERS.get(each, each)) for each in part)
+        for number, part in enumerate(parts)
+    )
+
+
+def _kinds(table: pd.DataFrame) -> list[np.dtype]:
+    """Return numpy's type of each column; texts are objects."""
+    return [
+        kind if isinstance(kind, np.dtype) else np.dtype(object) for kind in table.dtypes.tolist()
+    ]
+
+
+def _escape_pipes(cell: str) -> str:
+    return cell.replace("|", r"\|")
+
+
+def _as_text(cell: object) -> str:
+    if cell is None or (isinstance(cell, float | np.floating) and np.isnan(cell)):
+        return ""
+    if isinstance(cell, float | np.floating):
+        return f"{float(cell):.4g}"
+    return str(cell).replace("\n", " ")

@@ -1,0 +1,88 @@
+"""The studies by name: where each is, and what it takes. Nothing is imported until it is used.
+
+A study is a file with a function ``conduct(scene, options, record)``: it solves its levels on the
+record, which writes each row as it comes, and returns a `Study` with tables, figures and
+conclusions, a sentence each; `INTERRUPTED` is among them if it was stopped.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..problem.scene import Scene
+    from .levels import Record
+    from .options import Options
+    from .study import Study
+
+
+@dataclass(frozen=True)
+class ListedStudy:
+    """A study before it is conducted.
+
+    Parameters
+    ----------
+    module : the module that conducts it, relative to `ringwear.studies`
+    purpose : what it studies
+    seconds : that `--quick` takes
+    scene : its scene by default
+    takes : names of the options that it knows besides `quick` (`studies/study/conduct.py`)
+    of_any_punch : whether it takes any punch
+    of_shaped_punches : whether it takes shaped punches, too, not only flat ones under a force
+    """
+
+    module: str
+    purpose: str
+    seconds: int
+    scene: str = "five_rings"
+    takes: tuple[str, ...] = ()
+    of_any_punch: bool = False
+    of_shaped_punches: bool = False
+
+    @property
+    def conduct(self) -> "Callable[[Scene, Options, Record], Study]":
+        """The function ``conduct(scene, options, record)`` of the module, imported at first use."""
+        conduct: Callable[[Scene, Options, Record], Study]
+        conduct = import_module(f"ringwear.studies.{self.module}").conduct
+        return conduct
+
+
+STUDIES: dict[str, ListedStudy] = {
+    "paper": ListedStudy(
+        "paper.study",
+        "the whole paper again: Figs. 4 to 7 redrawn, its claims checked, and what it leaves open",
+        30,
+    ),
+    "convergence": ListedStudy(
+        "numerics.convergence",
+        "orders of convergence in element size and degree, graded and uniform",
+        10,
+        of_shaped_punches=True,
+    ),
+    "truncation": ListedStudy(
+        "numerics.truncation",
+        "what the outer boundary costs, for every far field and Poisson's ratio",
+        3,
+    ),
+    "march": ListedStudy(
+        "numerics.march", "orders of the time marches, and where the explicit one blows up", 2
+    ),
+    "refinement": ListedStudy(
+        "numerics.refinement",
+        "uniform and graded meshes, and a mesh file of your own, against what is known",
+        7,
+        takes=("meshes", "degree"),
+    ),
+    "extremes": ListedStudy(
+        "numerics.extremes",
+        "a map of the limits: every method at extreme parameters against closed forms",
+        55,
+    ),
+    "tradeoff": ListedStudy(
+        "numerics.tradeoff",
+        "error of groups of quantities against seconds, for every method",
+        18,
+        of_any_punch=True,
+    ),
+}

@@ -1,0 +1,83 @@
+"""A study is a call: what it returns, what it refuses, and what it writes."""
+
+from __future__ import annotations
+
+import logging
+
+import pandas as pd
+import pytest
+
+import ringwear
+from ringwear import study
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.study.levels import Family, Progress, Record
+
+
+@pytest.fixture(scope="module")
+def march():
+    return study("march", "five_rings", quick=True)
+
+
+def test_a_study_has_a_row_for_each_level_and_an_order_for_each_sequence(march):
+    levels = march.table.groupby("family").size()
+    assert levels["explicit march"] == levels["implicit march"] == 4
+    # Euler's methods are of the first order
+    eulers = march.orders[march.orders["expected order"] == 1]
+    assert len(eulers) == 2
+    assert (eulers["lower end"] < eulers["upper end"]).all()
+    assert set(march.figures) == {"march"}
+    assert march.conclusions[0].startswith("2 of 2 orders")
+
+
+def test_a_study_shows_itself_in_a_notebook(march):
+    shown = march._repr_html_()
+    assert "data:image/png;base64," in shown
+    assert "implicit march" in shown
+    assert repr(march).startswith("Study march of ")
+
+
+def test_a_saved_study_has_its_tables_in_three_formats(march, tmp_path):
+    names = set(march.save(tmp_path))
+    assert {"march.csv", "march.md", "march.tex", "orders.tex", "march.png"} <= names
+    read = pd.read_csv(tmp_path / "march.csv")
+    assert len(read) == len(march.table)
+    assert march.to_latex("orders") == (tmp_path / "orders.tex").read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: study("convergance"), "give one of paper, convergence"),
+        (lambda: study("march", "sphere"), "flat punches under a force"),
+        (lambda: study("march", meshes=["a.msh"]), "does not take meshes"),
+    ],
+)
+def test_a_study_refuses_what_it_does_not_know(call, message):
+    with pytest.raises(SceneError, match=message):
+        call()
+
+
+def test_a_table_that_is_not_there_is_refused(march):
+    with pytest.raises(SceneError, match="give one of"):
+        march.to_markdown("order")
+
+
+def test_progress_says_the_level_and_the_time_left(caplog):
+    family = Family("h", {1: 1.0, 2: 0.5, 3: 0.25}, lambda _: {"value": 1.0})
+    with caplog.at_level(logging.INFO, logger="ringwear"):
+        Record().solve("t", [family], ["family", "setting", "size", "value"])
+    lines = [record.getMessage() for record in caplog.records]
+    assert lines[0].startswith("   level 1 of 3: h, 1")
+    assert lines[2].startswith("   level 3 of 3, about ")
+
+
+def test_time_left_follows_from_the_seconds_of_the_levels_before():
+    progress = Progress([1.0, 3.0, 6.0])
+    progress.finish(2.0)
+    assert progress.seconds_left == pytest.approx(18.0)
+    progress.finish(6.0)
+    assert progress.seconds_left == pytest.approx(12.0)
+
+
+def test_a_study_is_a_public_name():
+    assert "study" in dir(ringwear)

@@ -1,0 +1,57 @@
+"""Tables of studies in Markdown and LaTeX: what other programs read in them is what was there."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from ringwear.studies.study.formats import escape_latex, to_latex, to_markdown
+
+TABLE = pd.DataFrame(
+    {
+        "method": ["mdr", "fem | quads", "50 % of d_0 & more"],
+        "error ν=0.3": [1.23456e-7, np.nan, 2.0],
+        "n": [1, 20, 300],
+        "label": ["$d_0$", "a\nb", "x^2 ~ #1 {y} \\z"],
+    }
+)
+
+
+def test_a_table_in_markdown_has_the_same_cells_again():
+    head, rule, *rows = to_markdown(TABLE).splitlines()
+    assert head == "| method | error ν=0.3 | n | label |"
+    assert rule == "|---|---|---|---|"
+    cells = [[cell.strip() for cell in row.strip("|").split(" | ")] for row in rows]
+    assert [row[0] for row in cells] == ["mdr", r"fem \| quads", "50 % of d_0 & more"]
+    assert [row[1] for row in cells] == ["1.235e-07", "", "2"]
+    assert cells[1][3] == "a b"
+
+
+def test_a_table_in_latex_has_as_many_cells_in_each_row():
+    lines = to_latex(TABLE).splitlines()
+    rows = [line for line in lines if line.endswith(r"\\")]
+    assert len(rows) == 4
+    for row in rows:
+        assert row.replace(r"\&", "").count("&") == 3
+    assert lines[0] == r"\begin{tabular}{lrrl}"
+
+
+def test_characters_that_latex_reads_as_commands_are_escaped_but_not_formulas():
+    assert escape_latex("50 % of $d_0$ & a_b") == r"50 \% of $d_0$ \& a\_b"
+    assert escape_latex("\\z") == r"\textbackslash{}z"
+
+
+@pytest.mark.skipif(not shutil.which("pdflatex"), reason="needs a LaTeX compiler")
+def test_a_table_compiles_in_a_latex_document(tmp_path):
+    body = to_latex(TABLE)
+    text = (
+        "\\documentclass{article}\\usepackage{booktabs}\\begin{document}\n"
+        f"{body}\\end{{document}}\n"
+    )
+    (tmp_path / "t.tex").write_text(text, "utf-8")
+    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "t.tex"]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, timeout=60)
