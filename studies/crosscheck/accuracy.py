@@ -52,9 +52,7 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
         numbers = method.name, error, allowed
         LOG.info("%8s  its estimate %.1e is above %.1e: refining ...", *numbers)
         try:
-            finer = method.solve_again(
-                replace(problem, rtol=rtol), _accurate_steady_part(solution, allowed), stages
-            )
+            finer = method.solve_again(replace(problem, rtol=rtol), solution, allowed, stages)
         except RingwearError as failure:
             # what is there is as good as it says
             LOG.info("%8s  cannot be refined: %s", method.name, failure)
@@ -69,14 +67,6 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
         if after > LITTLE_GAIN * before:
             break
     return solution
-
-
-def _accurate_steady_part(solution: Solution, allowed: float) -> Solution | None:
-    """Return the steady state of a shaped punch if its errors are allowed, else nothing."""
-    steady = solution.steady_part
-    if steady is None or max(map(steady.greatest_error, steady.errors), default=0.0) > allowed:
-        return None
-    return steady
 
 
 def error_of_sizes(problem: Problem, solution: Solution) -> float:

@@ -25,7 +25,6 @@ from ..problem.scene import Scene
 from ..progress import Stages
 from ..sampling.sampler import Sampler
 from ..versions import versions
-from ..wear.full_contact import RunningIn
 from .agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
 from .answer import ALSO, answer, answer_errors
 from .operators import MOST_PRESSURES, OperatorDifference
@@ -233,20 +232,23 @@ class Result:
         problem = self.scene.problem
         later = problem.times[problem.distances > 0]
         for name, solution in self.solutions.items():
-            wear = solution.wear or solution.march
-            if wear is None or problem.march != "modal" or not len(later):
+            wear, march = solution.wear, solution.march
+            if problem.march != "modal" or not len(later):
                 continue
-            if isinstance(wear, RunningIn):
+            if wear is not None:
                 # close enough, whether times are drawn in a logarithmic scale or not
                 at = np.linspace(later[0] ** 0.25, later[-1] ** 0.25, 200) ** 4
                 at = np.append(0.0, at)
                 history = replace(wear.modal(at), distances=at)
-            else:
-                history = wear.between
+                compliance = wear.compliance
+            elif march is not None:
+                history, compliance = march.between, march.face.compliance
                 # before the first of the times there is little to see
                 at = history.distances
                 history = history[(at == 0) | (at >= later[0])]
-            values = Sampler(problem, wear.compliance.space, wear.compliance).history(history)
+            else:
+                continue
+            values = Sampler(problem, compliance.space, compliance).history(history)
             times = {"time": values["time"] * problem.units.time}
             return name, self.reported(name) | in_units(problem, values) | times
 

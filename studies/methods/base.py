@@ -10,11 +10,12 @@ import numpy as np
 
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
+from ..contact.fitted_press import CompliancesOn
+from ..contact.marched import Marched
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, COMPARED_MODES, DESCRIBED
 from ..progress import Stages
 from ..sampling.norms import Results
-from ..wear.fitted_press import CompliancesOn
 from ..wear.flat_contact import FittedPress
 from ..wear.full_contact import RunningIn
 from .error_factors import error_factor
@@ -39,10 +40,9 @@ class Solution:
     wear : the running-in on the method's compliance, if it has one
     half_space : the finite-element half-space, if there is one
     smallest : least size of the elements that the method can have beside a ring edge
-    march : the `ContactMarch` of a contact that opens, closes and spreads, if it is one
+    march : of a contact that opens, closes and spreads, if it is one
     presses : its start, fitted to the edges of the contact, and a coarser one; empty if that failed
     answers : the numbers of the answer
-    evaluate : (problem, compliance) -> the `Evaluation` of another compliance
     steady_part : the steady state of a shaped punch, which is solved by itself, if it has one
     """
 
@@ -56,10 +56,9 @@ class Solution:
     wear: RunningIn | None = None
     half_space: "HalfSpace | None" = None
     smallest: float = 0.0
-    march: Any = None
+    march: Marched | None = None
     presses: tuple[FittedPress, ...] = ()
     answers: Results = field(default_factory=dict)
-    evaluate: Callable[..., Any] | None = None
     steady_part: "Solution | None" = None
 
     @property
@@ -79,6 +78,11 @@ class Solution:
         """Return the error of a quantity at the times that are checked."""
         error = self.errors[name]
         return error[problem.checked] if DESCRIBED[name].dims[:1] == ("time",) else error
+
+    @property
+    def greatest_of_all_errors(self) -> float:
+        """The greatest error of all quantities over all times."""
+        return max(map(self.greatest_error, self.errors), default=0.0)
 
     def greatest_error(self, name: str) -> float:
         """Return the greatest error of a quantity over all times.
@@ -151,13 +155,16 @@ class Method(ABC):
         """Return everything that a problem asks for."""
         return self.solve_all([problem], stages)[0]
 
-    def solve_again(self, problem: Problem, steady: Solution | None, stages: Stages) -> Solution:
-        """Return a problem's solution, by finer sizes than one before.
+    def solve_again(
+        self, problem: Problem, before: Solution, allowed: float, stages: Stages
+    ) -> Solution:
+        """Return a problem's solution by finer sizes than one before.
 
         Parameters
         ----------
         problem : with the accuracy that sizes follow
-        steady : the steady state of a shaped punch that is accurate enough, if it is known
+        before : of which a method may keep what is accurate enough
+        allowed : relative error that what is kept may have
         stages : tells of the progress
         """
         return self.solve(problem, stages)

@@ -61,6 +61,11 @@ TABLE = {
         "that of the time from which all of the face carries, which is known to a step",
         "tests/physics/test_random_scenes.py::test_no_number_is_silently_beyond_what_was_asked_for",
     ),
+    "steps of the coarser march": ErrorFactor(
+        4.0,
+        "the error that a step in time may add, so that the coarser march has larger steps, too",
+        PUNCHES,
+    ),
     "inside of the half-space": ErrorFactor(
         1.5,
         "the difference of stresses and displacements inside to a degree and a pole less",

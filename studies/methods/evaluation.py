@@ -45,8 +45,12 @@ class Evaluation(ABC):
 
     @property
     @abstractmethod
-    def for_estimate(self) -> Results:
-        """The quantities that errors are estimated by, on the face of the punch."""
+    def estimate_times(self) -> Array:
+        """The times at which errors are estimated by the difference to a coarser evaluation."""
+
+    @abstractmethod
+    def for_estimate(self, times: Array) -> Results:
+        """Return the quantities that errors are estimated by, on the face of the punch."""
 
     @abstractmethod
     def safety_of(self, name: str) -> float:
@@ -154,13 +158,17 @@ class FullContact(Evaluation):
         """The history at the times asked for, by relaxation modes: exact in time."""
         return self.wear.modal(self.problem.times)
 
-    @cached_property
-    def for_estimate(self) -> Results:
-        """The quantities on the face of the punch at the times that errors are estimated at.
+    @property
+    def estimate_times(self) -> Array:
+        """The times asked for, and some near them."""
+        return self.problem.estimate_times
 
-        The history is that of the modes; quantities of no time, such as steady ones, are included.
+    def for_estimate(self, times: Array) -> Results:
+        """Return the quantities on the face of the punch at times, and those of no time.
+
+        The history is that of the modes.
         """
-        results, times = self._timeless_on_face, self.problem.estimate_times
+        results = self._timeless_on_face
         if len(times):
             results = results | self.sampler.history(self.wear.modal(times), on_face=True)
         return results

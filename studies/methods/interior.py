@@ -32,6 +32,8 @@ from ..problem.scene import Scene
 from ..wear.full_contact import RunningIn
 from .base import Solution
 from .error_factors import error_factor
+from .evaluation import FullContact
+from .moving_evaluation import MovingContact
 
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace
@@ -135,8 +137,8 @@ def interior(scene: Scene, fem: Solution) -> Interior:
                 spaces.append(HalfSpace(solid, space, tied))
             fine, coarse = spaces
             pressures = (
-                pressures_of(inside, fem, fine, coarse=False),
-                pressures_of(inside, fem, coarse, coarse=True),
+                pressures_of(inside, fine, coarse=False),
+                pressures_of(inside, coarse, coarse=True),
             )
             result = held_against(problem, spaces, pressures, labels, refinements)
             excess = result.errors["stress"].max() / (SHARE * problem.rtol)
@@ -148,16 +150,15 @@ def interior(scene: Scene, fem: Solution) -> Interior:
             degree = min(degree + ceil(log(excess, 3)), highest)
 
 
-def pressures_of(problem: Problem, fem: Solution, half_space: "HalfSpace", coarse: bool) -> Array:
+def pressures_of(problem: Problem, half_space: "HalfSpace", coarse: bool) -> Array:
     """Return the pressures (states, size) at a problem's times, and when steady.
 
     If `coarse`, the pressures of a shaped punch are those of a march on every second cell, whose
     steps in time may err by more.
     """
     compliance, space = half_space.compliance(), half_space.space
-    assert fem.evaluate is not None
     if problem.full_contact:
-        within, wear = space, fem.evaluate(problem, compliance).wear
+        within, wear = space, FullContact(problem, compliance).wear
         # no modes are needed for the start
         pressures = np.outer(problem.loading.at(problem.times).force, wear.flat.pressure)
         if problem.earliest:
@@ -166,8 +167,9 @@ def pressures_of(problem: Problem, fem: Solution, half_space: "HalfSpace", coars
         within = space.coarser() if coarse else space
         compliance = compliance.restricted(within)
         wear = RunningIn(compliance, problem.merged.wear_coefficients, continuous=False)
-        pressures = fem.evaluate(
-            problem, compliance, step_tolerance_factor=1 + 3 * coarse
+        looser = error_factor("steps of the coarser march") if coarse else 1.0
+        pressures = MovingContact(
+            problem, compliance, step_tolerance_factor=looser
         ).history.pressure
     if problem.steady:
         pressures = np.vstack([pressures, problem.loading.forces[-1] * wear.steady.pressure])

@@ -8,14 +8,15 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
+from ..contact.march import ContactMarch
+from ..contact.marched import Marched
+from ..contact.moments import moments, unresolved_height
 from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES
 from ..sampling.answers import moving_answers
 from ..sampling.norms import Results
 from ..wear.flat_contact import FittedPress
 from ..wear.history import History, Pressed
-from ..wear.moments import moments, unresolved_height
-from ..wear.moving_contact import ContactMarch
 from .error_factors import error_factor
 from .evaluation import ENDS, Evaluation
 from .spaces import load_of
@@ -31,13 +32,17 @@ REPORTED_AT = {
 
 
 class MovingContact(Evaluation):
-    """A punch whose contact opens, closes and spreads.
+    """A punch whose contact opens, closes and spreads, marched through the times asked for.
 
     Parameters
     ----------
     problem, compliance : on linear pressures over cells
     start : a press of the unworn face that is fitted to the edges of the contact
-    looser : how many times larger the error of a step in time may be
+    step_tolerance_factor : how many times larger the error of a step in time may be
+
+    Attributes
+    ----------
+    marched : the march, in the steps asked for or in adaptive ones
     """
 
     # edges move, and seldom to the same place in a cell
@@ -51,33 +56,39 @@ class MovingContact(Evaluation):
         step_tolerance_factor: float = 1.0,
     ) -> None:
         super().__init__(problem, compliance)
-        self.start, self.step_tolerance_factor = start, step_tolerance_factor
+        self.start = start
         # of the accuracy asked for, that each step may add to the worn depth: cells do not get
         # coarser than 1e-3 asks for, and steps, too few to tell their error by, would save nothing
         self._tolerance = 0.05 * step_tolerance_factor * min(problem.rtol, 1e-3)
         if np.ptp(problem.loading.forces):
             # measured: while a force rises from zero, little has worn for how deep the punch is
             self._tolerance *= 0.02
+        self._march = ContactMarch(
+            compliance,
+            problem.merged.wear_coefficients,
+            moments(problem.profile, compliance.space),
+            load_of(problem),
+            problem.loading,
+        )
+        self.marched = (
+            self._marched_adaptively
+            if problem.step is None
+            else self._march.implicit(problem.times, problem.step)
+        )
 
     @cached_property
-    def march(self) -> ContactMarch:
-        """The punch on its compliance."""
-        problem, compliance = self.problem, self.compliance
-        of_profile = moments(problem.profile, compliance.space)
-        wear_coefficients, load = problem.merged.wear_coefficients, load_of(problem)
-        return ContactMarch(compliance, wear_coefficients, of_profile, load, problem.loading)
+    def _marched_adaptively(self) -> Marched:
+        return self._march.adaptive(self.problem.times, self._tolerance)
 
     @cached_property
     def exact_in_time(self) -> History:
         """The history at the times asked for, in steps that suit the accuracy asked for."""
-        return self._started(self.march.adaptive(self.problem.times, self._tolerance))
+        return self._started(self._marched_adaptively.history)
 
     @cached_property
     def history(self) -> History:
         """The history at the times asked for, in the steps asked for or in adaptive ones."""
-        if self.problem.step is None:
-            return self.exact_in_time
-        return self._started(self.march.implicit(self.problem.times, self.problem.step))
+        return self._started(self.marched.history)
 
     def _started(self, history: History) -> History:
         # what does not press yet just touches
@@ -94,29 +105,26 @@ class MovingContact(Evaluation):
         )
         return replace(history, indentation=indentation, pressed=pressed)
 
-    @cached_property
-    def for_estimate(self) -> Results:
-        """The quantities on the face of the punch at all times that the march watches.
+    @property
+    def estimate_times(self) -> Array:
+        """The times that the march watches: those asked for, and some between."""
+        return self.marched.watched_times
 
-        A coarser evaluation, whose problem asks for all of these times, gives them at the times
-        asked for.
-        """
-        # the coarser one is asked for all of the times that are watched
-        watched = (
-            self._started(self.march.watched) if self.step_tolerance_factor == 1 else self.history
-        )
-        return self.sampler.history(watched, on_face=True)
+    def for_estimate(self, times: Array) -> Results:
+        """Return the quantities on the face of the punch at some of the times that are watched."""
+        rows = np.flatnonzero(np.isin(self.marched.watched_times, times))
+        return self.sampler.history(self._started(self.marched.watched[rows]), on_face=True)
 
     @cached_property
     def answers(self) -> Results:
         """The numbers of the answer, by the march and the step asked for."""
-        return moving_answers(self.problem, self.march, self.start, self.history[ENDS])
+        return moving_answers(self.problem, self.marched, self.start, self.history[ENDS])
 
     @property
     def answers_exact_in_time(self) -> Results:
-        """The numbers of the answer, which are those of the last march."""
-        # the march in steps that are given is the last, and estimates by the other would undo it
-        return self.answers
+        """The numbers of the answer, in steps that suit the accuracy asked for."""
+        ends = self.exact_in_time[ENDS]
+        return moving_answers(self.problem, self._marched_adaptively, self.start, ends)
 
     def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
         """Return the error of a number of the answer by its difference to a coarser evaluation.
@@ -143,7 +151,7 @@ class MovingContact(Evaluation):
         cross zero now and then; a start that is fitted to the edges of the contact keeps its own.
         No error is below the least error of the quantity.
         """
-        times = self.march.times
+        times = self.estimate_times
         error = self.safety_of(name) * difference
         later = (times > 0) | self._starts_on_cells
         if later.any():

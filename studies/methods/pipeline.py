@@ -1,13 +1,17 @@
 """The pipeline of every method that yields a compliance, and of every punch.
 
 problem -> compliances (fine, coarser) -> wear -> history -> quantities -> errors
+
+A flat punch under a force keeps full contact (`solve_in_full_contact`); any other contact is
+marched (`solve_in_moving_contact`). Both evaluate a fine and a coarser compliance alike
+(`evaluation.py`, `moving_evaluation.py`), and both state errors by the difference of the two
+(`estimate_errors`).
 """
 
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -16,17 +20,17 @@ from ...meshes.contact_cells import fitted_space
 from ...meshes.errors import RingwearError
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
+from ..contact.fitted_press import fit_presses
 from ..problem.problem import Problem
-from ..problem.profile import FLAT, InitialProfile
+from ..problem.profile import FLAT
 from ..progress import Stages
 from ..sampling.answers import joined
 from ..sampling.norms import answer_differences, differences, radial_weight
 from ..sizes.defaults import RADIAL_ROUNDOFF, mdr_sizes, smallest_size
-from ..sizes.marching import refused_steps, steps_between
+from ..sizes.marching import MOST_CONTACT_STEPS, MOST_STEPS, refused_steps, steps_between
 from ..sizes.shared import Shared
-from ..wear.fitted_press import fit_presses
 from ..wear.flat_contact import FittedPress
-from ..wear.unilateral import Load
+from ..wear.unilateral import Interval
 from .base import Discretised, Method, Solution
 from .error_factors import error_factor
 from .evaluation import Evaluation, FullContact
@@ -54,7 +58,8 @@ class ComplianceMethod(Method):
             )
         if problem.step and problem.march != "modal":
             steps = float(steps_between(problem.times, problem.step).sum())
-            if refused := refused_steps(steps, "give a larger wear.step, or march = 'modal'"):
+            most = MOST_STEPS if problem.full_contact else MOST_CONTACT_STEPS
+            if refused := refused_steps(steps, "give a larger wear.step, or march = 'modal'", most):
                 return refused
         if problem.indentation is not None and not len(problem.times):
             return (
@@ -78,11 +83,17 @@ class ComplianceMethod(Method):
             return solve_in_full_contact(self, problems, stages)
         return [solve_in_moving_contact(self, problem, stages) for problem in problems]
 
-    def solve_again(self, problem: Problem, steady: Solution | None, stages: Stages) -> Solution:
-        """Return a problem's solution by finer sizes, with a steady state that is known."""
-        if steady is None or problem.full_contact:
+    def solve_again(
+        self, problem: Problem, before: Solution, allowed: float, stages: Stages
+    ) -> Solution:
+        """Return a problem's solution by finer sizes.
+
+        A steady state whose errors are allowed, and a start fitted to the edges of the contact,
+        are kept: neither depends on the cells of the history.
+        """
+        if problem.full_contact:
             return self.solve(problem, stages)
-        return solve_in_moving_contact(self, problem, stages, steady)
+        return solve_in_moving_contact(self, problem, stages, before, allowed)
 
 
 class AnySpaceMethod(ComplianceMethod):
@@ -146,57 +157,48 @@ def solve_in_full_contact(
         ]
 
 
-# starts of shaped punches that are fitted to the edges of the contact, by the face, as long as that
-# is in use; by method, load and Poisson's ratio
-_STARTS: WeakKeyDictionary[
-    InitialProfile, dict[tuple[Method, Load, float], tuple[FittedPress, FittedPress]]
-] = WeakKeyDictionary()
-
-
 def solve_in_moving_contact(
-    method: ComplianceMethod, problem: Problem, stages: Stages, steady: Solution | None = None
+    method: ComplianceMethod,
+    problem: Problem,
+    stages: Stages,
+    before: Solution | None = None,
+    allowed: float = 0.0,
 ) -> Solution:
-    """Solve a punch whose contact opens, closes and spreads; its steady state is the flat one's."""
-    if problem.steady and steady is None:
-        flat = replace(problem, profile=FLAT, times=problem.times[:0], compared_on=problem.face)
-        steady = method.solve(replace(flat, loading=problem.loading.held_last), stages)
-        if not len(problem.times):
-            return steady
+    """Solve a punch whose contact opens, closes and spreads; its steady state is the flat one's.
+
+    Parameters
+    ----------
+    method : that yields the compliances
+    problem : with the accuracy that sizes follow
+    stages : tells of the progress
+    before : a solution by coarser sizes, of which the start and an accurate steady state are kept
+    allowed : the error that a steady state may have to be kept
+    """
+    steady = steady_part(method, problem, stages, before, allowed)
+    if steady and not len(problem.times):
+        return steady
     with stages("locating"):
         intervals, _ = first_contact(problem)
     made = method.discretise(problem, stages)
-    presses: tuple[FittedPress | None, FittedPress | None] = (None, None)
-    notes = list(made.notes)
-    if problem.times[0] == 0 and problem.loading.forces[0] and made.fitted:
-        with stages("pressing"):
-            load = load_at_start(problem)
-            # the start does not depend on cells: a refinement has the one found before
-            found = _STARTS.setdefault(problem.profile, {})
-            key = method, load, problem.poisson_ratio
-            try:
-                if key not in found:
-                    found[key] = fit_presses(problem.profile, load, intervals, made.fitted)
-                presses = found[key]
-            except RingwearError as error:
-                notes.append(
-                    "the start is as accurate as the march, not fitted to the edges of the "
-                    f"contact: {error}"
-                )
+    with stages("pressing"):
+        presses, notes = fitted_starts(problem, intervals, made, before)
+    start, coarse_start = presses or (None, None)
     with stages("marching"):
-        fine = MovingContact(problem, made.compliance, presses[0])
-        _ = fine.results
+        fine = MovingContact(problem, made.compliance, start)
     with stages("estimating"):
-        watched = replace(problem, times=fine.march.times)
-        coarse = MovingContact(watched, made.coarser(), presses[1], step_tolerance_factor=4.0)
+        watched = replace(problem, times=fine.estimate_times)
+        coarse = MovingContact(
+            watched, made.coarser(), coarse_start, error_factor("steps of the coarser march")
+        )
         solution = _without_infinite_peak(_solution(made, fine, coarse), problem.rtol)
     solution = replace(
         solution,
         settings=fine.settings,
-        notes=(*notes, *fine.notes()),
-        march=fine.march,
-        presses=tuple(press for press in presses if press is not None),
+        notes=(*made.notes, *notes, *fine.notes()),
+        march=fine.marched,
+        presses=presses,
     )
-    if steady and np.isnan(fine.march.time_of_full_contact):
+    if steady and np.isnan(fine.marched.time_of_full_contact):
         note = (
             "the steady state is that of all of the face in contact, which the history does not "
             "reach"
@@ -205,22 +207,68 @@ def solve_in_moving_contact(
     return _beside(solution, steady) if steady else solution
 
 
+def steady_part(
+    method: ComplianceMethod,
+    problem: Problem,
+    stages: Stages,
+    before: Solution | None,
+    allowed: float,
+) -> Solution | None:
+    """Return the steady state of a shaped punch, which is that of the flat one, if it is wanted.
+
+    That of a solution before is kept if its errors are allowed.
+    """
+    if not problem.steady:
+        return None
+    if before and (kept := before.steady_part) and kept.greatest_of_all_errors <= allowed:
+        return kept
+    flat = replace(problem, profile=FLAT, times=problem.times[:0], compared_on=problem.face)
+    return method.solve(replace(flat, loading=problem.loading.held_last), stages)
+
+
+def fitted_starts(
+    problem: Problem,
+    intervals: tuple[Interval, ...],
+    made: Discretised,
+    before: Solution | None = None,
+) -> tuple[tuple[FittedPress, ...], tuple[str, ...]]:
+    """Return the start fitted to the edges of the contact, and a coarser one, with notes.
+
+    Both are those of a solution before, if there is one, because they do not depend on cells. There
+    are none where nothing presses at the time 0, or where the fit fails, which a note tells.
+
+    Parameters
+    ----------
+    intervals : where contact begins, on cells
+    """
+    if not made.fitted or problem.times[0] > 0 or not problem.loading.forces[0]:
+        return (), ()
+    if before and before.presses:
+        return before.presses, ()
+    try:
+        return fit_presses(problem.profile, load_at_start(problem), intervals, made.fitted), ()
+    except RingwearError as error:
+        note = (
+            "the start is as accurate as the march, not fitted to the edges of the contact: "
+            f"{error}"
+        )
+        return (), (note,)
+
+
 def _solution(made: Discretised, fine: Evaluation, coarse: Evaluation) -> Solution:
     errors, parts = estimate_errors(fine, coarse)
-    unknowns = made.unknowns or made.compliance.space.size
     return Solution(
         fine.results,
         fine.checked,
         errors,
         parts,
-        unknowns,
+        made.unknowns or made.compliance.space.size,
         made.settings,
         made.notes,
         fine.wear,
         made.half_space,
         smallest=made.smallest,
         answers=fine.answers,
-        evaluate=type(fine),
     )
 
 
@@ -255,10 +303,12 @@ def estimate_errors(
     what causes them.
     """
     problem = fine.problem
-    missed = differences(coarse.for_estimate, fine.for_estimate, problem.face)
+    coarser, finer = (each.for_estimate(fine.estimate_times) for each in (coarse, fine))
+    missed = differences(coarser, finer, problem.face)
     if "steady_rms_slope" in missed and "steady_profile" in missed:
         missed["steady_rms_slope"] = np.maximum(
-            missed["steady_rms_slope"], _square_of_slopes(fine, coarse)
+            missed["steady_rms_slope"],
+            _square_of_slopes(problem, finer["steady_profile"], coarser["steady_profile"]),
         )
     errors = {name: fine.estimate(name, difference) for name, difference in missed.items()}
     part = error_factor("part of the field")
@@ -277,8 +327,9 @@ def estimate_errors(
     parts = {"discretisation": float(np.max(indentation, initial=0.0))}
     if problem.indentation is not None:
         # what was given has no error; the force decays, and is judged by the first
-        forces = [each.for_estimate["normal_force"] for each in (fine, coarse)]
-        difference = np.abs(forces[1] - forces[0]).max() / max(forces[0][0], np.finfo(float).tiny)
+        forces, first = finer["normal_force"], float(finer["normal_force"][0])
+        difference = np.abs(coarser["normal_force"] - forces).max()
+        difference /= max(first, np.finfo(float).tiny)
         parts = {"force": fine.safety_of("indentation") * float(difference)}
     if problem.march != "modal" and "indentation" in errors:
         marched, exact = (
@@ -292,19 +343,20 @@ def estimate_errors(
     return errors, parts
 
 
-def _square_of_slopes(fine: Evaluation, coarse: Evaluation) -> Array:
+def _square_of_slopes(problem: Problem, profile: Array, coarser: Array) -> Array:
     """Return the mean square of the difference of steady slopes over that of slopes.
 
     Roots of mean squares may differ by less, where the difference happens to be orthogonal to the
     slope.
+
+    Parameters
+    ----------
+    profile, coarser : (R,) steady profiles on the face
     """
-    face = fine.problem.face
-    of_face = fine.problem.gradient_average, face.inner_radius
-    weights = face.lengths * radial_weight(face.radii, *of_face)
-    profile = fine.for_estimate["steady_profile"]
+    face = problem.face
+    weights = face.lengths * radial_weight(face.radii, problem.gradient_average, face.inner_radius)
     slopes, wrong = (
-        face.slopes(values)[0] ** 2 @ weights
-        for values in (profile, profile - coarse.for_estimate["steady_profile"])
+        face.slopes(values)[0] ** 2 @ weights for values in (profile, profile - coarser)
     )
     return np.divide(wrong, slopes, out=np.zeros_like(wrong), where=slopes > 0)
 

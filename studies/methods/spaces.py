@@ -16,9 +16,9 @@ from ...meshes.errors import SceneError
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, Indices, exact_graded_breakpoints
 from ...meshes.sizes import degree_reduction
+from ..contact.edges import find_first_contact, refine_at_free_edges
 from ..problem.problem import Problem
 from ..sizes.defaults import cells_of, mdr_sizes, with_affordable_field_tolerance
-from ..wear.contact_edges import find_first_contact, refine_at_free_edges
 from ..wear.unilateral import Interval, Load
 
 # strength of a kink of the wear coefficient (`Rings.kinks`) that asks for no layer

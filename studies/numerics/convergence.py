@@ -160,7 +160,8 @@ def families_of_cells(problem: Problem, quick: bool) -> Iterator[Family]:
 
     def march(compliance: Compliance) -> Results:
         # steps in time err by less than cells
-        return MovingContact(problem, compliance, step_tolerance_factor=0.2).for_estimate
+        worn = MovingContact(problem, compliance, step_tolerance_factor=0.2)
+        return worn.for_estimate(worn.estimate_times)
 
     exact = march(ring_kernel.compliance(first_contact(problem, 2 * max(sizes))[1].space()))
 

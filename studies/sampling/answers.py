@@ -12,12 +12,12 @@ rise, a sum of decaying exponentials with positive coefficients.
 import numpy as np
 
 from ...meshes.radial import Array, ring_of
+from ..contact.marched import Marched
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, STATES
 from ..wear.flat_contact import FittedPress
 from ..wear.full_contact import RunningIn
 from ..wear.history import History
-from ..wear.moving_contact import ContactMarch
 from .norms import Results
 from .sampler import Sampler
 
@@ -66,7 +66,7 @@ def flat_answers(
 
 def moving_answers(
     problem: Problem,
-    march: ContactMarch,
+    march: Marched,
     start: FittedPress | None,
     ends: History,
 ) -> Results:
@@ -80,10 +80,10 @@ def moving_answers(
     ends : the history at the first and at the last of the times
     """
     values = empty_answers(problem)
-    sampler = Sampler(problem, march.compliance.space)
+    sampler = Sampler(problem, march.space)
     forces = sampler.ring_forces(ends)
     if not problem.why_never_steady:
-        values["running_in_time"][...] = march.slowest_time
+        values["running_in_time"][...] = march.face.slowest_time
     values["worn_volume"] = sampler.worn_volumes(ends)[-1]
     if problem.indentation is not None:
         put_forces(values, problem, forces.sum(axis=1))
@@ -161,18 +161,19 @@ def joined(history: Results, steady: Results) -> Results:
     return {name: value for name, value in (steady | history | parts).items() if name in ANSWER}
 
 
-def _time_of_march(march: ContactMarch, part: float) -> float:
+def _time_of_march(march: Marched, part: float) -> float:
     """Return the time from which no more than a part is left; NaN if that is after the march."""
     from scipy.interpolate import PchipInterpolator  # few runs need it
 
-    paths = [march.left()]
+    times, left = march.remainder()
     if np.isfinite(march.time_of_full_contact):
         # what is left decays, at least as fast as the slowest mode
-        paths.append(march.left(paths[0][0][-1] + march.slowest_time * np.geomspace(1e-3, 20, 400)))
-    elif march.load.force is not None:
+        later = times[-1] + march.face.slowest_time * np.geomspace(1e-3, 20, 400)
+        left = np.append(left, march.remainder_later(later))
+        times = np.append(times, later)
+    elif march.face.load.force is not None:
         # it may cross zero, and come back
         return float("nan")
-    times, left = np.concatenate(paths, axis=1)
     left = np.abs(left) / np.abs(left).max()
     more = np.flatnonzero(left > part)[-1]
     if more + 1 == len(times):

@@ -9,11 +9,11 @@ from scipy.sparse import csr_matrix
 from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
+from ..contact.edges import worn_edges
+from ..contact.worn_face import WornFace
 from ..problem.problem import Problem
-from ..wear.contact_edges import worn_edges
 from ..wear.flat_contact import SteadyState
 from ..wear.history import History
-from ..wear.worn_face import WornFace
 from .norms import Results, radial_weight
 
 AVERAGES = ("line", "area")

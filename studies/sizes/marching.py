@@ -5,6 +5,9 @@ import numpy as np
 from ...meshes.radial import Array
 
 MOST_STEPS = 2_000_000
+"""Greatest number of steps of a march in full contact, where a step is a product of matrices."""
+MOST_CONTACT_STEPS = 200_000
+"""Greatest number of steps of a march in which each step is a contact problem."""
 
 
 def steps_between(times: Array, step: float) -> Array:
@@ -12,10 +15,10 @@ def steps_between(times: Array, step: float) -> Array:
     return np.asarray(np.ceil(np.diff(times, prepend=0.0) / step * (1 - 1e-12)))
 
 
-def refused_steps(count: float, remedy: str) -> str:
+def refused_steps(count: float, remedy: str, most: int = MOST_STEPS) -> str:
     """Return why so many steps will not be made, with the remedy; empty if they will."""
     return (
-        f"{count:.3g} steps are needed to the last time, more than {MOST_STEPS}: {remedy}"
-        if count > MOST_STEPS
+        f"{count:.3g} steps are needed to the last time, more than {most}: {remedy}"
+        if count > most
         else ""
     )

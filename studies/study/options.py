@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, TypeAlias
 if TYPE_CHECKING:
     from skfem import Element, Mesh
 
-    from ..crosscheck.dataset import Result
 
-Quantity: TypeAlias = "Callable[[Result], float]"
-"""A number that is taken from the result of a run."""
+Quantity: TypeAlias = Callable[..., float]
+"""A function that takes the result of a run and returns a number."""
 
 
 @dataclass(frozen=True)

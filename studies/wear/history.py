@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ...meshes.radial import Array, Indices
-from .unilateral import Interval, Mask
+from .unilateral import Interval, Mask, Press
 
 
 class Start(Protocol):
@@ -51,6 +51,24 @@ class Pressed(NamedTuple):
     start: Start
     force: Array
     rest: Array
+
+
+class Moment(NamedTuple):
+    """The punch at one time.
+
+    Parameters
+    ----------
+    time, distance : since the start, and slid until then
+    press : pressures, gaps and contact
+    integral : (size,) of the pressure over the sliding distance
+    work : integral of the force over the sliding distance
+    """
+
+    time: float
+    distance: float
+    press: Press
+    integral: Array
+    work: float = 0.0
 
 
 @dataclass(frozen=True)

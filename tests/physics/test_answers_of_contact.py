@@ -149,7 +149,7 @@ def test_counts_of_the_slowest_time_of_the_full_face():
 def test_curves_go_on_from_steps_to_full_contact(worn):
     for solution in worn.solutions.values():
         march = solution.march
-        sampler = Sampler(worn.scene.problem, march.compliance.space, march.compliance)
+        sampler = Sampler(worn.scene.problem, march.face.compliance.space, march.face.compliance)
         between = sampler.history(march.between)
         times = between["time"]
         assert (np.diff(times) > 0).all()
@@ -159,7 +159,7 @@ def test_curves_go_on_from_steps_to_full_contact(worn):
         assert times[-1] == pytest.approx(worn.scene.problem.times[-1], rel=1e-12)
         edge, full = between["contact_edge"][:, 1], march.time_of_full_contact
         # it spreads, and is known to a cell of the mesh
-        cells = march.compliance.space.breakpoints
+        cells = march.face.compliance.space.breakpoints
         assert (np.diff(edge) > -np.diff(cells).max()).all()
         assert (edge[times > 1.01 * full] == 1.0).all()
         assert (times > full).sum() > 30

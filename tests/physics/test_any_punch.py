@@ -13,11 +13,11 @@ from ringwear.mdr import energy
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.half_space import contact_radii
 from ringwear.studies.cli import main
+from ringwear.studies.contact.edges import find_first_contact
 from ringwear.studies.crosscheck.agreement import remedy
 from ringwear.studies.crosscheck.promise import AT_EDGES
 from ringwear.studies.methods.spaces import first_contact, load_of
 from ringwear.studies.sizes.defaults import cells_of
-from ringwear.studies.wear.contact_edges import find_first_contact
 
 LENGTH, MODULUS, FORCE = 2.0, 5.0, 0.3
 WEAR = np.array([1.0, 10.0, 1.0])

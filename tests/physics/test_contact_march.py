@@ -9,14 +9,14 @@ from ringwear.mdr import energy
 from ringwear.mdr.direct import steady_pressures
 from ringwear.meshes.contact_cells import ContactCells
 from ringwear.meshes.radial import ring_areas
+from ringwear.studies.contact.edges import nodes, worn_edges
+from ringwear.studies.contact.march import ContactMarch
+from ringwear.studies.contact.moments import moments
 from ringwear.studies.methods.base import method
 from ringwear.studies.problem.problem import Problem, Rings
 from ringwear.studies.problem.profile import InitialProfile
 from ringwear.studies.progress import Stages
-from ringwear.studies.wear.contact_edges import nodes, worn_edges
 from ringwear.studies.wear.full_contact import RunningIn
-from ringwear.studies.wear.moments import moments
-from ringwear.studies.wear.moving_contact import ContactMarch
 from ringwear.studies.wear.unilateral import Load
 
 FIVE, THREE = Rings.alternating(5, 1.0, 10.0), Rings.alternating(3, 1.0, 0.01)
@@ -89,7 +89,7 @@ def test_every_face_wears_to_the_steady_state_of_the_flat_punch(name):
     half_space = even_half_space(cells(rings), 0.3).compliance()
     space = half_space.space
     history, by_elements = (
-        march_on(compliance, FACES[name]).adaptive(times, 2e-5)
+        march_on(compliance, FACES[name]).adaptive(times, 2e-5).history
         for compliance in (energy.compliance(space), half_space)
     )
     _, ring = nodes(space)
@@ -113,18 +113,19 @@ def test_every_face_wears_to_the_steady_state_of_the_flat_punch(name):
 def test_a_flat_face_keeps_its_contact_and_follows_its_modes(rings):
     compliance, times = theory(rings, 60, 1e-4), np.geomspace(1e-2, 3, 8)
     exact = RunningIn(compliance, rings.wear_coefficients).modal(times).indentation
-    history = march_on(compliance, face(rings, 0)).adaptive(times, 1e-7)
+    history = march_on(compliance, face(rings, 0)).adaptive(times, 1e-7).history
     assert history.contact.all()
     assert history.indentation == pytest.approx(exact, rel=1e-5)
 
 
 def test_orders_in_time():
     times, march = np.array([0.0, 0.2]), march_on(theory(FIVE, 30, 1e-2), FACES["sphere"])
-    exact = march.adaptive(times, 1e-9).indentation[-1]
-    errors = [march.implicit(times, step).indentation[-1] - exact for step in (0.02, 0.01, 0.005)]
+    exact = march.adaptive(times, 1e-9).history.indentation[-1]
+    marched = [march.implicit(times, step).history for step in (0.02, 0.01, 0.005)]
+    errors = [history.indentation[-1] - exact for history in marched]
     assert 1.7 < errors[0] / errors[1] < 2.3
     assert 1.7 < errors[1] / errors[2] < 2.3
-    few, many = march.adaptive(times, 1e-4), march.adaptive(times, 1e-6)
+    few, many = march.adaptive(times, 1e-4).history, march.adaptive(times, 1e-6).history
     assert abs(many.indentation[-1] / exact - 1) < 1e-5
     # of third order in a step: a hundredth of the error by 4.6 times the steps
     assert many.steps.taken < 10 * few.steps.taken
@@ -132,10 +133,11 @@ def test_orders_in_time():
 
 def test_full_contact_relaxes_as_short_steps_have_it():
     times, march = np.array([2.5, 3.0, 4.0, 6.0]), march_on(theory(FIVE, 40, 1e-3), FACES["cone"])
-    history = march.adaptive(times, 1e-7)
+    history = march.adaptive(times, 1e-7).history
     assert history.contact.all()
     coarse, fine = (
-        march.implicit(times, step).indentation - history.indentation for step in (0.01, 0.005)
+        march.implicit(times, step).history.indentation - history.indentation
+        for step in (0.01, 0.005)
     )
     assert coarse / fine == pytest.approx(2.0, rel=0.1)
     assert 2 * fine - coarse == pytest.approx(0.0, abs=1e-5)
@@ -148,7 +150,7 @@ def test_the_law_of_the_worn_sphere():
     spots = ((0.0, first, first / 80),)
     space = ContactCells((0.0, 1.0), 0.2, 1e-3, spread=1 / 80, spots=spots).space()
     march = march_on(energy.compliance(space), face(ONE, 0, power(0.5, 2)), Load(force))
-    history = march.adaptive(times, 1e-5)
+    history = march.adaptive(times, 1e-5).history
     assert history.profile @ space.weights == pytest.approx(force * times, rel=1e-12)
     assert history.indentation == pytest.approx(depths, rel=1e-4)
     radii = [edges[-1][1] for edges in edges_in_time(history, space)]
@@ -161,7 +163,7 @@ def test_contact_may_lift_again():
     times, lifted = np.array([2.6, 2.7604, 2.9, 3.5]), []
     for compliance in (theory(rings), even_half_space(cells(rings), 0.3).compliance()):
         march = march_on(compliance, face(rings, [0.29, 0.0]), Load(None, 0.3))
-        history = march.adaptive(times, 5e-6)
+        history = march.adaptive(times, 5e-6).history
         first, *later = edges_in_time(history, compliance.space)
         assert first[-1] == (0.73, 1.0)
         assert len(later[-1]) == 1  # and bears again, as the disc wears on
@@ -200,7 +202,7 @@ def test_random_punches(by_depth):
         (edges, wear), depth = punch[0], 10 ** np.random.default_rng(seed).uniform(-1.5, 0.3)
         compliance = theory(punch[0], 40, 1e-3)
         load = Load(None, depth) if by_depth else BY_FORCE
-        history = march_on(compliance, punch, load).adaptive(times, 1e-4)
+        history = march_on(compliance, punch, load).adaptive(times, 1e-4).history
         touched += int(history.force[0] > 0)
         space = compliance.space
         check(history, space.weights, gap=1e-13)

@@ -8,13 +8,13 @@ from scipy.linalg import solve
 from ringwear import Scene, run
 from ringwear.mdr import energy
 from ringwear.meshes.contact_cells import ContactCells
+from ringwear.studies.contact.march import ContactMarch
+from ringwear.studies.contact.moments import moments
 from ringwear.studies.problem.loading import Loading
 from ringwear.studies.problem.problem import Rings
 from ringwear.studies.problem.profile import InitialProfile
 from ringwear.studies.wear.full_contact import RunningIn
 from ringwear.studies.wear.modes import mean_decay
-from ringwear.studies.wear.moments import moments
-from ringwear.studies.wear.moving_contact import ContactMarch
 from ringwear.studies.wear.unilateral import Load
 
 FIVE = Rings.alternating(5, 1.0, 10.0)
@@ -46,7 +46,7 @@ def march(half_space, loading, tolerance, times, height=None):
     heights = () if height is None else (height,)
     moved = moments(InitialProfile(FIVE.ring_edges, np.zeros(5), heights), half_space.space)
     contact = ContactMarch(half_space, FIVE.wear_coefficients, moved, Load(1.0), loading)
-    return contact.adaptive(times, tolerance)
+    return contact.adaptive(times, tolerance).history
 
 
 @pytest.mark.parametrize("at", [0.0, 0.31, 0.87])

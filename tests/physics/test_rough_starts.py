@@ -8,8 +8,8 @@ import pytest
 from ringwear import Scene, run
 from ringwear.mdr import energy
 from ringwear.studies.cli import main
+from ringwear.studies.contact.moments import moments
 from ringwear.studies.methods.spaces import first_contact, load_at_start
-from ringwear.studies.wear.moments import moments
 from ringwear.studies.wear.unilateral import Contact
 
 FLAT = Scene.load("flat_punch").changed(

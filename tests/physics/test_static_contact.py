@@ -10,10 +10,10 @@ from ringwear.fem.contact_meshes import even_half_space, fitted_half_space
 from ringwear.mdr import energy, ring_kernel
 from ringwear.meshes.contact_cells import ContactCells, fitted_space
 from ringwear.meshes.errors import SolverError
+from ringwear.studies.contact.fitted_press import fit_press, fit_presses
+from ringwear.studies.contact.march import ContactMarch
+from ringwear.studies.contact.moments import moments
 from ringwear.studies.problem.profile import InitialProfile
-from ringwear.studies.wear.fitted_press import fit_press, fit_presses
-from ringwear.studies.wear.moments import moments
-from ringwear.studies.wear.moving_contact import ContactMarch
 from ringwear.studies.wear.unilateral import MOST_CHANGES, Contact, Interval, Load
 
 DEGREE = 8
@@ -205,7 +205,7 @@ def test_a_march_is_the_same_with_a_factor_for_every_contact(monkeypatch):
         compliance = energy.compliance(ContactCells((0.0, 1.0), 1 / 100, 1e-3).space())
         of_profile = moments(SPHERE, compliance.space)
         march = ContactMarch(compliance, np.ones(1), of_profile, Load(0.2))
-        return march.adaptive(np.array([0.01, 0.1]), 1e-4)
+        return march.adaptive(np.array([0.01, 0.1]), 1e-4).history
 
     bordered = wear()
     monkeypatch.setattr("ringwear.studies.wear.unilateral.MOST_CHANGES", 0)

@@ -11,10 +11,10 @@ from wear_reference import random_scenes
 
 from ringwear import Scene, run
 from ringwear.meshes.contact_cells import ContactCells
+from ringwear.studies.contact.edges import worn_edges
 from ringwear.studies.crosscheck.agreement import agreements
 from ringwear.studies.report.words import Account
 from ringwear.studies.sizes.defaults import cells_of
-from ringwear.studies.wear.contact_edges import worn_edges
 
 FIVE = Scene.load("five_rings")
 

@@ -21,6 +21,7 @@ ROOMS = (
     {"studies.tables", "studies.problem"},
     {"studies.sizes"},
     {"studies.wear"},
+    {"studies.contact"},
     {"studies.problem.scene"},  # times of a scene may be counts of its slowest relaxation time
     {"studies.sampling"},
     {"studies.methods"},

@@ -19,9 +19,9 @@ from scipy.sparse.linalg import splu
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..problem.profile import InitialProfile
-from .history import History
+from ..wear.history import History
+from ..wear.unilateral import Mask
 from .moments import moments
-from .unilateral import Mask
 
 # cells between an edge of the contact and where the face is taken from the displacement: its
 # projection on linear functions rings over about so many

@@ -15,8 +15,8 @@ from ...meshes.contact_cells import ContactCells, FreeEdge
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, Indices
 from ..problem.profile import InitialProfile
+from ..wear.unilateral import Contact, Interval, Load, Mask, Press
 from .moments import moments
-from .unilateral import Contact, Interval, Load, Mask, Press
 
 # growth of cells with the distance from a free edge: inside the contact the pressure falls off like
 # that at a corner; outside cells stay small for an edge that moves outwards, as wear moves it

@@ -25,9 +25,9 @@ from ...meshes.compliance import Compliance
 from ...meshes.contact_cells import fitted_space
 from ...meshes.errors import SolverError
 from ..problem.profile import InitialProfile
-from .flat_contact import FittedPress
+from ..wear.flat_contact import FittedPress
+from ..wear.unilateral import Interval, Load
 from .moments import moments
-from .unilateral import Interval, Load
 
 Intervals = tuple[Interval, ...]
 # (edges from 0 to 1 that every pressure space must be broken at, which of them the pressure is

@@ -1,0 +1,1 @@
+"""Contact that opens, closes and spreads while the punch wears."""
