@@ -4,7 +4,7 @@ The scene is asked for at their times and radii, so that nothing is interpolated
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,8 @@ from ...meshes.errors import SceneError
 from ..crosscheck.dataset import Result
 from ..crosscheck.run import run
 from ..figures.style import in_style
-from ..methods.base import Method
+from ..methods.base import Method, Solution
+from ..problem.problem import Problem
 from ..problem.scene import Scene, Source, listed
 from ..problem.unit_names import UnitNames
 from ..registry import METHODS
@@ -90,11 +91,18 @@ def check(
     ours = [name for name in scene.methods if name != "mdr-grid"] or ["mdr", "fem"]
     tables = [Given.tabled(name, table, scene) for name, table in theirs.items()]
     result = run(scene, [*(listed(methods) if methods else ours), *tables])
-    problem = scene.problem
-    for name, solution in result.solutions.items():
-        if name not in given and problem.indentation is None:
-            # of a force that is given no method makes an error
-            solution.results.setdefault("normal_force", problem.loading.at(problem.times).force)
-            solution.errors.setdefault("normal_force", np.zeros(len(problem.times)))
     values = {field.name: getattr(result, field.name) for field in fields(Result)}
+    values["solutions"] = {
+        name: solution if name in given else _with_given_force(scene.problem, solution)
+        for name, solution in result.solutions.items()
+    }
     return Checked(**values, given=tuple(given), within=within, sizes=tuple(sizes))
+
+
+def _with_given_force(problem: Problem, solution: Solution) -> Solution:
+    """Return a solution with the force as a quantity: no method makes an error of what is given."""
+    if problem.indentation is not None:
+        return solution
+    force = {"normal_force": problem.loading.at(problem.times).force}
+    exact = {"normal_force": np.zeros(len(problem.times))}
+    return replace(solution, results=force | solution.results, errors=exact | solution.errors)

@@ -10,7 +10,6 @@ from ...meshes.errors import RingwearError
 from ..methods.base import Method, Solution
 from ..problem.problem import Problem
 from ..problem.quantities import ENERGIES
-from ..problem.sections import DEGREES
 from ..progress import LOG, Stages
 from ..sizes.defaults import tolerance_range
 from .promise import BY_CELLS, allowed_error, unresolved
@@ -40,9 +39,9 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
     error = error_of_sizes(problem, solution)
     # where edges move, half of the uncertainty that two methods may have
     allowed = allowed_error(problem)
-    least, most = tolerance_range(problem, solution.settings.get("pressures", 0))
+    least, most = tolerance_range(problem, solution.march.space.size if solution.march else 0)
     rtol = min(problem.rtol, most)
-    if problem.sizes_given(method.name):
+    if method.sizes_given(problem):
         return solution
     for _ in range(4):
         if rtol <= least or error <= allowed:
@@ -81,10 +80,6 @@ def error_of_sizes(problem: Problem, solution: Solution) -> float:
         for name in solution.errors
         if name in BY_CELLS or not unresolved(problem, name, solutions)
     ]
-    if problem.full_contact:
-        # fields follow neither on triangles, whose degree is low, nor beyond the highest degree of
-        # quadrilaterals, where more layers bring roundoff
-        mesher, degree = solution.settings.get("mesher"), solution.settings.get("degree", 0)
-        if mesher in DEGREES and degree >= DEGREES[mesher][-1]:
-            names = [name for name in names if name in ENERGIES]
+    if problem.full_contact and solution.highest_degree:
+        names = [name for name in names if name in ENERGIES]
     return max(map(solution.greatest_error, names), default=0.0)

@@ -173,7 +173,7 @@ def _judge(
         promised = not all(reasons)
         remark = next(filter(None, reasons), "")
         if promised:
-            remark = remedy(problem, blamed, float(uncertainty[worst]))
+            remark = remedy(problem, blamed, solutions[blamed], float(uncertainty[worst]))
         when = when_in_words(problem, quantity, doubtful)
     numbers = float(size[worst]), float(uncertainty[worst])
     pair = first_name, second_name
@@ -205,15 +205,11 @@ def when_in_words(problem: Problem, quantity: str, some: NDArray[np.bool_]) -> s
     return f"{'up to' if last else 'at'} t = {times[last]:.3g}"
 
 
-def remedy(problem: Problem, blamed: str, error: float) -> str:
+def remedy(problem: Problem, blamed: str, solution: Solution, error: float) -> str:
     """Return what would decide a quantity: an accuracy to ask for, other sizes, or other times."""
     rtol = problem.rtol**2 / error
-    if blamed == "fem" and problem.fem.far_field == "fixed":
-        return "the clamped boundary errs by 1.1 a/R; far_field = 'boussinesq' does not"
-    if blamed == "mdr-grid":
-        return f"{blamed} is of first order; give a finer accuracy.mdr.grid"
-    if problem.sizes_given(blamed):
-        return f"the sizes given for {blamed} are too coarse; leave them out"
+    if solution.remedy:
+        return solution.remedy
     if problem.march != "modal":
         return "the step is too long; march = 'modal' has none"
     if rtol < FINEST:

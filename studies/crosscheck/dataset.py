@@ -15,8 +15,8 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..anchors.anchor import Anchor
 from ..anchors.checks import anchors, expected_anchors
+from ..inside.interior import Interior, interior
 from ..methods.base import Method, Solution
-from ..methods.interior import Interior, interior
 from ..problem.quantities import (
     FIELDS,
     error_name,

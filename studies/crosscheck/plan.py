@@ -7,44 +7,21 @@ pressures^2, and as pressures^3 once matrices are large, a march as its steps ti
 
 from typing import Any
 
-import numpy as np
-
-from ..methods.spaces import contact_cells, pressure_spaces
+from ..methods.base import Method, SystemSize
 from ..problem.problem import Problem
 from ..problem.scene import Scene, Source
-from ..sizes import defaults
 from ..sizes.marching import steps_between
 from .run import run
 from .scope import methods_of, refusals
 from .sizes import predict_memory
 
 
-def count_unknowns(name: str, problem: Problem) -> tuple[int, int]:
-    """Return the unknowns of the system behind a method's compliance, and its pressures."""
-    without_space = {"direct": 0, "mdr-grid": problem.mdr.grid + 1}
-    if name in without_space:
-        return without_space[name], without_space[name]
-    if name != "fem":
-        space = pressure_spaces(problem)[0]
-        return space.size, space.size
-    from ...fem.contact_meshes import even_half_space
-    from ..methods.fem import half_space_mesh, half_space_on
-
-    if problem.full_contact:
-        half_space = half_space_on(problem, half_space_mesh(problem))
-    else:
-        half_space = even_half_space(contact_cells(problem)[0], problem.poisson_ratio)
-    return half_space.unknowns, half_space.space.size
-
-
-def predict_work(name: str, problem: Problem, unknowns: int, pressures: int) -> float:
+def predict_work(method: Method, problem: Problem, size: SystemSize) -> float:
     """Return about how much work a method has; what counts is the ratio of two problems.
 
     The factors between its parts were measured on the bundled scenes.
     """
-    order, step = pressures / 1e3, problem.step
-    if name == "mdr-grid":
-        step = defaults.grid_step(problem, 4 / np.pi / problem.mdr.grid)
+    order, step = size.pressures / 1e3, method.step(problem)
     steps = float(steps_between(problem.times, step).sum()) if step else 0.0
     if problem.full_contact:
         # of a steady state, or of relaxation times alone, no modes are needed
@@ -52,7 +29,7 @@ def predict_work(name: str, problem: Problem, unknowns: int, pressures: int) -> 
     else:
         # the steps that suit rtol go as the third root of its inverse
         dense = 0.15 * order**2 * problem.rtol ** (-1 / 3)
-    return 0.02 + dense + 0.1 * (unknowns / 1e4) ** 1.5 + 6e-4 * steps * order**2
+    return 0.02 + dense + 0.1 * (size.unknowns / 1e4) ** 1.5 + 6e-4 * steps * order**2
 
 
 def coarsen(scene: Scene) -> Scene:
@@ -102,12 +79,15 @@ def plan(source: Source) -> list[str]:
     run(probe)  # loads libraries, and is not timed
     result = run(probe)
     for name, stages in result.stages.items():
-        unknowns, pressures = count_unknowns(name, scene.problem)
-        work = predict_work(name, scene.problem, unknowns, pressures)
-        probed = predict_work(name, probe.problem, *count_unknowns(name, probe.problem))
+        entry = result.methods[name]
+        size = entry.system_size(scene.problem)
+        work = predict_work(entry, scene.problem, size)
+        probed = predict_work(entry, probe.problem, entry.system_size(probe.problem))
         seconds = sum(stages.seconds.values()) * work / probed
         total += seconds
-        lines.append(f"{name}: {unknowns} unknowns, {pressures} pressures, about {seconds:.2g} s")
+        lines.append(
+            f"{name}: {size.unknowns} unknowns, {size.pressures} pressures, about {seconds:.2g} s"
+        )
     return [
         *lines,
         f"in all: about {total:.2g} s, and a few for loading, files and figures",

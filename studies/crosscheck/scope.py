@@ -106,10 +106,8 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
             f"{what} by {name}": why for what, why in entry.lacks.items() if what not in reasons
         }
         reasons |= lacks
-    if "fem" in methods and problem.fem.far_field == "fixed":
-        reasons["far field"] = (
-            "the scene clamps the outer boundary: expect the indentation to err by 1.1 a/R"
-        )
+    for entry in methods.values():
+        reasons |= entry.modelling_errors(problem)
     modelled = len(problem.merged.ring_edges) - bool(problem.inner_radius)
     if (merged := len(problem.ring_edges) - modelled) > 0:
         reasons["ring edges"] = (

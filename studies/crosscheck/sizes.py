@@ -4,8 +4,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from ..methods.base import method
 from ..methods.spaces import radial_space
 from ..problem.scene import Scene
 from ..sizes.defaults import cells_of, mdr_sizes
@@ -16,20 +15,13 @@ GIB = 2.0**30
 def predict_memory(scene: Scene) -> float:
     """Return about how many GiB a run will need.
 
-    They are for libraries, some 14 dense matrices, the sparse factor, and fields over time. All
-    methods have about as many pressures as dimensionality reduction, and 40 to 130 finite elements'
-    unknowns go with each.
+    They are for libraries, the matrices of each method, and fields over time. All methods have
+    about as many pressures as dimensionality reduction.
     """
     problem = scene.problem
     on_cells = not problem.full_contact and len(problem.times) > 0
     space = cells_of(problem).space() if on_cells else radial_space(problem, **mdr_sizes(problem))
-    orders = {"direct": 0, "mdr-grid": problem.mdr.grid}
-    numbers = sum(14.0 * orders.get(name, space.size) ** 2 for name in scene.methods)
-    if "fem" in scene.methods:
-        # triangles that grow more slowly with the depth than by default
-        slower = max(1.0, 0.5 / (problem.fem.growth or 0.5))
-        unknowns = 90 * space.size * slower**2
-        numbers += 50 * unknowns * np.log2(unknowns)
+    numbers = sum(method(name).numbers_in_memory(problem, space.size) for name in scene.methods)
     numbers += 6.0 * len(problem.times) * len(problem.radii) * len(scene.methods)
     return 0.23 + float(8 * numbers / GIB)
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
-from ..methods.interior import NEAR
+from ..inside.interior import NEAR
 from ..problem.scene import Scene
 from .scale import Scale
 from .style import PAGE, RED, complete, new_panels, power_of_ten, save

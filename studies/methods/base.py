@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -44,6 +44,9 @@ class Solution:
     presses : its start, fitted to the edges of the contact, and a coarser one; empty if that failed
     answers : the numbers of the answer
     steady_part : the steady state of a shaped punch, which is solved by itself, if it has one
+    remedy : what would make it more accurate, if that is not a smaller `rtol`
+    highest_degree : whether its elements have the highest degree that there is, so that fields
+        become no more accurate by a smaller `rtol`
     """
 
     results: Results
@@ -60,6 +63,8 @@ class Solution:
     presses: tuple[FittedPress, ...] = ()
     answers: Results = field(default_factory=dict)
     steady_part: "Solution | None" = None
+    remedy: str = ""
+    highest_degree: bool = False
 
     @property
     def error_estimate(self) -> float:
@@ -124,6 +129,8 @@ class Discretised:
         What the difference to the coarser one is multiplied by, of flat punches.
     smallest : float
         Least size of the elements that the method can have beside a ring edge, in punch radii.
+    highest_degree : bool
+        Whether its elements have the highest degree that there is.
     """
 
     compliance: Compliance
@@ -135,6 +142,20 @@ class Discretised:
     fitted: tuple[CompliancesOn, CompliancesOn] | None = None
     safety: float = error_factor("flat punch")
     smallest: float = 0.0
+    highest_degree: bool = False
+
+
+class SystemSize(NamedTuple):
+    """How large the system is that a method solves for a problem.
+
+    Parameters
+    ----------
+    unknowns : of the system behind the compliance
+    pressures : that the compliance is between
+    """
+
+    unknowns: int
+    pressures: int
 
 
 class Method(ABC):
@@ -181,6 +202,37 @@ class Method(ABC):
         if not problem.full_contact or problem.indentation is not None:
             return f"{self.name} knows flat punches under a force only: leave it out of methods"
         return ""
+
+    def sizes_given(self, problem: Problem) -> bool:
+        """Return whether the user has given the sizes of the method, which then stay."""
+        return False
+
+    def remedy(self, problem: Problem) -> str:
+        """Return what would make it more accurate, if that is not a smaller `rtol`."""
+        if self.sizes_given(problem):
+            return f"the sizes given for {self.name} are too coarse; leave them out"
+        return ""
+
+    def modelling_errors(self, problem: Problem) -> dict[str, str]:
+        """Return what the method leaves out of the model of a problem, and what that costs."""
+        return {}
+
+    def step(self, problem: Problem) -> float | None:
+        """Return the step in time that it marches a problem in, if it is one length."""
+        return problem.step
+
+    def system_size(self, problem: Problem) -> SystemSize:
+        """Return how large its system will be; closed forms have none."""
+        return SystemSize(0, 0)
+
+    def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
+        """Return about how many numbers it keeps at once.
+
+        Parameters
+        ----------
+        pressures : that suit the problem by the method of dimensionality reduction
+        """
+        return 0.0
 
 
 def method(name: str) -> Method:

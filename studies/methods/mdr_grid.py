@@ -19,7 +19,8 @@ from ..sampling.sampler import Sampler
 from ..sizes.defaults import grid_step
 from ..sizes.marching import refused_steps, steps_between
 from ..wear.history import History
-from .base import Method, Solution
+from .base import Method, Solution, SystemSize
+from .pipeline import DENSE_MATRICES
 
 
 class MdrGrid(Method):
@@ -60,6 +61,22 @@ class MdrGrid(Method):
             self._steps(problem), "give a larger accuracy.mdr.step, or a coarser accuracy.mdr.grid"
         )
 
+    def remedy(self, problem: Problem) -> str:
+        """Return what would make it more accurate."""
+        return f"{self.name} is of first order; give a finer accuracy.mdr.grid"
+
+    def step(self, problem: Problem) -> float:
+        """Return the step of the explicit march, as the stability of many springs asks for."""
+        return grid_step(problem, 4 / np.pi / problem.mdr.grid)
+
+    def system_size(self, problem: Problem) -> SystemSize:
+        """Return how many springs there are, and the approach."""
+        return SystemSize(problem.mdr.grid + 1, problem.mdr.grid + 1)
+
+    def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
+        """Return about how many numbers its dense matrices have."""
+        return DENSE_MATRICES * float(problem.mdr.grid) ** 2
+
     def _steps(self, problem: Problem) -> float:
         return float(steps_between(problem.times, self._step(problem)).sum())
 
@@ -84,7 +101,10 @@ class MdrGrid(Method):
         parts = {"grid and step": float(errors["indentation"].max())}
         settings = {"grid": count, "step": step}
         checked = {name: values[problem.checked] for name, values in fine.items()}
-        return Solution(results, checked, errors, parts, count + 1, settings, answers=answers)
+        remedy = self.remedy(problem)
+        return Solution(
+            results, checked, errors, parts, count + 1, settings, answers=answers, remedy=remedy
+        )
 
     def _step(self, problem: Problem) -> float:
         return grid_step(problem, UniformGrid(*problem.merged, problem.mdr.grid).stability_limit())

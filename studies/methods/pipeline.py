@@ -25,17 +25,20 @@ from ..problem.problem import Problem
 from ..problem.profile import FLAT
 from ..progress import Stages
 from ..sampling.answers import joined
-from ..sampling.norms import answer_differences, differences, radial_weight
 from ..sizes.defaults import RADIAL_ROUNDOFF, mdr_sizes, smallest_size
 from ..sizes.marching import MOST_CONTACT_STEPS, MOST_STEPS, refused_steps, steps_between
 from ..sizes.shared import Shared
 from ..wear.flat_contact import FittedPress
 from ..wear.unilateral import Interval
-from .base import Discretised, Method, Solution
+from .base import Discretised, Method, Solution, SystemSize
 from .error_factors import error_factor
+from .estimates import estimate_errors
 from .evaluation import Evaluation, FullContact
 from .moving_evaluation import MovingContact
 from .spaces import first_contact, load_at_start, pressure_spaces
+
+# dense matrices of the size of the compliance that are in memory at once
+DENSE_MATRICES = 14.0
 
 
 class ComplianceMethod(Method):
@@ -73,6 +76,15 @@ class ComplianceMethod(Method):
                 "the accuracy"
             )
         return ""
+
+    def system_size(self, problem: Problem) -> SystemSize:
+        """Return how many pressures there will be on the space that suits a problem."""
+        size = pressure_spaces(problem)[0].size
+        return SystemSize(size, size)
+
+    def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
+        """Return about how many numbers its dense matrices have."""
+        return DENSE_MATRICES * float(pressures) ** 2
 
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         """Discretise once, for the sharpest of the problems; then wear, sample and estimate each.
@@ -115,6 +127,10 @@ class AnySpaceMethod(ComplianceMethod):
             )
         return super().refusal(problem)
 
+    def sizes_given(self, problem: Problem) -> bool:
+        """Return whether the user has given the sizes of the radial mesh."""
+        return problem.mdr.given
+
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:
         """Return the compliance on the space that suits a problem, and what makes a coarser one."""
         fine, coarse = pressure_spaces(problem)
@@ -150,6 +166,7 @@ def solve_in_full_contact(
     with stages("marching" if len(problems[0].times) else "steady state"):
         return [
             _solution(
+                method.remedy(problem),
                 made,
                 *(FullContact(problem, each, made.safety, made.smallest) for each in compliances),
             )
@@ -190,9 +207,9 @@ def solve_in_moving_contact(
         coarse = MovingContact(
             watched, made.coarser(), coarse_start, error_factor("steps of the coarser march")
         )
-        solution = _without_infinite_peak(_solution(made, fine, coarse), problem.rtol)
+        solution = _solution(method.remedy(problem), made, fine, coarse)
     solution = replace(
-        solution,
+        _without_infinite_peak(solution, problem.rtol),
         settings=fine.settings,
         notes=(*made.notes, *notes, *fine.notes()),
         march=fine.marched,
@@ -255,7 +272,7 @@ def fitted_starts(
         return (), (note,)
 
 
-def _solution(made: Discretised, fine: Evaluation, coarse: Evaluation) -> Solution:
+def _solution(remedy: str, made: Discretised, fine: Evaluation, coarse: Evaluation) -> Solution:
     errors, parts = estimate_errors(fine, coarse)
     return Solution(
         fine.results,
@@ -269,6 +286,8 @@ def _solution(made: Discretised, fine: Evaluation, coarse: Evaluation) -> Soluti
         made.half_space,
         smallest=made.smallest,
         answers=fine.answers,
+        remedy=remedy,
+        highest_degree=made.highest_degree,
     )
 
 
@@ -283,82 +302,6 @@ def _without_infinite_peak(solution: Solution, rtol: float) -> Solution:
     answers = {key: value for key, value in solution.answers.items() if key != name}
     errors = {key: error for key, error in solution.errors.items() if key != name}
     return replace(solution, answers=answers, errors=errors)
-
-
-# fields that greatest values are taken from
-OF_FIELD = {"displacement_max": "displacement", "steady_displacement_max": "steady_profile"}
-
-
-# numbers of a flat punch that are values of the displacement at one place, whose differences cross
-# zero now and then: their errors are at least this part of that of the field
-TAKEN_FROM_FIELD = {"displacement_centre", "displacement_max"}
-
-
-def estimate_errors(
-    fine: Evaluation, coarse: Evaluation
-) -> tuple[dict[str, Array], dict[str, float]]:
-    """Return the relative error of each quantity in its norm, and parts of that of the indentation.
-
-    Errors over time are those at the times asked for; parts are the greatest over all times, by
-    what causes them.
-    """
-    problem = fine.problem
-    coarser, finer = (each.for_estimate(fine.estimate_times) for each in (coarse, fine))
-    missed = differences(coarser, finer, problem.face)
-    if "steady_rms_slope" in missed and "steady_profile" in missed:
-        missed["steady_rms_slope"] = np.maximum(
-            missed["steady_rms_slope"],
-            _square_of_slopes(problem, finer["steady_profile"], coarser["steady_profile"]),
-        )
-    errors = {name: fine.estimate(name, difference) for name, difference in missed.items()}
-    part = error_factor("part of the field")
-    for name in TAKEN_FROM_FIELD & errors.keys():
-        if problem.full_contact and "displacement" in errors:
-            errors[name] = np.maximum(errors[name], part * errors["displacement"])
-    compared = answer_differences(coarse.answers, fine.answers)
-    for name, difference in compared.items():
-        errors[name] = fine.estimate_answer(name, difference, errors)
-    if fine.sampler.by_fields:
-        for greatest in OF_FIELD.keys() & errors.keys():
-            errors[greatest] = np.maximum(errors[greatest], errors[OF_FIELD[greatest]])
-    if "indentation_steady" in errors:
-        errors["indentation_steady"] = errors["steady_displacement_max"]
-    indentation = fine.safety_of("indentation") * missed.get("indentation", np.zeros(1))
-    parts = {"discretisation": float(np.max(indentation, initial=0.0))}
-    if problem.indentation is not None:
-        # what was given has no error; the force decays, and is judged by the first
-        forces, first = finer["normal_force"], float(finer["normal_force"][0])
-        difference = np.abs(coarser["normal_force"] - forces).max()
-        difference /= max(first, np.finfo(float).tiny)
-        parts = {"force": fine.safety_of("indentation") * float(difference)}
-    if problem.march != "modal" and "indentation" in errors:
-        marched, exact = (
-            fine.sampler.history(history, on_face=True)
-            for history in (fine.history, fine.exact_in_time)
-        )
-        steps = differences(marched, exact, problem.face)
-        steps |= answer_differences(fine.answers, fine.answers_exact_in_time)
-        errors |= {name: errors[name] + step for name, step in steps.items()}
-        parts["time step"] = float(steps["indentation"].max())
-    return errors, parts
-
-
-def _square_of_slopes(problem: Problem, profile: Array, coarser: Array) -> Array:
-    """Return the mean square of the difference of steady slopes over that of slopes.
-
-    Roots of mean squares may differ by less, where the difference happens to be orthogonal to the
-    slope.
-
-    Parameters
-    ----------
-    profile, coarser : (R,) steady profiles on the face
-    """
-    face = problem.face
-    weights = face.lengths * radial_weight(face.radii, problem.gradient_average, face.inner_radius)
-    slopes, wrong = (
-        face.slopes(values)[0] ** 2 @ weights for values in (profile, profile - coarser)
-    )
-    return np.divide(wrong, slopes, out=np.zeros_like(wrong), where=slopes > 0)
 
 
 def _beside(history: Solution, steady: Solution) -> Solution:

@@ -83,7 +83,7 @@ def draw(result: "Result", pictures: Sequence["Picture"], directory: Path) -> li
     The inside of the half-space takes as long as the contact: without pictures it is left out
     unless the scene asks for it.
     """
-    from ..methods.interior import write_half_space
+    from .vtu import write_half_space
 
     LOG.info("  output  drawing ...")
     failures = []

@@ -244,11 +244,6 @@ class Problem:
         narrower = np.append(self.merged.narrower, self.merged.widths[-1])
         return EdgeAmplitude(self.rtol, worn_length_slow, ratio, span, self.merged.kinks, narrower)
 
-    def sizes_given(self, method: str) -> bool:
-        """Return whether the user has given the sizes of a method, which then stay as they are."""
-        sections = {"fem": self.fem, "mdr": self.mdr, "bem": self.mdr}
-        return method in sections and sections[method].given
-
     def asking_for(self, quantities: frozenset[str]) -> "Problem":
         """Return the problem of these quantities alone: no times or steady state but for them.
 

@@ -78,7 +78,7 @@ class Progress:
     elapsed: float = 0.0
 
     def announce(self, family: str, setting: Hashable) -> None:
-        """Log which level begins, and the time left from the second level on."""
+        """Report which level begins, and the time left from the second level on."""
         LOG.info(
             "   level %d of %d%s: %s, %s ...",
             self.done + 1,
@@ -151,7 +151,7 @@ class Record:
 
 
 def _forget_peak() -> None:
-    """Let the greatest memory of this process be counted anew, which Linux alone can do."""
+    """Reset the count of the greatest memory of this process, which Linux alone can do."""
     try:
         Path("/proc/self/clear_refs").write_text("5", "ascii")
     except OSError:

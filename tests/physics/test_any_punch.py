@@ -16,6 +16,7 @@ from ringwear.studies.cli import main
 from ringwear.studies.contact.edges import find_first_contact
 from ringwear.studies.crosscheck.agreement import remedy
 from ringwear.studies.crosscheck.promise import AT_EDGES
+from ringwear.studies.methods.base import Solution
 from ringwear.studies.methods.spaces import first_contact, load_of
 from ringwear.studies.sizes.defaults import cells_of
 
@@ -133,7 +134,7 @@ def test_files_are_those_of_this_punch(tmp_path):
 
 @pytest.mark.parametrize("scene", [SCENE, RECESSED], ids=["flat", "recessed"])
 def test_a_remedy_is_an_accuracy_to_ask_for(scene):
-    told = remedy(scene.problem, "mdr", 1e-2)
+    told = remedy(scene.problem, "mdr", Solution({}, {}, {}, {}), 1e-2)
     assert told.endswith("rtol = 1e-04 would decide it")
 
 

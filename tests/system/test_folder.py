@@ -81,7 +81,7 @@ def test_figures_that_fail_lose_themselves_only(tmp_path, monkeypatch, capsys):
         raise FULL_DISK
 
     lost = {"half_space.vtu", "steady_state.png", "stress.png"}
-    fail(monkeypatch, "ringwear.studies.methods.interior.write_half_space", FULL_DISK)
+    fail(monkeypatch, "ringwear.studies.output.vtu.write_half_space", FULL_DISK)
     pictures = (
         picture._replace(draw=fill_disk) if picture.file in lost else picture
         for picture in catalogue.PICTURES

@@ -25,6 +25,7 @@ ROOMS = (
     {"studies.problem.scene"},  # times of a scene may be counts of its slowest relaxation time
     {"studies.sampling"},
     {"studies.methods"},
+    {"studies.inside"},
     {"studies.anchors"},
     {"studies.crosscheck"},
     {"studies.figures"},

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ringwear import Scene, plan
-from ringwear.studies.crosscheck.plan import coarsen, count_unknowns
+from ringwear.studies.crosscheck.plan import coarsen
 from ringwear.studies.crosscheck.sizes import predict_memory
 from ringwear.studies.methods.base import method
 from ringwear.studies.problem.scene import bundled
@@ -25,7 +25,7 @@ def test_unknowns_are_those_of_the_run(name):
     scene = Scene.load(name)
     for of in scene.methods:
         solution = method(of).solve(scene.problem, Stages(of))
-        assert count_unknowns(of, scene.problem)[0] == solution.unknowns
+        assert method(of).system_size(scene.problem).unknowns == solution.unknowns
 
 
 def test_a_probe_is_small():

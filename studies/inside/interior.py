@@ -18,7 +18,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil, log
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,14 +25,13 @@ from threadpoolctl import threadpool_limits
 
 from ...mdr.flat_punch import D0, P0
 from ...meshes.radial import Array, Indices
+from ..methods.base import Solution
+from ..methods.error_factors import error_factor
+from ..methods.evaluation import FullContact
+from ..methods.moving_evaluation import MovingContact
 from ..problem.problem import Problem
-from ..problem.quantities import Units
 from ..problem.scene import Scene
 from ..wear.full_contact import RunningIn
-from .base import Solution
-from .error_factors import error_factor
-from .evaluation import FullContact
-from .moving_evaluation import MovingContact
 
 if TYPE_CHECKING:
     from ...fem.half_space import HalfSpace
@@ -167,9 +165,9 @@ def pressures_of(problem: Problem, half_space: "HalfSpace", coarse: bool) -> Arr
         within = space.coarser() if coarse else space
         compliance = compliance.restricted(within)
         wear = RunningIn(compliance, problem.merged.wear_coefficients, continuous=False)
-        looser = error_factor("steps of the coarser march") if coarse else 1.0
+        factor_of_steps = error_factor("steps of the coarser march") if coarse else 1.0
         pressures = MovingContact(
-            problem, compliance, step_tolerance_factor=looser
+            problem, compliance, step_tolerance_factor=factor_of_steps
         ).history.pressure
     if problem.steady:
         pressures = np.vstack([pressures, problem.loading.forces[-1] * wear.steady.pressure])
@@ -256,61 +254,4 @@ def extended(inside: Interior, half_space: "HalfSpace", pressures: Array, depth:
         triangles=np.hstack([inside.triangles, triangles + inside.points.shape[1]]),
         displacement=np.concatenate([inside.displacement, displacement], axis=1),
         stress=np.concatenate([inside.stress, stress], axis=1),
-    )
-
-
-def write_half_space(fields: Interior, scene: Scene, path: Path, series: bool) -> None:
-    """Write the fields as VTU, in the scene's units and upright.
-
-    If `series`, also write files of one time each, and a collection (.pvd) that ParaView goes
-    through.
-
-    X is the radius, y the height (depth is negative).
-    """
-    units, solid = scene.problem.units, scene.half_space
-    # where the punch is elastic, too, the half-space is displaced by its own part only
-    own_part = solid.modulus / solid.own_modulus
-    states = [_upright(fields, state, units, own_part) for state in range(len(fields.labels))]
-    labelled = {
-        f"{name} {label}": values
-        for label, state in zip(fields.labels, states, strict=True)
-        for name, values in state.items()
-    }
-    _write_vtu(fields, units, path, labelled)
-    times = [label.removeprefix("t=") for label in fields.labels if label != "steady"]
-    if series and len(times) > 1:
-        sets = []
-        for number, (time, state) in enumerate(zip(times, states, strict=False)):
-            file = path.with_stem(f"{path.stem}_{number}")
-            _write_vtu(fields, units, file, state)
-            sets.append(f'<DataSet timestep="{time}" file="{file.name}"/>')
-        collection = "\n".join(["<Collection>", *sets, "</Collection>"])
-        path.with_suffix(".pvd").write_text(
-            f'<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n{collection}\n'
-            "</VTKFile>\n",
-            "utf-8",
-        )
-
-
-def _upright(fields: Interior, state: int, units: Units, own_part: float) -> dict[str, Array]:
-    """Return what is known at the points in a state, y upwards, in the scene's units.
-
-    `own_part` is the part of the displacement that is the half-space's own.
-    """
-    radial, down = fields.displacement[state].T * units.displacement * own_part
-    stress = (fields.stress[state] * [1, 1, -1, 1] * units.pressure).T
-    return {
-        "displacement": np.stack([radial, -down, np.zeros_like(radial)], axis=1),
-        **dict(zip(("stress_rr", "stress_zz", "stress_rz", "stress_hoop"), stress, strict=True)),
-        "von_mises": fields.von_mises[state] * units.pressure,
-    }
-
-
-def _write_vtu(fields: Interior, units: Units, path: Path, data: dict[str, Array]) -> None:
-    import meshio
-
-    r, z = fields.points * units.length
-    upright = np.stack([r, -z, np.zeros_like(r)], axis=1)
-    meshio.Mesh(upright, [("triangle", fields.triangles.T)], point_data=data).write(
-        path, file_format="vtu", compression=None
     )

@@ -1,0 +1,1 @@
+"""What happens inside the half-space: displacements and stresses below the punch."""
