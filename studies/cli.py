@@ -196,13 +196,18 @@ def _mesh(options: argparse.Namespace) -> Status:
 
 
 def _compare(options: argparse.Namespace) -> Status:
-    files = ("scenes.csv", "answers.csv", "comparison.png")
+    files = ("scenes.csv", "answers.csv", "comparison.png", "difference.png")
     with output_folder(_out(options, "compare"), "compare", files) as folder:
         from .crosscheck.run import run
-        from .figures.comparison import draw_comparison
+        from .figures.comparison import draw_comparison, draw_field_difference
         from .figures.style import save
         from .output.stored import load
-        from .report.comparison import answer_rows, refuse_other_units, scene_rows
+        from .report.comparison import (
+            answer_rows,
+            field_comparison,
+            refuse_other_units,
+            scene_rows,
+        )
         from .report.printed import print_table
         from .tables import write_csv
 
@@ -213,11 +218,16 @@ def _compare(options: argparse.Namespace) -> Status:
         tables = scene_rows(*sides), answer_rows(*sides)
         for file, table in zip(files, tables, strict=False):
             write_csv(table, folder.hidden / file)
-        save(folder.hidden / files[-1], draw_comparison, *sides)
+        save(folder.hidden / files[2], draw_comparison, *sides)
+        compared = field_comparison(*sides)
+        if compared is not None:
+            save(folder.hidden / files[3], draw_field_difference, *sides, compared)
     print(f"A: {options.A}\nB: {options.B}")
     for table in tables:
         print()
         print_table(table.to_dict("records"))
+    if compared is None:
+        print("\ndifference.png is not drawn: no field is given by both at a common time")
     _print_files(folder, [])
     return Status.DONE
 

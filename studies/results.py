@@ -100,8 +100,8 @@ class Result(dataset.Result):
         Parameters
         ----------
         kind : ``"profiles_and_pressures"``, ``"history"``, ``"contact"``, ``"steady_state"``,
-            ``"operator_difference"``, ``"stress"`` or ``"mesh"``; by default the first of them
-            that the results have
+            ``"difference"``, ``"operator_difference"``, ``"stress"`` or ``"mesh"``; by default
+            the first of them that the results have
 
         Raises
         ------

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..crosscheck.dataset import Result
 from ..problem.unit_names import UnitNames
+from ..sampling.field_differences import OVER_TIME
 from .diagnose import Comparison, Diagnosis, diagnose
 from .verdict import Verdict, best, in_words, verdicts
 
@@ -45,6 +46,17 @@ class Checked(Result):
         """Whether theirs is within what is allowed, by methods of ours that do not disagree."""
         judged = all(row.within for row in self.verdicts if row.solver in self.judged)
         return judged and self.verdict != "disagree"
+
+    @property
+    def compared_in_fields(self) -> tuple[str, ...]:
+        """Ours that is known best, and those of theirs that give fields, the last of them first."""
+        theirs = [name for name in reversed(self.judged) if self._fields_of(name)]
+        ours = best(self.solutions, self._fields_of(theirs[0])[0]) if theirs else ""
+        return (ours, *theirs) if ours else ()
+
+    def _fields_of(self, name: str) -> list[str]:
+        """Return the fields over time that a program gives."""
+        return [field for field in OVER_TIME if field in self.solutions[name].results]
 
     @property
     def judged(self) -> tuple[str, ...]:

@@ -2,13 +2,11 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 
-from ...meshes.radial import Array
 from ..methods.base import Solution
-from ..problem.face import Face
 from ..problem.quantities import FIELDS
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
@@ -46,25 +44,6 @@ class Verdict:
     there: float
 
 
-class SampledFace(Face):
-    """The face by radii that somebody gives, its breakpoints.
-
-    Each stands for the area from half-way to its neighbours, as in the rule of trapezoids.
-    """
-
-    @cached_property
-    def radii(self) -> Array:
-        """(R,) radii that are given, increasing."""
-        return self.breakpoints
-
-    @cached_property
-    def areas(self) -> Array:
-        """(R,) area of the face that each radius stands for."""
-        inner, outer = self.radii[:-1], self.radii[1:]
-        between = np.concatenate([self.radii[:1], (inner + outer) / 2, self.radii[-1:]])
-        return np.pi * np.diff(between**2) if len(inner) else np.ones(1)
-
-
 def best(solutions: Solutions, quantity: str) -> str:
     """Return which method states the least error of a quantity; empty if none does."""
     errors = {
@@ -92,7 +71,7 @@ def verdicts(scene: Scene, solutions: Solutions, name: str, limit: float) -> Ite
             continue
         at = compared.any(axis=0) if field else np.zeros(1, dtype=int)
         radii = problem.radii[at]
-        face = SampledFace(radii, rings.ring_edges, rings.at, problem.profile.standoff)
+        face = problem.sampled_face(radii)
         theirs, right = (
             np.where(compared, values, 0.0)[:, at] if field else np.where(compared, values, 0.0)
             for values in (given[quantity], exact)

@@ -23,6 +23,12 @@ from ..problem.quantities import (
 )
 from ..problem.scene import Scene
 from ..progress import Stages
+from ..sampling.field_differences import (
+    IN_STEADY_STATE,
+    OVER_TIME,
+    FieldComparison,
+    compare_fields,
+)
 from ..sampling.sampler import Sampler
 from ..versions import versions
 from .agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
@@ -217,6 +223,33 @@ class Result:
         given = zip(self.coordinates["solver"], self.table.variables[quantity][1], strict=True)
         chosen = {name: values[times] for name, values in given}
         return {name: values for name, values in chosen.items() if not np.isnan(values).all()}
+
+    @property
+    def compared_in_fields(self) -> tuple[str, ...]:
+        """Methods that give the same fields: the reference, the one drawn against it, and others.
+
+        The reference is the first of them. Finite elements are drawn against it if they are among
+        the others, else the second method is.
+        """
+        for fields in (OVER_TIME, IN_STEADY_STATE):
+            giving = {method: None for name in fields for method in self.by_method(name)}
+            if len(giving) > 1:
+                first, *others = (name for name in self.coordinates["solver"] if name in giving)
+                return str(first), *sorted(map(str, others), key=lambda name: name != "fem")
+        return ()
+
+    @cached_property
+    def field_comparisons(self) -> tuple[FieldComparison, ...]:
+        """The differences of other methods from the reference in fields; the one drawn first."""
+        if not self.compared_in_fields:
+            return ()
+        problem, (first, *others) = self.scene.problem, self.compared_in_fields
+        reports = (self.reported(name) for name in others)
+        compared = (
+            compare_fields(problem, (first, name), self.reported(first), report)
+            for name, report in zip(others, reports, strict=True)
+        )
+        return tuple(comparison for comparison in compared if comparison.fields)
 
     def first(self, quantity: str) -> Array:
         """Return a quantity by the first method that gives it; NaN if none does."""

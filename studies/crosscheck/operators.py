@@ -15,6 +15,7 @@ from scipy.linalg import cholesky, eigh, solve_triangular
 
 from ...meshes.compliance import Compliance
 from ...meshes.errors import SolverError
+from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..wear.full_contact import RunningIn
@@ -34,6 +35,8 @@ class OperatorDifference:
     space : over all pressures of the space
     stability : least ratio of the energies: the square of the inf-sup constant of the multipliers
     wavelengths, differences : by pressure mode, the slowest first
+    shortest_resolved : shortest wave that the elements of the pressure space resolve everywhere, in
+        the unit of the wavelengths
     """
 
     methods: tuple[str, str]
@@ -43,6 +46,7 @@ class OperatorDifference:
     stability: float
     wavelengths: Array
     differences: Array
+    shortest_resolved: float
 
 
 # part of the energy of every pressure that stable multipliers give it at the least
@@ -95,7 +99,19 @@ def difference(
         stability=float(ratios.min()),
         wavelengths=np.pi * np.abs(values[::-1]) * problem.units.length,
         differences=_energy_differences(*pair, modes.T)[::-1],
+        shortest_resolved=_shortest_resolved_wave(pair[0].space) * problem.units.length,
     )
+
+
+def _shortest_resolved_wave(space: PressureSpace) -> float:
+    """Return the shortest wave that all elements of a pressure space resolve, in punch radii.
+
+    A polynomial of degree p takes pi degrees for each wave, so that an element of width h resolves
+    waves down to ``pi h / p`` (Gottlieb and Orszag, Numerical Analysis of Spectral Methods, 1977,
+    section 3). A hole, whose degree is zero, has no pressure.
+    """
+    carries = space.degrees > 0
+    return float(np.pi * (space.widths[carries] / space.degrees[carries]).max())
 
 
 def _energy_differences(first: Compliance, second: Compliance, pressures: Array) -> Array:

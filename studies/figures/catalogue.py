@@ -2,6 +2,7 @@
 
 from ..crosscheck.dataset import Result
 from .contact import draw_contact
+from .difference import draw_result_difference
 from .history import draw_history
 from .mesh import draw_result_mesh, draw_stress
 from .operators import draw_operators
@@ -43,9 +44,18 @@ PICTURES = (
         lambda result: result.gives("steady_profile", "steady_pressure"),
     ),
     Picture(
+        "difference.png",
+        "One method minus the other: pressure, worn profile and displacement along the radius, "
+        "relative to their norms, with the error that each method states as a band; and the same "
+        "differences over radius and time, the largest of them marked and named.",
+        draw_result_difference,
+        lambda result: bool(result.field_comparisons),
+    ),
+    Picture(
         "operator_difference.png",
-        "The methods compared for every pressure at once: long waves, of which the answer is made, "
-        "are at the right; waves shorter than the elements, at the left, are beyond either method.",
+        "The methods compared for every pressure at once. The answer is made of the long waves at "
+        "the right. The waves in the shaded part are finer than the elements, and large "
+        "differences there do not matter.",
         draw_operators,
         lambda result: bool(result.operators),
     ),

@@ -4,8 +4,10 @@ from matplotlib.figure import Figure
 
 from ...meshes.errors import SceneError
 from ..crosscheck.dataset import Result
+from ..sampling.field_differences import FieldComparison
+from .difference import draw_difference
 from .scale import Scale
-from .style import PAGE, complete, curve, new_panels
+from .style import PAGE, complete, curve, new_panels, show_values
 
 
 def draw_comparison(a: Result, b: Result) -> Figure:
@@ -28,8 +30,20 @@ def draw_comparison(a: Result, b: Result) -> Figure:
                 drawn.plot(axes, name, over, result.coordinates[over], result.first(name), **look)
         if not axes.lines:
             figure.delaxes(axes)
+        elif over == "time":
+            show_values(axes)
     if not figure.axes:
         raise SceneError("neither has a history or a steady state: nothing can be compared")
     panels[0, 0].invert_yaxis()
+    return complete(figure, _titles(a, b), figure.axes, down=0.5)
+
+
+def draw_field_difference(a: Result, b: Result, comparison: FieldComparison) -> Figure:
+    """Draw B minus A in the fields along the radius, in the units of A."""
+    return draw_difference(Scale(a.scene), ": ".join(_titles(a, b)), (comparison,))
+
+
+def _titles(a: Result, b: Result) -> tuple[str, str]:
+    """Return the titles of both scenes, for the title of a figure."""
     first, second = (result.scene.title or "untitled" for result in (a, b))
-    return complete(figure, ("A", f"{first}; B: {second}"), figure.axes, down=0.5)
+    return "A", f"{first}; B: {second}"

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from ..crosscheck.dataset import Result
 from .scale import Scale
-from .style import PAGE, complete, curve, method_curve, new_panels
+from .style import PAGE, complete, curve, method_curve, new_panels, show_values
 
 
 def draw_contact(result: Result) -> Figure:
@@ -37,4 +37,5 @@ def draw_contact(result: Result) -> Figure:
     scale.plot(force, "normal_force", "time", between["time"], between["normal_force"], **look)
     for axes in panels.flat:
         axes.set_ylim(0, 1.04 * axes.dataLim.y1)
+        show_values(axes)
     return complete(figure, (result.scene.title, "contact over time"), figure.axes)

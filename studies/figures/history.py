@@ -20,6 +20,7 @@ from .style import (
     method_curve,
     new_panels,
     set_logarithmic,
+    show_values,
 )
 
 
@@ -54,7 +55,7 @@ def draw_history(result: Result) -> Figure:
         steady = scale.shown(name, result.first(f"steady_{name}"))
         if np.isfinite(steady):
             values.axhline(steady, **FAINT, label="steady state")
-        values.ticklabel_format(axis="y", style="sci", scilimits=(-2, 4))
+        show_values(values)
         start, end = values.get_xlim()
         for part in (90, 99):
             time = scale.shown("time", float(result.first(f"time_to_{part}")))

@@ -90,6 +90,9 @@ class Scale:
         if over == "time" and self.logarithmic:
             set_logarithmic(axes, "x")
             places, heights = places[places > 0], heights[places > 0]
+        elif over == "time":
+            # without a factor beside the axis
+            axes.xaxis.set_major_formatter("{x:g}")
         if "pressure" in name:
             edges = self.problem.merged.ring_edges * self.problem.units.length
             places, heights = broken_at(edges, places, heights)

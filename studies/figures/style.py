@@ -31,6 +31,8 @@ GREYS = ("0.0", "0.45", "0.2", "0.6", "0.35")
 RED = "#c0392b"
 # of what others are seen against
 FAINT: dict[str, Any] = {"color": "0.4", "linewidth": 0.8, "linestyle": (0, (1, 2))}
+# least span of an axis of values over the values themselves
+LEAST_SPAN = 0.01
 # width in inches of a figure over both columns of a page
 PAGE = 183 / 25.4
 
@@ -173,6 +175,19 @@ def set_logarithmic(axes: Any, *directions: str) -> None:
         axis = getattr(axes, f"{direction}axis")
         axis.set_major_formatter(lambda value, _: power_of_ten(value))
         axis.set_minor_locator(NullLocator())
+
+
+def show_values(axes: Any) -> None:
+    """Write the numbers of a vertical axis in full, and let it span 1 % of the values or more.
+
+    A narrower span, or an offset such as ``1e-5+6.2475e1``, would make roundoff look like much.
+    """
+    low, high = axes.get_ylim()
+    least = LEAST_SPAN * max(abs(low), abs(high))
+    if abs(high - low) < least:
+        middle, half = (low + high) / 2, np.copysign(least / 2, high - low)
+        axes.set_ylim(middle - half, middle + half)
+    axes.yaxis.set_major_formatter("{x:g}")
 
 
 def power_of_ten(value: float) -> str:

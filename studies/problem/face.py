@@ -268,3 +268,34 @@ class Face:
         coefficients = np.abs(self._coefficients(parts / weights))
         greatest = np.maximum(coefficients.max(axis=0), np.finfo(float).tiny)
         return np.asarray((coefficients[-2:].sum(axis=0) ** 2 / greatest).sum(axis=-1))
+
+
+@dataclass(frozen=True, eq=False)
+class SampledFace(Face):
+    """The face at radii that somebody gives, its breakpoints.
+
+    Each stands for the area from half-way to its neighbours, as in the rule of trapezoids.
+
+    Parameters
+    ----------
+    hole : radius of the hole; 0 if there is none. The given radii may begin beyond it
+    """
+
+    hole: float = 0.0
+
+    @property
+    def inner_radius(self) -> float:
+        """The radius of the hole; 0 if there is none."""
+        return self.hole
+
+    @cached_property
+    def radii(self) -> Array:
+        """(R,) radii that are given, increasing."""
+        return self.breakpoints
+
+    @cached_property
+    def areas(self) -> Array:
+        """(R,) area of the face that each radius stands for."""
+        inner, outer = self.radii[:-1], self.radii[1:]
+        between = np.concatenate([self.radii[:1], (inner + outer) / 2, self.radii[-1:]])
+        return np.pi * np.diff(between**2) if len(inner) else np.ones(1)

@@ -22,7 +22,7 @@ from ...meshes.radial import (
     ring_of,
 )
 from ...meshes.sizes import EdgeAmplitude
-from .face import Face, Rings
+from .face import Face, Rings, SampledFace
 from .loading import Loading
 from .profile import FLAT, InitialProfile
 from .punch import PunchSection
@@ -334,6 +334,11 @@ class Problem:
             breakpoints = np.union1d(breakpoints, even[apart])
         breakpoints = breakpoints[breakpoints >= self.inner_radius]
         return Face(breakpoints, self.ring_edges, rings.at, self.profile.standoff)
+
+    def sampled_face(self, radii: Array) -> SampledFace:
+        """Return the face at radii (R,) that somebody gives, increasing."""
+        rings, standoff = self.merged, self.profile.standoff
+        return SampledFace(radii, rings.ring_edges, rings.at, standoff, self.inner_radius)
 
     @cached_property
     def checked(self) -> Indices:

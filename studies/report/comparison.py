@@ -8,6 +8,12 @@ from ..crosscheck.dataset import Result
 from ..problem.quantities import ANSWER, QUANTITIES
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
+from ..sampling.field_differences import (
+    IN_STEADY_STATE,
+    OVER_TIME,
+    FieldComparison,
+    compare_fields,
+)
 
 
 def refuse_other_units(a: Scene, b: Scene) -> None:
@@ -44,6 +50,23 @@ def answer_rows(a: Result, b: Result) -> pd.DataFrame:
             }
         )
     return pd.DataFrame(rows)
+
+
+def field_comparison(a: Result, b: Result) -> FieldComparison | None:
+    """Return B minus A in the fields along the radius, each by its first method that has them.
+
+    Return None if no field is given by both at a common time.
+    """
+    reports = []
+    for side in (a, b):
+        giving = (name for field in OVER_TIME for name in side.by_method(field))
+        steady = (name for field in IN_STEADY_STATE for name in side.by_method(field))
+        method = next(giving, None) or next(steady, None)
+        if method is None:
+            return None
+        reports.append(side.reported(method))
+    comparison = compare_fields(a.scene.problem, ("A", "B"), *reports)
+    return comparison if comparison.fields else None
 
 
 def _cut(text: str) -> str:

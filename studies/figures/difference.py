@@ -1,0 +1,272 @@
+"""One method minus the other: fields along the radius at some times, and over radius and time."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from ...meshes.radial import Array
+from ..crosscheck.dataset import Result
+from ..sampling.field_differences import FieldComparison, FieldDifference
+from .scale import Scale, shown_times
+from .style import (
+    PAGE,
+    complete,
+    label_of,
+    method_curve,
+    new_panels,
+    power_of_ten,
+    set_logarithmic,
+)
+
+# name and symbol of each field, and what its differences are over
+WORDS = {
+    "pressure": ("pressure p", "p", "rms(p)"),
+    "profile": ("worn profile f", "f", "d"),
+    "displacement": ("displacement u", "u", "d"),
+    "steady_pressure": ("steady pressure p", "p", "rms(p)"),
+    "steady_profile": ("limiting profile f", "f", "uₘₐₓ"),
+}
+# decades of differences that panels and maps show below the greatest
+PANEL_DECADES, MAP_DECADES = 8, 6
+# cells of a map along the radius, each about a pixel on a screen: it shows its greatest difference
+CELLS = 160
+# curves of fewer radii have marks
+FEW_RADII = 25
+
+
+def draw_result_difference(result: Result) -> Figure:
+    """Draw the difference of two methods of a run; a note tells of further methods."""
+    return draw_difference(Scale(result.scene), result.scene.title, result.field_comparisons)
+
+
+def draw_difference(scale: Scale, title: str, comparisons: Sequence[FieldComparison]) -> Figure:
+    """Draw the first of some comparisons, and tell the largest differences of the others.
+
+    Curves at the left are at some of the times, with the errors that both methods state as bands.
+    Maps at the right have all times. The largest difference of each field is marked and named.
+    """
+    drawn, *others = comparisons
+    over_time = np.isfinite(drawn.fields[0].times[0])
+    rows, columns = len(drawn.fields), 2 if over_time else 1
+    figure, panels = new_panels(
+        PAGE, 1.2 + 1.45 * rows, rows, columns, width_ratios=[1.15, 1][:columns]
+    )
+    times = _curve_times(drawn.fields)
+    colours = colormaps["viridis"](np.linspace(0, 0.88, len(times)))
+    top = max(float(np.nanmax(field.relative)) for field in drawn.fields)
+    norm = _decades(top, MAP_DECADES)
+    for number, (field, (curves, *maps)) in enumerate(zip(drawn.fields, panels, strict=True)):
+        _draw_curves(curves, field, drawn, dict(zip(times, colours, strict=True)), scale)
+        words = _largest_in_words(field, scale)
+        for axes in maps:
+            image = _draw_map(axes, field, drawn.contact_edges, norm, scale)
+            axes.set_title(f"{'abcdef'[rows + number]}  {words}", loc="left")
+        what, symbol, over = WORDS[field.quantity]
+        told = f"{'abcdef'[number]}  {what}: {_norm_in_words(field)}"
+        curves.set_title(told if maps else f"{told}; {words}", loc="left")
+        curves.set_ylabel(f"|Δ{symbol}| / {over}")
+        for axes in (curves, *maps):
+            _mark_rings(axes, scale)
+            axes.set_xlabel(scale.label("radius") if number == rows - 1 else "")
+            axes.tick_params(labelbottom=number == rows - 1)
+    names = label_of(drawn.other), label_of(drawn.reference)
+    titles = title, f"{names[0]} minus {names[1]}"
+    complete(figure, titles, panels[0], _note(drawn, others), across=0.55, down=0.25)
+    if over_time:
+        bar = figure.colorbar(image, ax=list(panels[:, 1]), fraction=0.14, pad=0.03, aspect=35)
+        bar.ax.yaxis.set_major_formatter(lambda value, _: power_of_ten(value))
+        bar.minorticks_off()
+        bar.set_label("relative difference, as at the left")
+    return figure
+
+
+def _decades(top: float, count: int) -> LogNorm:
+    """Return a scale of some decades, the last of which holds the top."""
+    highest = 10 ** np.ceil(np.log10(top)) if top > 0 else 1.0
+    return LogNorm(highest * 10.0**-count, highest)
+
+
+def _curve_times(fields: Sequence[FieldDifference]) -> list[float]:
+    """Choose times for curves: some of all, and those of the largest differences."""
+    chosen = {float(field.times[field.largest[0]]) for field in fields}
+    times = fields[0].times
+    return sorted(chosen | set(times[shown_times(times, 5)].tolist()))
+
+
+def _draw_curves(
+    axes: Any,
+    field: FieldDifference,
+    drawn: FieldComparison,
+    colours: dict[float, Any],
+    scale: Scale,
+) -> None:
+    """Draw differences along the radius at some times, and stated errors as bands from below."""
+    stated = {drawn.reference: field.first_error, drawn.other: field.second_error}
+    given = {name: errors[np.isfinite(errors)] for name, errors in stated.items()}
+    bounds = {name: float(errors.max()) for name, errors in given.items() if len(errors)}
+    limits = _decades(
+        max(2 * float(np.nanmax(field.relative)), *bounds.values(), 0.0), PANEL_DECADES
+    )
+    low, high = limits.vmin, limits.vmax
+    for (name, bound), line in zip(bounds.items(), ("-", "--"), strict=False):
+        colour, label = method_curve(name)["color"], f"error that {label_of(name)} states"
+        axes.axhspan(low, bound, color=colour, alpha=0.13, linewidth=0, label=label, zorder=0)
+        axes.axhline(bound, color=colour, linewidth=0.8, linestyle=line)
+    for time, colour in colours.items():
+        for row in np.flatnonzero(field.times == time):
+            there = np.isfinite(field.relative[row])
+            heights = np.maximum(field.relative[row, there], 0.1 * low)
+            label = scale.when(time) if np.isfinite(time) else "steady state"
+            look = {"marker": "."} if there.sum() < FEW_RADII else {}
+            radii = scale.shown("radius", field.radii[there])
+            axes.plot(radii, heights, color=colour, linewidth=0.8, label=label, **look)
+    _, at = field.largest
+    axes.plot(scale.shown("radius", field.radii[at]), np.nanmax(field.relative), **_mark())
+    set_logarithmic(axes, "y")
+    axes.set_ylim(low, high)
+
+
+def _draw_map(
+    axes: Any, field: FieldDifference, contact_edges: Array, norm: LogNorm, scale: Scale
+) -> Any:
+    """Draw differences over the radius and all times, each time as a row of its own."""
+    heights, ticks = _time_axis(field.times, scale)
+    radii = scale.shown("radius", field.radii)
+    cells = np.linspace(*_face(scale), CELLS + 1)
+    image = _greatest_in_cells(field.relative, radii, cells)
+    rows = _row_edges(heights)
+    shown = np.ma.masked_invalid(np.maximum(image, norm.vmin))
+    drawn = axes.pcolormesh(cells, rows, shown, norm=norm, cmap="magma_r")
+    if contact_edges.shape[1] and len(contact_edges) == len(heights):
+        places = scale.shown("radius", contact_edges)
+        places = np.where(places > cells[0], places, np.nan)
+        look = {"marker": "|", "linestyle": "", "color": "#1565c0", "markersize": 4}
+        lines = axes.plot(places, np.tile(heights[:, None], places.shape[1]), **look)
+        lines[0].set_label("edge of the contact")
+    row, at = field.largest
+    axes.plot(radii[at], heights[row], marker="o", markersize=6.5, mfc="none", mec="white", mew=1.8)
+    axes.plot(radii[at], heights[row], **_mark() | {"markersize": 6.5})
+    axes.set(ylim=rows[[0, -1]], ylabel=scale.label("time"))
+    if ticks:
+        axes.set_yticks(list(ticks), list(ticks.values()))
+    return drawn
+
+
+def _time_axis(times: Array, scale: Scale) -> tuple[Array, dict[float, str]]:
+    """Return where rows of a map are, and ticks by their places; no ticks if times are linear.
+
+    In a logarithmic scale the start is a row below the first time.
+    """
+    shown = scale.shown("time", times)
+    if not scale.logarithmic or (shown > 0).sum() < 2:
+        return shown, {}
+    heights = np.log10(np.where(shown > 0, shown, 1.0))
+    later = heights[shown > 0]
+    first = later[0] - max(0.08 * np.ptp(later), 0.3)
+    decades = np.arange(np.ceil(later[0]), np.floor(later[-1]) + 1)
+    ticks = {float(decade): power_of_ten(10.0**decade) for decade in decades}
+    if not shown.all():
+        ticks[float(first)] = "0"
+    return np.where(shown > 0, heights, first), ticks
+
+
+def _row_edges(heights: Array) -> Array:
+    """Return the edges (T+1,) of rows around some heights, half-way between neighbours."""
+    if len(heights) == 1:
+        return heights[0] + np.array([-0.5, 0.5])
+    middle = (heights[1:] + heights[:-1]) / 2
+    first, last = 2 * heights[[0, -1]] - middle[[0, -1]]
+    return np.array([first, *middle, last])
+
+
+def _greatest_in_cells(values: Array, radii: Array, cells: Array) -> Array:
+    """Return the greatest of values (T, R) in each cell (T, n); between radii, the nearest one's.
+
+    Cells inside the first radius and outside the last one are NaN.
+    """
+    number = np.clip(np.searchsorted(cells, radii, side="right") - 1, 0, len(cells) - 2)
+    greatest = np.full((len(values), len(cells) - 1), np.nan)
+    for at, cell in enumerate(number):
+        greatest[:, cell] = np.fmax(greatest[:, cell], values[:, at])
+    middle = (cells[1:] + cells[:-1]) / 2
+    filled = np.unique(number)
+    empty = np.setdiff1d(np.arange(number[0], number[-1] + 1), filled)
+    nearest = filled[np.abs(middle[empty, None] - middle[filled]).argmin(axis=1)]
+    greatest[:, empty] = greatest[:, nearest]
+    return greatest
+
+
+def _face(scale: Scale) -> Array:
+    """Return the inner and the outer radius of the face, as they are drawn."""
+    edges = scale.problem.ring_edges[[0, -1]]
+    return np.asarray(scale.shown("radius", edges * scale.problem.units.length))
+
+
+def _mark_rings(axes: Any, scale: Scale) -> None:
+    """Mark the ring edges unless there are too many, and show the face alone."""
+    edges = scale.problem.ring_edges[1:-1] * scale.problem.units.length
+    for edge in scale.shown("radius", edges) if not scale.many_rings else ():
+        axes.axvline(edge, color="0.6", linewidth=0.5, linestyle=":", zorder=1)
+    axes.set_xlim(*_face(scale))
+
+
+def _mark() -> dict[str, Any]:
+    """Return how the largest difference is marked."""
+    return {
+        "marker": "o",
+        "markersize": 5,
+        "markerfacecolor": "none",
+        "markeredgecolor": "black",
+        "markeredgewidth": 0.8,
+        "linestyle": "",
+        "clip_on": False,
+        "label": "largest difference",
+    }
+
+
+def _norm_in_words(field: FieldDifference) -> str:
+    """Say how large the norm of the difference is where it is greatest, and what is stated then."""
+    row = int(np.nanargmax(field.norms))
+    stated = [error[row] for error in (field.first_error, field.second_error)]
+    given = [error for error in stated if np.isfinite(error)]
+    told = f", stated {sum(given):.0e}" if given else ", no error stated"
+    return f"norm {field.norms[row]:.0e}{told}"
+
+
+def _largest_in_words(field: FieldDifference, scale: Scale) -> str:
+    """Say how large the largest difference is, and at which radius and time."""
+    row, at = field.largest
+    if not field.relative[row, at]:
+        return "no difference"
+    radius = scale.names.write(float(field.radii[at]), "length", 4)
+    when = f", {scale.when(field.times[row])}" if np.isfinite(field.times[row]) else ""
+    return f"largest: {field.relative[row, at]:.0e} at r = {radius}{when}"
+
+
+def _note(drawn: FieldComparison, others: Sequence[FieldComparison]) -> str:
+    """Say what is stated, and what other methods differ by."""
+    over_time = np.isfinite(drawn.fields[0].times[0])
+    lines = [
+        "norm: that of the difference over the whole face, when it is greatest; stated: the sum of "
+        "the errors stated of it then. Single radii may lie above.",
+        "rms: root mean square by wear and area; d: indentation beyond the first touch, the "
+        "greatest so far."
+        if over_time
+        else "rms: root mean square by wear and area; uₘₐₓ: the greatest displacement.",
+    ]
+    if drawn.interpolated:
+        lines.append(
+            f"{label_of(drawn.other)} is interpolated linearly to the radii of "
+            f"{label_of(drawn.reference)}."
+        )
+    for other in others:
+        largest = ", ".join(
+            f"{np.nanmax(field.norms):.0e} in {WORDS[field.quantity][1]}" for field in other.fields
+        )
+        names = f"{label_of(other.other)} minus {label_of(other.reference)}"
+        lines.append(f"Not drawn: {names}, norms up to {largest}.")
+    return "\n".join(lines)
