@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
@@ -53,7 +54,7 @@ def draw_difference(scale: Scale, title: str, comparisons: Sequence[FieldCompari
     over_time = np.isfinite(drawn.fields[0].times[0])
     rows, columns = len(drawn.fields), 2 if over_time else 1
     figure, panels = new_panels(
-        PAGE, 1.2 + 1.45 * rows, rows, columns, width_ratios=[1.15, 1][:columns]
+        PAGE, 1.3 + 1.35 * rows, rows, columns, width_ratios=[1, 1.1][:columns]
     )
     times = _curve_times(drawn.fields)
     colours = colormaps["viridis"](np.linspace(0, 0.88, len(times)))
@@ -64,23 +65,26 @@ def draw_difference(scale: Scale, title: str, comparisons: Sequence[FieldCompari
         words = _largest_in_words(field, scale)
         for axes in maps:
             image = _draw_map(axes, field, drawn.contact_edges, norm, scale)
-            axes.set_title(f"{'abcdef'[rows + number]}  {words}", loc="left")
+            axes.set_title(words, loc="left")
         what, symbol, over = WORDS[field.quantity]
-        told = f"{'abcdef'[number]}  {what}: {_norm_in_words(field)}"
+        told = f"{what}: {_norm_in_words(field)}"
         curves.set_title(told if maps else f"{told}; {words}", loc="left")
         curves.set_ylabel(f"|Δ{symbol}| / {over}")
         for axes in (curves, *maps):
             _mark_rings(axes, scale)
-            axes.set_xlabel(scale.label("radius") if number == rows - 1 else "")
-            axes.tick_params(labelbottom=number == rows - 1)
+            axes.set_xlabel(scale.label("radius"))
+            # ticks take most of the time that a figure of many panels takes
+            axes.xaxis.set_visible(number == rows - 1)
     names = label_of(drawn.other), label_of(drawn.reference)
-    titles = title, f"{names[0]} minus {names[1]}"
-    complete(figure, titles, panels[0], _note(drawn, others), across=0.55, down=0.25)
+    # first, because a long title is cut at its end
+    titles = f"{names[0]} minus {names[1]}", title
+    complete(figure, titles, panels.flat, _note(drawn, others), across=0.55, down=0.25)
     if over_time:
-        bar = figure.colorbar(image, ax=list(panels[:, 1]), fraction=0.14, pad=0.03, aspect=35)
+        bar = figure.colorbar(image, ax=list(panels[:, 1]), fraction=0.19, pad=0.03, aspect=35)
         bar.ax.yaxis.set_major_formatter(lambda value, _: power_of_ten(value))
+        bar.locator = LogLocator(numticks=4)
         bar.minorticks_off()
-        bar.set_label("relative difference, as at the left")
+        bar.set_label("relative difference")
     return figure
 
 
@@ -93,7 +97,7 @@ def _decades(top: float, count: int) -> LogNorm:
 def _curve_times(fields: Sequence[FieldDifference]) -> list[float]:
     """Choose times for curves: some of all, and those of the largest differences."""
     chosen = {float(field.times[field.largest[0]]) for field in fields}
-    times = fields[0].times
+    times = np.unique(np.concatenate([field.times for field in fields]))
     return sorted(chosen | set(times[shown_times(times, 5)].tolist()))
 
 
@@ -108,14 +112,14 @@ def _draw_curves(
     stated = {drawn.reference: field.first_error, drawn.other: field.second_error}
     given = {name: errors[np.isfinite(errors)] for name, errors in stated.items()}
     bounds = {name: float(errors.max()) for name, errors in given.items() if len(errors)}
-    limits = _decades(
-        max(2 * float(np.nanmax(field.relative)), *bounds.values(), 0.0), PANEL_DECADES
-    )
-    low, high = limits.vmin, limits.vmax
+    largest = float(np.nanmax(field.relative))
+    limits = _decades(max(2 * largest, *bounds.values(), 0.0), PANEL_DECADES)
+    # the largest difference is in the panel even if it is far below what is stated
+    low, high = min(limits.vmin, 0.1 * largest or 1.0), limits.vmax
     for (name, bound), line in zip(bounds.items(), ("-", "--"), strict=False):
-        colour, label = method_curve(name)["color"], f"error that {label_of(name)} states"
-        axes.axhspan(low, bound, color=colour, alpha=0.13, linewidth=0, label=label, zorder=0)
-        axes.axhline(bound, color=colour, linewidth=0.8, linestyle=line)
+        colour, label = method_curve(name)["color"], f"error that {label_of(name)} states (band)"
+        axes.axhspan(low, bound, color=colour, alpha=0.13, linewidth=0, zorder=0)
+        axes.axhline(bound, color=colour, linewidth=0.8, linestyle=line, label=label)
     for time, colour in colours.items():
         for row in np.flatnonzero(field.times == time):
             there = np.isfinite(field.relative[row])
@@ -124,9 +128,11 @@ def _draw_curves(
             look = {"marker": "."} if there.sum() < FEW_RADII else {}
             radii = scale.shown("radius", field.radii[there])
             axes.plot(radii, heights, color=colour, linewidth=0.8, label=label, **look)
-    _, at = field.largest
-    axes.plot(scale.shown("radius", field.radii[at]), np.nanmax(field.relative), **_mark())
+    if largest:
+        _, at = field.largest
+        axes.plot(scale.shown("radius", field.radii[at]), largest, **_mark())
     set_logarithmic(axes, "y")
+    axes.yaxis.set_major_locator(LogLocator(numticks=4))
     axes.set_ylim(low, high)
 
 
@@ -148,8 +154,11 @@ def _draw_map(
         lines = axes.plot(places, np.tile(heights[:, None], places.shape[1]), **look)
         lines[0].set_label("edge of the contact")
     row, at = field.largest
-    axes.plot(radii[at], heights[row], marker="o", markersize=6.5, mfc="none", mec="white", mew=1.8)
-    axes.plot(radii[at], heights[row], **_mark() | {"markersize": 6.5})
+    if field.relative[row, at]:
+        mark = _mark() | {"markersize": 6.5}
+        halo = mark | {"markeredgecolor": "white", "markeredgewidth": 1.8, "label": ""}
+        axes.plot(radii[at], heights[row], **halo)
+        axes.plot(radii[at], heights[row], **mark)
     axes.set(ylim=rows[[0, -1]], ylabel=scale.label("time"))
     if ticks:
         axes.set_yticks(list(ticks), list(ticks.values()))
@@ -157,17 +166,21 @@ def _draw_map(
 
 
 def _time_axis(times: Array, scale: Scale) -> tuple[Array, dict[float, str]]:
-    """Return where rows of a map are, and ticks by their places; no ticks if times are linear.
+    """Return where rows of a map are, and ticks by their places; no ticks of a linear scale.
 
     In a logarithmic scale the start is a row below the first time.
     """
     shown = scale.shown("time", times)
+    if len(shown) == 1:
+        return shown, {float(shown[0]): f"{shown[0]:.3g}"}
     if not scale.logarithmic or (shown > 0).sum() < 2:
         return shown, {}
     heights = np.log10(np.where(shown > 0, shown, 1.0))
     later = heights[shown > 0]
     first = later[0] - max(0.08 * np.ptp(later), 0.3)
-    decades = np.arange(np.ceil(later[0]), np.floor(later[-1]) + 1)
+    first_decade, last_decade = np.ceil(later[0]), np.floor(later[-1])
+    step = max(1.0, (last_decade - first_decade) // 3)
+    decades = np.arange(first_decade, last_decade + 1, step)
     ticks = {float(decade): power_of_ten(10.0**decade) for decade in decades}
     if not shown.all():
         ticks[float(first)] = "0"
@@ -209,8 +222,11 @@ def _face(scale: Scale) -> Array:
 def _mark_rings(axes: Any, scale: Scale) -> None:
     """Mark the ring edges unless there are too many, and show the face alone."""
     edges = scale.problem.ring_edges[1:-1] * scale.problem.units.length
-    for edge in scale.shown("radius", edges) if not scale.many_rings else ():
-        axes.axvline(edge, color="0.6", linewidth=0.5, linestyle=":", zorder=1)
+    if len(edges) and not scale.many_rings:
+        look = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
+        # from the bottom to the top of the panel, whatever its scale
+        whole = axes.get_xaxis_transform()
+        axes.vlines(scale.shown("radius", edges), 0, 1, transform=whole, **look)
     axes.set_xlim(*_face(scale))
 
 
@@ -234,7 +250,8 @@ def _norm_in_words(field: FieldDifference) -> str:
     stated = [error[row] for error in (field.first_error, field.second_error)]
     given = [error for error in stated if np.isfinite(error)]
     told = f", stated {sum(given):.0e}" if given else ", no error stated"
-    return f"norm {field.norms[row]:.0e}{told}"
+    norm = f"{field.norms[row]:.0e}" if field.norms[row] else "0"
+    return f"norm {norm}{told}"
 
 
 def _largest_in_words(field: FieldDifference, scale: Scale) -> str:
@@ -244,7 +261,7 @@ def _largest_in_words(field: FieldDifference, scale: Scale) -> str:
         return "no difference"
     radius = scale.names.write(float(field.radii[at]), "length", 4)
     when = f", {scale.when(field.times[row])}" if np.isfinite(field.times[row]) else ""
-    return f"largest: {field.relative[row, at]:.0e} at r = {radius}{when}"
+    return f"largest {field.relative[row, at]:.0e} at r = {radius}{when}"
 
 
 def _note(drawn: FieldComparison, others: Sequence[FieldComparison]) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...meshes.radial import Array, Indices
 from ..problem.problem import Problem
-from ..problem.quantities import QUANTITIES, error_name
+from ..problem.quantities import error_name
 
 OVER_TIME = ("pressure", "profile", "displacement")
 IN_STEADY_STATE = ("steady_pressure", "steady_profile")
@@ -27,7 +27,7 @@ class FieldDifference:
     ----------
     quantity : its name
     times : (T,) times that both give, in the scene's units; infinite for the steady state
-    radii : (R,) radii that the reference gives, in the scene's units
+    radii : (R,) radii at which both give it, in the scene's units
     relative : (T, R) absolute differences over the norm of the field; NaN where one of the reports
         has no finite value. Those of pressures are over the root mean square; while nothing has
         worn, both have the weight of the norm, the root of ``1 - r^2/a^2`` (`Face.blunting`)
@@ -60,8 +60,8 @@ class FieldComparison:
     reference, other : names of the reports; the differences are the other minus the reference
     fields : pressure, profile and displacement over time; if the reports share none of these, the
         steady pressure and the limiting profile
-    contact_edges : (T, E) radii of the edges of the contact, by the reference, in the scene's
-        units; E is 0 if the contact is all of the face
+    contact_edges : (T, E) radii of the edges of the contact at the common times, by the reference,
+        in the scene's units; E is 0 if the contact is all of the face
     interpolated : whether the other is interpolated linearly to the radii of the reference
     """
 
@@ -96,24 +96,17 @@ def compare_fields(
     radii = reference["radius"]
     interpolated = radii.shape != other["radius"].shape or not np.allclose(radii, other["radius"])
     fields = []
-    for group in (OVER_TIME, IN_STEADY_STATE):
-        for name in group if not fields else ():
+    for names_of_fields in (OVER_TIME, IN_STEADY_STATE):
+        for name in names_of_fields if not fields else ():
             if name not in reference or name not in other:
                 continue
             values, their_values = (np.atleast_2d(report[name]) for report in (reference, other))
-            if group is OVER_TIME:
+            if name in OVER_TIME:
                 values, their_values = values[rows], their_values[their_rows]
             if interpolated:
                 their_values = _interpolated(radii, other["radius"], their_values)
-            stated = (
-                _stated(report, name, which)
-                for report, which in ((reference, rows), (other, their_rows))
-            )
-            found = _difference(problem, name, reference, rows, values, their_values)
-            if found is not None:
-                shown, times, relative, norms = found
-                errors = (error[shown] for error in stated)
-                fields.append(FieldDifference(name, times, radii, relative, norms, *errors))
+            stated = _stated(reference, name, rows), _stated(other, name, their_rows)
+            fields += _difference(problem, name, reference, rows, values, their_values, stated)
     edges = reference.get("contact_edge", np.empty((len(reference["time"]), 0)))[rows]
     return FieldComparison(*names, tuple(fields), edges, interpolated)
 
@@ -125,10 +118,16 @@ def _difference(
     rows: Indices,
     values: Array,
     their_values: Array,
-) -> tuple[Array, Array, Array, Array] | None:
-    """Return which times are compared, these times, relative differences there, and their norms.
+    stated: tuple[Array, Array],
+) -> list[FieldDifference]:
+    """Return the difference in one field: none if no finite values meet, or all are zero.
 
-    Return None if nothing is compared, or if the reference is zero at all times.
+    Parameters
+    ----------
+    problem, name, reference : what is compared
+    rows : (T,) numbers of the times of the reference that the other gives, too
+    values, their_values : (T, R) at these times, or (1, R) of the steady state
+    stated : errors (T,) or (1,) that the reference and the other state
     """
     over_time, units = name in OVER_TIME, problem.units
     with np.errstate(invalid="ignore"):
@@ -140,34 +139,34 @@ def _difference(
         jumps = np.isclose(radii[:, None], problem.merged.ring_edges[1:-1], 0, 1e-9)
         gaps[:, jumps.any(axis=1)] = np.nan
     compared = np.isfinite(gaps)
-    shown = compared.any(axis=1)
+    shown, at = compared.any(axis=1), compared.any(axis=0)
     if not shown.any():
-        return None
-    gaps, compared, values = gaps[shown], compared[shown], values[shown]
+        return []
+    part = np.ix_(shown, at)
+    gaps, compared, values, radii = gaps[part], compared[part], values[part], radii[at]
     times = reference["time"][rows][shown] if over_time else np.array([np.inf])
-    if QUANTITIES[name].norm == "pressure":
-        at = compared.any(axis=0)
-        face = problem.sampled_face(radii[at])
-        weights = np.zeros(len(radii))
-        weights[at] = face.weights
-        weights = weights * compared
+    face = problem.sampled_face(radii)
+    if "pressure" in name:
         if over_time:
             unworn = problem.loading.at(times / units.time).distance == 0
-            gaps[np.ix_(unworn, at)] *= np.sqrt(face.blunting)
-            values = np.where(np.isfinite(values), values, 0.0)
-            values[np.ix_(unworn, at)] *= np.sqrt(face.blunting)
+            blunting = np.where(unworn[:, None], np.sqrt(face.blunting), 1.0)
+            gaps, values = gaps * blunting, np.where(compared, values, 0.0) * blunting
+        weights = face.weights * compared
         scale = _root_mean_square(values, weights)
+    elif over_time:
+        scale = _depth(problem, reference)[rows][shown]
     else:
-        greatest = np.atleast_1d(reference.get("steady_displacement_max", units.displacement))
-        scale = _depth(problem, reference)[rows][shown] if over_time else greatest
+        scale = np.atleast_1d(reference.get("steady_displacement_max", units.displacement))
     if not scale.max() > 0:
-        return None
+        return []
+    # where nothing presses, no more than roundoff is left
     relative = gaps / np.maximum(scale, ROUNDOFF * scale.max())[:, None]
-    if QUANTITIES[name].norm == "pressure":
+    if "pressure" in name:
         norms = _root_mean_square(relative, weights)
     else:
         norms = np.nanmax(relative, axis=1)
-    return shown, times, relative, norms
+    errors = (error[shown] for error in stated)
+    return [FieldDifference(name, times, reference["radius"][at], relative, norms, *errors)]
 
 
 def _depth(problem: Problem, reference: Mapping[str, Array]) -> Array:

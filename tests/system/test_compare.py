@@ -32,6 +32,22 @@ def test_compare_tells_what_differs(folder, tmp_path, capsys):
     assert keys.loc["load.mean_pressure"].tolist() == ["300000.0", "600000.0"]
     assert "punch.radius" not in keys.index
     assert (out / "comparison.png").exists()
+    assert (out / "difference.png").exists()
+
+
+def test_without_common_times_no_difference_is_drawn(folder, tmp_path, capsys):
+    other, out = tmp_path / "other.toml", tmp_path / "out"
+    scene = Scene.load("rubber").changed(
+        methods=["mdr"], wear__times=[2e3, 2e4], wear__steady=False
+    )
+    other.write_text(scene.to_toml(), "utf-8")
+    assert main(["compare", str(folder), str(other), "--out", str(out)]) == 0
+    assert "difference.png is not drawn: no field is given by both" in capsys.readouterr().out
+    assert {file.name for file in out.glob("[!.]*")} == {
+        "scenes.csv",
+        "answers.csv",
+        "comparison.png",
+    }
 
 
 @pytest.mark.parametrize(

@@ -164,12 +164,14 @@ def test_half_space(done):
 STATES = {"profiles_and_pressures.png"}
 HISTORY = STATES | {"history.png"}
 STEADY = {"steady_state.png"}
+DIFFERENCE = {"difference.png"}
 INSIDE = {"half_space.vtu", "stress.png", "mesh.png"}
 
 
 def test_every_file_of_a_run_is_there(done):
     files = {file.name for file in done.iterdir()}
-    assert files == NUMBERS | PAGE | HISTORY | STEADY | INSIDE | {"operator_difference.png"}
+    drawn = HISTORY | STEADY | INSIDE | DIFFERENCE | {"operator_difference.png"}
+    assert files == NUMBERS | PAGE | drawn
     assert all(file.read_bytes().startswith(b"\x89PNG") for file in done.glob("*.png"))
 
 
@@ -178,11 +180,11 @@ def test_every_file_of_a_run_is_there(done):
     [
         ({"methods": ["direct"]}, STEADY),
         ({"methods": ["mdr"], "wear__steady": False}, HISTORY),
-        ({"methods": ["mdr", "direct"], "wear__times": []}, STEADY),
+        ({"methods": ["mdr", "direct"], "wear__times": []}, STEADY | DIFFERENCE),
         ({"methods": ["mdr"], "wear__times": [0.0]}, STATES | STEADY),
         ({"methods": ["fem"], "wear__steady": False}, HISTORY | INSIDE),
         ({"methods": ["mdr"], "punch__wear_coefficients": [2.0, 2.0]}, HISTORY | STEADY),
-        ({"methods": ["mdr", "direct"], "output__radii": [0.5]}, HISTORY | STEADY),
+        ({"methods": ["mdr", "direct"], "output__radii": [0.5]}, HISTORY | STEADY | DIFFERENCE),
     ],
     ids=lambda value: str(value) if isinstance(value, dict) else "",
 )
