@@ -168,12 +168,13 @@ def _draw_map(
 def _time_axis(times: Array, scale: Scale) -> tuple[Array, dict[float, str]]:
     """Return where rows of a map are, and ticks by their places; no ticks of a linear scale.
 
-    In a logarithmic scale the start is a row below the first time.
+    Times are logarithmic, and the start is a row below the first of them. They are linear if loads
+    vary, because late times then have as much to show as early ones.
     """
     shown = scale.shown("time", times)
     if len(shown) == 1:
         return shown, {float(shown[0]): f"{shown[0]:.3g}"}
-    if not scale.logarithmic or (shown > 0).sum() < 2:
+    if scale.problem.loading.varies or (shown > 0).sum() < 2:
         return shown, {}
     heights = np.log10(np.where(shown > 0, shown, 1.0))
     later = heights[shown > 0]
@@ -182,6 +183,8 @@ def _time_axis(times: Array, scale: Scale) -> tuple[Array, dict[float, str]]:
     step = max(1.0, (last_decade - first_decade) // 3)
     decades = np.arange(first_decade, last_decade + 1, step)
     ticks = {float(decade): power_of_ten(10.0**decade) for decade in decades}
+    if len(ticks) < 2:
+        ticks = {float(later[at]): f"{10 ** later[at]:.3g}" for at in (0, -1)}
     if not shown.all():
         ticks[float(first)] = "0"
     return np.where(shown > 0, heights, first), ticks

@@ -13,7 +13,7 @@ from ...meshes.radial import Array, Indices
 from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
-from .style import broken_at, method_curve, set_logarithmic, shade_rings
+from .style import broken_at, method_curve, power_of_ten, set_logarithmic, shade_rings
 
 LABELS = {
     "radius": ("radius r", "length"),
@@ -33,6 +33,8 @@ LABELS = {
     "von_mises": ("von Mises stress σ", "pressure"),
 }
 """What is drawn: its name with its symbol, and its kind of unit."""
+# numbers without a unit that are drawn as they are
+SHORTEST, LONGEST = 1e-3, 1e5
 
 
 class Scale:
@@ -65,13 +67,22 @@ class Scale:
             "force": units.force,
             "volume": 100 * slid * units.volume,
         }
-        self.axes = {
-            kind: self.names.readable(size, "displacement" if kind == "height" else kind)
-            for kind, size in sizes.items()
-        }
+        self.axes = {kind: self._unit(size, kind) for kind, size in sizes.items()}
         # where loads vary, late times have as much to show as early ones
         self.logarithmic = times[-1] > 30 * times[0] and not self.problem.loading.varies
         self.many_rings = len(self.problem.wear_coefficients) > 24
+
+    def _unit(self, size: float, kind: str) -> tuple[float, str]:
+        """Return the unit that numbers of this size are drawn in, and its name.
+
+        Small or large numbers without a unit are drawn in a power of ten, so that numbers at an
+        axis stay short.
+        """
+        unit, name = self.names.readable(size, "displacement" if kind == "height" else kind)
+        if name or not np.isfinite(size) or size <= 0 or SHORTEST <= size < LONGEST:
+            return unit, name
+        power = 10.0 ** np.floor(np.log10(size))
+        return float(power), power_of_ten(power)
 
     def shown(self, name: str, values: Any) -> Any:
         """Return values of a quantity, in the units of the scene, as they are drawn."""

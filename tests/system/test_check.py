@@ -38,7 +38,8 @@ def test_closed_forms_pass(tmp_path, capsys):
     assert "1 rows beyond the punch" in shown.err
     rows = pd.read_csv(out / "check.csv")
     assert (rows.error.abs() <= rows.stated).all()
-    assert {"profiles_and_pressures.png", "report.html"} <= {file.name for file in out.iterdir()}
+    files = {file.name for file in out.iterdir()}
+    assert {"profiles_and_pressures.png", "difference.png", "report.html"} <= files
     assert json.loads((out / "summary.json").read_text("utf-8"))["verdicts"][0]["within"]
 
 
@@ -57,6 +58,22 @@ def test_what_is_off_is_told_with_its_sign_and_place(tmp_path, capsys):
     assert "displacement: high by 5 % of the indentation" in told
     assert "r = 0.5\n" in told
     assert main([*call, "--within", "0.5"]) == 0
+
+
+def test_the_difference_is_theirs_minus_ours():
+    scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-3)
+    table = flat_start(scene)
+    table.loc[3, "displacement"] += 0.05
+    # d = 1
+    (comparison,) = check(scene, {"abaqus": table}).field_comparisons
+    assert (comparison.reference, comparison.other) == ("mdr", "abaqus")
+    (found,) = [field for field in comparison.fields if field.quantity == "displacement"]
+    assert found.radii[found.largest[1]] == 0.5
+    assert found.relative[found.largest] == pytest.approx(0.05, rel=1e-2)
+    assert np.isnan(found.second_error).all()
+    # without fields there is nothing to draw
+    depths = table[["time", "indentation"]].iloc[:1]
+    assert not check(scene, {"depths": depths}).field_comparisons
 
 
 def test_errors_of_pressure_are_weighted_by_wear_and_area():

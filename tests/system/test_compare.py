@@ -1,11 +1,13 @@
 """Two results beside each other, and results as CSV."""
 
+import numpy as np
 import pandas as pd
 import pytest
 import xarray
 
-from ringwear import Scene
+from ringwear import Scene, load, run
 from ringwear.studies.cli import main
+from ringwear.studies.report.comparison import field_comparison
 
 
 @pytest.fixture(scope="module")
@@ -33,6 +35,18 @@ def test_compare_tells_what_differs(folder, tmp_path, capsys):
     assert "punch.radius" not in keys.index
     assert (out / "comparison.png").exists()
     assert (out / "difference.png").exists()
+
+
+def test_twice_the_load_differs_by_as_much_as_there_is(folder):
+    twice = run(Scene.load("rubber").changed(methods=["mdr"], load__mean_pressure=6e5))
+    comparison = field_comparison(load(folder), twice)
+    fields = {field.quantity: field for field in comparison.fields}
+    # at the start all is linear in the load, and d is u everywhere
+    start = fields["displacement"].relative[0]
+    np.testing.assert_allclose(start, 1.0, rtol=1e-3)
+    assert fields["pressure"].norms[0] == pytest.approx(1.0, rel=1e-3)
+    assert not fields["profile"].relative[0].any()
+    assert not comparison.interpolated
 
 
 def test_without_common_times_no_difference_is_drawn(folder, tmp_path, capsys):

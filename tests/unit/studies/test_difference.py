@@ -256,6 +256,16 @@ def test_no_history_has_offset_text_or_a_narrow_axis():
         assert high - low >= 0.0099 * max(abs(low), abs(high))
 
 
+def test_numbers_without_a_unit_are_drawn_in_a_power_of_ten():
+    scene = Scene.load("five_rings").changed(load__normal_force=2e-6, punch__radius=1e-2)
+    # slopes F / (a^2 E*) are 2e-2, and stresses F / (a^2) as well; heights are F / (2 a E*) = 1e-4
+    scale = Scale(scene)
+    assert scale.label("rms_slope") == "RMS slope s"
+    assert scale.label("displacement_max") == "greatest displacement uₘₐₓ (10⁻⁴)"
+    assert scale.shown("displacement_max", 1e-4) == pytest.approx(1.0)
+    assert scale.label("radius") == "radius r"
+
+
 def test_the_shortest_wave_has_pi_degrees_in_the_worst_element():
     # h/p is 0.1, 0.075 and 0.1 on the face; the hole of degree 0 has no pressure
     space = PressureSpace(
