@@ -59,12 +59,12 @@ def draw_difference(scale: Scale, title: str, comparisons: Sequence[FieldCompari
     times = _curve_times(drawn.fields)
     colours = colormaps["viridis"](np.linspace(0, 0.88, len(times)))
     top = max(float(np.nanmax(field.relative)) for field in drawn.fields)
-    norm = _decades(top, MAP_DECADES)
+    limits = _decades(top, MAP_DECADES)
     for number, (field, (curves, *maps)) in enumerate(zip(drawn.fields, panels, strict=True)):
         _draw_curves(curves, field, drawn, dict(zip(times, colours, strict=True)), scale)
         words = _largest_in_words(field, scale)
         for axes in maps:
-            image = _draw_map(axes, field, drawn.contact_edges, norm, scale)
+            image = _draw_map(axes, field, drawn.contact_edges, limits, scale)
             axes.set_title(words, loc="left")
         what, symbol, over = WORDS[field.quantity]
         told = f"{what}: {_norm_in_words(field)}"
@@ -88,10 +88,10 @@ def draw_difference(scale: Scale, title: str, comparisons: Sequence[FieldCompari
     return figure
 
 
-def _decades(top: float, count: int) -> LogNorm:
-    """Return a scale of some decades, the last of which holds the top."""
-    highest = 10 ** np.ceil(np.log10(top)) if top > 0 else 1.0
-    return LogNorm(highest * 10.0**-count, highest)
+def _decades(top: float, count: int) -> tuple[float, float]:
+    """Return the ends of a scale of some decades, the last of which holds the top."""
+    highest = float(10 ** np.ceil(np.log10(top))) if top > 0 else 1.0
+    return highest * 10.0**-count, highest
 
 
 def _curve_times(fields: Sequence[FieldDifference]) -> list[float]:
@@ -113,9 +113,10 @@ def _draw_curves(
     given = {name: errors[np.isfinite(errors)] for name, errors in stated.items()}
     bounds = {name: float(errors.max()) for name, errors in given.items() if len(errors)}
     largest = float(np.nanmax(field.relative))
-    limits = _decades(max(2 * largest, *bounds.values(), 0.0), PANEL_DECADES)
-    # the largest difference is in the panel even if it is far below what is stated
-    low, high = min(limits.vmin, 0.1 * largest or 1.0), limits.vmax
+    low, high = _decades(max(2 * largest, *bounds.values(), 0.0), PANEL_DECADES)
+    if largest:
+        # it is in the panel even if it is far below what is stated
+        low = min(low, 0.1 * largest)
     for (name, bound), line in zip(bounds.items(), ("-", "--"), strict=False):
         colour, label = method_curve(name)["color"], f"error that {label_of(name)} states (band)"
         axes.axhspan(low, bound, color=colour, alpha=0.13, linewidth=0, zorder=0)
@@ -137,19 +138,24 @@ def _draw_curves(
 
 
 def _draw_map(
-    axes: Any, field: FieldDifference, contact_edges: Array, norm: LogNorm, scale: Scale
+    axes: Any,
+    field: FieldDifference,
+    contact_edges: Array,
+    limits: tuple[float, float],
+    scale: Scale,
 ) -> Any:
     """Draw differences over the radius and all times, each time as a row of its own."""
     heights, ticks = _time_axis(field.times, scale)
     radii = scale.shown("radius", field.radii)
-    cells = np.linspace(*_face(scale), CELLS + 1)
+    inner, outer = _face(scale)
+    cells = np.linspace(inner, outer, CELLS + 1)
     image = _greatest_in_cells(field.relative, radii, cells)
     rows = _row_edges(heights)
-    shown = np.ma.masked_invalid(np.maximum(image, norm.vmin))
-    drawn = axes.pcolormesh(cells, rows, shown, norm=norm, cmap="magma_r")
+    shown = np.ma.masked_invalid(np.maximum(image, limits[0]))
+    drawn = axes.pcolormesh(cells, rows, shown, norm=LogNorm(*limits), cmap="magma_r")
     if contact_edges.shape[1] and len(contact_edges) == len(heights):
         places = scale.shown("radius", contact_edges)
-        places = np.where(places > cells[0], places, np.nan)
+        places = np.where(places > inner, places, np.nan)
         look = {"marker": "|", "linestyle": "", "color": "#1565c0", "markersize": 4}
         lines = axes.plot(places, np.tile(heights[:, None], places.shape[1]), **look)
         lines[0].set_label("edge of the contact")
@@ -206,20 +212,20 @@ def _greatest_in_cells(values: Array, radii: Array, cells: Array) -> Array:
     """
     number = np.clip(np.searchsorted(cells, radii, side="right") - 1, 0, len(cells) - 2)
     greatest = np.full((len(values), len(cells) - 1), np.nan)
-    for at, cell in enumerate(number):
-        greatest[:, cell] = np.fmax(greatest[:, cell], values[:, at])
+    filled, starts = np.unique(number, return_index=True)
+    greatest[:, filled] = np.fmax.reduceat(values, starts, axis=1)
     middle = (cells[1:] + cells[:-1]) / 2
-    filled = np.unique(number)
     empty = np.setdiff1d(np.arange(number[0], number[-1] + 1), filled)
     nearest = filled[np.abs(middle[empty, None] - middle[filled]).argmin(axis=1)]
     greatest[:, empty] = greatest[:, nearest]
     return greatest
 
 
-def _face(scale: Scale) -> Array:
+def _face(scale: Scale) -> tuple[float, float]:
     """Return the inner and the outer radius of the face, as they are drawn."""
-    edges = scale.problem.ring_edges[[0, -1]]
-    return np.asarray(scale.shown("radius", edges * scale.problem.units.length))
+    edges = scale.problem.ring_edges[[0, -1]] * scale.problem.units.length
+    inner, outer = scale.shown("radius", edges)
+    return float(inner), float(outer)
 
 
 def _mark_rings(axes: Any, scale: Scale) -> None:
