@@ -95,7 +95,7 @@ def compare_fields(
     rows, their_rows = np.nonzero(same)
     radii = reference["radius"]
     interpolated = radii.shape != other["radius"].shape or not np.allclose(radii, other["radius"])
-    fields = []
+    fields: list[FieldDifference] = []
     for names_of_fields in (OVER_TIME, IN_STEADY_STATE):
         for name in names_of_fields if not fields else ():
             if name not in reference or name not in other:
