@@ -21,6 +21,10 @@ It is computed by finite elements, dimensionality reduction and direct integrati
     then ``found.table``, ``found.orders``, ``found.conclusions``, ``found.figures``
 `sweep`
     scenes over axes of scene keys, in one labelled dataset
+`Result`, `Study`
+    what `run` and `study` return
+`SceneError`, `RingwearError`
+    what they raise: of a scene that cannot be computed, with the remedy; of anything that fails
 
 Examples
 --------
@@ -36,17 +40,34 @@ from typing import TYPE_CHECKING
 from ringwear.studies.problem.scene import Scene
 
 if TYPE_CHECKING:
+    from ringwear.meshes.errors import RingwearError, SceneError
     from ringwear.studies.crosscheck.plan import plan
-    from ringwear.studies.results import check, load, run
+    from ringwear.studies.results import Result, check, load, run
     from ringwear.studies.study.conduct import study
+    from ringwear.studies.study.study import Study
     from ringwear.studies.sweep.conduct import sweep
 
     __version__: str
 
-__all__ = ["Scene", "__version__", "check", "load", "plan", "run", "study", "sweep"]
+__all__ = [
+    "Result",
+    "RingwearError",
+    "Scene",
+    "SceneError",
+    "Study",
+    "__version__",
+    "check",
+    "load",
+    "plan",
+    "run",
+    "study",
+    "sweep",
+]
 
 # a scene alone does not need the numerics that these bring in
 _LATER = {
+    "Result": "ringwear.studies.results",
+    "Study": "ringwear.studies.study.study",
     "run": "ringwear.studies.results",
     "check": "ringwear.studies.results",
     "load": "ringwear.studies.results",

@@ -29,7 +29,7 @@ class StepControl:
     def __init__(self, tolerance: float, distance: float) -> None:
         self.tolerance = tolerance
         self.step = _quantised(FIRST * distance) if distance else 1.0
-        self.deepest = np.finfo(float).tiny
+        self.deepest = float(np.finfo(float).tiny)
         self.taken = self.rejected = 0
 
     def next_towards(self, left: float) -> float:
