@@ -24,7 +24,16 @@ from .radial import Array, Indices, gauss, ring_of, values_on_rings
 
 @dataclass(frozen=True, eq=False)
 class PressureSpace:
-    """Piecewise polynomials on a radial mesh, continuous inside rings, broken at ring edges.
+    """Represent contact pressures by polynomials along the radius, broken at ring edges.
+
+    A `PressureSpace` turns coefficients (size,) of a pressure into values (`matrix`), forces
+    (`weights`, `ring_forces`) and integrals (`mass`). Every method gives its `Compliance` on one.
+
+    >>> edges = np.array([0.0, 0.5, 1.0])
+    >>> space = PressureSpace(edges, degrees=np.array([2, 2]), ring_edges=edges)
+    >>> pressure = space.ring_indicator() @ [4.0, 1.0]
+    >>> space.ring_forces(edges) @ pressure / np.pi  # 4 times 1/4, and 1 times 3/4
+    array([1.  , 0.75])
 
     Parameters
     ----------
