@@ -40,7 +40,9 @@ def run(
     Parameters
     ----------
     scene : a Scene, the name of a bundled one, a file, or nested dictionaries
-    methods : names of methods, and methods of one's own, in place of the scene's
+    methods : names of methods, and methods of one's own, in place of the scene's; the docstring of
+        `ringwear.studies.crosscheck.run.run` says what each gives, for which punches, and when to
+        choose it
     rtol : relative accuracy wanted, in place of the scene's
     quantities : names of those wanted, or groups of them, in place of the scene's
 
