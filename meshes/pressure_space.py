@@ -13,13 +13,16 @@ All areas are those of the punch face: ``dA = 2 pi r dr``.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix
 
 from .radial import Array, Indices, gauss, ring_of, values_on_rings
+
+# values of functions, or numbers of rings
+Values = TypeVar("Values", Array, Indices)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +63,7 @@ class PressureSpace:
         return np.diff(self.breakpoints) + np.diff(self._low)
 
     @cached_property
-    def sort_keys(self) -> Any:
+    def sort_keys(self) -> NDArray[np.complex128]:
         """(n+1,) complex numbers in the order of the breakpoints.
 
         numpy orders complex numbers by their real parts, the rounded breakpoints, and equal ones by
@@ -119,7 +122,7 @@ class PressureSpace:
         table[self.degrees == 0] = self.size
         return table
 
-    def _of_functions(self, values: Any) -> Any:
+    def _of_functions(self, values: Values) -> Values:
         """Return a value (size,) of each basis function from values on the elements.
 
         `values` is (n, top+1), one for each shape function of each element, or (n, 1), one for each

@@ -22,6 +22,7 @@ from .report.words import Account
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from .check.tables import OthersResults
     from .figures.style import Picture
 
 Shown = TypeVar("Shown", bound="Result")
@@ -159,7 +160,7 @@ class Checked(Result, checked.Checked):
     """
 
 
-def check(scene: Source, given: Mapping[str, Any], **how: Any) -> Checked:
+def check(scene: Source, given: "Mapping[str, OthersResults]", **how: Any) -> Checked:
     """Hold results of other programs against ours, at their times and radii.
 
     Parameters

@@ -64,5 +64,12 @@ def _draw_triangle(axes: "Axes", sequence: Sequence, color: str) -> None:
     left, high, order = np.sqrt(right * second), sequence.errors[0] / 2, sequence.theory.order
     low = high * (left / right) ** order
     axes.plot([left, right, right, left], [low, low, high, low], color=color, linewidth=0.6)
-    place = {"textcoords": "offset points", "xytext": (2, 0), "va": "center"}
-    axes.annotate(f"{order:.2g}", (right, np.sqrt(low * high)), fontsize=6, color=color, **place)
+    axes.annotate(
+        f"{order:.2g}",
+        (right, np.sqrt(low * high)),
+        xytext=(2, 0),
+        textcoords="offset points",
+        va="center",
+        fontsize=6,
+        color=color,
+    )

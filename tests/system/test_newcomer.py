@@ -92,7 +92,7 @@ def test_guesses_that_are_mended_in_a_line(call, told, result):
 
 def test_only_what_is_public_is_listed():
     assert sorted(dir(ringwear)) == [
-        *("Scene", "__version__", "check", "load", "plan", "run", "sweep")
+        *("Scene", "__version__", "check", "load", "plan", "run", "study", "sweep")
     ]
     assert ringwear.__version__[0].isdigit()
     assert ringwear.SceneError is SceneError
