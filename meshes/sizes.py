@@ -19,7 +19,6 @@ from .radial import Array, Indices
 Amplitude = Callable[[Array, Array, Indices], Array]
 
 # greatest quadrilaterals between the patches, over the truncation
-# (physics/test_orders.py::test_indentation_on_quadrilaterals_by_the_degree)
 LARGEST = 0.4
 # rings, in a, that any mesher can tell from an edge
 NARROWEST = 1e-12
@@ -36,7 +35,7 @@ COARSER_GROWTH = 1.5
 GREATEST_COARSER_GROWTH = 2.0
 # times by which a patch may be widened to meet its neighbour: beyond, there is room for a
 # quadrilateral between them, and so wide a patch would be flat
-# (unit/meshes/test_half_space_mesh.py::test_quality)
+# (unit/meshes/test_half_space_mesh.py::test_it_is_the_quarter_disc)
 MOST_STRETCH = 1.6
 # layers that a size may exceed a whole number of layers by, so that roundoff adds none
 ROUNDOFF_OF_LAYERS = 1e-9
@@ -46,7 +45,7 @@ BESIDE_PATCHES = 1.4
 # distinct sizes in an octave: a mesher makes a size field of each
 SIZES_PER_OCTAVE = 4
 # amplitude of the slope over that of the pressure, of which the root of the tolerance is enough
-# (physics/test_five_rings.py::test_the_dial_bounds_every_quantity)
+# (physics/test_size_rules.py)
 SLOPE_AMPLITUDE = 3
 
 
@@ -119,7 +118,7 @@ def patch_widths(ring_edges: Array) -> Array:
     -----
     Half the width of the narrower ring beside the edge. Neighbours are widened to meet in the
     middle of the ring between them if ``MOST_STRETCH`` is enough for that. Shown by
-    unit/meshes/test_half_space_mesh.py::test_quality.
+    unit/meshes/test_half_space_mesh.py::test_it_is_the_quarter_disc.
     """
     rings = np.diff(ring_edges)
     half = np.minimum(rings, np.append(rings[1:], np.inf)) / 2
@@ -180,7 +179,7 @@ def adjacent_sizes(widths: Array) -> Array:
     """Return the size (N,) of the elements next to each patch, in powers of a fourth root of 2.
 
     ``BESIDE_PATCHES`` times the half-width of the patch. A mesher gets few distinct values, because
-    each makes a size field of its own. Shown by unit/meshes/test_half_space_mesh.py::test_quality.
+    each makes a size field of its own.
     """
     octaves = np.log2(BESIDE_PATCHES * widths.mean(axis=1))
     return np.asarray(2.0 ** (np.round(SIZES_PER_OCTAVE * octaves) / SIZES_PER_OCTAVE))

@@ -3,8 +3,8 @@
 `ringwear study tradeoff` shows that no other sizes reach an accuracy much faster,
 physics/test_estimates.py that each accuracy is reached on scenes drawn at random, and `ringwear
 study convergence` the orders behind the powers. Sizes beside ring edges are in `ring_edges.py`,
-degrees of the pressure in `degrees.py`. Lengths are in punch radii. Each constant names what shows
-it: a test under `tests/`, or a study.
+degrees of the pressure in `degrees.py`. Lengths are in punch radii. Constants name what
+shows them, a test under `tests/` or a study, where there is one.
 """
 
 from dataclasses import replace
@@ -31,7 +31,7 @@ from .ring_edges import (
 
 # ratio of the widths of neighbouring elements on the radial mesh of the MDR and of boundary
 # elements: with more, more elements reach the same size, and with less, each needs a higher degree
-# (`ringwear study tradeoff`)
+# (physics/test_size_rules.py, `ringwear study tradeoff`)
 RADIAL_GRADING = 0.2
 # highest degree of the pressure on that mesh
 HIGHEST_DEGREE = 20
@@ -40,17 +40,18 @@ HIGHEST_DEGREE = 20
 TRUNCATION = 2.5
 # truncation radius of triangles, and of a clamped boundary, in a (`ringwear study truncation`)
 WIDER_TRUNCATION = 5.0
-# size of quadrilaterals between the patches over the distance from them (`ringwear study tradeoff`)
+# growth of quadrilaterals between the patches with the distance from them (physics/test_size_rules.py)
 GROWTH = 0.5
 # least degree of the pressure on quadrilaterals: of less, the coarser solution would have linear
 # pressures, too far off to judge by
 LEAST_TO_JUDGE_BY = 3.0
 # degrees of the displacement above that of the pressure on quadrilaterals, before rounding up
-# (`ringwear study convergence`)
+# (physics/test_size_rules.py, `ringwear study convergence`)
 ABOVE_PRESSURE = 1.45
-# degrees more for each digit that 1 - 2 nu loses (physics/test_estimates.py::test_nothing_locks)
+# degrees more for each digit that 1 - 2 nu loses; physics/test_estimates.py::test_nothing_locks holds
+# the accuracy near incompressibility
 DEGREES_PER_DIGIT_OF_COMPRESSIBILITY = 0.4
-# degrees that the displacement has to spare before the first of these is added (the same test)
+# degrees that the displacement has to spare before the first of these is added
 DEGREES_TO_SPARE = 0.2
 # Poisson's ratio beyond which degrees rise no more: 1/2 is modelled as 0.49999
 GREATEST_POISSON_RATIO = 0.4999
@@ -68,11 +69,11 @@ POWER_OF_LEAST_WORN_LENGTH = 0.75
 # size of triangles at a ring edge over the narrower ring beside it, where rtol is 1
 TRIANGLES_AT_RINGS = 10
 # power of rtol that this falls by: elements of degree 4 converge by a power of their size, not
-# by layers (physics/test_five_rings.py::test_the_dial_of_the_fem)
+# by layers
 POWER_AT_RINGS = 0.6
 # greatest size of triangles at a ring edge over that ring
 GREATEST_AT_RINGS = 0.25
-# growth of triangles with the distance from ring edges at the usual rtol
+# growth of triangles with the distance from ring edges at the usual rtol (physics/test_size_rules.py)
 TRIANGLE_GROWTH = 0.7
 # greatest growth of triangles: beyond, neighbours would differ too much for good shapes
 GREATEST_GROWTH = 0.9
@@ -91,7 +92,8 @@ FAR_TRIANGLES = 0.125
 FAR_TRIANGLES_OF_HIGHEST_DEGREE = 0.25
 # rtol below which a cost of 1e-8 in d0 is not negligible
 FINE_RTOL = 1e-6
-# share of the energy that the truncation may lose, at most (`ringwear study truncation`)
+# share of the energy that the truncation may lose, at most
+# (physics/test_size_rules.py, `ringwear study truncation`)
 NEGLIGIBLE = 1e-9
 # times by which it stays below rtol
 MARGIN_OF_TRUNCATION = 10

@@ -1,6 +1,6 @@
 """Degrees of the pressure, and the number of pressures, by the wanted accuracy.
 
-Each constant names what shows it: a test under `tests/`, or a study.
+Constants name what shows them, a test under `tests/` or a study, where there is one.
 """
 
 from dataclasses import replace
@@ -16,9 +16,9 @@ from .ring_edges import FACTOR, edge_sizes
 # lowest degree of the pressure: the coarser solution has a degree less, which has to be linear
 LOWEST_DEGREE = 2
 # part by which a degree may be lower than the estimate of the amplitude asks for, which is above
-# the amplitude itself (physics/test_five_rings.py::test_the_dial_bounds_every_quantity)
+# the amplitude itself
 RELAXED_PART = 0.1
-# the most that a degree is lowered by for this reason (the same test)
+# the most that a degree is lowered by for this reason (physics/test_size_rules.py)
 MOST_RELAXED = 0.7
 # slowest modes that a history needs to the accuracy asked for, of which no relaxation time is told;
 # `degree_of_modes` was measured with so many of them on one ring
@@ -30,11 +30,9 @@ DEGREES_PER_DIGIT = 1.15
 # degrees more for each mode more on one ring, measured in the same way
 DEGREES_PER_MODE = 1.5
 # greatest number of pressures: dense matrices of more take more than half a minute
-# (physics/test_promise.py::test_a_narrow_ring_on_the_axis_gives_no_false_disagreement)
 MOST_PRESSURES = 3500
 # coarsest relative accuracy of fields where only energies are wanted: energies err by its square,
 # and the coarser solution still has to be like the fine one to show its error
-# (physics/test_promise.py::test_an_indentation_alone_reaches_a_fine_accuracy)
 COARSEST_FIELDS = 0.3
 
 
@@ -73,7 +71,7 @@ def relaxed_degree(degree: Array | float) -> Array | float:
     Notes
     -----
     ``p - min(RELAXED_PART p, MOST_RELAXED)``, because the estimate of the amplitude is above the
-    amplitude itself. Shown by physics/test_five_rings.py::test_the_dial_bounds_every_quantity.
+    amplitude itself. Shown by physics/test_size_rules.py.
     """
     return degree - np.minimum(RELAXED_PART * degree, MOST_RELAXED)
 

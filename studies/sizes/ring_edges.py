@@ -1,7 +1,7 @@
 """Sizes of elements beside ring edges and at the rim, by the wanted accuracy.
 
 Fields are singular there, so the smallest elements of every mesh are. Lengths are in punch radii.
-Each constant names what shows it: a test under `tests/`, or a study.
+Constants name what shows them, a test under `tests/` or a study, where there is one.
 """
 
 import numpy as np
@@ -14,16 +14,16 @@ from ..problem.problem import Problem
 FACTOR = 0.25
 # share of rtol that the squared RMS slope may lose in the elements at an edge: it loses as much as
 # these elements are of what wear has smoothed, or of the ring
-# (physics/test_five_rings.py::test_the_dial_bounds_every_quantity)
+# (physics/test_size_rules.py)
 SLOPE_SHARE = 0.1
 # the same at the rim, where the singularity never fades (the same test)
 SLOPE_SHARE_AT_RIM = 0.03
 # size over the worn length, where rtol is 1: the mean square of the pressure loses the power 3/2 of
-# the size over the worn length (physics/test_estimates.py::test_random_scenes)
+# the size over the worn length. Five rings do not feel it alone, because the other rules ask for
+# sizes as small there
 PRESSURE_SHARE = 0.3
 # size at the rim over rtol. Pressures of the flat start err by up to three times that size, and its
-# energy by a tenth of it (physics/test_flat_punch.py::test_indentation_on_radial_meshes,
-# physics/test_trust.py::test_start_pressures_of_random_scenes)
+# energy by a tenth of it: that is stated of them (`methods/error_factors.py`)
 START_SHARE = 0.03
 # sizes at a hole are to those at the rim as this many widths of the ring beside it to the radius,
 # for the singular pressure is confined to the ring (physics/test_hollow.py)
@@ -36,13 +36,11 @@ FEM_ROUNDOFF = 2e-22
 # the same of dimensionality reduction and boundary elements, in a, measured in the same way
 RADIAL_ROUNDOFF = 5e-27
 # times by which the error of roundoff in the smallest elements is kept below rtol
-# (physics/test_promise.py::test_layers_thinner_than_the_roundoff_of_radii_are_resolved)
 MARGIN_OF_ROUNDOFF = 3
 # greatest size that this roundoff may ask for, in a: larger elements would lose more than it takes
-# (physics/test_five_rings.py::test_fem_to_nine_digits)
 GREATEST_OF_SMALLEST = 1e-12
 # first time over the slowest relaxation time below which roundoff of the modes is felt, too
-# (physics/test_promise.py::test_times_beyond_double_precision_are_refused)
+# about the roundoff of a double
 EARLIEST_OF_MODES = 1e-16
 # a quantity is felt in layers that a mesh has, or its coarser one lacks, if they are thinner than
 # this many times its smallest elements: two layers of them
@@ -69,7 +67,7 @@ def edge_sizes(problem: Problem) -> Array:
     early times are a logarithm of the distance at most, with the amplitude of the kink, so that
     ``sqrt(rtol) / kink`` of the ring is enough.
 
-    Shown by physics/test_five_rings.py::test_the_dial_bounds_every_quantity on rings and by
+    Shown by physics/test_size_rules.py on rings and by
     physics/test_graded.py::test_methods_agree_and_errors_stated_are_above_the_true_ones on kinks;
     `ringwear study tradeoff` shows what the accuracy costs.
     """
