@@ -40,7 +40,8 @@ HIGHEST_DEGREE = 20
 TRUNCATION = 2.5
 # truncation radius of triangles, and of a clamped boundary, in a (`ringwear study truncation`)
 WIDER_TRUNCATION = 5.0
-# growth of quadrilaterals between the patches with the distance from them (physics/test_size_rules.py)
+# growth of quadrilaterals between the patches with the distance from them
+# (physics/test_size_rules.py)
 GROWTH = 0.5
 # least degree of the pressure on quadrilaterals: of less, the coarser solution would have linear
 # pressures, too far off to judge by
@@ -48,8 +49,8 @@ LEAST_TO_JUDGE_BY = 3.0
 # degrees of the displacement above that of the pressure on quadrilaterals, before rounding up
 # (physics/test_size_rules.py, `ringwear study convergence`)
 ABOVE_PRESSURE = 1.45
-# degrees more for each digit that 1 - 2 nu loses; physics/test_estimates.py::test_nothing_locks holds
-# the accuracy near incompressibility
+# degrees more for each digit that 1 - 2 nu loses; the accuracy near incompressibility is held by
+# physics/test_estimates.py::test_nothing_locks
 DEGREES_PER_DIGIT_OF_COMPRESSIBILITY = 0.4
 # degrees that the displacement has to spare before the first of these is added
 DEGREES_TO_SPARE = 0.2
@@ -73,7 +74,8 @@ TRIANGLES_AT_RINGS = 10
 POWER_AT_RINGS = 0.6
 # greatest size of triangles at a ring edge over that ring
 GREATEST_AT_RINGS = 0.25
-# growth of triangles with the distance from ring edges at the usual rtol (physics/test_size_rules.py)
+# growth of triangles with the distance from ring edges at the usual rtol
+# (physics/test_size_rules.py)
 TRIANGLE_GROWTH = 0.7
 # greatest growth of triangles: beyond, neighbours would differ too much for good shapes
 GREATEST_GROWTH = 0.9
