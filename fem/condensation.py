@@ -8,7 +8,7 @@ Schur complement of the inside: one factorisation, no solve per kept unknown. CH
 """
 
 import importlib.util
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix, tril
@@ -17,7 +17,10 @@ from scipy.sparse.linalg import splu
 from ..meshes.errors import SolverError
 from ..meshes.radial import Array, Indices
 
-SYMMETRIC: dict[str, Any] = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+if TYPE_CHECKING:
+    from kvxopt import spmatrix
+
+SYMMETRIC: dict[str, object] = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
 
 
 def solver() -> str:
@@ -52,7 +55,7 @@ def symmetric(lower: coo_matrix) -> csc_matrix:
     return (summed + tril(summed, -1).T).tocsc()
 
 
-def cholmod_matrix(lower: coo_matrix) -> Any:
+def cholmod_matrix(lower: coo_matrix) -> "spmatrix":
     """Return a lower triangle as CHOLMOD's kind of matrix, entries at one place summed."""
     import kvxopt
 

@@ -60,7 +60,19 @@ def pressure_space(
 
 @dataclass(frozen=True, eq=False)
 class HalfSpace:
-    """A meshed half-space in contact on ``r < 1``, with its far field.
+    """Solve for the half-space under a punch by finite elements, condensed to its contact.
+
+    A `HalfSpace` combines an elastic solid, the contact pressures on its surface, and the solution
+    outside its outer boundary. `compliance` condenses it to the contact, and `displacements`
+    recovers the inside. The pressure one on the whole disc has ``int u p dA = 16/3``.
+
+    >>> from ringwear.meshes import bisection, sizes
+    >>> field = sizes.SizeField((0, 1), rim_size=1e-3, ring_size=1, growth=0.6, truncation=5)
+    >>> solid = AxisymmetricElasticity(bisection.mesh(field), 4, nominal_poisson_ratio=0.3)
+    >>> space = pressure_space(solid, ring_edges=np.array([0.0, 1.0]))
+    >>> moments = HalfSpace(solid, space, poles=(0, 2)).compliance().matrix @ space.uniform
+    >>> round(float(space.uniform @ moments), 5)
+    5.33333
 
     Parameters
     ----------

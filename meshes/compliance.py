@@ -17,10 +17,21 @@ from .radial import Array
 
 @dataclass(frozen=True, eq=False)
 class Compliance:
-    """A symmetric positive definite compliance ``A = H^T H`` with ``A_ij = int u[phi_i] phi_j dA``.
+    """Turn pressures into displacements: all that contact and wear need of a half-space.
 
-    The factor `H`, not `A`, is kept: singular values of `H` have half the dynamic range of the
-    eigenvalues of `A`.
+    It is the matrix ``A_ij = int u[phi_i] phi_j dA``, where u[phi_i] is the displacement under the
+    basis function phi_i of a `PressureSpace`. `matrix` returns A, and ``p @ A @ p`` is twice the
+    elastic energy under the pressure p: 16/3 for the pressure one on the whole disc.
+
+    >>> from ringwear.mdr import energy
+    >>> edges = np.array([0.0, 1.0])
+    >>> compliance = energy.compliance(PressureSpace(edges, np.array([1]), edges))
+    >>> one = compliance.space.uniform
+    >>> round(float(one @ compliance.matrix @ one), 9)
+    5.333333333
+
+    A is symmetric and positive definite. Its factor H, ``A = H^T H``, is kept in its place: the
+    singular values of H have half the dynamic range of the eigenvalues of A.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ import contextlib
 import io
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from skfem import Mesh
@@ -18,6 +18,9 @@ from skfem.io.meshio import from_meshio
 from .errors import MeshError
 from .half_space import as_half_space
 from .radial import Array
+
+if TYPE_CHECKING:
+    import meshio
 
 # relative: how far a coordinate may be from where it belongs, so that files with nine digits are
 # welcome
@@ -57,7 +60,7 @@ def _mesh(path: Path) -> Mesh:
     return from_meshio(content, ignore_orientation=True)
 
 
-def content_of(path: Path) -> Any:
+def content_of(path: Path) -> "meshio.Mesh":
     """Return what meshio reads of a file.
 
     Raises

@@ -4,7 +4,7 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from types import ModuleType
 
 import numpy as np
 
@@ -26,7 +26,7 @@ def unavailable() -> str:
 
 
 @contextmanager
-def session() -> Iterator[Any]:
+def session() -> Iterator[ModuleType]:
     """Open gmsh with an empty model, and close it at the end.
 
     Raises
@@ -67,7 +67,9 @@ def _restore_signal_handlers() -> None:
             signal.signal(number, handler)
 
 
-def set_sizes(gmsh: Any, points: Indices, sizes: Array, growth: float, largest: float) -> None:
+def set_sizes(
+    gmsh: ModuleType, points: Indices, sizes: Array, growth: float, largest: float
+) -> None:
     """Set the element sizes of the model.
 
     (N,) sizes at (N, ...) points of it, growing with the distance to the largest.
@@ -96,7 +98,7 @@ def set_sizes(gmsh: Any, points: Indices, sizes: Array, growth: float, largest: 
 TRIANGLE, QUADRILATERAL = 2, 3  # gmsh's numbers of the kinds of element
 
 
-def elements(gmsh: Any, kind: int) -> tuple[Array, Indices]:
+def elements(gmsh: ModuleType, kind: int) -> tuple[Array, Indices]:
     """Return the points of the model, and the vertices of its elements of one kind.
 
     The points are (2, n), the vertex numbers (corners, m).

@@ -8,12 +8,12 @@ are turned so that elements of any degree conform on them.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import Mesh, MeshQuad
+from skfem.mapping import Mapping
 
 from .errors import MeshError
 from .radial import Array, Indices
@@ -42,7 +42,7 @@ class ExactQuads(MeshQuad):  # type: ignore[misc]
     low_parts: Array | None = None
 
     @cached_property
-    def in_own_coordinates(self) -> Any:
+    def in_own_coordinates(self) -> Mapping:
         """The mapping of the same elements, each with its first corner at the origin.
 
         Its derivatives have all digits.
@@ -67,7 +67,7 @@ def rounded(mesh: Mesh) -> Mesh:
     return MeshQuad(mesh.p, mesh.t, **named)
 
 
-def derivatives(mesh: Mesh) -> Any:
+def derivatives(mesh: Mesh) -> Mapping:
     """Return the scikit-fem mapping whose derivatives have all digits; its places may be others."""
     return mesh.in_own_coordinates if isinstance(mesh, ExactQuads) else mesh.mapping()
 

@@ -13,18 +13,30 @@ All areas are those of the punch face: ``dA = 2 pi r dr``.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix
 
 from .radial import Array, Indices, gauss, ring_of, values_on_rings
 
+# values of functions, or numbers of rings
+Values = TypeVar("Values", Array, Indices)
+
 
 @dataclass(frozen=True, eq=False)
 class PressureSpace:
-    """Piecewise polynomials on a radial mesh, continuous inside rings, broken at ring edges.
+    """Represent contact pressures by polynomials along the radius, broken at ring edges.
+
+    A `PressureSpace` turns coefficients (size,) of a pressure into values (`matrix`), forces
+    (`weights`, `ring_forces`) and integrals (`mass`). Every method gives its `Compliance` on one.
+
+    >>> edges = np.array([0.0, 0.5, 1.0])
+    >>> space = PressureSpace(edges, degrees=np.array([2, 2]), ring_edges=edges)
+    >>> pressure = space.ring_indicator() @ [4.0, 1.0]
+    >>> space.ring_forces(edges) @ pressure / np.pi  # 4 times 1/4, and 1 times 3/4
+    array([1.  , 0.75])
 
     Parameters
     ----------
@@ -51,7 +63,7 @@ class PressureSpace:
         return np.diff(self.breakpoints) + np.diff(self._low)
 
     @cached_property
-    def sort_keys(self) -> Any:
+    def sort_keys(self) -> NDArray[np.complex128]:
         """(n+1,) complex numbers in the order of the breakpoints.
 
         numpy orders complex numbers by their real parts, the rounded breakpoints, and equal ones by
@@ -110,7 +122,7 @@ class PressureSpace:
         table[self.degrees == 0] = self.size
         return table
 
-    def _of_functions(self, values: Any) -> Any:
+    def _of_functions(self, values: Values) -> Values:
         """Return a value (size,) of each basis function from values on the elements.
 
         `values` is (n, top+1), one for each shape function of each element, or (n, 1), one for each

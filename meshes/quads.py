@@ -11,7 +11,7 @@ import itertools
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
-from typing import Any
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -216,7 +216,7 @@ def _between(
         return elements(gmsh, QUADRILATERAL)
 
 
-def _geometry(gmsh: Any, centres: Array, widths: Array, growth: float, outer: float) -> None:
+def _geometry(gmsh: ModuleType, centres: Array, widths: Array, growth: float, outer: float) -> None:
     geometry = gmsh.model.geo
     origin, surface_end, axis_end = (
         geometry.addPoint(r, z, 0) for r, z in ((0, 0), (outer, 0), (0, outer))

@@ -25,6 +25,28 @@ NARROWEST = 1e-12
 # least degree that the displacement may fall to towards a ring edge or the rim: it goes with a
 # stable linear pressure
 LOWEST = 3
+# greatest size of triangles at the centre by default, in a
+CENTRE_SIZE = 0.25
+# greatest size of triangles by default, over the truncation: four along each boundary
+FAR_SIZE = 0.25
+# times by which the growth of a coarser mesh is greater; sizes at singular points are doubled
+COARSER_GROWTH = 1.5
+# greatest growth of a coarser mesh, beyond which its triangles would be too flat
+GREATEST_COARSER_GROWTH = 2.0
+# times by which a patch may be widened to meet its neighbour: beyond, there is room for a
+# quadrilateral between them, and so wide a patch would be flat
+# (unit/meshes/test_half_space_mesh.py::test_it_is_the_quarter_disc)
+MOST_STRETCH = 1.6
+# layers that a size may exceed a whole number of layers by, so that roundoff adds none
+ROUNDOFF_OF_LAYERS = 1e-9
+# size of the elements beside a patch over its half-width: the sides of its outline, which meet the
+# surface at 45 degrees, are as long as the root of 2 over the half-width
+BESIDE_PATCHES = 1.4
+# distinct sizes in an octave: a mesher makes a size field of each
+SIZES_PER_OCTAVE = 4
+# amplitude of the slope over that of the pressure, of which the root of the tolerance is enough
+# (physics/test_size_rules.py)
+SLOPE_AMPLITUDE = 3
 
 
 @dataclass(frozen=True)
@@ -50,8 +72,8 @@ class SizeField:
     ring_size: float | tuple[float, ...]
     growth: float
     truncation: float
-    centre_size: float = 0.25
-    far_size: float = 0.25
+    centre_size: float = CENTRE_SIZE
+    far_size: float = FAR_SIZE
     cells: Callable[[Array], Array] | None = None
 
     def __call__(self, points: Array) -> Array:
@@ -66,9 +88,13 @@ class SizeField:
         return size
 
     def coarser(self) -> "SizeField":
-        """Return the sizes of a mesh whose difference shows what this one errs by."""
+        """Return the sizes of a mesh whose difference shows what this one errs by.
+
+        Twice the sizes at singular points, and ``COARSER_GROWTH`` times the growth. Shown by
+        physics/test_estimates.py::test_random_scenes.
+        """
         _, *rings, rim = (2 * self.sizes).tolist()
-        growth = min(1.5 * self.growth, 2.0)
+        growth = min(COARSER_GROWTH * self.growth, GREATEST_COARSER_GROWTH)
         return replace(self, rim_size=rim, ring_size=tuple(rings), growth=growth)
 
     @property
@@ -87,14 +113,18 @@ def patch_widths(ring_edges: Array) -> Array:
     """Return the half-widths (N, 2) of the patch at each ring edge but the centre.
 
     The first column holds the half-widths inwards, the second those outwards.
+
+    Notes
+    -----
+    Half the width of the narrower ring beside the edge. Neighbours are widened to meet in the
+    middle of the ring between them if ``MOST_STRETCH`` is enough for that. Shown by
+    unit/meshes/test_half_space_mesh.py::test_it_is_the_quarter_disc.
     """
     rings = np.diff(ring_edges)
     half = np.minimum(rings, np.append(rings[1:], np.inf)) / 2
     widths = np.stack([half, half], axis=1)
-    # neighbours are widened to meet in the middle of the ring between them, where a little is
-    # enough
     stretch = rings[1:] / (half[:-1] + half[1:])
-    stretch[stretch > 1.6] = 1.0
+    stretch[stretch > MOST_STRETCH] = 1.0
     widths[:-1, 1] *= stretch
     widths[1:, 0] *= stretch
     return widths
@@ -103,11 +133,12 @@ def patch_widths(ring_edges: Array) -> Array:
 def patch_layers(widths: Array, sizes: Array, factor: float) -> Indices:
     """Return the number of layers (N,) that each patch needs.
 
-    With so many layers its innermost elements are no larger than the size given for the patch.
+    With so many layers its innermost elements are no larger than the size given for the patch:
+    ``ln(size / half-width) / ln(factor)``, rounded up. Shown by
+    unit/meshes/test_half_space_mesh.py::test_layers_shrink_to_the_wanted_size.
     """
-    return np.maximum(
-        1, np.ceil(np.log(sizes / widths.max(axis=1)) / np.log(factor) - 1e-9)
-    ).astype(np.int64)
+    layers = np.log(sizes / widths.max(axis=1)) / np.log(factor)
+    return np.maximum(1, np.ceil(layers - ROUNDOFF_OF_LAYERS)).astype(np.int64)
 
 
 def degree_reductions(
@@ -129,6 +160,11 @@ def degree_reductions(
     -------
     list of (layers + 1,) int arrays
         Outermost layer first; the last number belongs to the elements in the middle of the patch.
+
+    Notes
+    -----
+    ``ln(A_greatest / A) / ln rho`` with the amplitude A on a layer and ``ln rho =
+    convergence(grading)``. Shown by unit/meshes/test_half_space_mesh.py::test_degrees_fall_inwards.
     """
     reach = half_widths.max(axis=1)
     amplitudes = [
@@ -142,9 +178,11 @@ def degree_reductions(
 def adjacent_sizes(widths: Array) -> Array:
     """Return the size (N,) of the elements next to each patch, in powers of a fourth root of 2.
 
-    A mesher gets few distinct values, because each makes a size field of its own.
+    ``BESIDE_PATCHES`` times the half-width of the patch. A mesher gets few distinct values, because
+    each makes a size field of its own.
     """
-    return np.asarray(2.0 ** (np.round(4 * np.log2(1.4 * widths.mean(axis=1))) / 4))
+    octaves = np.log2(BESIDE_PATCHES * widths.mean(axis=1))
+    return np.asarray(2.0 ** (np.round(SIZES_PER_OCTAVE * octaves) / SIZES_PER_OCTAVE))
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,7 +251,7 @@ class EdgeAmplitude:
         of_pressure = kink * far_factor * edge_factor**1.5
         of_slope = np.maximum(far_factor**2 * slope_factor, distance / half_width)
         # the square of the slope counts, so that its amplitude may be the root of the tolerance
-        of_slope = 3 * np.sqrt(self.tolerance * of_slope) * kink
+        of_slope = SLOPE_AMPLITUDE * np.sqrt(self.tolerance * of_slope) * kink
         return np.asarray(np.maximum(np.maximum(of_pressure, of_slope), distance))
 
 
@@ -222,7 +260,9 @@ def convergence(grading: float) -> float:
 
     A polynomial of degree p on an element one element away from a singularity errs by ``rho^-p``
     with ``rho = (1 + sqrt(grading)) / (1 - sqrt(grading))`` (Bernstein's ellipse), where elements
-    are smaller by `grading` than their neighbours.
+    are smaller by `grading` than their neighbours (Trefethen, Approximation theory and
+    approximation practice, ch. 8). Shown by
+    physics/test_orders.py::test_indentation_on_quadrilaterals_by_the_degree.
     """
     return float(np.log((1 + grading**0.5) / (1 - grading**0.5)))
 

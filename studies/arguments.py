@@ -5,6 +5,9 @@ from argparse import ArgumentTypeError
 from pathlib import Path
 from typing import Any
 
+# arguments of `add_argument`, by their names
+Told = dict[str, Any]
+
 
 def _directory(text: str) -> Path:
     if not text.strip():
@@ -48,7 +51,7 @@ FLAGS = {
     "--resume": "go on with what is in the directory",
     "--retry-failed": "as --resume, and try again the scenes that failed",
 }
-ARGUMENTS: dict[str, dict[str, Any]] = {
+ARGUMENTS: dict[str, Told] = {
     **{flag: {"action": "store_true", "help": help} for flag, help in FLAGS.items()},
     "scene": {"help": "a TOML file or a bundled scene"},
     "name": {"nargs": "?", "help": "a bundled scene, to start one of your own from"},
@@ -106,7 +109,7 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "help": "processes on this machine (default: its cores)",
     },
 }
-OF_STUDIES: dict[str, tuple[str, dict[str, Any]]] = {
+OF_STUDIES: dict[str, tuple[str, Told]] = {
     "meshes": (
         "--mesh",
         {

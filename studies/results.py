@@ -22,6 +22,7 @@ from .report.words import Account
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from .check.tables import OthersResults
     from .figures.style import Picture
 
 Shown = TypeVar("Shown", bound="Result")
@@ -40,7 +41,9 @@ def run(
     Parameters
     ----------
     scene : a Scene, the name of a bundled one, a file, or nested dictionaries
-    methods : names of methods, and methods of one's own, in place of the scene's
+    methods : names of methods, and methods of one's own, in place of the scene's; the docstring of
+        `ringwear.studies.crosscheck.run.run` says what each gives, for which punches, and when to
+        choose it
     rtol : relative accuracy wanted, in place of the scene's
     quantities : names of those wanted, or groups of them, in place of the scene's
 
@@ -157,7 +160,7 @@ class Checked(Result, checked.Checked):
     """
 
 
-def check(scene: Source, given: Mapping[str, Any], **how: Any) -> Checked:
+def check(scene: Source, given: "Mapping[str, OthersResults]", **how: Any) -> Checked:
     """Hold results of other programs against ours, at their times and radii.
 
     Parameters

@@ -28,7 +28,7 @@ def without_formulas(table: "DataFrame") -> "DataFrame":
     return table.rename(columns=_as_text).map(_as_text)
 
 
-def _as_text(cell: Any) -> Any:
+def _as_text(cell: object) -> object:
     if isinstance(cell, str) and cell.startswith(FORMULA) and not NUMBER.fullmatch(cell):
         return f"'{cell}"
     return cell

@@ -19,7 +19,9 @@ and at a fixed indentation, with ``d0 F`` for d0 and ``-d0 F'`` for d' in the fo
 """
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+from numpy.typing import ArrayLike
 
 from ..methods.base import Solution
 from ..problem.problem import Problem
@@ -149,7 +151,9 @@ OF_A_FORCE = ("ring forces add up to F",)
 OF_A_FIXED_INDENTATION = ("worn, unworn and pressed in, of the overlap A d",)
 
 
-def anchors(scene: Scene, name: str, table: Mapping[str, Any], solution: Solution) -> list[Anchor]:
+def anchors(
+    scene: Scene, name: str, table: Mapping[str, ArrayLike], solution: Solution
+) -> list[Anchor]:
     """Return all anchors that apply to what a method reports.
 
     Parameters

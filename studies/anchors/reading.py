@@ -7,13 +7,13 @@ shows as a difference.
 import tomllib
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from scipy.interpolate import pchip_interpolate
 
 from ...mdr.flat_punch import flat_punch
 from ...meshes.radial import Array
+from ..problem.fields import TomlTable
 from ..problem.quantities import Units
 from ..problem.scene import Scene
 
@@ -37,7 +37,7 @@ class OverTime:
     greatest: float
 
     @classmethod
-    def of(cls, given: Any) -> "OverTime":
+    def of(cls, given: float | TomlTable) -> "OverTime":
         """Return what a scene gives as a number, or as a table of times and values."""
         table = given if isinstance(given, dict) else {"times": [0.0], "values": [given]}
         values = np.array(table["values"], dtype=float)
@@ -70,12 +70,12 @@ class Reading:
     average: str
     edges: Array
     coefficients: Array | None
-    table: dict[str, Any]
+    table: TomlTable
     force: OverTime
     speed: OverTime
     times: Array
     units: Units
-    profile: dict[str, Any] | None
+    profile: TomlTable | None
     recess: Array
 
     @classmethod
@@ -188,7 +188,7 @@ class Reading:
         return float(force[-1]), float(distance), float(work)
 
 
-def _heights(profile: dict[str, Any], radii: Array, punch_radius: float) -> Array:
+def _heights(profile: TomlTable, radii: Array, punch_radius: float) -> Array:
     """Return the heights of a profile at radii, all in the scene's unit."""
     kind = profile["kind"]
     if kind == "parabola":
@@ -214,7 +214,7 @@ def _heights(profile: dict[str, Any], radii: Array, punch_radius: float) -> Arra
     return np.asarray(pchip_interpolate(profile["radii"], profile["heights"], radii))
 
 
-def _edges(punch: dict[str, Any]) -> Array:
+def _edges(punch: TomlTable) -> Array:
     """Return the ring edges (N+1,) of a punch, over its radius."""
     hole = punch.get("inner_radius", 0.0)
     if "ring_edges" in punch:
@@ -225,7 +225,7 @@ def _edges(punch: dict[str, Any]) -> Array:
     return hole + (1 - hole) * np.append(0.0, np.cumsum(widths)) / widths.sum()
 
 
-def _wear(punch: dict[str, Any], rings: int) -> tuple[Array | None, dict[str, Any]]:
+def _wear(punch: TomlTable, rings: int) -> tuple[Array | None, TomlTable]:
     """Return the wear coefficients of the rings, or else the table along the radius."""
     given = punch.get("wear_coefficients", punch.get("wear_coefficient"))
     if isinstance(given, dict):

@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...mdr import direct
 from ...mdr.flat_punch import FlatPunch, flat_punch
@@ -42,7 +42,7 @@ class Reported:
     """
 
     def __init__(
-        self, scene: Scene, name: str, table: Mapping[str, Any], solution: Solution
+        self, scene: Scene, name: str, table: Mapping[str, ArrayLike], solution: Solution
     ) -> None:
         self.scene, self.name, self.table, self.solution = scene, name, table, solution
         self.problem, self.reading = scene.problem, Reading.of(scene)

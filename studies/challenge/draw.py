@@ -7,9 +7,9 @@ Seconds of ours are the processor's.
 
 from pathlib import Path
 from time import process_time
-from typing import Any
 
 import pandas as pd
+import xarray
 from matplotlib.figure import Figure
 
 from ..check.check import check
@@ -20,7 +20,9 @@ from ..problem.scene import Scene
 ERRORS = ["indentation", "pressure"]
 
 
-def measure(scene: Scene, program: str, seconds: float, results: Any) -> pd.DataFrame:
+def measure(
+    scene: Scene, program: str, seconds: float, results: pd.DataFrame | xarray.Dataset
+) -> pd.DataFrame:
     """Return a row: a program, its seconds, and its greatest errors over the times."""
     exact = scene.changed(accuracy__rtol=1e-7)
     verdicts = pd.DataFrame(check(exact, {"theirs": results}, methods=["bem"]).verdicts)

@@ -6,7 +6,6 @@ The scene is asked for at their times and radii, so that nothing is interpolated
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -24,7 +23,7 @@ from ..study.errors_over_size import draw_errors
 from ..tables import write_csv
 from .checked import Checked
 from .given import Given
-from .tables import read
+from .tables import OthersResults, read
 
 
 def write_check(result: Checked, directory: Path) -> None:
@@ -44,7 +43,7 @@ def write_check(result: Checked, directory: Path) -> None:
 
 def check(
     scene: Source,
-    given: Mapping[str, Any],
+    given: Mapping[str, OthersResults],
     methods: Sequence[str | Method] | str | None = None,
     within: float = 0.01,
     columns: Mapping[str, str] | None = None,

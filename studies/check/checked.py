@@ -123,7 +123,7 @@ class Checked(Result):
         return super().summary | {"verdicts": rows, "diagnoses": looks}
 
 
-def _plain(row: Any) -> dict[str, Any]:
+def _plain(row: Verdict | Diagnosis) -> dict[str, object]:
     """Return a row for JSON, which has null for what is infinite or not given."""
     values = asdict(row).items()
     return {key: of if isinstance(of, str) or np.isfinite(of) else None for key, of in values}

@@ -9,7 +9,7 @@ line, the column and the remedy.
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -21,6 +21,12 @@ from ..problem.quantities import FIELDS, QUANTITIES
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
 from ..progress import LOG
+
+if TYPE_CHECKING:
+    import xarray
+
+# a file, or a table in memory
+OthersResults: TypeAlias = "str | Path | pd.DataFrame | xarray.Dataset"
 
 
 def read(
@@ -93,7 +99,7 @@ def read(
     return table
 
 
-def _open(path: Path) -> Any:
+def _open(path: Path) -> "pd.DataFrame | xarray.Dataset":
     """Return a dataset of a netCDF file, or a CSV table of text by the numbers of its lines."""
     try:
         if path.suffix == ".nc":

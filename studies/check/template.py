@@ -2,13 +2,14 @@
 
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import meshio
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from ...meshes.errors import SceneError
+from ...meshes.radial import Array
 from ..methods.fem import half_space_mesh
 from ..problem.fields import over_time
 from ..problem.scene import Scene
@@ -33,10 +34,10 @@ def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
     if not scene.wear.times:
         raise SceneError("the scene has no times to sample: give wear.times")
 
-    def scaled(values: Any, kind: str) -> Any:
+    def scaled(values: ArrayLike, kind: str) -> Array:
         return np.asarray(values) * (stated.size(kind) / theirs.size(kind))
 
-    def write(values: Any, kind: str) -> str:
+    def write(values: ArrayLike, kind: str) -> str:
         numbers = ", ".join(f"{value:.10g}" for value in np.ravel(scaled(values, kind)))
         return f"{numbers} {theirs.name(kind)}".removesuffix(" 1")
 

@@ -29,7 +29,19 @@ WATCHED_EVERY = 12
 
 
 class ContactMarch:
-    """A punch on a compliance of piecewise linear pressures, ready to wear.
+    """Compute the wear of a shaped punch in steps, while contact opens, closes and spreads.
+
+    A `ContactMarch` combines a `Compliance` of piecewise linear pressures, wear coefficients, the
+    moments of the face and a load. `adaptive` marches in steps that suit a tolerance, `implicit`
+    in equal ones. The paraboloid below has worn by the volume k F t at every time.
+
+    >>> from ringwear.mdr import energy
+    >>> from ringwear.meshes.pressure_space import PressureSpace
+    >>> r = np.linspace(0, 1, 21)
+    >>> space = PressureSpace(r, np.ones(20, dtype=int), ring_edges=r[[0, -1]])
+    >>> march = ContactMarch(energy.compliance(space), np.ones(1), space.mass() @ r**2, Load(0.1))
+    >>> march.adaptive(np.array([0.0, 1.0, 2.0]), 1e-3).history.profile @ space.weights
+    array([0. , 0.1, 0.2])
 
     Parameters
     ----------

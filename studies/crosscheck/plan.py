@@ -5,8 +5,6 @@ at a coarse accuracy, and go with the sizes: a sparse factor as unknowns^1.5, de
 pressures^2, and as pressures^3 once matrices are large, a march as its steps times pressures^2.
 """
 
-from typing import Any
-
 from ..methods.base import Method, SystemSize
 from ..problem.problem import Problem
 from ..problem.scene import Scene, Source
@@ -47,7 +45,7 @@ def coarsen(scene: Scene) -> Scene:
     }
     if step is not None and times:
         times = [0.0, min(times[-1], 100 * step)]
-    changes: dict[str, Any] = {"accuracy": accuracy, "wear__times": times, "output__radii": None}
+    changes: dict[str, object] = {"accuracy": accuracy, "wear__times": times, "output__radii": None}
     if problem.full_contact and len(problem.wear_coefficients) > 16:
         edges = (problem.ring_edges[1:17] * problem.units.length).tolist()
         coefficients = problem.wear_coefficients[:16] * problem.units.wear_coefficient

@@ -12,7 +12,8 @@ import numpy as np
 from ..methods.base import Solution
 from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES, IN_LAYERS
-from ..sizes.defaults import THIN, edge_sizes, field_accuracy
+from ..sizes.degrees import field_accuracy
+from ..sizes.ring_edges import THIN, edge_sizes
 
 # with edges of the contact within the face, these are resolved to a cell, whatever the accuracy
 AT_EDGES = (

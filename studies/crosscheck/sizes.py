@@ -2,12 +2,15 @@
 
 import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from ..methods.base import method
 from ..methods.spaces import radial_space
 from ..problem.scene import Scene
 from ..sizes.defaults import cells_of, mdr_sizes
+
+if TYPE_CHECKING:
+    import xarray
 
 GIB = 2.0**30
 
@@ -42,7 +45,7 @@ def machine_memory() -> float:
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB
 
 
-def refuse_large(path: Path, data: Any) -> None:
+def refuse_large(path: Path, data: "xarray.Dataset") -> None:
     """Refuse a dataset that would not fit into the memory; it is opened, and not loaded yet.
 
     A compressed file may declare far more than it holds.

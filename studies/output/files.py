@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ...meshes.errors import RingwearError
 from ..problem.unit_names import NO_UNIT
@@ -13,6 +13,7 @@ from ..tables import write_csv
 from .one_file import make
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray
 
     from ..crosscheck.dataset import Result
@@ -56,7 +57,7 @@ def write_netcdf(table: "Table", path: Path) -> None:
             for dim, size in zip(dims, values.shape, strict=True):
                 if dim not in file.dimensions:
                     file.createDimension(dim, size)
-            kind: Any = str if values.dtype.kind == "U" else values.dtype
+            kind: type | np.dtype = str if values.dtype.kind == "U" else values.dtype
             variable = file.createVariable(name, kind, dims)
             variable[:] = values.astype(object) if kind is str else values
             variable.setncatts(attributes)

@@ -13,7 +13,6 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Any
 
 from ...meshes.errors import SceneError
 from .signals import signals_wait
@@ -110,7 +109,7 @@ def refuse_foreign_folders(out: Path) -> None:
 def _files_by_command(folder: Path) -> dict[str, list[str]]:
     """Return the names of files that each command has put into a folder."""
     try:
-        files: Any = json.loads((folder / MARKER).read_text("utf-8"))
+        files = json.loads((folder / MARKER).read_text("utf-8"))
         return {
             command: [name for name in names if isinstance(name, str)]
             for command, names in files.items()

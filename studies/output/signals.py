@@ -4,7 +4,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from types import FrameType
 
 STOPPED = threading.Event()
 """Set when the work is to end: a library may take the exception for a failure of its own."""
@@ -36,7 +36,7 @@ def signals_wait() -> Iterator[None]:
 
 
 @contextmanager
-def _handled_by(handler: Callable[[int, Any], object]) -> Iterator[None]:
+def _handled_by(handler: Callable[[int, FrameType | None], object]) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return

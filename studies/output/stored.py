@@ -20,6 +20,8 @@ from ..crosscheck.table import Table
 from ..problem.scene import Scene
 from ..registry import METHODS
 
+# an object of `summary.json`
+Json = dict[str, Any]
 Row = TypeVar("Row", Agreement, Anchor)
 
 
@@ -34,7 +36,7 @@ class Stored(Result):
     """
 
     written: Table
-    told: dict[str, Any]
+    told: Json
 
     @cached_property
     def table(self) -> Table:
@@ -42,7 +44,7 @@ class Stored(Result):
         return self.written
 
     @property
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> Json:
         """The content of `summary.json`."""
         return self.told
 
@@ -76,7 +78,7 @@ class Stored(Result):
         return _rebuilt(Anchor, self.told["anchors"])
 
 
-def _rebuilt(kind: type[Row], rows: list[dict[str, Any]]) -> tuple[Row, ...]:
+def _rebuilt(kind: type[Row], rows: list[Json]) -> tuple[Row, ...]:
     """Return rows of `summary.json` as what they were."""
     names = [field.name for field in fields(kind)]
     return tuple(kind(*(row[name] for name in names)) for row in rows)

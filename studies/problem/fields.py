@@ -16,6 +16,8 @@ from pydantic import (
     model_validator,
 )
 
+# nested tables as TOML has them: values are of any kind until a scene has checked them
+TomlTable = dict[str, Any]
 Height = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -258,7 +260,7 @@ class HeightTable(ProfileSection):
 
     @model_validator(mode="before")
     @classmethod
-    def _read_file(cls, table: dict[str, Any]) -> dict[str, Any]:
+    def _read_file(cls, table: TomlTable) -> TomlTable:
         """Replace the file by its numbers: the scene is complete without it."""
         if "file" not in table:
             return table

@@ -2,7 +2,6 @@
 
 import difflib
 from collections.abc import Mapping
-from typing import Any
 
 from .fields import KINDS, ProfileSection
 
@@ -71,7 +70,7 @@ def not_modelled(key: str) -> str | None:
     return next((told for word, told in WORDS.items() if word in key.lower()), None)
 
 
-def kind_instead(given: Any) -> str:
+def kind_instead(given: object) -> str:
     """Return which kind of profile to give in place of one that does not exist."""
     kind = given.get("kind") if isinstance(given, Mapping) else None
     if (told := OTHER_KINDS.get(str(kind).lower())) is not None:

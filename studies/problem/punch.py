@@ -1,8 +1,7 @@
 """The table `punch` of the scene: radii, rings, wear coefficients and the unworn face."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Annotated, Any, Self
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
@@ -77,7 +76,7 @@ class PunchSection(Section):
         "truncated_paraboloid, concave, power, rounded_rim and table",
         discriminator="kind",
     )
-    heights: list[Callable[[Any], Any]] = Field(
+    heights: list[Height] = Field(
         default=[],
         exclude=True,
         repr=False,

@@ -5,22 +5,23 @@ A TOML file in, a frozen and validated value out, and the non-dimensional proble
 
 import difflib
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property
 from importlib.resources import files
 from itertools import pairwise
 from math import isnan
 from pathlib import Path
-from typing import Annotated, Any, Self, get_args
+from typing import Annotated, Self, TypeVar, get_args
 
 import tomli_w
 from pydantic import AfterValidator, Field, ValidationError, model_validator
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from ...meshes.errors import SceneError
 from ..registry import METHODS
-from .fields import KINDS, Section, refuse_device
+from .fields import KINDS, Height, Section, TomlTable, refuse_device
 from .not_modelled import kind_instead, not_modelled
 from .problem import Problem
 from .punch import PunchSection
@@ -87,7 +88,7 @@ class Scene(Section):
     accuracy: AccuracySection = AccuracySection()
     output: OutputSection = OutputSection()
 
-    def __init__(self, /, **table: Any) -> None:
+    def __init__(self, /, **table: object) -> None:
         table = without_quantities(table)
         try:
             super().__init__(**table)
@@ -133,7 +134,9 @@ class Scene(Section):
         if not isinstance(scene, Scene):
             scene = cls.from_table(dict(scene)) if isinstance(scene, Mapping) else cls.load(scene)
         names = {"methods": methods, "output__quantities": quantities}
-        changes: dict[str, Any] = {key: listed(of) for key, of in names.items() if of is not None}
+        changes: dict[str, object] = {
+            key: listed(of) for key, of in names.items() if of is not None
+        }
         if rtol is not None:
             changes["accuracy__rtol"] = float(rtol)
         return scene.changed(**changes) if changes else scene
@@ -155,7 +158,7 @@ class Scene(Section):
         return cls.from_table(table, name)
 
     @classmethod
-    def from_table(cls, table: dict[str, Any], name: str = "scene") -> "Scene":
+    def from_table(cls, table: TomlTable, name: str = "scene") -> "Scene":
         """Read a scene from nested dictionaries."""
         try:
             return cls(**table)
@@ -177,7 +180,7 @@ class Scene(Section):
             times = exact
         return self.wear.model_copy(update={"times": times})
 
-    def table(self) -> dict[str, Any]:
+    def table(self) -> TomlTable:
         """Return the scene as nested dictionaries, as `from_table` takes them."""
         table = self.model_dump(by_alias=True, exclude_none=True, exclude_unset=True)
         if self.wear.tau is not None:
@@ -188,7 +191,7 @@ class Scene(Section):
         """Return the scene as TOML."""
         return tomli_w.dumps(self.table())
 
-    def changed(self, **changes: Any) -> "Scene":
+    def changed(self, **changes: object) -> "Scene":
         """Return the scene with some keys changed, named with double underscores.
 
         ``accuracy__rtol=1e-6``.
@@ -198,9 +201,7 @@ class Scene(Section):
             set_key(table, name.split("__"), value)
         return Scene.from_table(table).with_heights(*self.punch.heights, kinks=self.punch.kinks)
 
-    def with_heights(
-        self, *heights: Callable[[Any], Any], kinks: Sequence[float] | None = None
-    ) -> "Scene":
+    def with_heights(self, *heights: Height, kinks: Sequence[float] | None = None) -> "Scene":
         """Return the scene with functions added to the unworn face.
 
         A file cannot hold them: `to_toml` leaves them out.
@@ -234,12 +235,13 @@ class Scene(Section):
         )
 
 
-Source = Scene | str | Path | Mapping[str, Any]
+Entry = TypeVar("Entry")
+Source = Scene | str | Path | Mapping[str, object]
 
 
-def listed(names: Sequence[Any] | str) -> list[Any]:
+def listed(names: Sequence[Entry] | str) -> list[Entry | str]:
     """Return names as a list; in a text they may be separated by commas."""
-    return names.replace(",", " ").split() if isinstance(names, str) else list(names)
+    return [*(names.replace(",", " ").split() if isinstance(names, str) else names)]
 
 
 def text_of(source: str | Path) -> str:
@@ -263,7 +265,7 @@ def text_of(source: str | Path) -> str:
         ) from None
 
 
-def set_key(table: dict[str, Any], path: Sequence[str], value: Any) -> None:
+def set_key(table: TomlTable, path: Sequence[str], value: object) -> None:
     """Set a key of nested dictionaries by its path; tables on the way are made."""
     *sections, key = path
     for section in sections:
@@ -332,7 +334,7 @@ def key_of(error: ErrorDetails) -> str:
     return ".".join(str(part) for part in error["loc"] if part not in KINDS)
 
 
-def declaration(location: Sequence[str]) -> tuple[type[Section], Any]:
+def declaration(location: Sequence[str]) -> tuple[type[Section], FieldInfo | None]:
     """Return the section that a location lies in, and the field of its innermost known key."""
     section: type[Section] = Scene
     field = None

@@ -3,7 +3,7 @@
 Descriptions follow the word "give" in messages about a key.
 """
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
@@ -141,7 +141,7 @@ class WearSection(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _read_counts(cls, table: Any) -> Any:
+    def _read_counts(cls, table: object) -> object:
         """Take counts of the slowest relaxation time for times until the scene knows it."""
         if not isinstance(table, dict):
             return table

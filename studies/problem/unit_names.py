@@ -10,11 +10,15 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...meshes.errors import SceneError
+from .fields import TomlTable
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
 
 YEAR = 365.25 * 86400.0
 # units that people read a kind of quantity in, with their sizes in SI units, ascending
@@ -162,7 +166,7 @@ class UnitNames:
         return f"{number:g} {name}".rstrip()
 
 
-def without_quantities(table: Mapping[str, Any]) -> dict[str, Any]:
+def without_quantities(table: Mapping[str, object]) -> TomlTable:
     """Return a scene's table with a number in place of each quantity, in the scene's units.
 
     Raises
@@ -173,7 +177,7 @@ def without_quantities(table: Mapping[str, Any]) -> dict[str, Any]:
     stated, written = table.get("units", "SI"), list[str]()
     names = UnitNames.of(stated) if isinstance(stated, str) else UnitNames()
 
-    def convert(value: Any, key: str) -> Any:
+    def convert(value: object, key: str) -> object:
         if isinstance(value, Mapping):
             return {name: convert(of, f"{key}.{name}") for name, of in value.items()}
         if isinstance(value, list | tuple):
@@ -222,7 +226,7 @@ def _size_in_si(unit: str, kind: str) -> float:
 
 
 @lru_cache(maxsize=1)
-def _registry() -> Any:
+def _registry() -> "UnitRegistry":
     from pint import UnitRegistry
 
     return UnitRegistry()

@@ -1,214 +1,172 @@
-"""Default sizes.
+"""Default sizes of every method, by the wanted accuracy.
 
-Every rule from the wanted accuracy to a size or a degree, with the study that shows it.
-
-`ringwear study tradeoff` shows that no other sizes reach an accuracy much faster, `ringwear study
-estimates` that each accuracy is reached on scenes drawn at random, `ringwear study convergence` the
-orders behind the powers. Lengths in punch radii.
+`ringwear study tradeoff` shows that no other sizes reach an accuracy much faster,
+physics/test_estimates.py that each accuracy is reached on scenes drawn at random, and `ringwear
+study convergence` the orders behind the powers. Sizes beside ring edges are in `ring_edges.py`,
+degrees of the pressure in `degrees.py`. Lengths are in punch radii. Constants name what
+shows them, a test under `tests/` or a study, where there is one.
 """
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 
 from ...meshes.contact_cells import ContactCells
 from ...meshes.radial import Array
-from ...meshes.sizes import SizeField, convergence
+from ...meshes.sizes import EdgeAmplitude, SizeField
 from ..problem.problem import Problem
-from ..problem.quantities import COMPARED_MODES, FINEST
+from ..problem.quantities import FINEST
 from ..problem.sections import DEGREES
+from .degrees import degree_of_modes, pressure_degree, with_affordable_field_tolerance
+from .ring_edges import (
+    FACTOR,
+    RADIAL_ROUNDOFF,
+    edge_sizes,
+    fem_smallest,
+    rim_size,
+    ring_sizes,
+    smallest_size,
+)
 
-# of the half-space: quadrilaterals with Boussinesq's far field, and anything else (`ringwear study
-# truncation`)
-TRUNCATION, WIDER_TRUNCATION = 2.5, 5.0
-# of quadrilaterals: a layer is smaller by this than the one outside it; elements between the
-# patches grow by that
-FACTOR, GROWTH = 0.25, 0.5
-# relative error of the RMS slope by roundoff, times the size of the smallest elements, in a: of
-# finite elements, and of dimensionality reduction and boundary elements. Slopes of elements of size
-# h err by roundoff / h. Measured by five rings on elements of 1e-10 to 1e-24 a. That of finite
-# elements grows with the ratio of the wear coefficients (up to 1e-20 was measured for 1700), and is
-# taken to grow with its power 2/3
-FEM_ROUNDOFF, RADIAL_ROUNDOFF = 2e-22, 5e-27
-# greatest size that this roundoff may ask for: larger elements would lose more than it takes
-GREATEST_OF_SMALLEST = 1e-12
-# first time over the slowest relaxation time below which roundoff of the modes is felt, too
-EARLIEST_OF_MODES = 1e-16
-# a quantity is felt in layers that a mesh has, or its coarser one lacks, if they are thinner than
-# this many times its smallest elements: two layers of them
-THIN = FACTOR**-2
-# slowest modes that a history needs to the accuracy asked for, of which no relaxation time is told
-MODES_OF_HISTORIES = 3
-# greatest number of pressures: dense matrices of more take more than half a minute
-MOST_PRESSURES = 3500
+# ratio of the widths of neighbouring elements on the radial mesh of the MDR and of boundary
+# elements: with more, more elements reach the same size, and with less, each needs a higher degree
+# (physics/test_size_rules.py, `ringwear study tradeoff`)
+RADIAL_GRADING = 0.2
+# highest degree of the pressure on that mesh
+HIGHEST_DEGREE = 20
+# truncation radius of quadrilaterals with Boussinesq's far field, in a
+# (`ringwear study truncation`)
+TRUNCATION = 2.5
+# truncation radius of triangles, and of a clamped boundary, in a (`ringwear study truncation`)
+WIDER_TRUNCATION = 5.0
+# growth of quadrilaterals between the patches with the distance from them
+# (physics/test_size_rules.py)
+GROWTH = 0.5
+# least degree of the pressure on quadrilaterals: of less, the coarser solution would have linear
+# pressures, too far off to judge by
+LEAST_TO_JUDGE_BY = 3.0
+# degrees of the displacement above that of the pressure on quadrilaterals, before rounding up
+# (physics/test_size_rules.py, `ringwear study convergence`)
+ABOVE_PRESSURE = 1.45
+# degrees more for each digit that 1 - 2 nu loses; the accuracy near incompressibility is held by
+# physics/test_estimates.py::test_nothing_locks
+DEGREES_PER_DIGIT_OF_COMPRESSIBILITY = 0.4
+# degrees that the displacement has to spare before the first of these is added
+DEGREES_TO_SPARE = 0.2
+# Poisson's ratio beyond which degrees rise no more: 1/2 is modelled as 0.49999
+GREATEST_POISSON_RATIO = 0.4999
+# accuracy at which sizes and growth of triangles, and numbers of cells, are told
+USUAL_RTOL = 1e-4
+# size of triangles at the rim over rtol: it costs d0 a tenth of that or less
+# (physics/test_five_rings.py::test_the_dial_of_the_fem)
+TRIANGLES_AT_RIM = 0.1
+# parts of the outermost ring, or of that beside a hole, that a triangle there is at most one of
+TRIANGLES_ACROSS_RINGS = 4
+# size of triangles at a ring edge over the first sliding distance, if that is greater than the next
+TRIANGLES_PER_WORN_LENGTH = 0.5
+# power of rtol below which no size at a ring edge follows the first sliding distance
+POWER_OF_LEAST_WORN_LENGTH = 0.75
+# size of triangles at a ring edge over the narrower ring beside it, where rtol is 1
+TRIANGLES_AT_RINGS = 10
+# power of rtol that this falls by: elements of degree 4 converge by a power of their size, not
+# by layers
+POWER_AT_RINGS = 0.6
+# greatest size of triangles at a ring edge over that ring
+GREATEST_AT_RINGS = 0.25
+# growth of triangles with the distance from ring edges at the usual rtol
+# (physics/test_size_rules.py)
+TRIANGLE_GROWTH = 0.7
+# greatest growth of triangles: beyond, neighbours would differ too much for good shapes
+GREATEST_GROWTH = 0.9
+# size of triangles at the centre, in a, at the usual rtol: energies hardly feel the value there,
+# which people look at
+TRIANGLES_AT_CENTRE = 0.2
+# greatest size of triangles at the centre, in a
+GREATEST_AT_CENTRE = 0.5
+# power of rtol that size at the centre and growth follow: an eighth or so, for energies of degree 4
+# converge with the power 8 of the size
+POWER_OF_TRIANGLES = 0.115
+# greatest size of triangles over the truncation. In d0, sides of a quarter of the truncation cost
+# 2e-6 in degree 3 and 1e-8 in degree 4, of an eighth nothing
+FAR_TRIANGLES = 0.125
+# the same in degree 4, down to the next constant
+FAR_TRIANGLES_OF_HIGHEST_DEGREE = 0.25
+# rtol below which a cost of 1e-8 in d0 is not negligible
+FINE_RTOL = 1e-6
+# share of the energy that the truncation may lose, at most
+# (physics/test_size_rules.py, `ringwear study truncation`)
+NEGLIGIBLE = 1e-9
+# times by which it stays below rtol
+MARGIN_OF_TRUNCATION = 10
+# step of the march on the uniform grid over the greatest stable one (`ringwear study march`)
+STABLE_PART = 0.5
+# cells of the face where edges of the contact move, at the usual rtol; an edge is known to a cell
+# (physics/test_contact_march.py::test_random_punches_respect_their_error_estimates)
+USUAL_CELLS = 150
+# fewest cells, below which an estimate by half as many says nothing
+FEWEST_CELLS = 80
+# most cells: as many as a tenth of the usual rtol asks for take minutes
+MOST_CELLS = 300
+# pressures that a shaped punch may have at first, for its cells to become as many as the most; more
+# than these take half a minute
+PRESSURES_AT_FIRST = 800
+# the least part of these that is reckoned with where the load varies and steps begin anew at each
+# change of it, as often as if there were so many
+PART_UNDER_VARYING_LOADS = 0.5
+# greatest cells at ring edges, in a
+GREATEST_AT_EDGES = 1e-3
+# growth of cells with the distance from ring edges
+CELL_GROWTH = 0.4
 
 
-def pressure_degree(problem: Problem, ratio: float) -> float:
-    """Return the highest degree of the pressure that an accuracy asks for."""
-    half, amplitude = problem.merged.widths / 2, problem.edge_amplitude
-    edges = np.arange(len(half))
-    greatest = max(
-        float(amplitude(half, half, edges).max()),
-        float(amplitude(half[1:], half[1:], edges[:-1]).max(initial=0.0)),
-    )
-    return float(max(_relaxed_degree(np.log(greatest / problem.rtol) / convergence(ratio)), 2))
+class QuadSizes(TypedDict):
+    """Sizes of quadrilaterals, by the names of the arguments of `meshes.quads.graded`."""
 
-
-def _relaxed_degree(degree: Array | float) -> Array | float:
-    """Return degrees that are enough, a little below those that the amplitude asks for.
-
-    The estimate of the amplitude asks for more than is needed.
-    """
-    return degree - np.minimum(0.1 * degree, 0.7)
-
-
-def degree_of_modes(problem: Problem) -> float:
-    """Return the degree that the slowest modes ask for on the ring that has most of them.
-
-    Measured: three relaxation times err by 1e-2, 2e-4, 7e-7, 1e-9 in degrees 4, 6, 8, 10 if all
-    are of one ring, by 7e-5, 1e-7, 1e-10 in degrees 4, 6, 8 if two are, by 2e-8 in degree 4 if each
-    has one. So another mode on a ring asks for 1.5 degrees more; with eight of them on one ring all
-    eight err by less than .02 rtol, from 1e-2 to 1e-6.
-    """
-    slowest = problem.merged.widths / problem.merged.ends.mean(axis=0)
-    count = COMPARED_MODES if problem.wants("relaxation_time") else MODES_OF_HISTORIES
-    times = slowest[:, None] / np.arange(1, count + 1)
-    most = (times >= np.sort(times, axis=None)[-count]).sum(axis=1).max()
-    return float(2.8 - 1.15 * np.log10(problem.rtol) + 1.5 * (most - 3))
-
-
-def pressures(problem: Problem, ratio: float) -> float:
-    """Estimate how many pressures a graded mesh takes.
-
-    The elements of the mesh shrink by a ratio towards every ring edge and the rim.
-    """
-    half, sizes, amplitude = problem.merged.widths / 2, edge_sizes(problem), problem.edge_amplitude
-    total, most = 0.0, pressure_degree(problem, ratio)
-    # on the inner side of each edge, and on the outer side of all but the rim
-    for reach, size, edges in (
-        (half, sizes, np.arange(len(half))),
-        (half[1:], sizes[:-1], np.arange(len(half) - 1)),
-    ):
-        distance = reach[:, None] * ratio ** np.arange(np.ceil(np.log(sizes.min()) / np.log(ratio)))
-        edges = np.broadcast_to(edges[:, None], distance.shape)
-        digits = np.log(amplitude(distance, reach[:, None], edges) / problem.rtol)
-        degrees = np.clip(_relaxed_degree(digits / convergence(ratio)), 2, most)
-        total += float(np.sum(degrees, where=distance > size[:, None]))
-    return total
-
-
-def with_affordable_field_tolerance(problem: Problem, ratio: float) -> Problem:
-    """Return the problem with the tolerance that its fields can have.
-
-    With so many rings that it would take too many pressures, fields are as accurate as the root of
-    what is asked for at the least: energies, which converge twice as fast, still reach it.
-    """
-    # what errs by the square of the fields' errors may have coarser fields
-    fields = min(problem.rtol**0.5, 0.3) if problem.energies_only else problem.rtol
-    fewer = replace(problem, rtol=fields)
-    # dense matrices cost the third power of the pressures
-    while fewer.rtol < problem.rtol**0.5 and pressures(fewer, ratio) > MOST_PRESSURES:
-        fewer = replace(fewer, rtol=min(2 * fewer.rtol, problem.rtol**0.5))
-    return fewer
-
-
-def field_accuracy(problem: Problem) -> float:
-    """Return the accuracy that fields are resolved to.
-
-    It is the one asked for, unless only energies are wanted or there are too many rings.
-    """
-    return with_affordable_field_tolerance(problem, FACTOR).rtol
+    sizes: Array
+    rim_size: float
+    factor: float
+    growth: float
+    outer: float
+    edge_amplitude: EdgeAmplitude
 
 
 def mdr_sizes(problem: Problem) -> dict[str, Any]:
-    """Return the sizes of the radial mesh of the MDR and of boundary elements."""
-    chosen, grading = problem.mdr, problem.mdr.grading or 0.2
-    fields, modes = (
-        with_affordable_field_tolerance(problem, grading),
-        np.ceil(degree_of_modes(problem)),
-    )
+    """Return the sizes of the radial mesh of the MDR and of boundary elements.
+
+    The names are those of the arguments of `methods.spaces.radial_space`.
+
+    Notes
+    -----
+    Sizes at ring edges and rim are those of `ring_sizes` and `rim_size`, but not below
+    `smallest_size`; degrees those of `pressure_degree` and `degree_of_modes`, rounded up. What the
+    scene gives stays. Shown by physics/test_five_rings.py::test_the_dial_of_the_mdr.
+    """
+    chosen, grading = problem.mdr, problem.mdr.grading or RADIAL_GRADING
+    fields = with_affordable_field_tolerance(problem, grading)
+    modes = np.ceil(degree_of_modes(problem))
     degree = np.ceil(pressure_degree(fields, grading))
     smallest = smallest_size(problem, RADIAL_ROUNDOFF)
     return {
-        "degree": chosen.degree or min(int(degree), 20),
-        "degree_of_modes": chosen.degree or min(int(modes), 20),
+        "degree": chosen.degree or min(int(degree), HIGHEST_DEGREE),
+        "degree_of_modes": chosen.degree or min(int(modes), HIGHEST_DEGREE),
         "rim_size": chosen.rim_size or max(rim_size(problem, fields), smallest),
         "ring_size": chosen.ring_size or np.maximum(ring_sizes(problem, fields), smallest),
         "grading": grading,
     }
 
 
-def edge_sizes(problem: Problem) -> Array:
-    """Return the wanted sizes (N,) at every ring edge but the centre, the rim last."""
-    rtol, narrower, worn = problem.rtol, problem.merged.narrower, problem.edge_amplitude
-    narrower = np.append(narrower, problem.merged.widths[-1])
-    at_rim = np.arange(len(narrower)) == len(narrower) - 1
-    sharp = np.where(at_rim, 1.0, np.minimum(1.0, worn.worn_length_fast / narrower))
-    # of the square of the slope, as much is missed as the size is of the ring, or of what wear has
-    # blunted
-    sizes = np.minimum(
-        0.1 * rtol * narrower,
-        np.where(at_rim, 0.03, 0.1) * rtol * np.minimum(worn.worn_length_slow, narrower) / sharp,
-    )
-    # of the pressure, the power 3/2 of that
-    sizes = np.minimum(sizes, 0.3 * worn.worn_length_slow * (rtol / np.sqrt(sharp)) ** (2 / 3))
-    # where wear is continuous, pressures of early times are a logarithm of the distance at most,
-    # whose amplitude is that of the kink
-    continuous = np.minimum(rtol**0.5 / np.maximum(problem.merged.kinks, rtol), 1.0) * narrower
-    return np.asarray(np.where(problem.merged.smooth, np.maximum(sizes, continuous), sizes))
-
-
-def rim_size(problem: Problem, fields: Problem) -> float:
-    """Return the wanted size of the elements at the rim.
-
-    `fields` is the problem with the accuracy of its fields.
-
-    Pressures of the flat start err by up to three times that size, its energy by a tenth.
-    """
-    return float(min(edge_sizes(fields)[-1], 0.03 * problem.rtol))
-
-
-def ring_sizes(problem: Problem, fields: Problem) -> Array:
-    """Return the wanted sizes (N-1,) at the ring edges between centre and rim.
-
-    The sizes are rounded to a few distinct values. `fields` is the problem with the accuracy of its
-    fields.
-
-    At the edge of a hole, pressures of the flat start are as at the rim.
-    """
-    sizes = edge_sizes(fields)[:-1]
-    if problem.merged.hollow:
-        scale = min(1.0, 3 * float(problem.merged.narrower[0]))
-        sizes[0] = min(sizes[0], rim_size(problem, fields) * scale)
-    return np.asarray(2.0 ** np.floor(np.log2(sizes)))
-
-
-def smallest_size(problem: Problem, roundoff: float) -> float:
-    """Return the least size of elements beside a ring edge, so that roundoff costs a third of rtol.
-
-    Parameters
-    ----------
-    problem : with its accuracy and its times
-    roundoff : of the method, `FEM_ROUNDOFF` or `RADIAL_ROUNDOFF`
-    """
-    slowest = float(problem.merged.ends.min())
-    if 0 < problem.earliest * slowest < EARLIEST_OF_MODES:
-        return GREATEST_OF_SMALLEST
-    return min(3 * roundoff / problem.rtol, GREATEST_OF_SMALLEST)
-
-
-def fem_smallest(problem: Problem) -> float:
-    """Return the least size of finite elements beside a ring edge."""
-    wear = problem.merged.ends[np.isfinite(problem.merged.ends)]
-    return smallest_size(problem, FEM_ROUNDOFF * float(wear.max() / wear.min()) ** (2 / 3))
-
-
 def missing_layers(problem: Problem, smallest: float) -> Array:
     """Return how many layers of elements (T,) a mesh lacks at each time.
 
-    The times are those that errors are estimated at. A mesh lacks layers because its elements are
-    no smaller than a least size.
+    Parameters
+    ----------
+    problem : the times are its `estimate_times`
+    smallest : least size of the elements of the mesh; 0 if it has no least size
+
+    Notes
+    -----
+    ``ln(wanted / smallest) / ln(FACTOR)``, where `edge_sizes` of that time is below the smallest.
     """
     missing = np.zeros(len(problem.estimate_times))
     for number, time in enumerate(problem.estimate_times):
@@ -218,10 +176,14 @@ def missing_layers(problem: Problem, smallest: float) -> Array:
     return missing
 
 
-def quad_sizes(problem: Problem) -> dict[str, Any]:
+def quad_sizes(problem: Problem) -> QuadSizes:
     """Return the sizes of quadrilaterals in geometric layers.
 
-    The names are those of the arguments of `meshes.quads.graded`.
+    Notes
+    -----
+    Sizes at ring edges and rim are those of `ring_sizes` and `rim_size`, but not below
+    `fem_smallest`. What the scene gives stays. Shown by
+    physics/test_five_rings.py::test_the_dial_of_the_fem.
     """
     chosen, fields = problem.fem, with_affordable_field_tolerance(problem, FACTOR)
     wanted = np.maximum(ring_sizes(problem, fields), fem_smallest(problem))
@@ -239,32 +201,47 @@ def quad_sizes(problem: Problem) -> dict[str, Any]:
 def quad_degree(problem: Problem) -> int:
     """Return the degree of the displacement on quadrilaterals.
 
-    It is above that of the pressure (`ringwear study convergence`), and higher still towards
-    incompressibility, which costs two digits in the end.
+    Notes
+    -----
+    With the degree q of the pressure, the greater of `pressure_degree`, `degree_of_modes` and
+    LEAST_TO_JUDGE_BY, it is
+
+        q + ABOVE_PRESSURE + max(0, -0.2 - 0.4 log10(1 - 2 nu))
+
+    rounded up. The last term rises towards incompressibility, which costs two digits in the end.
+    Shown by physics/test_estimates.py::test_nothing_locks.
     """
     of_pressure = pressure_degree(with_affordable_field_tolerance(problem, FACTOR), FACTOR)
-    compressibility = 1 - 2 * min(problem.poisson_ratio, 0.4999)
+    compressibility = 1 - 2 * min(problem.poisson_ratio, GREATEST_POISSON_RATIO)
+    digits_lost = DEGREES_PER_DIGIT_OF_COMPRESSIBILITY * np.log10(compressibility)
     wanted = (
-        # of less, the coarser solution would have linear pressures, too far off to judge by
-        max(of_pressure, degree_of_modes(problem), 3.0)
-        + 1.45
-        + max(0.0, -0.2 - 0.4 * np.log10(compressibility))
+        max(of_pressure, degree_of_modes(problem), LEAST_TO_JUDGE_BY)
+        + ABOVE_PRESSURE
+        + max(0.0, -DEGREES_TO_SPARE - digits_lost)
     )
     degree = int(np.clip(np.ceil(wanted), DEGREES["quads"][0], DEGREES["quads"][-1]))
     return problem.fem.degree or degree
 
 
 def triangle_ring_sizes(problem: Problem) -> Array:
-    """Return the wanted sizes (N-1,) of triangles at the ring edges.
+    """Return the wanted sizes (N-1,) of triangles at the ring edges, in powers of two.
 
-    Their degree is low, and smaller ones would not help fields.
+    Notes
+    -----
+    The least of ``TRIANGLES_AT_RINGS rtol^0.6 b``, ``GREATEST_AT_RINGS b``, with the width b of the
+    narrower ring, and the worn length ``max(TRIANGLES_PER_WORN_LENGTH tau, rtol^0.75)`` of the
+    first sliding distance tau. Sizes at a hole are as at the rim. The degree of triangles is low,
+    and smaller ones would not help fields. Shown by
+    physics/test_five_rings.py::test_fem_on_triangles.
     """
-    rtol, narrower = problem.rtol, problem.merged.narrower
-    worn = max(0.5 * problem.earliest, rtol**0.75) if problem.earliest else 1.0
-    wanted = np.minimum(min(10 * rtol**0.6, 0.25) * narrower, worn)
+    rtol, narrower, worn = problem.rtol, problem.merged.narrower, 1.0
+    if problem.earliest:
+        least = rtol**POWER_OF_LEAST_WORN_LENGTH
+        worn = max(TRIANGLES_PER_WORN_LENGTH * problem.earliest, least)
+    share = min(TRIANGLES_AT_RINGS * rtol**POWER_AT_RINGS, GREATEST_AT_RINGS)
+    wanted = np.minimum(share * narrower, worn)
     if problem.merged.hollow:
-        # as at the rim
-        wanted[0] = min(0.1 * rtol, float(narrower[0]) / 4)
+        wanted[0] = min(TRIANGLES_AT_RIM * rtol, float(narrower[0]) / TRIANGLES_ACROSS_RINGS)
     return np.asarray(2.0 ** np.floor(np.log2(wanted)))
 
 
@@ -275,68 +252,107 @@ def triangle_degree(problem: Problem) -> int:
 
 
 def triangle_sizes(problem: Problem) -> SizeField:
-    """Return the sizes of graded triangles."""
+    """Return the sizes of graded triangles.
+
+    Notes
+    -----
+    At the rim ``TRIANGLES_AT_RIM rtol``, at ring edges those of `triangle_ring_sizes`. The growth
+    and the size at the centre follow ``(rtol / USUAL_RTOL)^0.115``. Shown by
+    physics/test_five_rings.py::test_the_dial_of_the_fem.
+    """
     rtol, chosen, ring_edges = problem.rtol, problem.fem, problem.merged.ring_edges
+    across_rim = float(ring_edges[-1] - ring_edges[-2]) / TRIANGLES_ACROSS_RINGS
+    coarser = (rtol / USUAL_RTOL) ** POWER_OF_TRIANGLES
+    highest = triangle_degree(problem) == DEGREES["gmsh"][-1]
+    far = FAR_TRIANGLES_OF_HIGHEST_DEGREE if highest and rtol > FINE_RTOL else FAR_TRIANGLES
     return SizeField(
         ring_edges=tuple(float(edge) for edge in ring_edges),
-        rim_size=chosen.rim_size or min(0.1 * rtol, float(ring_edges[-1] - ring_edges[-2]) / 4),
+        rim_size=chosen.rim_size or min(TRIANGLES_AT_RIM * rtol, across_rim),
         ring_size=chosen.ring_size or tuple(float(size) for size in triangle_ring_sizes(problem)),
-        growth=chosen.growth or min(0.7 * (rtol / 1e-4) ** 0.115, 0.9),
+        growth=chosen.growth or min(TRIANGLE_GROWTH * coarser, GREATEST_GROWTH),
         truncation=chosen.truncation or WIDER_TRUNCATION,
-        centre_size=min(0.2 * (rtol / 1e-4) ** 0.115, 0.5),
-        # in d0, sides of a quarter of the truncation cost 2e-6 in degree 3 and 1e-8 in degree 4, of
-        # an eighth nothing
-        far_size=0.25 if triangle_degree(problem) == DEGREES["gmsh"][-1] and rtol > 1e-6 else 0.125,
+        centre_size=min(TRIANGLES_AT_CENTRE * coarser, GREATEST_AT_CENTRE),
+        far_size=far,
     )
 
 
 def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:
     """Return the orders of the poles tied to the outer boundary.
 
-    They are those asked for, or enough of them for the accuracy.
+    Notes
+    -----
+    Those asked for, or as many as keep the share of the energy that the truncation loses below
+    ``min(NEGLIGIBLE, rtol / MARGIN_OF_TRUNCATION)`` (`fem.far_field.enough_poles`). Shown by
+    physics/test_orders.py::test_truncation_by_every_far_field.
     """
     from ...fem.far_field import enough_poles
 
     if problem.fem.poles:
         return tuple(range(0, 2 * problem.fem.poles, 2))
-    return enough_poles(truncation, min(1e-9, problem.rtol / 10))
+    return enough_poles(truncation, min(NEGLIGIBLE, problem.rtol / MARGIN_OF_TRUNCATION))
 
 
 def grid_step(problem: Problem, stability_limit: float) -> float:
     """Return the step of the march on the uniform grid.
 
-    It is the one asked for, or half of the greatest stable one (`ringwear study march`).
+    Notes
+    -----
+    The one asked for, or STABLE_PART of the greatest stable one, above which the explicit march
+    blows up (`ringwear study march`).
     """
     if problem.mdr.step:
         return problem.mdr.step / problem.units.time
-    return problem.step if problem.step and problem.march == "explicit" else 0.5 * stability_limit
+    if problem.step and problem.march == "explicit":
+        return problem.step
+    return STABLE_PART * stability_limit
 
 
 def tolerance_range(problem: Problem, pressures: int) -> tuple[float, float]:
     """Return the least and the greatest accuracy that sizes follow.
 
-    For a shaped punch the least depends on `pressures`, the number of pressures at first.
+    Parameters
+    ----------
+    problem : for a shaped punch, sizes are those of `cells_of`
+    pressures : number of pressures at first
+
+    Notes
+    -----
+    Of a shaped punch, ``USUAL_RTOL (USUAL_CELLS / n)^2`` with the greatest and the least number n
+    of cells. Where there were more than PRESSURES_AT_FIRST pressures at first, the least accuracy
+    is not so far below that asked for, so that a refinement ends in half a minute.
     """
     if problem.full_contact:
         return FINEST, 1.0
-    least, greatest = (1e-4 * (150 / count) ** 2 for count in (300, 80))
-    # more than 800 pressures take half a minute; so do, where the load varies and steps begin anew
-    # at each change of it, twice as many as at first
-    ratio = max(pressures / 800, 0.5 * problem.loading.varies)
+    least, greatest = (
+        USUAL_RTOL * (USUAL_CELLS / count) ** 2 for count in (MOST_CELLS, FEWEST_CELLS)
+    )
+    ratio = max(pressures / PRESSURES_AT_FIRST, PART_UNDER_VARYING_LOADS * problem.loading.varies)
     return max(least, min(problem.rtol, greatest) * ratio**2), greatest
 
 
 def cells_of(problem: Problem, finer: float = 1.0) -> ContactCells:
-    """Return the cells that an accuracy asks for, before it is known where contact begins."""
-    # where edges move d errs by about their inverse; as many as a tenth of 1e-4 asks for take
-    # minutes
-    count = finer * float(np.clip(150 * (1e-4 / problem.rtol) ** 0.5, 80, 300))
-    edge = min(problem.rtol, 1e-3) / finer**2
+    """Return the cells that an accuracy asks for, before it is known where contact begins.
+
+    Parameters
+    ----------
+    problem : with its accuracy and its rings
+    finer : factor on the number of cells
+
+    Notes
+    -----
+    ``USUAL_CELLS sqrt(USUAL_RTOL / rtol)`` cells, of a number between the fewest and the most,
+    because the edges of the contact are known to a cell, and d errs by less than fields do. At ring
+    edges they are no larger than rtol, because pressures are singular there. Shown by
+    physics/test_contact_march.py::test_random_punches_respect_their_error_estimates.
+    """
+    wanted = USUAL_CELLS * (USUAL_RTOL / problem.rtol) ** 0.5
+    count = finer * float(np.clip(wanted, FEWEST_CELLS, MOST_CELLS))
+    edge = min(problem.rtol, GREATEST_AT_EDGES) / finer**2
     return ContactCells(
         tuple(problem.merged.ring_edges.tolist()),
         1 / count,
         edge,
-        growth=0.4 / finer**0.5,
+        growth=CELL_GROWTH / finer**0.5,
         spread=1 / count,
         hollow=problem.merged.hollow,
     )

@@ -25,14 +25,15 @@ from importlib.resources import files
 from itertools import product
 from math import prod
 from pathlib import Path
-from typing import Any, Self
+from types import UnionType
+from typing import Self
 
 from ...meshes.errors import SceneError
-from ..problem.fields import Height, read_table, refuse_device
+from ..problem.fields import Height, TomlTable, read_table, refuse_device
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, GROUPS, QUANTITIES, STEADY
 from ..problem.scene import Scene
-from .columns import Column, Table, has_units, read_columns
+from .columns import Column, has_units, read_columns
 
 # scenes of one sweep
 MOST_SCENES = 1_000_000_000
@@ -78,12 +79,12 @@ class Sweep:
         from `load` and `of`, naming the key, the value and the remedy
     """
 
-    table: Table
+    table: TomlTable
     columns: dict[str, Column]
     keep: tuple[str, ...] = ()
     shared: dict[str, Column] = field(default_factory=dict)
     heights: tuple[Height, ...] = ()
-    profiles: Table = field(default_factory=dict)
+    profiles: TomlTable = field(default_factory=dict)
 
     @classmethod
     def load(cls, source: str | Path) -> Self:
@@ -101,13 +102,13 @@ class Sweep:
         return cls.of(table, path.parent)
 
     @classmethod
-    def of(cls, table: Table, folder: Path | None = None) -> Self:
+    def of(cls, table: TomlTable, folder: Path | None = None) -> Self:
         """Make a sweep from nested dictionaries; a base that is a file is sought in a folder, too.
 
         Of each axis up to 200 values are tried, beside the first of the others. Values that are
         bad beyond that fail as scenes, with the reason.
         """
-        kinds: dict[str, Any] = {"base": str | dict, "keep": list}
+        kinds: dict[str, type | UnionType] = {"base": str | dict, "keep": list}
         kinds |= dict.fromkeys(("axes", "zip", "random", "profiles"), dict)
         for key, value in table.items():
             if not isinstance(value, kinds.get(key, ())):
@@ -173,16 +174,16 @@ class Sweep:
         """The scene of the first values."""
         return self.scene(next(self.changes()))
 
-    def changes(self) -> Iterator[Table]:
+    def changes(self) -> Iterator[TomlTable]:
         """Yield what each scene changes of the base, in the order of the store."""
         for places in product(*map(range, self.sizes.values())):
             yield self.changes_at(dict(zip(self.sizes, places, strict=True)))
 
-    def changes_at(self, places: dict[str, int]) -> Table:
+    def changes_at(self, places: dict[str, int]) -> TomlTable:
         """Return what the scene at a place along each dimension changes of the base."""
         return {key: values[places[dim]] for key, (_, dim, values) in self.columns.items()}
 
-    def scene(self, changes: Table) -> Scene:
+    def scene(self, changes: TomlTable) -> Scene:
         """Return the scene of some changes.
 
         Raises
@@ -200,7 +201,7 @@ class Sweep:
         self.check_labels(scene, changes)
         return scene
 
-    def check_labels(self, scene: Scene, changes: Table) -> None:
+    def check_labels(self, scene: Scene, changes: TomlTable) -> None:
         """Refuse a scene of some changes that has not what all scenes share."""
         labels = _labels(scene)
         for key, column in self.shared.items():
@@ -211,7 +212,7 @@ class Sweep:
                     "over them"
                 )
 
-    def problem(self, changes: Table) -> Problem:
+    def problem(self, changes: TomlTable) -> Problem:
         """Return the problem of some changes, asking for what is to be kept and nothing else."""
         quantities = (part for name in self.keep for part in ANSWERS.get(name, (name,)))
         return self.scene(changes).problem.asking_for(frozenset(quantities))
@@ -225,7 +226,7 @@ class Sweep:
         return replace(self, table={"base": self.table["base"]}, columns=columns)
 
 
-def _name_of(changes: Table) -> str:
+def _name_of(changes: TomlTable) -> str:
     return ", ".join(f"{key} = {value}" for key, value in changes.items())
 
 
@@ -238,7 +239,7 @@ def _labels(scene: Scene) -> dict[str, Column]:
     }
 
 
-def _changed(table: Table, path: list[str], value: Any) -> Table:
+def _changed(table: TomlTable, path: list[str], value: object) -> TomlTable:
     """Return nested dictionaries with another value at a path; those given stay as they are."""
     key, *rest = path
     if rest:
@@ -247,7 +248,7 @@ def _changed(table: Table, path: list[str], value: Any) -> Table:
     return table | {key: value}
 
 
-def _profile_file(table: Table) -> str:
+def _profile_file(table: TomlTable) -> str:
     """Return the file that the profile of a scene's table is to be read from; empty if none."""
     punch = table.get("punch")
     profile = punch.get("profile") if isinstance(punch, dict) else None
@@ -256,7 +257,7 @@ def _profile_file(table: Table) -> str:
     return str(profile.get("file", ""))
 
 
-def _read_profiles(base: Table, columns: dict[str, Column], folder: Path) -> Table:
+def _read_profiles(base: TomlTable, columns: dict[str, Column], folder: Path) -> TomlTable:
     """Return radii and heights of all files that profiles of a sweep are given by, by file.
 
     Files are sought in the folder of the sweep file, then where the command was given.
@@ -265,7 +266,7 @@ def _read_profiles(base: Table, columns: dict[str, Column], folder: Path) -> Tab
     for key, column in columns.items():
         if key in ("punch", "punch.profile", "punch.profile.file"):
             tables += [_changed(base, key.split("."), value) for value in column.values]
-    profiles: Table = {}
+    profiles: TomlTable = {}
     for file in dict.fromkeys(filter(None, map(_profile_file, tables))):
         in_folder = folder / file
         try:
@@ -276,7 +277,7 @@ def _read_profiles(base: Table, columns: dict[str, Column], folder: Path) -> Tab
     return profiles
 
 
-def _without_heights(base: Table) -> tuple[Table, tuple[Height, ...]]:
+def _without_heights(base: TomlTable) -> tuple[TomlTable, tuple[Height, ...]]:
     """Return the base without the functions of its face, and these."""
     punch = base.get("punch")
     if not isinstance(punch, dict) or "heights" not in punch:
@@ -285,7 +286,7 @@ def _without_heights(base: Table) -> tuple[Table, tuple[Height, ...]]:
     return base | {"punch": left}, tuple(punch["heights"])
 
 
-def _without_alternatives(base: Table, keys: set[str]) -> Table:
+def _without_alternatives(base: TomlTable, keys: set[str]) -> TomlTable:
     """Return the base without what the axes give in another way.
 
     Two materials stay two, whichever way they are given.
@@ -303,7 +304,9 @@ def _without_alternatives(base: Table, keys: set[str]) -> Table:
     return table
 
 
-def _checked_keep(keep: Any, problems: list[Problem], axes: Iterable[str]) -> tuple[str, ...]:
+def _checked_keep(
+    keep: list[str] | None, problems: list[Problem], axes: Iterable[str]
+) -> tuple[str, ...]:
     """Return the quantities to keep: those named, or by default those without radius and ring.
 
     The default holds if `keep` is None. Relaxation times are left out of it, too, if there are no

@@ -4,16 +4,19 @@ Values are numbers in the units of the base, whatever units they are written in.
 """
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...meshes.errors import SceneError
+from ...meshes.radial import Array
+from ..problem.fields import TomlTable
 from ..problem.unit_names import without_quantities
 
-Table = dict[str, Any]
+# values of one key, of whatever kind the scene declares
+Values = list[Any]
 DRAW = "draw"
 # labels of the store that no axis may have for its name
 RESERVED = (
@@ -22,7 +25,7 @@ RESERVED = (
 )
 # values of one axis; a list of them is kept in memory
 MOST_VALUES = 10_000_000
-SPACED = {"linspace": np.linspace, "geomspace": np.geomspace}
+SPACED: dict[str, Callable[..., Array]] = {"linspace": np.linspace, "geomspace": np.geomspace}
 
 
 class Column(NamedTuple):
@@ -30,10 +33,10 @@ class Column(NamedTuple):
 
     name: str
     dim: str
-    values: list[Any]
+    values: Values
 
 
-def read_columns(table: Table, base: Table) -> dict[str, Column]:
+def read_columns(table: TomlTable, base: TomlTable) -> dict[str, Column]:
     """Return by scene key what varies: each of the axes along a dimension of its own.
 
     Parameters
@@ -85,7 +88,7 @@ def read_columns(table: Table, base: Table) -> dict[str, Column]:
     return columns
 
 
-def read_values(key: str, given: Any, base: Table, draws: int, seed: int | None) -> list[Any]:
+def read_values(key: str, given: Any, base: TomlTable, draws: int, seed: int | None) -> Values:
     """Return the values of an axis: a list, evenly spaced, or so many random draws."""
     generator = np.random.default_rng([seed or 0, *key.encode()])
     try:
@@ -95,7 +98,7 @@ def read_values(key: str, given: Any, base: Table, draws: int, seed: int | None)
             drawn = generator.integers(len(values), size=draws)
             return [values[place] for place in drawn] if draws else values
         ((kind, numbers),) = given.items()
-        space: Any = SPACED[kind]
+        space = SPACED[kind]
         (first, last), count = _in_units(key, numbers[:2], base), numbers[2:]
         _refuse_too_many(key, draws or count[0])
         if draws:
@@ -115,7 +118,7 @@ def read_values(key: str, given: Any, base: Table, draws: int, seed: int | None)
         ) from None
 
 
-def has_units(columns: Iterable[tuple[str, Any]]) -> bool:
+def has_units(columns: Iterable[tuple[str, object]]) -> bool:
     """Return whether any values of scene keys are written with a unit."""
     numbers = (
         (key, next(iter(of.values()), None) if isinstance(of, dict) else of) for key, of in columns
@@ -123,20 +126,22 @@ def has_units(columns: Iterable[tuple[str, Any]]) -> bool:
     return any("units" in without_quantities(_nest(key, of)) for key, of in numbers)
 
 
-def _in_units(key: str, values: list[Any], base: Table) -> list[Any]:
+def _in_units(key: str, values: Values, base: TomlTable) -> Values:
     """Return values of a key as numbers in the units of the base."""
     stated = {"units": base["units"]} if "units" in base else {}
-    table: Any = without_quantities(stated | _nest(key, values))
+    table = without_quantities(stated | _nest(key, values))
     for part in key.split("."):
         table = table[part]
     return list(table)
 
 
-def _nest(key: str, value: Any) -> Table:
+def _nest(key: str, value: object) -> TomlTable:
     """Return the table of a scene that has one key."""
-    for part in reversed(key.split(".")):
-        value = {part: value}
-    return dict(value)
+    *outer, last = key.split(".")
+    table: TomlTable = {last: value}
+    for part in reversed(outer):
+        table = {part: table}
+    return table
 
 
 def _refuse_too_many(key: str, count: int) -> None:
@@ -146,7 +151,7 @@ def _refuse_too_many(key: str, count: int) -> None:
         )
 
 
-def _refuse_repeats(key: str, values: list[Any]) -> None:
+def _refuse_repeats(key: str, values: Values) -> None:
     """Refuse an axis that has a value twice: neither could be selected by it."""
     # lists and tables by what they look like
     alike = (value if isinstance(value, int | float) else repr(value) for value in values)

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import xarray
 
@@ -14,6 +13,7 @@ from ...meshes.errors import SceneError
 from ..figures.style import new_figure, set_logarithmic
 from ..output.folder import Folder, lock_folder, output_folder, refuse_foreign_folders
 from ..output.one_file import make
+from ..problem.fields import TomlTable
 from ..problem.scene import Scene
 from ..progress import LOG
 from .axes import Sweep
@@ -25,12 +25,12 @@ PICTURE = "sweep.png"
 
 
 def sweep(
-    base: Scene | str | Mapping[str, Any],
-    axes: Mapping[str, Any] | None = None,
+    base: Scene | str | Mapping[str, object],
+    axes: Mapping[str, object] | None = None,
     keep: Sequence[str] | None = None,
     *,
-    zip: Mapping[str, Any] | None = None,
-    random: Mapping[str, Any] | None = None,
+    zip: Mapping[str, object] | None = None,
+    random: Mapping[str, object] | None = None,
     out: str | Path | None = None,
     workers: int = 1,
     scheduler: str | None = None,
@@ -87,7 +87,7 @@ def sweep(
         return compute(given, Path(folder), *options).load()
 
 
-def _table_of(scene: Scene) -> dict[str, Any]:
+def _table_of(scene: Scene) -> TomlTable:
     """Return a scene as nested dictionaries, with the functions of its face."""
     table = scene.table()
     if scene.punch.heights:

@@ -6,8 +6,8 @@ import numpy as np
 
 from ...meshes.errors import SceneError
 from ..crosscheck.sizes import machine_memory, predict_memory
+from ..problem.fields import TomlTable
 from .axes import Sweep
-from .columns import Table
 from .compute import compute_block
 from .store import template
 
@@ -61,7 +61,7 @@ def find_largest(sweep: Sweep) -> tuple[dict[str, int], float]:
     return best, most[0]
 
 
-def _size(sweep: Sweep, changes: Table) -> tuple[float, int]:
+def _size(sweep: Sweep, changes: TomlTable) -> tuple[float, int]:
     """Return the GiB that a scene needs, and its rings; less than nothing if there is none."""
     try:
         scene = sweep.scene(changes)

@@ -15,11 +15,11 @@ from itertools import product
 from math import prod
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
 import xarray
 import zarr
+from numpy.typing import ArrayLike
 from zarr.codecs import ZstdCodec
 
 from ...meshes.errors import SceneError
@@ -48,7 +48,7 @@ def template(sweep: Sweep) -> xarray.Dataset:
     def described(text: str, kind: str = "number") -> dict[str, str]:
         return {"long_name": text, "units": units.name(kind)}
 
-    coordinates: dict[str, Any] = {
+    coordinates: dict[str, object] = {
         "ring": np.arange(1, rings + 1),
         "mode": np.arange(1, SHOWN + 1),
         "state": np.array(STATES, dtype=object),
@@ -59,7 +59,9 @@ def template(sweep: Sweep) -> xarray.Dataset:
         coordinates[name] = dim, array, described(key, kind_of(key))
     dataset = xarray.Dataset(coords=coordinates)
 
-    def add(name: str, dims: tuple[str, ...], label: dict[str, str], fill: Any = np.nan) -> None:
+    def add(
+        name: str, dims: tuple[str, ...], label: dict[str, str], fill: ArrayLike = np.nan
+    ) -> None:
         dims = (*sweep.sizes, *dims)
         dataset[name] = dims, np.broadcast_to(fill, [dataset.sizes[dim] for dim in dims]), label
 
@@ -141,8 +143,8 @@ class Store:
         # the box of the grid that each block is
         self._regions = [dict(zip(block, box, strict=True)) for box in product(*parts)]
         # what is damaged is found by its checksum
-        compressed = {"compressors": [ZstdCodec(level=0, checksum=True)]}
-        encoding: dict[str, Any] = {str(name): compressed for name in blank.variables}
+        compressed: dict[str, object] = {"compressors": [ZstdCodec(level=0, checksum=True)]}
+        encoding: dict[str, dict[str, object]] = {str(name): compressed for name in blank.variables}
         for name, variable in blank.data_vars.items():
             chunks = (*block.values(), *variable.shape[len(block) :])
             encoding[str(name)] = compressed | {"chunks": chunks}

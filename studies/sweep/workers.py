@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from math import prod
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import xarray
@@ -23,6 +23,9 @@ from ..versions import computed_with, stamp
 from .axes import Sweep
 from .compute import compute_block
 from .store import PENDING
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
 
 RESUME = "what is finished is there: go on with --resume"
 # deaths of workers of this machine by which a block is split: one may have another cause
@@ -90,7 +93,8 @@ def compute_blocks(
     waiting = deque(
         Piece(number, tuple(slice(0, size) for size in sizes)) for number, sizes in whole.items()
     )
-    running, checked = dict[Any, Piece](), set[str]()
+    running: dict[Future, Piece] = {}
+    checked = set[str]()
     gathered, missing = dict[int, dict[str, Array]](), dict[int, int]()
     with connect(scheduler, workers, memory) as client:
         from distributed import KilledWorker, wait
@@ -179,7 +183,7 @@ def worker_memory(workers: int, memory: float | None) -> float:
     return (machine_memory() if memory is None else memory) / workers
 
 
-def _check_workers(client: Any) -> None:
+def _check_workers(client: "Client") -> None:
     """Refuse workers with another ringwear, or none, before they are given anything."""
     for worker, reply in client.run(computed_with, on_error="return").items():
         if reply != computed_with():
@@ -191,7 +195,7 @@ def _check_workers(client: Any) -> None:
 
 
 @contextmanager
-def connect(scheduler: str | None, workers: int, memory: float | None) -> Iterator[Any]:
+def connect(scheduler: str | None, workers: int, memory: float | None) -> Iterator["Client"]:
     """Connect to a Dask scheduler, or to so many processes of this machine.
 
     Processes that take more than their part of the memory (GiB; by default of the machine's) are
@@ -202,14 +206,14 @@ def connect(scheduler: str | None, workers: int, memory: float | None) -> Iterat
         import dask
         from distributed import Client
 
-    client: Any = None
+    client: Client | None = None
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     # results leave at once: there is nothing to spill, nor to wait for
-    limits: dict[str, Any] = {
+    limits: dict[str, object] = {
         f"distributed.worker.memory.{at}": False for at in ("target", "spill", "pause")
     }
     limits["distributed.scheduler.allowed-failures"] = DEATHS - 1
-    processes: dict[str, Any] = {
+    processes: dict[str, object] = {
         "n_workers": workers,
         "threads_per_worker": 1,
         "memory_limit": int(worker_memory(workers, memory) * 2**30),

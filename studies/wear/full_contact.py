@@ -34,7 +34,19 @@ from .modes import (
 
 @dataclass(frozen=True, eq=False)
 class RunningIn:
-    """A punch from its flat start to its steady state: condensed once, evaluated at any time.
+    """Compute the wear of a flat punch from its start to its steady state, at any time.
+
+    A `RunningIn` combines a `Compliance` and the wear coefficients of its rings. `flat` is the
+    start, ``d(0) = F / (2 a E*)``; `steady` the end, where the wear rate ``k p`` is ``F / sum_i
+    (A_i / k_i)``; `modal` the history in between, exact in time.
+
+    >>> from ringwear.mdr import energy
+    >>> from ringwear.meshes.pressure_space import PressureSpace
+    >>> edges = np.array([0.0, 0.5, 1.0])  # areas pi / 4 and 3 pi / 4
+    >>> space = PressureSpace(np.array([0.0, 0.5, 0.9, 0.99, 1.0]), np.full(4, 8), edges)
+    >>> wear = RunningIn(energy.compliance(space), wear_coefficients=np.array([1.0, 3.0]))
+    >>> round(wear.flat.indentation, 4), round(wear.steady.wear_rate * np.pi, 9)
+    (0.5, 2.0)
 
     Parameters
     ----------

@@ -12,7 +12,6 @@ from ringwear.fem.contact_meshes import even_half_space
 from ringwear.mdr import energy
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.half_space import contact_radii
-from ringwear.studies.cli import main
 from ringwear.studies.contact.edges import find_first_contact
 from ringwear.studies.crosscheck.agreement import remedy
 from ringwear.studies.crosscheck.promise import AT_EDGES
@@ -35,12 +34,6 @@ SCENE = Scene.from_table(
 SPHERE = SCENE.changed(punch__profile={"kind": "parabola", "curvature_radius": 8.0})
 RECESSED = SCENE.changed(punch__recess=[0.0, 0.01, 0.0])
 EXACT_SPHERE = PowerPunch(1 / (2 * 8.0), 2)  # by a unit modulus
-
-
-def write_scene(scene, folder):
-    path = folder / "scene.toml"
-    path.write_text(scene.to_toml(), "utf-8")
-    return str(path)
 
 
 def test_a_sphere_in_units():
@@ -119,32 +112,10 @@ def test_results_say_where_contact_is():
     assert "springs' rule of the MDR" in result.summary["left_out"]
 
 
-def test_files_are_those_of_this_punch(tmp_path):
-    out = tmp_path / "out"
-    scene = RECESSED.changed(methods=["fem"], accuracy__rtol=1e-2)
-    assert main(["run", write_scene(scene, tmp_path), "--out", str(out), "--csv"]) in (0, 3)
-    files = {file.name for file in out.iterdir()}
-    assert {"contact.png", "history.png", "results.nc", "solver_time_edge.csv"} <= files
-    assert {"half_space.vtu", "stress.png", "mesh.png"} <= files
-    page = (out / "report.html").read_text("utf-8")
-    assert "of the unworn face at the start" in page
-    # but for an anchor of that name
-    assert "flat punch</td>" not in page.replace("reciprocity with the flat punch</td>", "")
-
-
 @pytest.mark.parametrize("scene", [SCENE, RECESSED], ids=["flat", "recessed"])
 def test_a_remedy_is_an_accuracy_to_ask_for(scene):
     told = remedy(scene.problem, "mdr", Solution({}, {}, {}, {}), 1e-2)
     assert told.endswith("rtol = 1e-04 would decide it")
-
-
-def test_what_no_history_has_is_refused_before_it_is_computed(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("ringwear.studies.crosscheck.run.solved_to_accuracy", None)
-    scene = SPHERE.changed(output__field_times=[0.1], output__quantities=["steady"])
-    path = write_scene(scene, tmp_path)
-    assert main(["run", path, "--out", str(tmp_path / "out")]) == 2
-    assert "output.field_times" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
 
 
 # first contacts whose cells came back every second, third, ... look, until the looks ran out
@@ -328,11 +299,6 @@ def test_the_tradeoff_of_a_sphere():
     assert len(promised) == len(rows) / 2 == 12
     for row in promised:
         assert float(row["error"]) <= float(row["setting"].removeprefix("rtol "))
-
-
-def test_studies_of_flat_punches_refuse(capsys):
-    assert main(["study", "truncation", "sphere"]) == 2
-    assert "flat punches" in capsys.readouterr().err
 
 
 DEGENERATE = {

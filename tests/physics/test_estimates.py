@@ -10,6 +10,7 @@ import pytest
 from wear_reference import random_scenes, true_errors
 
 from ringwear import Scene, run
+from ringwear.meshes.errors import SceneError
 from ringwear.studies.methods.mdr import Mdr
 
 FIVE = Scene.load("five_rings")
@@ -77,6 +78,12 @@ def test_time_steps_are_estimated(march):
     # an indentation is not known better than to 1e-5 of the accuracy asked for
     assert error <= estimate <= 50 * error + 2e-9
     assert ("mdr" in result.short_of) == (march == "implicit")
+
+
+def test_an_explicit_step_beyond_the_stability_limit_is_refused():
+    steps = {"times": [0.0, 1000.0], "march": "explicit", "step": 1.0}
+    with pytest.raises(SceneError, match=r"give a smaller wear\.step"):
+        run(FIVE.changed(methods=["mdr"], wear=steps))
 
 
 class Hopeful(Mdr):

@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 import xarray
 from conftest import WITHOUT_GMSH
+from skfem import MeshQuad
 
 from ringwear import Scene, run
+from ringwear.meshes.files import read
 from ringwear.studies.cli import main
 
 VARIABLES = {
@@ -253,3 +255,18 @@ def test_plan_and_scenes_write_nothing(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["plan", "rubber"]) == main(["scenes"]) == 0
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.gmsh
+def test_the_mesh_that_the_command_writes_is_read_back(tmp_path):
+    scene = Scene.load("rubber")
+    assert main(["mesh", "rubber", "--out", str(tmp_path)]) == 0
+    mesh = read(tmp_path / "mesh.vtu", scene.problem.merged.ring_edges, scene.punch.radius)
+    written = MeshQuad.load(tmp_path / "mesh.vtu")
+    assert set(mesh.boundaries) == set(written.boundaries)
+    assert mesh.nelements == written.nelements
+    # the degree may fall where it did
+    lower, written_lower = (
+        {name: len(part) for name, part in each.subdomains.items()} for each in (mesh, written)
+    )
+    assert lower == written_lower

@@ -140,7 +140,13 @@ def test_strains_that_are_not_small_are_warned_of(capsys, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "module", ["ringwear", "ringwear.studies.results", "ringwear.studies.problem.scene"]
+    "module",
+    [
+        "ringwear",
+        "ringwear.studies.crosscheck.run",
+        "ringwear.studies.results",
+        "ringwear.studies.problem.scene",
+    ],
 )
 def test_examples_in_docstrings_run(module):
     done = doctest.testmod(importlib.import_module(module))

@@ -9,7 +9,9 @@ import pytest
 
 import ringwear
 from ringwear import study
+from ringwear.meshes import bisection
 from ringwear.meshes.errors import SceneError
+from ringwear.meshes.sizes import SizeField
 from ringwear.studies.study.levels import Family, Progress, Record
 
 
@@ -81,3 +83,19 @@ def test_time_left_follows_from_the_seconds_of_the_levels_before():
 
 def test_a_study_is_a_public_name():
     assert "study" in dir(ringwear)
+
+
+def test_the_study_of_refinement_has_a_line_for_the_users_mesh(tmp_path):
+    own = tmp_path / "mine.vtu"
+    field = SizeField((0.0, 0.5, 1.0), 0.02, 0.05, 0.8, 4.0)
+    bisection.mesh(field).save(own, file_format="vtu")
+    found = study("refinement", "flat_punch", quick=True, meshes=[str(own)], degree=3)
+    assert found.conclusions[0].startswith("flat punch: mine.vtu, ")
+    assert "of degree 3" in found.conclusions[0]
+    written = set(found.save(tmp_path / "out"))
+    assert {"refinement.csv", "refinement.md", "error_against_unknowns.png"} <= written
+
+
+def test_the_study_of_refinement_refuses_a_mesh_file_that_is_absent(tmp_path):
+    with pytest.raises(SceneError, match="no such file"):
+        study("refinement", "five_rings", quick=True, meshes=[str(tmp_path / "absent")])

@@ -1,13 +1,10 @@
-"""The house: data flows one way, and only what a job needs is loaded."""
+"""The house: data flows one way, and files and folders stay small."""
 
 import ast
 import re
-import sys
 import tomllib
 from collections import Counter
-from concurrent.futures import ProcessPoolExecutor
 from graphlib import TopologicalSorter
-from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
@@ -100,10 +97,13 @@ def test_the_default_finite_elements_are_those_of_scikit_fem():
     from skfem import ElementQuadP, MeshQuad
     from skfem.assembly import Dofs
 
-    from ringwear import Scene, run
+    from ringwear import Scene
     from ringwear.meshes.half_space import ExactQuads
+    from ringwear.studies.methods.base import method
+    from ringwear.studies.progress import Stages
 
-    solid = run(Scene.load("flat_punch"), methods=["fem"]).solutions["fem"].half_space.solid
+    problem = Scene.load("flat_punch").problem
+    solid = method("fem").discretise(problem, Stages("fem")).half_space.solid
     # scikit-fem's, and low parts of the radii beside its rounded ones
     assert type(solid.mesh) is ExactQuads
     assert issubclass(ExactQuads, MeshQuad)
@@ -112,45 +112,20 @@ def test_the_default_finite_elements_are_those_of_scikit_fem():
     assert type(solid.dofs) is Dofs
 
 
-def load_step_by_step(out):
-    """Do light jobs first; none of them loads what it does not need."""
-    import ringwear
-    from ringwear.studies.cli import main
-
-    def assert_absent(modules):
-        assert not {name.split(".")[0] for name in sys.modules} & set(modules.split())
-
-    scene = ringwear.Scene.load("five_rings").changed(accuracy__rtol=1e-2)
-    assert main(["scenes"]) == 0
-    for command in ([], ["run"], ["study"]):
-        with pytest.raises(SystemExit, match="0"):
-            main([*command, "--help"])
-    heavy = "gmsh skfem matplotlib meshio kvxopt"
-    assert_absent(f"{heavy} scipy xarray netCDF4 threadpoolctl")
-    assert main(["run", "five_rings", "--memory", "0.1", "--out", out]) == 2
-    assert_absent(f"{heavy} xarray netCDF4 threadpoolctl")
-    ringwear.run(scene.changed(methods=["mdr", "direct"]))
-    assert_absent(heavy)
-    ringwear.run(scene.changed(methods=["fem"], accuracy__fem__mesher="bisection"))
-    assert_absent("gmsh matplotlib meshio")
+def names_imported(folder):
+    """What the tests of a folder import from ringwear: file, module and name."""
+    for file in sorted((ROOT / "tests" / folder).rglob("*.py")):
+        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("ringwear"):
+                yield from ((file.name, node.module, alias.name) for alias in node.names)
 
 
-def run_direct_alone(out):
-    """Run the steady state alone, without figures and with them."""
-    from ringwear.studies.cli import main
-
-    def loaded():
-        return {name.split(".")[0] for name in sys.modules}
-
-    command = ["run", "five_rings", "--methods", "direct", "--out"]
-    assert main([*command, f"{out}_numbers", "--no-figures"]) == 0
-    assert not loaded() & {"gmsh", "skfem", "matplotlib", "meshio", "kvxopt"}
-    assert main([*command, f"{out}_figures"]) == 0
-    assert not loaded() & {"gmsh", "skfem", "meshio", "kvxopt"}
-    assert "matplotlib.pyplot" not in sys.modules
+def test_whole_runs_are_no_unit_tests():
+    whole = {"run", "check", "sweep", "study", "plan"}
+    found = [of for of in names_imported("unit") if of[1] == "ringwear" and of[2] in whole]
+    assert not found
 
 
-@pytest.mark.parametrize("job", [load_step_by_step, run_direct_alone])
-def test_only_what_a_job_needs_is_loaded(tmp_path, job):
-    with ProcessPoolExecutor(1, get_context("spawn")) as fresh:
-        fresh.submit(job, str(tmp_path / "out")).result()
+def test_the_command_line_is_tested_in_tests_of_the_system_alone():
+    for folder in ("unit", "physics"):
+        assert not [of for of in names_imported(folder) if of[1] == "ringwear.studies.cli"], folder

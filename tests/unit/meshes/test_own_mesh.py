@@ -7,15 +7,12 @@ from itertools import pairwise
 import meshio
 import numpy as np
 import pytest
-from skfem import MeshQuad
 
-from ringwear import Scene
 from ringwear.meshes import bisection, gmsh_session
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.files import read
 from ringwear.meshes.half_space import areas, contact_radii, truncation
 from ringwear.meshes.sizes import SizeField
-from ringwear.studies.cli import main
 
 EDGES = np.array([0.0, 0.5, 1.0])
 
@@ -73,21 +70,6 @@ def test_a_file_of_meshio_gives_the_same_mesh_back(tmp_path, ours, ending, scale
     np.testing.assert_allclose(mesh.p, ours.p, atol=1e-14)
     np.testing.assert_array_equal(mesh.t, ours.t)
     np.testing.assert_equal(dict(mesh.boundaries), dict(ours.boundaries))
-
-
-@pytest.mark.gmsh
-def test_what_ringwear_mesh_writes_is_read_back(tmp_path):
-    scene = Scene.load("rubber")
-    assert main(["mesh", "rubber", "--out", str(tmp_path)]) == 0
-    mesh = read(tmp_path / "mesh.vtu", scene.problem.merged.ring_edges, scene.punch.radius)
-    written = MeshQuad.load(tmp_path / "mesh.vtu")
-    assert set(mesh.boundaries) == set(written.boundaries)
-    assert mesh.nelements == written.nelements
-    # the degree may fall where it did
-    lower, written_lower = (
-        {name: len(part) for name, part in each.subdomains.items()} for each in (mesh, written)
-    )
-    assert lower == written_lower
 
 
 @pytest.mark.parametrize("surface", [1e-12, -1e-12])

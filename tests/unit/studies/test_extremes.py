@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-import pandas as pd
 import pytest
 
-from ringwear import Scene, run
 from ringwear.studies.numerics import extremes
 from ringwear.studies.tables import Row
 
@@ -50,35 +47,6 @@ def test_every_method_has_its_cells():
     assert {"direct", "mdr", "fem"} == {method for _, method, *_ in ALL}
     assert {family for family, *_ in QUICK} == {family for family, *_ in ALL}
     assert len(ALL) > 2000 > 500 > len(QUICK)
-
-
-@pytest.mark.slow
-def test_a_quick_cell_of_each_family_and_method_is_judged():
-    chosen = {cell[:2]: (cell[0], solve) for cell, solve in QUICK.items()}
-    rows = [{"family": family} | solve() for family, solve in chosen.values()]
-    assert not {"wrong", "crashed"} & {row["verdict"] for row in rows}
-    figure = extremes.draw(pd.DataFrame(rows))
-    assert len(figure.axes) == len(chosen)
-
-
-@pytest.mark.parametrize(
-    "place",
-    [
-        # the layer of these is set by the width of the ring, not by the size asked for
-        *(("rim_size/a × degree", 0.5, degree) for degree in (8, 12, 16)),
-        *(("ring_size/a × degree", 0.5, degree) for degree in (4, 12, 16)),
-        ("h2/h1 × k2/k1", 0.01, 1e-8),
-        # relaxation times span more than the digits of an eigenvalue
-        ("h2/h1 of 3 rings × k2/k1", 2.1e-9, 1e8),
-    ],
-)
-def test_estimates_hold_where_rings_limit_the_mesh(place):
-    row = ALL[place[0], "mdr", *place[1:]]()
-    assert row["error"] <= row["estimate"]
-    pressed = run(Scene.from_table(json.loads(row["parameters"])), ["mdr"]).dataset
-    if pressed.sizes["time"]:
-        start = pressed.sel(solver="mdr", time=0)
-        assert abs(start.indentation / 0.5 - 1) <= start.indentation_error
 
 
 def test_a_step_that_is_unstable_is_refused():

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ringwear import Scene, study
+from ringwear import Scene
 from ringwear.meshes import bisection
-from ringwear.meshes.errors import MeshError, SceneError
+from ringwear.meshes.errors import MeshError
 from ringwear.meshes.half_space import contact_radii
 from ringwear.meshes.sizes import SizeField
 from ringwear.studies.numerics import refinement
@@ -49,20 +49,10 @@ def own(tmp_path):
     return path
 
 
-def test_the_study_writes_rows_figures_and_a_line_for_the_users_mesh(tmp_path, own):
-    found = study("refinement", "flat_punch", quick=True, meshes=[str(own)], degree=3)
-    assert found.conclusions[0].startswith("flat punch: mine.vtu, ")
-    assert "of degree 3" in found.conclusions[0]
-    written = set(found.save(tmp_path / "out"))
-    assert {"refinement.csv", "refinement.md", "error_against_unknowns.png"} <= written
-
-
-def test_a_mesh_file_is_refused_where_it_does_not_fit(tmp_path, own):
+def test_a_mesh_file_is_refused_where_it_does_not_fit(own):
     scene = Scene.load("five_rings")
     with pytest.raises(MeshError, match=r"ring edge at r = 0\.2 a"):
         refinement.own_mesh(scene.problem, str(own))
     fitting = Rings(np.array([0.0, 0.5, 1.0]), np.array([1.0, 0.1]))
     mesh = refinement.own_mesh(replace(scene.problem, rings=fitting), str(own))
     assert 0.5 in contact_radii(mesh)
-    with pytest.raises(SceneError, match="no such file"):
-        study("refinement", scene, quick=True, meshes=[str(tmp_path / "absent")])

@@ -6,9 +6,11 @@ Bad scenes are refused with one line that names the key, and good ones come thro
 import numpy as np
 import pytest
 
-from ringwear import Scene, run
+from ringwear import Scene
 from ringwear.meshes.errors import SceneError
+from ringwear.studies.crosscheck.scope import methods_of, refusals
 from ringwear.studies.problem.scene import bundled, declaration
+from ringwear.studies.report.words import defaults_taken
 
 TOML = """\
 title = "A scene"
@@ -138,11 +140,6 @@ def test_bad_toml(old, new, words):
     assert_refused(words.split(), Scene.from_toml, TOML.replace(old, new, 1))
 
 
-def test_an_unstable_march_is_refused():
-    steps = {"times": [0.0, 1000.0], "march": "explicit", "step": 1.0}
-    assert_refused(["wear.step"], run, GOOD.changed(methods=["mdr"], wear=steps))
-
-
 @pytest.mark.parametrize("name", bundled())
 def test_bundled_scenes_round_trip(name):
     scene = Scene.load(name)
@@ -204,7 +201,13 @@ def test_two_ways_to_say_one_thing():
 def test_what_a_load_that_varies_cannot_have(changes, words):
     load = {"times": [0.0, 1.0], "values": [1.0, 2.0]}
     changes = {"methods": ["mdr"], "load__normal_force": load} | changes
-    assert_refused(words.split(), lambda: run(GOOD.changed(**changes)))
+
+    def refuse():
+        scene = GOOD.changed(**changes)
+        for refused in refusals(scene, methods_of(scene.methods)):
+            raise SceneError(refused)
+
+    assert_refused(words.split(), refuse)
 
 
 @pytest.mark.parametrize(("ratio", "count"), [(1.0, 1), (0.1, 2), (1.0, 5), (3.0, 4), (0.25, 16)])
@@ -223,3 +226,37 @@ def test_output_radii_show_every_ring_and_touch_no_edge():
     assert (np.diff(radii) > 0).all()
     assert not np.isin(radii, edges[1:]).any()
     assert np.histogram(radii, edges)[0].min() >= 8
+
+
+def test_defaults_taken_are_said():
+    table = Scene.load("five_rings").table()
+    del table["half_space"]["poisson_ratio"], table["load"]["sliding_speed"]
+    ratio, speed = defaults_taken(Scene.from_table(table))
+    assert "poisson_ratio is not given: 0.3" in ratio
+    assert "sliding_speed is not given: 1" in speed
+
+
+def test_times_in_units_of_the_running_in():
+    table = Scene.load("five_rings").table() | {"wear": {"times": {"tau": [0.0, 0.5, 2.0]}}}
+    scene = Scene.from_table(table)
+    # 0.3440589 of the reference, to three digits
+    assert scene.wear.times == [0.0, 0.172, 0.688]
+    np.testing.assert_allclose(scene.problem.times, [0.0, 1.72, 6.88])
+    near = Scene.from_table(table | {"wear": {"times": {"tau": [1.0, 1.00001]}}})
+    assert near.wear.times[0] < near.wear.times[1]
+    assert Scene.from_toml(scene.to_toml()).wear.times == scene.wear.times
+    # of another punch they are other times
+    assert scene.changed(load__sliding_speed=2.0).wear.times == [0.0, 0.086, 0.344]
+    named = Scene.from_table(table | {"wear": {"times": "running-in"}})
+    assert (named.wear.times[0], named.wear.times[-1]) == (0.0, 1.72)
+    assert scene.changed(wear__times=[1.0]).wear.times == [1.0]
+
+
+@pytest.mark.parametrize(
+    "times",
+    ["running in", {"tau": [1.0, 0.5]}, {"tau": "all"}, {"taus": [1.0]}, {"tau": [-1.0]}],
+    ids=str,
+)
+def test_times_that_cannot_be_are_refused(times):
+    with pytest.raises(SceneError, match="times"):
+        Scene.from_table(Scene.load("five_rings").table() | {"wear": {"times": times}})

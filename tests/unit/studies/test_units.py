@@ -121,3 +121,24 @@ def test_numbers_are_told_in_units_that_people_read(stated, value, kind, told):
 def test_a_scene_without_units_takes_no_quantities():
     with pytest.raises(SceneError, match=r"punch\.radius.*units = 'SI'"):
         Scene.from_table(WRITTEN | {"units": "1"})
+
+
+@pytest.mark.parametrize(
+    ("value", "kind", "told"),
+    [
+        (1.234e-5, "displacement", "12.34 µm"),
+        (0.02, "length", "20 mm"),
+        (3e5, "pressure", "300 kPa"),
+        (1e6, "time", "11.57 days"),
+        (1e-9, "volume", "1 mm³"),
+        (7e-14, "wear_rate", "2.209 µm/year"),
+        (2e-15, "wear_coefficient", "2e-06 mm³/(N m)"),
+        (0.5, "slope", "0.5"),
+        (np.inf, "pressure", "infinite"),
+        (np.nan, "time", "not computed"),
+        (0.0, "length", "0 m"),
+        (1e-20, "length", "1e-20 m"),
+    ],
+)
+def test_numbers_are_written_for_people_with_a_unit_that_suits_them(value, kind, told):
+    assert UnitNames.of("SI").write(value, kind) == told

@@ -1,0 +1,67 @@
+"""Constants of the rules of sizes are felt: with a worse one, a quantity errs far more.
+
+Errors are those of a single solution, against a reference that shares nothing with any method: a
+run would solve again with finer sizes, and hide what the constant is for.
+"""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from wear_reference import exact_results
+
+from ringwear import Scene
+from ringwear.meshes import sizes
+from ringwear.studies.methods.base import method
+from ringwear.studies.progress import Stages
+from ringwear.studies.sampling.norms import differences
+from ringwear.studies.sizes import defaults, degrees, ring_edges
+
+FIVE = Scene.load("five_rings").changed(wear__times=[0.0, 1e-4, 1e-2, 0.5], accuracy__rtol=1e-4)
+STEADY = FIVE.changed(wear__times=[])
+TRIANGLES = FIVE.changed(
+    wear__times=[0.0, 0.01, 0.5], accuracy__rtol=1e-3, accuracy__fem__mesher="bisection"
+)
+SCENES = {"early": FIVE, "steady": STEADY, "triangles": TRIANGLES}
+
+
+@cache
+def exact_of(scene):
+    return exact_results(SCENES[scene].problem)
+
+
+def error_over_rtol(scene, name, quantity):
+    problem = SCENES[scene].problem
+    solution = method(name).solve(problem, Stages(name))
+    errors = np.atleast_1d(differences(solution.checked, exact_of(scene), problem.face)[quantity])
+    # the reference knows three relaxation times
+    shown = errors[:3] if quantity == "relaxation_time" else errors
+    return float(shown.max()) / problem.rtol
+
+
+@pytest.mark.gmsh
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("module", "constant", "factor", "scene", "name", "quantity"),
+    [
+        (ring_edges, "SLOPE_SHARE", 1000, "steady", "mdr", "steady_rms_slope"),
+        (ring_edges, "SLOPE_SHARE_AT_RIM", 100, "early", "mdr", "rms_slope"),
+        (degrees, "MOST_RELAXED", 4, "early", "fem", "rms_slope"),
+        (sizes, "SLOPE_AMPLITUDE", 0.01, "early", "fem", "rms_slope"),
+        (defaults, "RADIAL_GRADING", 0.2, "early", "mdr", "pressure"),
+        (defaults, "ABOVE_PRESSURE", -0.5, "early", "fem", "pressure"),
+        (defaults, "GROWTH", 4, "early", "fem", "relaxation_time"),
+        (defaults, "NEGLIGIBLE", 1e7, "early", "fem", "rms_slope"),
+        (defaults, "TRIANGLE_GROWTH", 4, "triangles", "fem", "relaxation_time"),
+    ],
+    ids=lambda part: part if isinstance(part, str) else "",
+)
+def test_a_quantity_errs_more_with_a_worse_constant(
+    monkeypatch, module, constant, factor, scene, name, quantity
+):
+    error = error_over_rtol(scene, name, quantity)
+    assert error <= 1
+    monkeypatch.setattr(module, constant, factor * getattr(module, constant))
+    # else it would bound the growth of triangles
+    monkeypatch.setattr(defaults, "GREATEST_GROWTH", np.inf)
+    assert error_over_rtol(scene, name, quantity) > 3 * error

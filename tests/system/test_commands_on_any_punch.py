@@ -1,0 +1,119 @@
+"""Commands on punches that are recessed, round or hollow: files, what is refused, exit status."""
+
+import meshio
+import numpy as np
+import pandas
+import pytest
+
+from ringwear import Scene, run
+from ringwear.studies.cli import main
+
+RECESSED = Scene.from_table(
+    {
+        "methods": ["fem"],
+        "punch": {
+            "radius": 2.0,
+            "ring_edges": [0.8, 1.4, 2.0],
+            "wear_coefficients": [1, 10],
+            "recess": [0.0, 0.01, 0.0],
+        },
+        "half_space": {"plane_strain_modulus": 5.0},
+        "load": {"normal_force": 0.3},
+        "wear": {"times": [0.0, 0.1, 1.0]},
+        "accuracy": {"rtol": 1e-2},
+    }
+)
+SPHERE = Scene.load("sphere").changed(methods=["mdr"])
+HOLLOW = Scene.from_table(
+    {
+        "methods": ["mdr"],
+        "punch": {
+            "radius": 1.0,
+            "inner_radius": 0.4,
+            "rings": 2,
+            "wear_coefficients": [1.0, 3.0],
+        },
+        "half_space": {"plane_strain_modulus": 1.0},
+        "load": {"normal_force": 1.0},
+        "wear": {"times": [0.0, 0.01, 0.1, 1.0]},
+        "accuracy": {"rtol": 1e-3},
+    }
+)
+
+
+def write_scene(scene, folder):
+    path = folder / "scene.toml"
+    path.write_text(scene.to_toml(), "utf-8")
+    return str(path)
+
+
+def test_files_of_a_recessed_punch(tmp_path):
+    out = tmp_path / "out"
+    assert main(["run", write_scene(RECESSED, tmp_path), "--out", str(out), "--csv"]) in (0, 3)
+    files = {file.name for file in out.iterdir()}
+    assert {"contact.png", "history.png", "results.nc", "solver_time_edge.csv"} <= files
+    assert {"half_space.vtu", "stress.png", "mesh.png"} <= files
+    page = (out / "report.html").read_text("utf-8")
+    assert "of the unworn face at the start" in page
+    # but for an anchor of that name
+    assert "flat punch</td>" not in page.replace("reciprocity with the flat punch</td>", "")
+
+
+def test_field_times_without_a_history_are_refused_before_anything_is_computed(
+    tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setattr("ringwear.studies.crosscheck.run.solved_to_accuracy", None)
+    scene = SPHERE.changed(output__field_times=[0.1], output__quantities=["steady"])
+    path = write_scene(scene, tmp_path)
+    assert main(["run", path, "--out", str(tmp_path / "out")]) == 2
+    assert "output.field_times" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_study_of_flat_punches_refuses_a_sphere(capsys):
+    assert main(["study", "truncation", "sphere"]) == 2
+    assert "flat punches" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_face_that_cells_cannot_hold_does_not_exit_as_done(tmp_path):
+    heights = np.random.default_rng(200).uniform(0, 0.5, 200)
+    profile = {
+        "kind": "table",
+        "radii": np.linspace(0, 1, 200).tolist(),
+        "heights": heights.tolist(),
+    }
+    scene = Scene.load("flat_punch").changed(
+        methods=["mdr"],
+        wear__times=[0.0, 0.1],
+        wear__steady=False,
+        accuracy__rtol=1e-3,
+        punch__profile=profile,
+        load={"normal_force": 1e-2},
+    )
+    command = ["run", write_scene(scene, tmp_path), "--no-figures"]
+    assert main([*command, "--out", str(tmp_path / "out")]) == 3
+
+
+def test_files_of_a_washer_and_its_free_surface(tmp_path):
+    assert main(["run", "washer", "--rtol", "1e-2", "--out", str(tmp_path / "run")]) == 0
+    files = {file.name for file in (tmp_path / "run").iterdir()}
+    assert {"profiles_and_pressures.png", "stress.png", "half_space.vtu", "mesh.png"} <= files
+    # nothing presses on the surface under the hole
+    inside = meshio.read(tmp_path / "run" / "half_space.vtu")
+    radius, height, _ = inside.points.T
+    surface = (height == 0) & (radius < 0.9 * 0.012)
+    steady = inside.point_data["stress_zz steady"]
+    assert surface.sum() > 5
+    assert np.abs(steady[surface]).max() <= 1e-2 * np.abs(steady).max()
+
+
+def test_rows_of_others_within_a_hole_are_left_out(tmp_path):
+    table = run(HOLLOW).dataset.isel(solver=0)[["pressure"]].to_dataframe().reset_index()
+    within = table.assign(radius=0.1, pressure=0.0).drop_duplicates("time")
+    pandas.concat([table, within])[["time", "radius", "pressure"]].to_csv(
+        tmp_path / "theirs.csv", index=False
+    )
+    (tmp_path / "scene.toml").write_text(HOLLOW.to_toml(), "utf-8")
+    command = ["check", str(tmp_path / "scene.toml"), str(tmp_path / "theirs.csv")]
+    assert main([*command, "--out", str(tmp_path / "check")]) == 0

@@ -1,0 +1,51 @@
+"""Commands and runs load only the libraries that they need."""
+
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
+import pytest
+
+
+def load_step_by_step(out):
+    """Do light jobs first; none of them loads what it does not need."""
+    import ringwear
+    from ringwear.studies.cli import main
+
+    def assert_absent(modules):
+        assert not {name.split(".")[0] for name in sys.modules} & set(modules.split())
+
+    scene = ringwear.Scene.load("five_rings").changed(accuracy__rtol=1e-2)
+    assert main(["scenes"]) == 0
+    for command in ([], ["run"], ["study"]):
+        with pytest.raises(SystemExit, match="0"):
+            main([*command, "--help"])
+    heavy = "gmsh skfem matplotlib meshio kvxopt"
+    assert_absent(f"{heavy} scipy xarray netCDF4 threadpoolctl")
+    assert main(["run", "five_rings", "--memory", "0.1", "--out", out]) == 2
+    assert_absent(f"{heavy} xarray netCDF4 threadpoolctl")
+    ringwear.run(scene.changed(methods=["mdr", "direct"]))
+    assert_absent(heavy)
+    ringwear.run(scene.changed(methods=["fem"], accuracy__fem__mesher="bisection"))
+    assert_absent("gmsh matplotlib meshio")
+
+
+def run_direct_alone(out):
+    """Run the steady state alone, without figures and with them."""
+    from ringwear.studies.cli import main
+
+    def loaded():
+        return {name.split(".")[0] for name in sys.modules}
+
+    command = ["run", "five_rings", "--methods", "direct", "--out"]
+    assert main([*command, f"{out}_numbers", "--no-figures"]) == 0
+    assert not loaded() & {"gmsh", "skfem", "matplotlib", "meshio", "kvxopt"}
+    assert main([*command, f"{out}_figures"]) == 0
+    assert not loaded() & {"gmsh", "skfem", "meshio", "kvxopt"}
+    assert "matplotlib.pyplot" not in sys.modules
+
+
+@pytest.mark.parametrize("job", [load_step_by_step, run_direct_alone])
+def test_only_what_a_job_needs_is_loaded(tmp_path, job):
+    with ProcessPoolExecutor(1, get_context("spawn")) as fresh:
+        fresh.submit(job, str(tmp_path / "out")).result()

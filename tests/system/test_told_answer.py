@@ -1,0 +1,76 @@
+"""How the answer of a run is told: in the dataset, in the summary, in units, in words."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ringwear import Scene, run
+from ringwear.meshes.radial import alternating_edges
+from ringwear.studies.crosscheck.scope import time_scale
+from ringwear.studies.report.printed import print_account
+from ringwear.studies.report.words import Account
+
+EDGES, K = alternating_edges(5), np.array([1.0, 10.0, 1.0, 10.0, 1.0])
+
+
+@pytest.fixture(scope="module")
+def five():
+    return run(Scene.load("five_rings").changed(methods=["mdr", "direct"]))
+
+
+def test_summary_and_dataset_hold_the_answer(five):
+    told = json.loads(json.dumps(five.summary["answer"], allow_nan=False))
+    assert set(told) == {"mdr", "direct"}
+    assert told["direct"]["running_in_time"] is None
+    assert told["mdr"]["pressure_max"][0][-1] is None
+    dataset = five.dataset
+    assert dataset.pressure_min.dims == ("solver", "state", "ring")
+    assert dataset.state.values.tolist() == ["start", "steady"]
+    np.testing.assert_array_equal(dataset.wear_coefficient, K)
+    np.testing.assert_array_equal(dataset.ring_outer_radius, EDGES[1:])
+    np.testing.assert_array_equal(dataset.sel(solver="mdr").worn_volume, told["mdr"]["worn_volume"])
+
+
+@pytest.mark.parametrize(
+    ("stated", "units"),
+    [
+        (
+            "SI",
+            {"pressure": "Pa", "worn_volume": "m^3", "steady_wear_rate": "m/s", "rms_slope": "1"},
+        ),
+        ("mm, N, MPa, s", {"pressure": "MPa", "worn_volume": "mm^3", "time_to_90": "s"}),
+        ("", {"pressure": "1", "worn_volume": "1", "time_to_90": "1"}),
+    ],
+)
+def test_each_variable_has_its_own_unit(five, stated, units):
+    dataset = replace(five, scene=five.scene.changed(units=stated)).dataset
+    assert {name: dataset[name].attrs["units"] for name in units} == units
+
+
+def test_the_answer_is_printed_before_all_else(five, capsys):
+    for verbose in (False, True):
+        print_account(Account(five), verbose)
+        told = capsys.readouterr().out
+        parts = ("0.4995", "1.273", "0.9947", "The methods agree")
+        if verbose:
+            parts += ("0.3441", "to infinity", "Accuracy", "Modelled", "Left out")
+        assert [told.index(part) for part in parts] == sorted(told.index(part) for part in parts)
+        assert verbose or len(told.splitlines()) < 16
+
+
+@pytest.mark.parametrize(
+    ("times", "told"),
+    [([0.0, 1e-5], "before the running-in"), ([50.0], "after the running-in"), ([0.1, 1.0], "")],
+)
+def test_times_that_miss_the_running_in_are_told(times, told):
+    scene = Scene.load("five_rings").changed(
+        wear__times=times, methods=["mdr"], accuracy__rtol=1e-2
+    )
+    before = time_scale(scene)
+    assert "slowest relaxation time of the full face 0.344" in before[0]
+    for lines in (before, Account(run(scene)).remarks):
+        missed = [line for line in lines if "the running-in, " in line]
+        assert bool(missed) == bool(told)
+        assert all(told in line for line in missed)

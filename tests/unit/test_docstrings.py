@@ -1,0 +1,31 @@
+"""Each class that users combine shows in its docstring how to use it."""
+
+import doctest
+import importlib
+
+import pytest
+
+# lines that a reader takes in at a glance
+MOST_LINES = 6
+
+
+@pytest.mark.parametrize(
+    ("module", "name"),
+    [
+        ("meshes.pressure_space", "PressureSpace"),
+        ("meshes.compliance", "Compliance"),
+        ("fem.half_space", "HalfSpace"),
+        ("studies.wear.full_contact", "RunningIn"),
+        ("studies.contact.march", "ContactMarch"),
+    ],
+)
+def test_a_class_has_a_short_example_that_runs(module, name):
+    of_class = getattr(importlib.import_module(f"ringwear.{module}"), name)
+    (test,) = doctest.DocTestFinder(recurse=False).find(of_class, name)
+    lines = "".join(example.source for example in test.examples).splitlines()
+    assert 1 < len(lines) <= MOST_LINES
+    # numbers are shown, not only computed
+    assert test.examples[-1].want
+    done = doctest.DocTestRunner().run(test)
+    assert done.attempted == len(test.examples)
+    assert not done.failed
