@@ -143,8 +143,9 @@ def test_strains_that_are_not_small_are_warned_of(capsys, tmp_path):
     "module",
     [
         "ringwear",
-        "ringwear.studies.crosscheck.run",
         "ringwear.studies.results",
+        "ringwear.studies.study.conduct",
+        "ringwear.studies.study.study",
         "ringwear.studies.problem.scene",
     ],
 )
