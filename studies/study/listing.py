@@ -69,8 +69,8 @@ STUDIES: dict[str, ListedStudy] = {
         "numerics.march", "orders of the time marches, and where the explicit one blows up", 2
     ),
     "refinement": ListedStudy(
-        "numerics.refinement",
-        "uniform and graded meshes, and a mesh file of your own, against what is known",
+        "refinement.study",
+        "uniform, graded, adaptive and layered meshes, and meshes of your own: what accuracy costs",
         7,
         takes=("meshes", "degree"),
     ),
