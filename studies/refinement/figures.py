@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import LogLocator
 
 from ..figures.style import FAINT, PAGE, complete, new_panels, set_logarithmic
 from ..study.levels import SECONDS
@@ -23,6 +25,8 @@ LOOKS: dict[str, dict[str, Any]] = {
     "file": {"color": "black", "marker": "x", "linestyle": "-"},
 }
 """The curve of each family."""
+THOUSANDS = "thousands of unknowns"
+"""Label of axes whose ticks are `_mark_thousands`."""
 
 
 def draw_figures(
@@ -33,7 +37,7 @@ def draw_figures(
         return {}
     levels = list(levels)
     figures = {
-        "error_against_unknowns": draw_errors(rows, "unknowns", "unknowns"),
+        "error_against_unknowns": draw_errors(rows, "unknowns", THOUSANDS),
         "error_against_seconds": draw_errors(rows, SECONDS, "seconds"),
         "indicator": draw_indicator(rows),
     }
@@ -59,11 +63,19 @@ def draw_errors(rows: pd.DataFrame, column: str, label: str) -> Figure:
             for family, levels in of_case.groupby("family", sort=False):
                 axes.plot(levels[column], levels[quantity], **_look(str(family), levels))
                 order = orders.get((f"{case}, {family}", quantity), np.nan)
-                if family == "file" and np.isfinite(order):
+                if column == "unknowns" and family == "file" and np.isfinite(order):
                     last = levels.iloc[-1]
-                    where = {"xytext": (3, 3), "textcoords": "offset points", "fontsize": 6}
-                    axes.annotate(f"order {order:.1f}", (last[column], last[quantity]), **where)
+                    axes.annotate(
+                        f"order {order:.1f}",
+                        (last[column], last[quantity]),
+                        xytext=(0, 4),
+                        textcoords="offset points",
+                        fontsize=6,
+                        path_effects=[withStroke(linewidth=2, foreground="white")],
+                    )
             set_logarithmic(axes, "x", "y")
+            if column == "unknowns":
+                _mark_thousands(axes)
             axes.grid(True, color="0.92", linewidth=0.5)
             axes.axhline(1e-3, **FAINT)
             axes.set_title(f"{case}\n{what}")
@@ -73,11 +85,11 @@ def draw_errors(rows: pd.DataFrame, column: str, label: str) -> Figure:
     note = "The dotted line is an error of 1e-3."
     if column == SECONDS:
         note += " Seconds of an adaptive mesh are those of all its levels so far, with estimates."
-    if (rows.family == "file").any():
+    elif (rows.family == "file").any():
         note += " The order of your meshes is the slope over N^(-1/2), N the unknowns."
     return complete(
         figure,
-        [f"Errors of each way to refine, over {label}"],
+        [f"Errors of each way to refine, over {column}"],
         panels.ravel(),
         note,
         across=0.42,
@@ -104,18 +116,25 @@ def draw_indicator(rows: pd.DataFrame) -> Figure:
                 ratios.plot(unknowns, greatest, **{**look, "label": None})
                 ratios.fill_between(unknowns, least, greatest, color=look["color"], alpha=0.15)
             energies.plot(levels["unknowns"], levels["energy"].where(levels["energy"] > 0), **look)
-        ratios.set(xscale="log", ylim=(0, 10), ylabel="indicator over error")
+        ratios.set(ylim=(0, 10), ylabel="indicator over error")
         set_logarithmic(ratios, "x")
         ratios.set_title(f"{case}\neffectivity, least and greatest over the states")
         set_logarithmic(energies, "x", "y")
         energies.set_ylabel("relative error")
         energies.set_title(f"{case}\nenergy norm of the error, greatest over the states")
         for axes in (ratios, energies):
+            _mark_thousands(axes)
             axes.grid(True, color="0.92", linewidth=0.5)
     for axes in panels[-1]:
-        axes.set_xlabel("unknowns")
+        axes.set_xlabel(THOUSANDS)
     title = "The error indicator, and the error that it stands for"
     return complete(figure, [title], panels[:, 1], across=0.6, down=0.5)
+
+
+def _mark_thousands(axes: Any) -> None:
+    """Set ticks at 1, 3, 10, 30, ... thousand on a logarithmic axis of unknowns."""
+    axes.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
+    axes.xaxis.set_major_formatter(lambda value, _: f"{value / 1000:g}")
 
 
 def _look(family: str, levels: pd.DataFrame) -> dict[str, Any]:

@@ -39,7 +39,7 @@ def draw_meshes(case: Case, levels: Sequence[Level]) -> Figure:
     for axes in panels[-1]:
         axes.set_xlabel("r/a")
     note = (
-        "Above the surface: the punch, rings that wear faster are darker. Colour: squared error "
+        "Above the surface: the punch, rings that wear faster are darker.\nColour: squared error "
         f"indicator of each triangle, from a {10**DECADES}th of the greatest (white) to it (red)."
     )
     title = f"{case.name}: meshes at three levels of each way"
@@ -71,7 +71,7 @@ def draw_own_meshes(case: Case, levels: Sequence[Level]) -> Figure:
     if len(levels) > MOST_OWN_MESHES:
         places = np.linspace(0, len(levels) - 1, MOST_OWN_MESHES).round().astype(np.int64)
         levels = [levels[place] for place in places]
-    figure, panels = new_panels(PAGE, 4.1, 2, len(levels))
+    figure, panels = new_panels(PAGE, 3.7, 2, len(levels))
     for (above, below), level in zip(panels.T, levels, strict=True):
         place = worst_place(case, level)
         _draw_mesh(above, case, level)
@@ -86,10 +86,10 @@ def draw_own_meshes(case: Case, levels: Sequence[Level]) -> Figure:
     panels[1, 0].set_ylabel("|error of p| / norm of p")
     title = f"{case.name}: your meshes, and where their pressure errs, t = {TIMES[1]:g} a/(E* k v₀)"
     note = (
-        "Red on the surface: the facet that has most of the error. Colour: squared error indicator "
+        "Red: the facet that has most of the error.\nColour: squared error indicator "
         f"of each triangle, from a {10**DECADES}th of the greatest (white) to it (red)."
     )
-    return complete(figure, [title], note=note, across=0.45, down=0.6)
+    return complete(figure, [title], note=note, across=0.45, down=0.5)
 
 
 def _three_of_each(levels: Sequence[Level], without: tuple[str, ...]) -> dict[str, list[Level]]:
@@ -110,7 +110,7 @@ def _draw_mesh(axes: Any, case: Case, level: Level) -> None:
     seen = (corners[0].min(axis=0) < WIDTH) & (corners[1].min(axis=0) < DEPTH)
     elements = PolyCollection(
         corners[:, :, seen].transpose(2, 1, 0),
-        facecolors="none",
+        facecolors="white",
         edgecolors="0.25",
         linewidths=0.25,
     )

@@ -36,8 +36,9 @@ MARKED = 0.5
 GROWTH = 1.16
 """Factor by which the unknowns grow from one adaptive level to the next, measured 1.08 to 1.24."""
 MOST_UNKNOWNS = 60_000
-"""Unknowns of the last adaptive level, and of the quick study a third of it more than 1e-3 takes."""
-MOST_UNKNOWNS_QUICK = 26_000
+"""Unknowns that the adaptive levels go up to."""
+MOST_UNKNOWNS_QUICK = 30_000
+"""Unknowns that those of the quick study go up to, a little beyond a pressure within 1e-3."""
 ACCURACIES = tuple(10.0 ** (-half / 2) for half in range(2, 13))
 """Accuracies that graded and layered meshes are made for."""
 ACCURACIES_QUICK = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
@@ -94,8 +95,16 @@ class Ways:
 
     @cached_property
     def _coarsest(self) -> MeshTri:
-        edges = tuple(self.case.problem.merged.ring_edges.tolist())
-        return bisection.mesh(SizeField(edges, COARSEST, COARSEST, 0.0, WIDER_TRUNCATION, COARSEST))
+        """The mesh that all levels of uniform and adaptive triangles begin with.
+
+        Its outer boundary is refined once: the indicator does not see by how much nodal values
+        there differ from the poles that they stand for.
+        """
+        edges = self.case.problem.merged.ring_edges
+        mesh = bisection.mesh(
+            SizeField(tuple(edges.tolist()), COARSEST, COARSEST, 0.0, WIDER_TRUNCATION, COARSEST)
+        )
+        return bisection.refined(mesh, mesh.f2t[0, mesh.boundaries["far"]], edges)
 
     @property
     def _unknowns_at_first(self) -> float:
