@@ -26,6 +26,13 @@ NAMES = {
 """What the families are called in sentences and figures."""
 
 
+BEST_ORDER = (
+    "elements of degree k have the order k at best, and marked so they reach it (Stevenson, Found. "
+    "Comput. Math. 7, 2007, doi 10.1007/s10208-005-0183-0)"
+)
+"""Theory of the energy error on adaptive meshes."""
+
+
 def costs(rows: pd.DataFrame) -> pd.DataFrame:
     """Return the unknowns and seconds of the first level of each way that reaches each goal.
 
@@ -54,9 +61,8 @@ def costs(rows: pd.DataFrame) -> pd.DataFrame:
 def sequences(rows: pd.DataFrame) -> list[Sequence]:
     """Return errors over N^(-1/2), N the unknowns, for the ways that refine one kind of elements.
 
-    In the plane N^(-1/2) stands for the size of the elements. The energy error of adaptive meshes
-    has the order k of the elements in spite of all singularities. Of these, the finer half of the
-    levels counts: the coarser half is still on its way to the singularities.
+    In the plane N^(-1/2) stands for the size of the elements. Of adaptive meshes the finer half of
+    the levels counts: the coarser half is still on its way to the singularities.
     """
     found = []
     for (case, family), all_levels in rows.groupby(["case", "family"], sort=False):
@@ -68,11 +74,7 @@ def sequences(rows: pd.DataFrame) -> list[Sequence]:
         for quantity in ("energy", *ERRORS):
             theory = Theory()
             if family == "adaptive" and quantity == "energy":
-                theory = Theory(
-                    float(levels["degree"].iloc[-1]),
-                    reason="best order of elements of degree k (Stevenson, Found. Comput. Math. 7, "
-                    "2007, doi 10.1007/s10208-005-0183-0)",
-                )
+                theory = Theory(reason=BEST_ORDER)
             sizes = levels["unknowns"].to_numpy(float) ** -0.5
             errors = levels[quantity].to_numpy(float)
             found.append(Sequence(f"{case}, {family}", quantity, theory, sizes, errors))
