@@ -131,7 +131,7 @@ def _combine(basis: AbstractBasis, coefficients: Array) -> tuple[Array, Array]:
     """
     local = coefficients[:, basis.element_dofs].transpose(2, 0, 1)
     fields = [function[0] for function in basis.basis]
-    values = np.stack([field.value for field in fields], axis=1)
+    values = np.stack([np.asarray(field) for field in fields], axis=1)
     gradients = np.stack([field.grad for field in fields], axis=2)
     return (local @ values).swapaxes(0, 1), (local @ gradients).swapaxes(1, 2)
 

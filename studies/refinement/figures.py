@@ -1,7 +1,6 @@
 """Figures of the ways to refine: errors over unknowns and seconds, and the error indicator."""
 
 import textwrap
-from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,9 +11,8 @@ from matplotlib.ticker import LogLocator
 
 from ..figures.style import FAINT, PAGE, complete, new_panels, set_logarithmic
 from ..study.levels import SECONDS
-from .case import ERRORS, Case, Level
-from .conclusions import NAMES, sequences
-from .mesh_figures import draw_meshes, draw_own_meshes, draw_pressure_errors
+from .case import ERRORS
+from .observed_orders import NAMES, sequences
 
 LOOKS: dict[str, dict[str, Any]] = {
     "uniform": {"color": "#8a8a8a", "marker": "o", "linestyle": ":"},
@@ -27,29 +25,6 @@ LOOKS: dict[str, dict[str, Any]] = {
 """The curve of each family."""
 THOUSANDS = "thousands of unknowns"
 """Label of axes whose ticks are `_mark_thousands`."""
-
-
-def draw_figures(
-    cases: Mapping[str, Case], rows: pd.DataFrame, levels: Iterable[Level]
-) -> dict[str, Figure]:
-    """Return all figures by their names; those that have nothing to show are left out."""
-    if rows.empty:
-        return {}
-    levels = list(levels)
-    figures = {
-        "error_against_unknowns": draw_errors(rows, "unknowns", THOUSANDS),
-        "error_against_seconds": draw_errors(rows, SECONDS, "seconds"),
-        "indicator": draw_indicator(rows),
-    }
-    for name, case in cases.items():
-        of_case = [level for level in levels if level.case == name]
-        suffix = name.replace(" ", "_")
-        if of_case:
-            figures[f"meshes_{suffix}"] = draw_meshes(case, of_case)
-            figures[f"pressure_error_{suffix}"] = draw_pressure_errors(case, of_case)
-        if own := [level for level in of_case if level.family == "file"]:
-            figures[f"own_meshes_{suffix}"] = draw_own_meshes(case, own)
-    return figures
 
 
 def draw_errors(rows: pd.DataFrame, column: str, label: str) -> Figure:

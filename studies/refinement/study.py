@@ -4,15 +4,20 @@ The punch is flat, once of one ring, and once that of the scene. The truth is a 
 the ways are is told in `ways.py`, what is measured in `case.py`.
 """
 
+from collections.abc import Iterable, Mapping
+
 import pandas as pd
+from matplotlib.figure import Figure
 
 from ..problem.scene import Scene
-from ..study.levels import Record
+from ..study.levels import SECONDS, Record
 from ..study.options import Options
 from ..study.study import Study
 from .case import COLUMNS, Case, Level
-from .conclusions import conclude, costs, sequences
-from .figures import draw_figures
+from .conclusions import conclude, costs
+from .figures import THOUSANDS, draw_errors, draw_indicator
+from .mesh_figures import draw_meshes, draw_own_meshes, draw_pressure_errors
+from .observed_orders import sequences
 from .own_meshes import OwnMeshes
 from .ways import Ways
 
@@ -42,3 +47,26 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
         figures=draw_figures(cases, rows, levels),
         tables={"costs": costs(rows)} if len(rows) else {},
     )
+
+
+def draw_figures(
+    cases: Mapping[str, Case], rows: pd.DataFrame, levels: Iterable[Level]
+) -> dict[str, Figure]:
+    """Return all figures by their names; those that have nothing to show are left out."""
+    if rows.empty:
+        return {}
+    levels = list(levels)
+    figures = {
+        "error_against_unknowns": draw_errors(rows, "unknowns", THOUSANDS),
+        "error_against_seconds": draw_errors(rows, SECONDS, "seconds"),
+        "indicator": draw_indicator(rows),
+    }
+    for name, case in cases.items():
+        of_case = [level for level in levels if level.case == name]
+        suffix = name.replace(" ", "_")
+        if of_case:
+            figures[f"meshes_{suffix}"] = draw_meshes(case, of_case)
+            figures[f"pressure_error_{suffix}"] = draw_pressure_errors(case, of_case)
+        if own := [level for level in of_case if level.family == "file"]:
+            figures[f"own_meshes_{suffix}"] = draw_own_meshes(case, own)
+    return figures

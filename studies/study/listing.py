@@ -71,7 +71,7 @@ STUDIES: dict[str, ListedStudy] = {
     "refinement": ListedStudy(
         "refinement.study",
         "uniform, graded, adaptive and layered meshes, and meshes of your own: what accuracy costs",
-        13,
+        15,
         takes=("meshes", "degree"),
     ),
     "extremes": ListedStudy(
