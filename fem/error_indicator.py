@@ -12,7 +12,8 @@ the longest side h_T of the triangle and the length h_F of each of its sides F,
 (p is 0 beside the contact). Up to a factor that depends on the shapes of the triangles alone, the
 sum of eta_T^2 bounds the energy of the error u - u_h from both sides; the ratio of the two is the
 effectivity [1]. The scaling with k is that of hp elements [2]. What the far field errs by is not
-part of it: the truncation has an estimate of its own (`far_field.enough_poles`).
+part of it: the truncation has an estimate of its own (`far_field.enough_poles`). Towards
+incompressibility lambda multiplies what the dilatation errs by, and the indicator overestimates.
 
 Triangles that hold a fixed share of that sum are refined, as few as possible, and so the error
 falls at the best order that triangles of degree k have, whatever the singularities [3].

@@ -1,4 +1,4 @@
-"""Names of the ways to refine, and the observed orders of those that refine one kind of elements."""
+"""Names of the ways to refine, and observed orders of those that refine one kind of elements."""
 
 import pandas as pd
 
