@@ -39,6 +39,8 @@ MOST_UNKNOWNS = 60_000
 """Unknowns that the adaptive levels go up to."""
 MOST_UNKNOWNS_QUICK = 30_000
 """Unknowns that those of the quick study go up to, a little beyond a pressure within 1e-3."""
+MOST_EXPECTED, MOST_EXPECTED_QUICK, LEAST_LEVELS = 250_000, 55_000, 2
+"""Unknowns beyond which levels are left out, as with many rings, but for the first two of a way."""
 ACCURACIES = tuple(10.0 ** (-half / 2) for half in range(2, 13))
 """Accuracies that graded and layered meshes are made for."""
 ACCURACIES_QUICK = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
@@ -123,7 +125,7 @@ class Ways:
         solve: Callable[[str], Solved],
         more: float = 0.0,
     ) -> Family:
-        """Return a family of levels with about so many unknowns each.
+        """Return a family of levels with about so many unknowns each, those that are affordable.
 
         `more` is what their time exceeds that of uniform triangles by, as a part of it.
         """
@@ -141,7 +143,13 @@ class Ways:
             truth = SECONDS_OF_TRUTH * rings if setting == FIRST else 0.0
             return truth + 0.03 + 7e-6 * (1 + more) * unknowns[setting]
 
-        return Family(name, dict.fromkeys(unknowns, np.nan), solve_level, work=work)
+        affordable = MOST_EXPECTED_QUICK if self.options.quick else MOST_EXPECTED
+        settings = [
+            setting
+            for number, (setting, count) in enumerate(unknowns.items())
+            if number < LEAST_LEVELS or count <= affordable
+        ]
+        return Family(name, dict.fromkeys(settings, np.nan), solve_level, work=work)
 
     def _halve(self, setting: str) -> Solved:
         stages = Stages("uniform")
