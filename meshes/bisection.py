@@ -12,7 +12,7 @@ import numpy as np
 from skfem import MeshTri
 
 from .errors import MeshError
-from .half_space import as_half_space
+from .half_space import as_half_space, truncation
 from .radial import Array, Indices
 from .sizes import SizeField
 
@@ -52,14 +52,37 @@ def mesh(field: SizeField) -> MeshTri:
         marked = np.union1d(too_long, _spans_an_edge(current, dyadic, spacing))
         if not len(marked):
             break
-        current = current.refined(marked)
-        points, boundary = current.p.copy(), current.boundary_nodes()
-        # boundary points off the axis and the surface belong on the arc
-        arc = boundary[(points[:, boundary] > 0).all(axis=0)]
-        points[:, arc] *= field.truncation / np.hypot(*points[:, arc])
-        current = replace(current, doflocs=points)
+        current = _bisected(current, marked)
     points = _moved(current.p, dyadic, ring_edges)
     return as_half_space(replace(current, doflocs=points), ring_edges)
+
+
+def refined(mesh: MeshTri, marked: Indices, ring_edges: Array) -> MeshTri:
+    """Return the quarter disc with marked triangles divided into four, and neighbours as needed.
+
+    Parameters
+    ----------
+    mesh : with its boundaries named
+    marked : numbers of the triangles to refine
+    ring_edges : (N+1,) ring edges, vertices of the mesh
+
+    Raises
+    ------
+    MeshError
+        if a triangle became degenerate
+    """
+    return as_half_space(_bisected(mesh, marked), ring_edges)
+
+
+def _bisected(mesh: MeshTri, marked: Indices) -> MeshTri:
+    """Refine marked triangles, and put what is new on the outer boundary on the arc."""
+    outer = truncation(mesh)
+    finer = replace(mesh, _boundaries=None).refined(marked)
+    points, boundary = finer.p.copy(), finer.boundary_nodes()
+    # boundary points off the axis and the surface belong on the arc
+    arc = boundary[(points[:, boundary] > 0).all(axis=0)]
+    points[:, arc] *= outer / np.hypot(*points[:, arc])
+    return replace(finer, doflocs=points)
 
 
 def _dyadic_image(ring_edges: Array) -> tuple[Array, float]:

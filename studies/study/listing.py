@@ -69,9 +69,9 @@ STUDIES: dict[str, ListedStudy] = {
         "numerics.march", "orders of the time marches, and where the explicit one blows up", 2
     ),
     "refinement": ListedStudy(
-        "numerics.refinement",
-        "uniform and graded meshes, and a mesh file of your own, against what is known",
-        7,
+        "refinement.study",
+        "uniform, graded, adaptive and layered meshes, and meshes of your own: what accuracy costs",
+        15,
         takes=("meshes", "degree"),
     ),
     "extremes": ListedStudy(

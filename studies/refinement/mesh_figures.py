@@ -1,0 +1,145 @@
+"""Meshes under the punch at three levels of each way, and the error of the pressure along r."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from ..figures.style import PAGE, RED, complete, new_panels, set_logarithmic, shade_rings
+from .case import TIMES, Case, Level
+from .own_meshes import worst_place
+
+WIDTH, DEPTH, PUNCH = 1.45, 0.6, 0.13
+"""Width and depth of the half-space that is drawn, and height of the punch above it, in a."""
+DECADES = 3
+"""Decades of the squared error indicator that the colours show."""
+MOST_OWN_MESHES = 4
+"""Meshes of the user's that are drawn: the first, the last, and some between."""
+
+
+def draw_meshes(case: Case, levels: Sequence[Level]) -> Figure:
+    """Draw the meshes of each way at three levels, with the punch, coloured by the indicator.
+
+    Raising the degree keeps one mesh and is left out; so are the meshes of the user, which have a
+    figure of their own.
+    """
+    ways = _three_of_each(levels, without=("degree", "file"))
+    figure, panels = new_panels(PAGE, 0.75 + 1.35 * max(len(ways), 1), max(len(ways), 1), 3)
+    for row, (way, shown) in zip(panels, ways.items(), strict=False):
+        for axes, level in zip(row, shown, strict=False):
+            _draw_mesh(axes, case, level)
+            axes.set_title(f"{way}: {level.unknowns} unknowns")
+        for axes in row[len(shown) :]:
+            axes.set_axis_off()
+        row[0].set_ylabel("depth z/a")
+    for axes in panels[-1]:
+        axes.set_xlabel("r/a")
+    note = (
+        "Above the surface: the punch, rings that wear faster are darker.\nColour: squared error "
+        f"indicator of each triangle, from a {10**DECADES}th of the greatest (white) to it (red)."
+    )
+    title = f"{case.name}: meshes at three levels of each way"
+    return complete(figure, [title], note=note, across=0.35, down=0.25)
+
+
+def draw_pressure_errors(case: Case, levels: Sequence[Level]) -> Figure:
+    """Draw the error of the pressure along the radius soon after the start, at three levels."""
+    ways = _three_of_each(levels, without=())
+    columns = min(3, len(ways))
+    rows = -(-len(ways) // columns)
+    figure, panels = new_panels(PAGE, 0.9 + 1.75 * rows, rows, columns, sharey=True)
+    for axes, (way, shown) in zip(panels.ravel(), ways.items(), strict=False):
+        _draw_pressure_errors(axes, case, shown)
+        axes.set_title(f"{way}: {', '.join(str(level.unknowns) for level in shown)} unknowns")
+    for axes in panels.ravel()[len(ways) :]:
+        axes.set_axis_off()
+    for row in panels:
+        row[0].set_ylabel("|error of p| / norm of p")
+    for axes in panels.ravel()[: len(ways)][-columns:]:
+        axes.set_xlabel("r/a")
+    title = f"{case.name}: error of the pressure along the radius, t = {TIMES[1]:g} a/(E* k v₀)"
+    note = "Grey bands: rings that wear faster."
+    return complete(figure, [title], panels.ravel(), note, across=0.3, down=0.48)
+
+
+def draw_own_meshes(case: Case, levels: Sequence[Level]) -> Figure:
+    """Draw the meshes of the user, the error of the pressure on each, and where that is worst."""
+    if len(levels) > MOST_OWN_MESHES:
+        places = np.linspace(0, len(levels) - 1, MOST_OWN_MESHES).round().astype(np.int64)
+        levels = [levels[place] for place in places]
+    figure, panels = new_panels(PAGE, 3.7, 2, len(levels))
+    for (above, below), level in zip(panels.T, levels, strict=True):
+        place = worst_place(case, level)
+        _draw_mesh(above, case, level)
+        above.plot(place.facet, [0, 0], color=RED, linewidth=3, solid_capstyle="butt")
+        above.plot([np.mean(place.facet)], [0.04], "^", color=RED, markersize=4)
+        above.set_title(f"{level.setting}\n{level.unknowns} unknowns, degree {level.degree}")
+        _draw_pressure_errors(below, case, [level])
+        below.axvspan(*place.facet, color=RED, alpha=0.3, linewidth=0)
+        below.set_title(f"{place.share:.0%} of the squared\nerror next to r = {place.edge:.3g} a")
+        below.set_xlabel("r/a")
+    panels[0, 0].set_ylabel("depth z/a")
+    panels[1, 0].set_ylabel("|error of p| / norm of p")
+    title = f"{case.name}: your meshes, and where their pressure errs, t = {TIMES[1]:g} a/(E* k v₀)"
+    note = (
+        "Red: the facet that has most of the error.\nColour: squared error indicator "
+        f"of each triangle, from a {10**DECADES}th of the greatest (white) to it (red)."
+    )
+    return complete(figure, [title], note=note, across=0.45, down=0.5)
+
+
+def _three_of_each(levels: Sequence[Level], without: tuple[str, ...]) -> dict[str, list[Level]]:
+    """Return the first, the middle and the last level of each way, or as many as it has."""
+    ways: dict[str, list[Level]] = {}
+    for level in levels:
+        if level.family not in without:
+            ways.setdefault(level.family, []).append(level)
+    return {
+        way: [found[place] for place in sorted({0, len(found) // 2, len(found) - 1})]
+        for way, found in ways.items()
+    }
+
+
+def _draw_mesh(axes: Any, case: Case, level: Level) -> None:
+    """Draw the mesh under the punch, coloured by the indicators of its triangles."""
+    corners = level.mesh.p[:, level.mesh.t]
+    seen = (corners[0].min(axis=0) < WIDTH) & (corners[1].min(axis=0) < DEPTH)
+    elements = PolyCollection(
+        corners[:, :, seen].transpose(2, 1, 0),
+        facecolors="white",
+        edgecolors="0.25",
+        linewidths=0.25,
+    )
+    if level.indicators is not None:
+        greatest = level.indicators.max()
+        shown = np.maximum(level.indicators[seen], 10.0**-DECADES * greatest)
+        elements.set(array=shown, cmap="Reds", norm=LogNorm(10.0**-DECADES * greatest, greatest))
+    axes.add_collection(elements)
+    rings = case.problem.merged
+    wear = np.broadcast_to(rings.ends.mean(axis=0), len(rings.widths))
+    for inner, outer, of_ring in zip(rings.ring_edges, rings.ring_edges[1:], wear, strict=False):
+        if np.isfinite(of_ring):  # a hole is no part of the punch
+            shade = (
+                "0.5" if of_ring > np.sqrt(wear.min() * wear[np.isfinite(wear)].max()) else "0.8"
+            )
+            axes.add_patch(
+                Rectangle((inner, -PUNCH), outer - inner, PUNCH, facecolor=shade, edgecolor="white")
+            )
+    axes.set(xlim=(0, WIDTH), ylim=(DEPTH, -PUNCH), aspect="equal", yticks=[0, DEPTH / 2, DEPTH])
+
+
+def _draw_pressure_errors(axes: Any, case: Case, levels: Sequence[Level]) -> None:
+    """Draw the errors of the pressure at the first time after the start, finer levels darker."""
+    face = case.watched.face
+    names = ["coarsest", "middle", "finest"] if len(levels) == 3 else ["coarsest", "finest"]
+    for number, level in enumerate(levels):
+        shade = 0.72 * (1 - (number + 1) / len(levels))
+        errors = np.maximum(level.pressure_errors[0], 1e-12)
+        label = f"{names[number]} level" if len(levels) > 1 else None
+        axes.plot(face.radii, errors, color=str(shade), linewidth=0.5 + 0.15 * number, label=label)
+    shade_rings(axes, case.problem.ring_edges, case.problem.wear_coefficients)
+    set_logarithmic(axes, "y")

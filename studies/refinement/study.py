@@ -1,0 +1,72 @@
+"""Refine the mesh in every way, and tell what each accuracy costs (`ringwear study refinement`).
+
+The punch is flat, once of one ring, and once that of the scene. The truth is a far finer MDR. What
+the ways are is told in `ways.py`, what is measured in `case.py`.
+"""
+
+from collections.abc import Iterable, Mapping
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from ..problem.scene import Scene
+from ..study.levels import SECONDS, Record
+from ..study.options import Options
+from ..study.study import Study
+from .case import COLUMNS, Case, Level
+from .conclusions import conclude, costs
+from .figures import THOUSANDS, draw_errors, draw_indicator
+from .mesh_figures import draw_meshes, draw_own_meshes, draw_pressure_errors
+from .observed_orders import sequences
+from .own_meshes import OwnMeshes
+from .ways import Ways
+
+
+def conduct(scene: Scene, options: Options, record: Record) -> Study:
+    """Refine each case in each way.
+
+    Raises
+    ------
+    SceneError
+        if a mesh of the user's does not fit the flat punch, and so fits nothing
+    """
+    cases = {case.name: case for case in Case.all_of(scene)}
+    OwnMeshes(cases["flat punch"], options).refuse()
+    levels = list[Level]()
+    families = [
+        family for case in cases.values() for family in Ways(case, options, levels).families()
+    ]
+    table = record.solve("refinement", families, COLUMNS)
+    rows = table.dropna(subset="d0")
+    return Study(
+        "refinement",
+        scene,
+        table,
+        orders=pd.DataFrame(sequence.summary() for sequence in sequences(rows)),
+        conclusions=(*conclude(cases, rows, levels), *record.conclusions),
+        figures=draw_figures(cases, rows, levels),
+        tables={"costs": costs(rows)} if len(rows) else {},
+    )
+
+
+def draw_figures(
+    cases: Mapping[str, Case], rows: pd.DataFrame, levels: Iterable[Level]
+) -> dict[str, Figure]:
+    """Return all figures by their names; those that have nothing to show are left out."""
+    if rows.empty:
+        return {}
+    levels = list(levels)
+    figures = {
+        "error_against_unknowns": draw_errors(rows, "unknowns", THOUSANDS),
+        "error_against_seconds": draw_errors(rows, SECONDS, "seconds"),
+        "indicator": draw_indicator(rows),
+    }
+    for name, case in cases.items():
+        of_case = [level for level in levels if level.case == name]
+        suffix = name.replace(" ", "_")
+        if of_case:
+            figures[f"meshes_{suffix}"] = draw_meshes(case, of_case)
+            figures[f"pressure_error_{suffix}"] = draw_pressure_errors(case, of_case)
+        if own := [level for level in of_case if level.family == "file"]:
+            figures[f"own_meshes_{suffix}"] = draw_own_meshes(case, own)
+    return figures
