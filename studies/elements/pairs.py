@@ -5,7 +5,8 @@ on each facet of the contact, broken at every vertex. It is singular as a whole.
 condensed to it once, and each pressure space is a basis within it.
 """
 
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -20,7 +21,7 @@ from ...fem.elements import degree_along_side, is_on_quadrilaterals
 from ...fem.half_space import contact_breakpoints, pressure_space
 from ...fem.weak_form import element_of_degree
 from ...meshes import bisection, quads
-from ...meshes.errors import MeshError
+from ...meshes.errors import MeshError, SceneError
 from ...meshes.half_space import as_half_space, halved
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
@@ -92,17 +93,21 @@ class Pressures:
         return self.kind == "broken everywhere" and self.degree == degree - 1
 
 
-def displacements(given: Iterable[Element], quick: bool) -> list[Displacement]:
+def displacements(given: Sequence[Element], quick: bool) -> list[Displacement]:
     """Return the displacements to compare: those given, or scikit-fem's of several degrees.
 
     Raises
     ------
     SceneError
-        if the half-space cannot take an element that is given
+        if the half-space cannot take an element that is given, or if one is given twice
     """
-    own = [Displacement(type(element).__name__, element) for element in given]
-    for each in own:
-        degree_along_side(each.element)
+    own, called = list[Displacement](), Counter(type(element).__name__ for element in given)
+    for element in given:
+        degree, name = degree_along_side(element), type(element).__name__
+        several = called[name] > 1
+        own.append(Displacement(f"{name} of degree {degree}" if several else name, element))
+    if len({each.name for each in own}) < len(own):
+        raise SceneError("an element is given twice: give elements of other kinds or degrees")
     names = ("P1", "P2", "P4", "Q1", "Q2") if quick else ("P1", "P2", "P3", "P4", "Q1", "Q2", "Q4")
     return own or [of_name(name) for name in names]
 

@@ -287,11 +287,12 @@ def _kind_of_difference(chosen: ChosenMesh) -> str:
 def _smallest(problem: Problem, chosen: ChosenMesh) -> float:
     """Return the least size of elements beside a ring edge that a mesher is asked for.
 
-    Triangles, whose degree is low, are as small as they are, because smaller ones would not help.
+    Triangles and elements that are halved, whose degree is low, are as small as they are, because
+    smaller ones would not help.
     """
     from ...meshes.half_space import contact_radii
 
-    if chosen.mesher == "quads":
+    if chosen.mesher == "quads" and not chosen.halved:
         return defaults.fem_smallest(problem)
     return float(np.diff(contact_radii(chosen.mesh)).min())
 
@@ -339,7 +340,7 @@ def _coarser_half_space(problem: Problem, chosen: ChosenMesh, whole: "HalfSpace"
 
 
 def _coarser_degree(degree: int, chosen: ChosenMesh) -> int:
-    """Return the degree of the coarser half-space: one less, but on a mesh that is halved, and 2."""
+    """Return the degree of the coarser half-space: one less, or the same if halved."""
     return degree if chosen.halved else max(degree - 1, 2)
 
 
