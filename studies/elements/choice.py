@@ -83,9 +83,9 @@ def conclude(choice: pd.DataFrame, table: pd.DataFrame) -> Iterator[str]:
         yield (
             f"{len(wrong)} pairs have checkerboards ({_names(wrong)}): their least eigenvalues "
             f"fall with order {_span(wrong['order of eigenvalue'], '.2f')}. The pressure of the "
-            f"flat start is wrong by {_span(wrong['p at the start'], '.2g')} times its norm, while "
-            f"d0 errs by at most {wrong['d0'].max():.1e} and p(t) by at most "
-            f"{wrong['p(t)'].max():.1e}: neither d0 nor wear shows it."
+            f"flat start is wrong by {_span(wrong['p at the start'], '.2g')} times its norm. The "
+            f"indentation d0 (errors up to {wrong['d0'].max():.1e}) and the worn pressure p(t) (up "
+            f"to {wrong['p(t)'].max():.1e}) do not show it."
         )
     if SINGULAR in by:
         yield (

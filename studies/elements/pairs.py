@@ -85,7 +85,7 @@ class Pressures:
         return f"{self.kind}, degree {self.degree}"
 
     def is_singular_beneath(self, degree: int) -> bool:
-        """Return whether some pressures displace nothing, by counting, if there are two rings."""
+        """Return whether some pressures displace nothing: there are more than displacements."""
         return self.kind.startswith("broken") and self.degree == degree
 
     def has_checkerboards_beneath(self, degree: int) -> bool:
@@ -118,22 +118,22 @@ def of_name(name: str) -> Displacement:
     return Displacement(name, element_of_degree(mesh, int(name[1:])))
 
 
-def pressures_beneath(displacement: Displacement) -> list[Pressures]:
+def pressures_beneath(displacement: Displacement, rings: Rings) -> list[Pressures]:
     """Return the pressure spaces that go with a displacement of a degree k.
 
     Degrees k, k - 1 and k - 2 where they are 1 at the least, continuous or not; constants on each
-    facet; those with a continuous wear rate; and what runs take.
+    facet; those with a continuous wear rate; and what runs take. A punch of one ring has no edge at
+    which pressures could break.
     """
     degree = displacement.degree
     degrees = [lower for lower in (degree - 1, degree, degree - 2) if lower >= 1]
-    kinds: tuple[Kind, ...] = ("continuous", "broken at ring edges", "broken everywhere")
+    kinds: tuple[Kind, ...] = ("continuous", "broken everywhere")
+    worn = list[Pressures]()
+    if len(rings.wear_coefficients) > 1:
+        kinds = ("continuous", "broken at ring edges", "broken everywhere")
+        worn = [Pressures("wear rate continuous", max(degree - 1, 1))]
     spaces = [Pressures(kind, each) for kind in kinds for each in degrees]
-    return [
-        *spaces,
-        Pressures("broken everywhere", 0),
-        Pressures("wear rate continuous", max(degree - 1, 1)),
-        of_runs(displacement),
-    ]
+    return [*spaces, Pressures("broken everywhere", 0), *worn, of_runs(displacement)]
 
 
 def of_runs(displacement: Displacement) -> Pressures:

@@ -37,7 +37,7 @@ LOCKING = (0.3, 0.4, 0.45, 0.49, 0.499, 0.4999, 0.49999, 0.499999)
 LEVELS, QUICK_LEVELS = 5, 3
 """Meshes, each halved once more than the one before."""
 MOST_FACETS = 400
-"""On the contact of the finest mesh; many rings have fewer levels."""
+"""On the contact of the finest mesh; punches of many rings have fewer levels, or are refused."""
 BEFORE_FIRST = 1.0
 """Seconds that the coarsest mesh and the exact history take."""
 COLUMNS = [
@@ -65,12 +65,17 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
     Raises
     ------
     SceneError
-        if the punch is hollow, or if the half-space cannot take an element that is given
+        if the punch is hollow or has too many rings, or if the half-space cannot take an element
     """
     problem = scene.problem
     if problem.inner_radius:
         raise SceneError("study elements is about full punches: leave out punch.inner_radius")
     bench = Bench(problem, tuple(displacements(options.elements, options.quick)), options.quick)
+    if len(bench.levels) < QUICK_LEVELS:
+        raise SceneError(
+            f"study elements takes punches of few rings: this one has {bench.facets} facets on the "
+            f"coarsest mesh, and {MOST_FACETS} are the most on the finest; give fewer punch.rings"
+        )
     families = list(bench.families())
     table = record.solve("elements", families, COLUMNS)
     orders = pd.DataFrame(each.summary() for each in sequences_of(families, table))
@@ -135,9 +140,7 @@ class Bench:
     def levels(self) -> range:
         """How many times the meshes are halved."""
         wanted = QUICK_LEVELS if self.quick else LEVELS
-        return range(
-            max(2, sum(self.facets * 2**halvings <= MOST_FACETS for halvings in range(wanted)))
-        )
+        return range(sum(self.facets * 2**halvings <= MOST_FACETS for halvings in range(wanted)))
 
     @cached_property
     def condensed(self) -> "lru_cache[Condensed]":
@@ -156,7 +159,7 @@ class Bench:
     def families(self) -> Iterator[Family]:
         """Yield a family for each pair, then one for each displacement near incompressibility."""
         for displacement in self.compared:
-            for number, pressures in enumerate(pressures_of(displacement)):
+            for number, pressures in enumerate(pressures_of(displacement, self.problem.merged)):
                 first = number == 0 and displacement == self.compared[0]
                 yield Family(
                     f"{displacement.name}, {pressures.name}",
