@@ -77,7 +77,7 @@ STUDIES: dict[str, ListedStudy] = {
     "elements": ListedStudy(
         "elements.study",
         "which pair of displacement and pressure is stable, by scikit-fem's elements or your own",
-        10,
+        7,
         takes=("elements",),
     ),
     "extremes": ListedStudy(
