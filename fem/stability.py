@@ -8,7 +8,7 @@ singular, and what is computed with it is wrong without any sign of it.
 
 The ratio takes no solution of the half-space: functions on the contact overlap with their
 neighbours alone, so that it costs some milliseconds where condensing takes a hundred times as long
-(tests/unit/fem/test_stability.py). How far the energy of a pressure is from the exact one is
+(tests/physics/test_operators.py). How far the energy of a pressure is from the exact one is
 another question, which `ringwear study elements` answers.
 """
 

@@ -1,16 +1,13 @@
 """Pairs of spaces on the contact: stable, with checkerboards, and singular."""
 
-import time
 from functools import cache
 
 import numpy as np
 import pytest
-from conftest import WITHOUT_GMSH
 from scipy.linalg import eigh
 from scipy.sparse import csr_matrix
 from skfem import MeshTri
 
-from ringwear import Scene, run
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.far_field import enough_poles
 from ringwear.fem.half_space import HalfSpace, contact_breakpoints, pressure_space
@@ -94,23 +91,3 @@ def test_linear_pressures_beneath_linear_displacements_are_stable(halvings):
     # pressures and displacements meet with their forces: a constant displacement sees all of each
     coupling = whole.coupling[: len(whole.coupling) - len(whole.poles)]
     np.testing.assert_allclose(coupling.sum(axis=0), space.weights, rtol=1e-12)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("mesher", ["quads", "bisection"])
-def test_the_check_costs_less_than_two_per_cent_of_a_run(mesher):
-    if WITHOUT_GMSH and mesher == "quads":
-        pytest.skip(WITHOUT_GMSH)
-    scene = Scene.load("five_rings").changed(accuracy__fem__mesher=mesher)
-    half_space = run(scene, methods=["fem"]).solutions["fem"].half_space
-    _ = half_space.coupling  # which condensing needs anyway
-
-    def seconds(call):
-        start = time.process_time()
-        call()
-        return time.process_time() - start
-
-    of_runs = [seconds(lambda: run(scene, methods=["fem"])) for _ in range(3)]
-    # twice in a run, for the coarser half-space, too
-    of_checks = [2 * seconds(half_space.stability) for _ in range(9)]
-    assert np.median(of_checks) <= 0.02 * np.median(of_runs)
