@@ -6,12 +6,14 @@ import numpy as np
 
 from ..meshes import bisection
 from ..meshes.contact_cells import ContactCells
+from ..meshes.half_space import halved
+from ..meshes.pressure_space import PressureSpace
 from ..meshes.quads import graded
 from ..meshes.radial import Array, Indices
 from ..meshes.sizes import SizeField
 from .elasticity import AxisymmetricElasticity
 from .far_field import enough_poles
-from .half_space import HalfSpace, pressure_space
+from .half_space import HalfSpace, contact_breakpoints, pressure_space
 
 # growth of triangles with the depth, and that of a coarser half-space, whose difference shows what
 # they err by
@@ -51,16 +53,33 @@ def fitted_half_space(
 
 
 def even_half_space(
-    cells: ContactCells, poisson_ratio: float, growth: float = TRIANGLE_GROWTH, degree: int = 3
+    cells: ContactCells,
+    poisson_ratio: float,
+    growth: float = TRIANGLE_GROWTH,
+    degree: int = 3,
+    halvings: int = 0,
 ) -> HalfSpace:
     """Return a half-space of triangles of one degree with piecewise linear contact pressures.
 
-    The facets on the contact are no larger than the cells, and the pressure is linear on each
-    facet.
+    The pressure is linear on each facet of a mesh whose facets are no larger than the cells, and
+    may break at ring edges. The displacement has that mesh, or one halved from it: beneath linear
+    displacements, pressures are stable if they have larger facets.
+
+    Parameters
+    ----------
+    cells : of the contact
+    poisson_ratio : of the half-space
+    growth : of triangles with the depth
+    degree : of the displacement
+    halvings : times that every triangle is halved for the displacement, at least 1 for degree 1
     """
     edges, size = cells.ring_edges, cells.edge_size
     field = SizeField(edges, size, size, growth, 5.0, cells.largest, 0.125, cells)
-    solid = AxisymmetricElasticity(bisection.mesh(field), degree, poisson_ratio)
-    space = pressure_space(solid, np.array(edges), cells.hollow)
-    linear = replace(space, degrees=np.minimum(space.degrees, 1))
-    return HalfSpace(solid, linear, enough_poles(5.0, 1e-10))
+    mesh = bisection.mesh(field)
+    breakpoints, below = contact_breakpoints(mesh, np.array(edges))
+    linear = np.where((breakpoints[1:] <= edges[1]) & cells.hollow, 0, 1)
+    space = PressureSpace(breakpoints, linear, np.array(edges), below)
+    if halvings:
+        mesh = halved(mesh, np.array(edges), halvings)
+    solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)
+    return HalfSpace(solid, space, enough_poles(5.0, 1e-10))

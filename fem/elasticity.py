@@ -17,6 +17,7 @@ from skfem.assembly import Dofs
 from ..meshes.half_space import DEEP, LOWER, facet_ends, radial_ranks, segments
 from ..meshes.radial import Array, Indices
 from ..meshes.sizes import LOWEST
+from .elements import check_element
 from .weak_form import element_of_degree, stiffness
 
 
@@ -88,10 +89,10 @@ class AxisymmetricElasticity:
     mesh : triangles or turned quadrilaterals, with boundaries named (`meshes.half_space`)
     degree : polynomial degree of the displacement: 1 to 4 on triangles, any on quadrilaterals
     nominal_poisson_ratio : Poisson's ratio, up to and including 1/2
-    own_element : an H1 element of scikit-fem's, or of one's own, of that degree along a side;
-        default `element_of_degree`
+    own_element : an H1 element of scikit-fem's, or of one's own, of that degree along a side
+        (`fem.elements`); default `element_of_degree`
     highest_ratio : Poisson's ratio that stands for any from there to 1/2
-    spared : how much lower the degree is in the subdomain `meshes.half_space.DEEP`
+    lowered_degrees : how much lower the degree is in the subdomain `meshes.half_space.DEEP`
     """
 
     mesh: Mesh
@@ -100,6 +101,17 @@ class AxisymmetricElasticity:
     own_element: Element | None = None
     highest_ratio: float = 0.49999
     lowered_degrees: int = 0
+
+    def __post_init__(self) -> None:
+        """Check that an element of one's own goes with the mesh and the degree.
+
+        Raises
+        ------
+        SceneError
+            if it does not, in one line that names what to use
+        """
+        if self.own_element is not None:
+            check_element(self.own_element, self.mesh, self.degree)
 
     @property
     def poisson_ratio(self) -> float:

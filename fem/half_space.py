@@ -17,9 +17,9 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from scipy.sparse import bmat, coo_matrix, csc_matrix, diags
+from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix, diags
 from scipy.sparse.linalg import splu
-from skfem import MeshQuad
+from skfem import Mesh, MeshQuad
 
 from ..meshes.compliance import Compliance
 from ..meshes.errors import SolverError
@@ -29,6 +29,7 @@ from ..meshes.radial import Array, Indices, gauss, layer_degrees
 from .condensation import SYMMETRIC, fill_reducing_order, symmetric, trailing_factor
 from .elasticity import AxisymmetricElasticity
 from .far_field import exterior_stiffness, poles
+from .stability import least_ratio, refuse_singular
 from .weak_form import moduli
 
 
@@ -37,13 +38,14 @@ def pressure_space(
 ) -> PressureSpace:
     """Return the pressure space on the contact facets of a solid that goes with its displacements.
 
+    Pressures are of a lower degree than displacements. Beneath linear displacements they are
+    linear, too; the two facets beside a ring edge then have one linear pressure together, so that
+    no pressure breaks at the edge that displacements cannot see. Mortar methods for linear elements
+    do the same at the ends of an interface (Bernardi, Maday, Patera, 1994).
+
     Of a hollow punch the first ring is the hole, where the surface is free.
     """
-    vertices = contact_vertices(solid.mesh)
-    breakpoints, below = solid.mesh.p[0, vertices], low_parts(solid.mesh)[vertices]
-    # ring edges exactly as they are
-    at_edges = np.abs((breakpoints[:, None] - ring_edges) + below[:, None]).argmin(axis=0)
-    breakpoints[at_edges], below[at_edges] = ring_edges, 0.0
+    breakpoints, below = contact_breakpoints(solid.mesh, ring_edges)
     if isinstance(solid.mesh, MeshQuad):
         # one degree below the displacement, near incompressibility, some pressures would have but 2
         # per cent of their energy
@@ -51,11 +53,24 @@ def pressure_space(
     else:
         # the highest that is stable, reached within a few facets of a ring edge or the rim, where a
         # low one is as accurate
-        highest, lowest = solid.degree - 1, max(1, solid.degree - 2)
+        highest, lowest = max(solid.degree - 1, 1), max(solid.degree - 2, 1)
         degrees = layer_degrees(breakpoints, ring_edges, highest, rise=0.5, lowest=lowest)
     if hollow:
         degrees = np.where(breakpoints[1:] <= ring_edges[1], 0, degrees)
-    return PressureSpace(breakpoints, degrees, ring_edges, below)
+    space = PressureSpace(breakpoints, degrees, ring_edges, below)
+    return space.joined_beside_ring_edges() if solid.degree == 1 else space
+
+
+def contact_breakpoints(mesh: Mesh, ring_edges: Array) -> tuple[Array, Array]:
+    """Return the ends (n+1,) of the n facets of the contact, and what rounding has taken from each.
+
+    Ring edges are exactly as they are given.
+    """
+    vertices = contact_vertices(mesh)
+    breakpoints, below = mesh.p[0, vertices], low_parts(mesh)[vertices]
+    at_edges = np.abs((breakpoints[:, None] - ring_edges) + below[:, None]).argmin(axis=0)
+    breakpoints[at_edges], below[at_edges] = ring_edges, 0.0
+    return breakpoints, below
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +92,7 @@ class HalfSpace:
     Parameters
     ----------
     solid : the elastic solid
-    space : pressure space on its contact facets
+    space : pressure space on its contact facets, or on elements of several facets each
     poles : orders of the Boussinesq poles tied to the outer boundary; none clamps it (`fixed`)
     """
 
@@ -154,15 +169,35 @@ class HalfSpace:
         return symmetric(self.lower_triangle)
 
     @cached_property
+    def _on_contact(self) -> tuple[csr_matrix, csr_matrix, Array]:
+        """Displacements (q, m) and pressures (q, n) at Gauss points of the contact, and areas (q,).
+
+        The points are enough for products of two displacements.
+        """
+        solid, facets = self.solid, self._facet_space
+        node, weight = gauss(solid.degree + max(facets.top, 1))
+        half = facets.widths[:, None] / 2
+        radii = facets.breakpoints[:-1, None] + half * (1 + node)
+        displacements = solid.trace(contact_facets(solid.mesh), (1 + node) / 2)
+        pressures = facets.on_elements(node)
+        if facets is not self.space:
+            pressures = pressures @ facets.embedding(self.space)
+        areas = (2 * np.pi * radii * half * weight).ravel()
+        return displacements[:, solid.boundary("contact")], pressures, areas
+
+    @property
+    def _facet_space(self) -> PressureSpace:
+        """The pressure space, on the facets of the contact, each with the degree it lies in."""
+        breakpoints, below = contact_breakpoints(self.solid.mesh, self.space.ring_edges)
+        if len(breakpoints) == len(self.space.breakpoints):
+            return self.space
+        return self.space.divided(breakpoints, below)
+
+    @cached_property
     def coupling(self) -> Array:
         """(contact nodes + k, size) ``int v_i phi_j dA``; the poles do not touch the contact."""
-        solid, space = self.solid, self.space
-        node, weight = gauss(solid.degree + space.top)
-        half = space.widths[:, None] / 2
-        radii = space.breakpoints[:-1, None] + half * (1 + node)
-        area = diags((2 * np.pi * radii * half * weight).ravel())
-        displacements = solid.trace(contact_facets(solid.mesh), (1 + node) / 2)
-        on_contact = displacements[:, solid.boundary("contact")].T @ area @ space.on_elements(node)
+        displacements, pressures, areas = self._on_contact
+        on_contact = displacements.T @ diags(areas) @ pressures
         return np.pad(on_contact.toarray(), ((0, len(self.poles)), (0, 0)))
 
     def displacements(self, pressures: Array) -> Array:
@@ -188,11 +223,35 @@ class HalfSpace:
         moved[self._order] = solution[:free]
         return self.solid.with_insides(moved)
 
+    def stability(self, basis: csr_matrix | None = None) -> float:
+        """Return how well the displacements see the least visible pressure (`stability`).
+
+        Parameters
+        ----------
+        basis : (size, n) coefficients of the pressures in question; default all of the space
+        """
+        displacements, pressures, areas = self._on_contact
+        return least_ratio(displacements, pressures if basis is None else pressures @ basis, areas)
+
     def compliance(self) -> Compliance:
         """Condense the half-space to its compliance on the pressure space.
 
         The rows of the factor belong to contact nodes, then to poles: without its last row it is
         the compliance of the same half-space with one pole less.
+
+        Raises
+        ------
+        SolverError
+            if a pressure displaces nothing, or if the stiffness of the half-space is singular
+        """
+        refuse_singular(self.stability(), self.space.size, len(self.coupling) - len(self.poles))
+        return Compliance(self.space, self.condensed())
+
+    def condensed(self) -> Array:
+        """Return the factor (contact nodes + k, size) of the compliance, singular or not.
+
+        Pressure spaces within this one, which may be stable where all of it is not, have the factor
+        times their bases.
         """
         stiffness = trailing_factor(
             self.lower_triangle, self.lower_triangle.shape[0] - len(self.coupling)
@@ -206,4 +265,4 @@ class HalfSpace:
             factor[rows, columns] = solve_triangular(
                 stiffness[rows, rows], self.coupling[rows, columns], lower=True
             )
-        return Compliance(self.space, factor)
+        return factor

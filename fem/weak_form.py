@@ -15,8 +15,12 @@ import skfem
 from skfem import Element, Mesh, MeshQuad
 from skfem.quadrature import get_quadrature
 
+from ..meshes.errors import SceneError
 from ..meshes.half_space import derivatives
 from ..meshes.radial import Array, Indices
+
+HIGHEST_ON_TRIANGLES = 4
+"""Degree of the last of scikit-fem's elements on triangles."""
 
 
 def moduli(poisson_ratio: float) -> tuple[float, float]:
@@ -26,8 +30,20 @@ def moduli(poisson_ratio: float) -> tuple[float, float]:
 
 
 def element_of_degree(mesh: Mesh, degree: int) -> Element:
-    """Return scikit-fem's element of a degree on quadrilaterals (any) or triangles (1 to 4)."""
-    return _element(isinstance(mesh, MeshQuad), degree)
+    """Return scikit-fem's element of a degree on quadrilaterals (any) or triangles (1 to 4).
+
+    Raises
+    ------
+    SceneError
+        if scikit-fem has no element of that degree
+    """
+    quadrilaterals = isinstance(mesh, MeshQuad)
+    if degree < 1 or (degree > HIGHEST_ON_TRIANGLES and not quadrilaterals):
+        raise SceneError(
+            f"scikit-fem has no continuous element of degree {degree} on this mesh: give 1 to "
+            f"{HIGHEST_ON_TRIANGLES} on triangles, 1 or more on quadrilaterals"
+        )
+    return _element(quadrilaterals, degree)
 
 
 @lru_cache(maxsize=64)

@@ -131,6 +131,16 @@ def as_half_space(mesh: Mesh, ring_edges: Array) -> Mesh:
     return mesh
 
 
+def halved(mesh: Mesh, ring_edges: Array, count: int) -> Mesh:
+    """Return a half-space with every element halved so many times, new points put on the arc."""
+    mesh, outer = rounded(mesh).refined(count), truncation(mesh)
+    points = np.where(np.abs(mesh.p) < 1e-14, 0.0, mesh.p)
+    boundary = mesh.boundary_nodes()
+    on_arc = boundary[(points[:, boundary] > 0).all(axis=0)]
+    points[:, on_arc] *= outer / np.hypot(*points[:, on_arc])
+    return as_half_space(type(mesh)(points, mesh.t), ring_edges)
+
+
 def turned(mesh: MeshQuad) -> MeshQuad:
     """Reorder the corners of quadrilaterals so that neighbours agree on the direction of sides.
 

@@ -297,6 +297,31 @@ class PressureSpace:
             None if self.low_parts is None else self.low_parts[remaining],
         )
 
+    def joined_beside_ring_edges(self) -> "PressureSpace":
+        """Return the space in which the two elements beside a ring edge, on either side, are one.
+
+        A ring of one element stays as it is, and so do the elements beside the rim, the axis and
+        the edge of a hole, where no pressure breaks.
+        """
+        edges = np.searchsorted(self.sort_keys, self.ring_edges + 0j)
+        inner = edges[1 + self.hollow : -1]
+        dropped = np.setdiff1d(np.concatenate([inner - 1, inner + 1]), edges)
+        kept = np.setdiff1d(np.arange(len(self.breakpoints)), dropped)
+        return PressureSpace(
+            self.breakpoints[kept],
+            np.minimum.reduceat(self.degrees, kept[:-1]),
+            self.ring_edges,
+            None if self.low_parts is None else self.low_parts[kept],
+        )
+
+    def divided(self, breakpoints: Array, low_parts: Array) -> "PressureSpace":
+        """Return the space on more breakpoints, those of this one among them.
+
+        Each element has the degree of the one that it lies in.
+        """
+        parent = np.searchsorted(self.sort_keys, (breakpoints + 1j * low_parts)[1:]) - 1
+        return PressureSpace(breakpoints, self.degrees[parent], self.ring_edges, low_parts)
+
     def embedding(self, coarse: "PressureSpace") -> csr_matrix:
         """Return the matrix (size, coarse size) that embeds a coarser space in this one.
 

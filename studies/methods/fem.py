@@ -14,17 +14,32 @@ from ...fem.condensation import solver
 from ...meshes.errors import MeshError
 from ...meshes.sizes import NARROWEST
 from ..problem.problem import Problem
-from ..problem.sections import DEGREES
+from ..problem.sections import DEGREES, LAYERED
 from ..progress import Stages
 from ..sizes import defaults
+from ..sizes.low_degrees import LOW_DEGREE_HALVINGS, low_degree_quad_sizes
 from .base import Discretised, SystemSize
 from .error_factors import error_factor
 from .pipeline import ComplianceMethod
 from .spaces import contact_cells
 
 if TYPE_CHECKING:
+    from skfem import Mesh
+
     from ...fem.half_space import HalfSpace
     from ...meshes.compliance import Compliance
+    from ...meshes.sizes import SizeField
+
+LOCKING = 0.49
+"""Poisson's ratio above which linear elements are refused.
+
+At 0.499 linear triangles err by 19 per cent in d(t), and less is stated
+(tests/physics/test_low_degrees.py).
+"""
+DEGREE_ON_CELLS = 3
+"""Degree of triangles beneath contact that opens and spreads (`ringwear study convergence`)."""
+LINEAR_HALVINGS = 2, 1
+"""Times that linear triangles beneath cells are halved, and those that they are held against."""
 
 
 # growth of the size of triangles with the distance by default
@@ -42,14 +57,16 @@ class ChosenMesh:
     ----------
     mesh : of scikit-fem, its boundaries named
     mesher : what made it
-    coarser : () -> the same of a layer less, or of larger triangles
+    coarser : () -> the same of a layer less, of larger triangles, or not halved as often
     notes : what the user should know
+    halved : whether the coarser one has elements twice as large everywhere
     """
 
     mesh: Any
     mesher: str
     coarser: Callable[[], Any]
     notes: tuple[str, ...] = ()
+    halved: bool = False
 
 
 def half_space_mesh(problem: Problem) -> ChosenMesh:
@@ -62,20 +79,48 @@ def half_space_mesh(problem: Problem) -> ChosenMesh:
     except MeshError as error:
         if problem.fem.meshed_by == "bisection":
             raise
-        note = f"meshed by bisection, in triangles of degree 2 to 4: {error}"
+        note = f"meshed by bisection, in triangles of degree 4 at most: {error}"
     return replace(_meshed(problem, "bisection"), notes=(note,))
 
 
 def _meshed(problem: Problem, mesher: str) -> ChosenMesh:
-    from ...meshes import bisection, triangles
     from ...meshes.quads import graded
 
+    if problem.fem.degree and problem.fem.degree < (LAYERED if mesher == "quads" else 2):
+        return _halved(problem, mesher)
     if mesher == "quads":
         layered = graded(problem.merged.ring_edges, **defaults.quad_sizes(problem))
         return ChosenMesh(layered.mesh, mesher, lambda: layered.coarser().mesh)
-    field = defaults.triangle_sizes(problem)
-    make = triangles.mesh if mesher == "gmsh" else bisection.mesh
+    field, make = defaults.triangle_sizes(problem), _triangulation(mesher)
     return ChosenMesh(make(field), mesher, lambda: make(field.coarser()))
+
+
+def _triangulation(mesher: str) -> "Callable[[SizeField], Mesh]":
+    from ...meshes import bisection, triangles
+
+    return triangles.mesh if mesher == "gmsh" else bisection.mesh
+
+
+def _halved(problem: Problem, mesher: str) -> ChosenMesh:
+    """Return a mesh for elements of a low degree: halved, and held against one halved once less.
+
+    There is no lower degree to hold them against, and other sizes at ring edges and rim would show
+    nothing of the large elements, which err most.
+    """
+    from ...meshes.half_space import halved
+    from ...meshes.quads import graded
+
+    edges, count = problem.merged.ring_edges, LOW_DEGREE_HALVINGS
+    if mesher == "quads":
+        base = graded(edges, **low_degree_quad_sizes(problem)).mesh
+    else:
+        base = _triangulation(mesher)(defaults.triangle_sizes(problem))
+    return ChosenMesh(
+        halved(base, edges, count),
+        mesher,
+        lambda: halved(base, edges, count - 1),
+        halved=True,
+    )
 
 
 def half_space_on(problem: Problem, chosen: ChosenMesh) -> "HalfSpace":
@@ -115,11 +160,13 @@ class Fem(ComplianceMethod):
         Besides what every `ComplianceMethod` refuses, rings narrower than `NARROWEST` cannot be
         meshed, and only the mesh of a flat punch can be sized by the user.
         """
-        if not problem.full_contact and problem.fem.model_fields_set - {"mesher"}:
+        if not problem.full_contact and problem.fem.model_fields_set - {"mesher", "degree"}:
             return (
                 "accuracy.fem sizes the mesh of a flat punch: with an initial profile leave out "
-                "all but the mesher, which is that of the steady state"
+                "all but the mesher, which is that of the steady state, and the degree"
             )
+        if refused := _refused_degree(problem):
+            return refused
         narrowest = float(problem.merged.widths.min())
         if narrowest < NARROWEST:
             return (
@@ -172,6 +219,23 @@ class Fem(ComplianceMethod):
         return (_layered if problem.full_contact else _on_cells)(problem, stages)
 
 
+def _refused_degree(problem: Problem) -> str:
+    """Return why a degree that is given does not go with a problem, with the remedy."""
+    degree = problem.fem.degree
+    if degree == 1 and problem.poisson_ratio > LOCKING:
+        return (
+            f"accuracy.fem.degree = 1 locks for Poisson's ratios above {LOCKING:g}, and no error "
+            "estimate shows it: give degree = 2 or more, or leave it out"
+        )
+    on_triangles = problem.fem.mesher != "quads" and (degree or 1) in DEGREES["bisection"]
+    if degree and not problem.full_contact and not on_triangles:
+        return (
+            "accuracy.fem.degree: contact that opens and spreads is solved on triangles: with an "
+            "initial profile give degree = 1 to 4 without mesher = 'quads', or leave it out"
+        )
+    return ""
+
+
 def _layered(problem: Problem, stages: Stages) -> Discretised:
     """Return the half-space of a flat punch, small elements at ring edges and rim."""
     from ...meshes.half_space import truncation
@@ -205,9 +269,7 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
         replace(half_space, poles=()) if fixed else half_space,
         chosen.notes,
         # on triangles, whose degree is low, meshes of two sizes may miss the same
-        safety=error_factor(
-            "flat punch" if chosen.mesher == "quads" else "flat punch on triangles"
-        ),
+        safety=error_factor(_kind_of_difference(chosen)),
         smallest=_smallest(problem, chosen),
         # fields follow the accuracy neither on triangles, whose degree is low, nor beyond the
         # highest degree of quadrilaterals, where more layers bring roundoff
@@ -215,14 +277,22 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
     )
 
 
+def _kind_of_difference(chosen: ChosenMesh) -> str:
+    """Return the name of the factor on the difference to the coarser half-space."""
+    if chosen.halved:
+        return "flat punch on halved elements"
+    return "flat punch" if chosen.mesher == "quads" else "flat punch on triangles"
+
+
 def _smallest(problem: Problem, chosen: ChosenMesh) -> float:
     """Return the least size of elements beside a ring edge that a mesher is asked for.
 
-    Triangles, whose degree is low, are as small as they are, because smaller ones would not help.
+    Triangles and elements that are halved, whose degree is low, are as small as they are, because
+    smaller ones would not help.
     """
     from ...meshes.half_space import contact_radii
 
-    if chosen.mesher == "quads":
+    if chosen.mesher == "quads" and not chosen.halved:
         return defaults.fem_smallest(problem)
     return float(np.diff(contact_radii(chosen.mesh)).min())
 
@@ -231,10 +301,11 @@ def _on_cells(problem: Problem, stages: Stages) -> Discretised:
     """Return the half-space of a punch whose contact edges move, triangles on cells of its face."""
     from ...fem.contact_meshes import COARSER_GROWTH, even_half_space, fitted_half_space
 
-    ratio = problem.poisson_ratio
+    ratio, degree = problem.poisson_ratio, problem.fem.degree or DEGREE_ON_CELLS
+    halvings = LINEAR_HALVINGS if degree == 1 else (0, 0)
     cells, coarser = contact_cells(problem)
     with stages("condensing"):
-        half_space = even_half_space(cells, ratio)
+        half_space = even_half_space(cells, ratio, degree=degree, halvings=halvings[0])
         compliance = half_space.compliance()
 
     def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> "Compliance":
@@ -242,10 +313,13 @@ def _on_cells(problem: Problem, stages: Stages) -> Discretised:
 
     return Discretised(
         compliance,
-        lambda: even_half_space(coarser, ratio, COARSER_GROWTH).compliance(),
+        lambda: even_half_space(coarser, ratio, COARSER_GROWTH, degree, halvings[1]).compliance(),
         half_space.unknowns,
         half_space=half_space,
-        fitted=(partial(fitted, degree=8), partial(fitted, degree=7)),
+        # elements of a degree that is asked for have the start, too, not others of a high degree
+        fitted=None
+        if problem.fem.degree
+        else (partial(fitted, degree=8), partial(fitted, degree=7)),
     )
 
 
@@ -256,12 +330,18 @@ def _coarser_half_space(problem: Problem, chosen: ChosenMesh, whole: "HalfSpace"
     """
     from ...fem.half_space import HalfSpace, pressure_space
 
-    # with a degree of less than two no multipliers are stable
-    solid = replace(whole.solid, degree=max(whole.solid.degree - 1, 2), mesh=chosen.coarser())
+    solid = replace(
+        whole.solid, degree=_coarser_degree(whole.solid.degree, chosen), mesh=chosen.coarser()
+    )
     poles = whole.poles if problem.fem.far_field == "fixed" else whole.poles[:-1]
     return HalfSpace(
         solid, pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow), poles
     )
+
+
+def _coarser_degree(degree: int, chosen: ChosenMesh) -> int:
+    """Return the degree of the coarser half-space: one less, or the same if halved."""
+    return degree if chosen.halved else max(degree - 1, 2)
 
 
 METHOD = Fem()

@@ -29,7 +29,9 @@ def check_quantities(names: list[str]) -> list[str]:
 Size = Annotated[float, Field(ge=1e-12, le=0.5)]
 # degrees of the displacement that each mesher's elements can have; on triangles alone the highest
 # is the default
-DEGREES = {"quads": range(4, 17), "gmsh": range(2, 5), "bisection": range(2, 5)}
+DEGREES = {"quads": range(1, 17), "gmsh": range(1, 5), "bisection": range(1, 5)}
+# least degree of quadrilaterals in layers that shrink fourfold; lower degrees want gentler layers
+LAYERED = 4
 # counts of the slowest relaxation time that ``times = "running-in"`` stands for
 RUNNING_IN = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0]
 
@@ -187,12 +189,12 @@ class FemAccuracy(Sizes):
     """The table `accuracy.fem` of the scene: mesh and far field of the finite elements."""
 
     mesher: Literal["quads", "gmsh", "bisection"] | None = optional(
-        "quads (quadrilaterals), gmsh or bisection (triangles of degree 2 to 4)"
+        "quads (quadrilaterals), gmsh or bisection (triangles of degree 1 to 4)"
     )
     far_field: Literal["boussinesq", "fixed"] = "boussinesq"
     poles: int | None = optional("Boussinesq poles tied to the outer boundary, 1 to 8", ge=1, le=8)
     truncation: float | None = optional("radius of the half-space in a, 2 to 1e6", ge=2, le=1e6)
-    degree: int | None = optional("2 to 4 on triangles, 4 to 16 on quadrilaterals", ge=2, le=16)
+    degree: int | None = optional("1 to 4 on triangles, 1 to 16 on quadrilaterals", ge=1, le=16)
     growth: float | None = optional("growth of the size with distance, 0.05 to 2", ge=0.05, le=2)
 
     @model_validator(mode="after")
@@ -200,7 +202,7 @@ class FemAccuracy(Sizes):
         if self.degree is not None and self.degree not in DEGREES[self.meshed_by]:
             degrees = DEGREES[self.meshed_by]
             raise ValueError(
-                f"degree = {self.degree} does not go with mesher = '{self.mesher}': give "
+                f"degree = {self.degree} does not go with mesher = '{self.meshed_by}': give "
                 f"{degrees[0]} to {degrees[-1]}"
             )
         return self
@@ -208,7 +210,7 @@ class FemAccuracy(Sizes):
     @property
     def meshed_by(self) -> str:
         """The mesher: that of the scene, or the one that goes with its degree."""
-        quads = self.degree is None or self.degree in DEGREES["quads"]
+        quads = self.degree is None or self.degree >= LAYERED
         return self.mesher or ("quads" if quads else "gmsh")
 
 

@@ -17,7 +17,7 @@ from ...meshes.radial import Array
 from ...meshes.sizes import EdgeAmplitude, SizeField
 from ..problem.problem import Problem
 from ..problem.quantities import FINEST
-from ..problem.sections import DEGREES
+from ..problem.sections import DEGREES, LAYERED
 from .degrees import degree_of_modes, pressure_degree, with_affordable_field_tolerance
 from .ring_edges import (
     FACTOR,
@@ -219,7 +219,7 @@ def quad_degree(problem: Problem) -> int:
         + ABOVE_PRESSURE
         + max(0.0, -DEGREES_TO_SPARE - digits_lost)
     )
-    degree = int(np.clip(np.ceil(wanted), DEGREES["quads"][0], DEGREES["quads"][-1]))
+    degree = int(np.clip(np.ceil(wanted), LAYERED, DEGREES["quads"][-1]))
     return problem.fem.degree or degree
 
 

@@ -74,6 +74,12 @@ STUDIES: dict[str, ListedStudy] = {
         15,
         takes=("meshes", "degree"),
     ),
+    "elements": ListedStudy(
+        "elements.study",
+        "which pair of displacement and pressure is stable, by scikit-fem's elements or your own",
+        7,
+        takes=("elements",),
+    ),
     "extremes": ListedStudy(
         "numerics.extremes",
         "a map of the limits: every method at extreme parameters against closed forms",

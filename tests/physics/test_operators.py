@@ -1,9 +1,11 @@
 """The methods as operators: certified for every pressure at once, and faults that show at once."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import WITHOUT_GMSH
 from wear_reference import random_scenes, true_errors
 
 from ringwear import Scene, run
@@ -89,3 +91,23 @@ def test_three_operators_in_one_run():
     # long waves are resolved best
     by_wave = pairs["fem", "mdr"].differences
     assert by_wave[:5].max() < 1e-5 < by_wave[len(by_wave) // 2 :].min()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mesher", ["quads", "bisection"])
+def test_refusing_singular_pairs_costs_less_than_two_per_cent_of_a_run(mesher):
+    if WITHOUT_GMSH and mesher == "quads":
+        pytest.skip(WITHOUT_GMSH)
+    scene = FIVE.changed(accuracy__fem__mesher=mesher)
+    half_space = run(scene, methods=["fem"]).solutions["fem"].half_space
+    _ = half_space.coupling  # which condensing needs anyway
+
+    def seconds(call):
+        start = time.process_time()
+        call()
+        return time.process_time() - start
+
+    of_runs = [seconds(lambda: run(scene, methods=["fem"])) for _ in range(3)]
+    # twice in a run, for the coarser half-space, too
+    of_checks = [2 * seconds(half_space.stability) for _ in range(9)]
+    assert np.median(of_checks) <= 0.02 * np.median(of_runs)

@@ -1,0 +1,1 @@
+"""Which pair of displacement and pressure spaces is stable."""

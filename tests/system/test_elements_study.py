@@ -1,0 +1,216 @@
+"""Which pair of spaces is stable: eigenvalues, errors, elements of one's own, and refusals."""
+
+from __future__ import annotations
+
+import csv
+import re
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+from skfem import ElementDG, ElementQuadP, ElementTriP1, ElementTriP1B, ElementTriP2
+
+from ringwear import Scene, study
+from ringwear.mdr import energy
+from ringwear.meshes.compliance import Compliance
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.cli import main
+from ringwear.studies.elements.measures import TIMES, condense, exact_wear, measure
+from ringwear.studies.elements.pairs import Meshes, Pressures, basis, of_name
+from ringwear.studies.wear.full_contact import RunningIn
+
+RINGS = Scene.load("five_rings").problem.merged
+
+
+@pytest.fixture(scope="module")
+def found():
+    return study("elements", "five_rings", quick=True, elements=[ElementTriP2()])
+
+
+def levels_of(found, pressure, degree, displacement="ElementTriP2"):
+    """The levels of one pair, coarse to fine."""
+    table = found.table[~found.table.family.str.startswith("locking")]
+    of_pair = (table.displacement == displacement) & (table.pressure == pressure)
+    rows = table[of_pair & (table["pressure degree"] == degree)]
+    assert len(rows) == 3
+    return rows
+
+
+STABLE = [
+    ("continuous", 1),
+    ("continuous", 2),
+    ("broken at ring edges", 1),
+    ("broken everywhere", 0),
+    ("wear rate continuous", 1),
+    ("as in ringwear run", 1),
+]
+
+
+@pytest.mark.parametrize(("pressure", "degree"), STABLE)
+def test_eigenvalues_of_stable_pairs_stay_bounded(found, pressure, degree):
+    rows = levels_of(found, pressure, degree)
+    eigenvalues = rows["least eigenvalue"]
+    assert 0.1 < eigenvalues.min() <= eigenvalues.max() < 1.3 * eigenvalues.min()
+    # the flat start F / (2 a E*), in closed form, and its pressure converge
+    assert rows["d0"].abs().max() <= 0.01
+    assert rows["d0"].abs().iloc[-1] <= 1e-3
+    assert (np.diff(rows["p at the start"]) < 0).all()
+
+
+def test_checkerboards_lose_the_pressure_but_not_the_indentation(found):
+    rows = levels_of(found, "broken everywhere", 1)
+    orders = -np.diff(np.log2(rows["least eigenvalue"]))
+    np.testing.assert_allclose(orders, 2.0, atol=0.25)
+    assert rows["d0"].abs().iloc[-1] <= 1e-3
+    assert rows["p at the start"].min() > 3
+    assert (np.diff(rows["p at the start"]) > 0).all()
+    # and wear hides it
+    assert rows["d(t)"].iloc[-1] <= 1e-3
+    assert rows["p(t)"].iloc[-1] <= 0.03
+
+
+@pytest.mark.parametrize("pressure", ["broken at ring edges", "broken everywhere"])
+def test_singular_pairs_have_no_errors_but_a_remark(found, pressure):
+    rows = levels_of(found, pressure, 2)
+    assert (rows["least eigenvalue"] < 1e-20).all()
+    assert rows["d0"].isna().all()
+    assert rows["remark"].str.startswith("singular: refused").all()
+
+
+def test_the_table_to_choose_from(found):
+    choice = found.tables["choice"].set_index(["pressure", "pressure degree"])
+    assert {key for key, row in choice.iterrows() if row["stable"] == "yes"} == set(STABLE)
+    assert choice.loc[("broken everywhere", 1), "stable"] == "no"
+    assert choice.loc[("broken everywhere", 2), "suits"] == "nothing: it is refused"
+    assert choice.loc[("continuous", 1), "suits"] == "the start, and punches of one material"
+    assert choice.loc[("as in ringwear run", 1), "suits"] == "the start and wear"
+    assert any(line.startswith("6 of 9 pairs are stable") for line in found.conclusions)
+    assert set(found.figures) == {"elements"}
+
+
+def test_quadratic_triangles_lock(found):
+    locking = found.table[found.table.family == "locking, ElementTriP2"]
+    errors = locking["d0"].abs().to_numpy()
+    assert errors[-1] > 10 * errors[0]
+    assert any("so that they lock: ElementTriP2" in line for line in found.conclusions)
+
+
+def test_what_is_measured_is_that_of_the_compliance_and_of_a_run():
+    """By an eigensolver of the whole energies, and by the wear of runs, on the same pressures."""
+    displacement, pressures = of_name("P3"), Pressures("wear rate continuous", 2)
+    mesh = Meshes(RINGS).halved(0, on_quadrilaterals=False)
+    condensed = condense(mesh, displacement, RINGS, 0.3)
+    of_pressures = basis(condensed.space, pressures, RINGS, condensed.half_space.solid)
+    row = measure(condensed, of_pressures, RINGS, exact_wear(RINGS))
+    jumping = Pressures("broken at ring edges", 2)
+    embedding = basis(condensed.space, jumping, RINGS, condensed.half_space.solid)
+    degrees, edges = np.full(len(condensed.space.degrees), 2), RINGS.ring_edges
+    space = type(condensed.space)(condensed.space.breakpoints, degrees, edges)
+    compliance = Compliance(space, (embedding.T @ condensed.by_elements.T).T)
+    joined = space.joined(RINGS.wear_coefficients).toarray()
+    energies = [joined.T @ each.matrix @ joined for each in (compliance, energy.compliance(space))]
+    least = eigh(*energies, eigvals_only=True)[0]
+    assert row["least eigenvalue"] == pytest.approx(least, rel=1e-6)
+    worn = RunningIn(compliance, RINGS.wear_coefficients).modal(TIMES)
+    error = np.abs(worn.indentation / exact_wear(RINGS).indentation - 1).max()
+    assert row["d(t)"] == pytest.approx(error, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("elements", "message"),
+    [
+        ([ElementDG(ElementTriP2())], "ElementDG cannot carry.*use ElementTriP1 to"),
+        ([ElementTriP1(), ElementTriP1()], "given twice"),
+    ],
+)
+def test_elements_that_do_not_fit_are_refused(elements, message):
+    with pytest.raises(SceneError, match=message):
+        study("elements", "five_rings", quick=True, elements=elements)
+
+
+@pytest.mark.parametrize(
+    ("scene", "message"),
+    [("washer", "leave out punch.inner_radius"), ("many_rings", "give fewer punch.rings")],
+)
+def test_other_punches_are_refused(scene, message):
+    with pytest.raises(SceneError, match=re.escape(message)):
+        study("elements", scene, quick=True, elements=[ElementTriP1()])
+
+
+@pytest.mark.gmsh
+def test_elements_of_one_kind_are_told_by_their_degree():
+    elements = [ElementQuadP(2), ElementQuadP(3), ElementTriP1B()]
+    found = study("elements", "flat_punch", quick=True, elements=elements)
+    names = {"ElementQuadP of degree 2", "ElementQuadP of degree 3", "ElementTriP1B"}
+    assert set(found.table["displacement"]) == names
+    # a flat punch of one ring has no edges at which pressures could break
+    assert set(found.table["pressure"]) == {"continuous", "broken everywhere", "as in ringwear run"}
+    assert set(found.tables["choice"]["stable"]) == {"yes", "no", "singular"}
+    # bubbles inside do not change what the contact sees
+    assert (levels_of(found, "continuous", 1, "ElementTriP1B")["least eigenvalue"] > 0.1).all()
+
+
+OWN = """
+from skfem import ElementTriP1
+
+
+class Mine(ElementTriP1):
+    pass
+
+
+broken = 3
+"""
+
+
+def command(tmp_path, *elements):
+    flags = [part for element in elements for part in ("--element", element)]
+    out = ["--out", str(tmp_path / "out")]
+    return main(["study", "elements", "five_rings", "--quick", *flags, *out])
+
+
+def test_elements_from_the_command_line(tmp_path):
+    """Scikit-fem's by name, and one of a file; they are the same element."""
+    (tmp_path / "own.py").write_text(OWN)
+    assert command(tmp_path, "ElementTriP1", f"{tmp_path}/own.py:Mine") == 0
+    names = {"elements.csv", "choice.csv", "choice.md", "choice.tex", "elements.png"}
+    assert names <= {file.name for file in (tmp_path / "out").iterdir()}
+    with open(tmp_path / "out" / "choice.csv", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    values = [
+        [row["least eigenvalue"] for row in rows if row["displacement"] == name]
+        for name in ("ElementTriP1", "Mine")
+    ]
+    assert values[0] == values[1]
+    assert len(values[0]) == 6
+
+
+@pytest.mark.parametrize(
+    ("element", "message"),
+    [
+        ("ElementTriCR", "ElementTriCR cannot carry the displacement: it is not continuous"),
+        ("ElementTriP9", "is no element"),
+        ("{}/own.py:broken", "is no element"),
+        ("{}/own.py:Missing", "has no Missing"),
+    ],
+)
+def test_the_command_line_refuses_elements_in_one_line(tmp_path, capsys, element, message):
+    (tmp_path / "own.py").write_text(OWN)
+    assert command(tmp_path, element.format(tmp_path)) == 2
+    (line,) = [
+        line for line in capsys.readouterr().err.splitlines() if line.startswith("ringwear: ")
+    ]
+    assert message in line
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.gmsh
+def test_every_displacement_has_a_stable_pressure():
+    """What runs take is stable beneath each; counts of checkerboards are those of theory."""
+    found = study("elements", "five_rings", quick=True)
+    choice = found.tables["choice"]
+    assert (choice[choice.pressure == "as in ringwear run"]["stable"] == "yes").all()
+    by_degree = choice[choice.pressure == "broken everywhere"]
+    for row in by_degree.to_dict("records"):
+        less = row["degree"] - row["pressure degree"]
+        assert row["stable"] == {0: "singular", 1: "no"}.get(less, "yes"), row

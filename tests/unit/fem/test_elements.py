@@ -1,0 +1,106 @@
+"""Elements of scikit-fem and of one's own: which work, and which are refused in one line."""
+
+import numpy as np
+import pytest
+import skfem
+from conftest import WITHOUT_GMSH
+
+from ringwear.fem.elasticity import AxisymmetricElasticity
+from ringwear.fem.elements import degree_along_side, is_on_quadrilaterals
+from ringwear.fem.far_field import enough_poles
+from ringwear.fem.half_space import HalfSpace, pressure_space
+from ringwear.meshes import bisection, quads
+from ringwear.meshes.errors import SceneError
+from ringwear.meshes.half_space import as_half_space
+from ringwear.meshes.sizes import SizeField
+from ringwear.studies.wear.flat_contact import press_flat
+
+FLAT = np.array([0.0, 1.0])
+TRIANGLES = bisection.mesh(SizeField((0.0, 1.0), 0.01, 0.05, 0.6, 5.0))
+
+
+def mesh_for(element):
+    """Triangles by bisection, or quadrilaterals by gmsh, whichever the element is of."""
+    if not is_on_quadrilaterals(element):
+        return TRIANGLES
+    if WITHOUT_GMSH:
+        pytest.skip(WITHOUT_GMSH)
+    mesh = quads.graded(FLAT, 0.05, 0.01, 0.4, 1.0, 2.5).mesh
+    # without subdomains, in which the degree may be lower
+    return as_half_space(skfem.MeshQuad(mesh.p, mesh.t), FLAT)
+
+
+class Quadratic(skfem.ElementTriP2):
+    """One of a user's own."""
+
+
+class Discontinuous(skfem.ElementTriP2):
+    """One whose functions on a side are no polynomials of degree 2."""
+
+    def lbasis(self, X, i):
+        """Return a function of the triangle and its gradient."""
+        value, gradient = super().lbasis(X, i)
+        return (value + 0.1, gradient) if i == 0 else (value, gradient)
+
+
+@pytest.mark.parametrize(
+    ("element", "degree"),
+    [
+        (skfem.ElementTriP1(), 1),
+        (skfem.ElementTriP1B(), 1),
+        (skfem.ElementTriMini(), 1),
+        (skfem.ElementTriP2(), 2),
+        (skfem.ElementTriP2B(), 2),
+        (skfem.ElementTriCCR(), 2),
+        (Quadratic(), 2),
+        (skfem.ElementTriP4(), 4),
+        (skfem.ElementQuad1(), 1),
+        (skfem.ElementQuad2(), 2),
+        (skfem.ElementQuadS2(), 2),
+        (skfem.ElementQuadP(3), 3),
+    ],
+    ids=lambda value: type(value).__name__ if isinstance(value, skfem.Element) else str(value),
+)
+def test_flat_punch_by_elements(element, degree):
+    """The indentation is F / (2 a E*) = 1/2; about ten facets err by h^2 if they are linear."""
+    assert degree_along_side(element) == degree
+    mesh = mesh_for(element)
+    solid = AxisymmetricElasticity(mesh, degree, 0.3, own_element=element)
+    poles = enough_poles(float(mesh.p[0].max()), 1e-9)
+    half_space = HalfSpace(solid, pressure_space(solid, FLAT), poles)
+    error = press_flat(half_space.compliance()).indentation / 0.5 - 1
+    assert abs(error) <= (0.1 if degree == 1 else 0.01)
+
+
+@pytest.mark.parametrize(
+    ("element", "reason"),
+    [
+        (skfem.ElementTriCR(), "not continuous"),
+        (skfem.ElementTriP0(), "not continuous"),
+        (skfem.ElementDG(skfem.ElementTriP2()), "ElementH1"),
+        (skfem.ElementTriHermite(), "ElementH1"),
+        (skfem.ElementTriMorley(), "ElementH1"),
+        (skfem.ElementTriP1G(), "ElementH1"),
+        (skfem.ElementTriRT0(), "ElementH1"),
+        (skfem.ElementQuadBFS(), "ElementH1"),
+        (skfem.ElementTetP1(), "neither on triangles"),
+        (skfem.ElementVector(skfem.ElementTriP2()), "is a vector"),
+        (Discontinuous(), "not the polynomials of degree 2"),
+    ],
+    ids=lambda value: type(value).__name__ if isinstance(value, skfem.Element) else "",
+)
+def test_other_elements_are_refused_in_one_line(element, reason):
+    with pytest.raises(SceneError, match=reason) as told:
+        degree_along_side(element)
+    assert "\n" not in str(told.value)
+    assert "use Element" in str(told.value)
+    assert type(element).__name__ in str(told.value)
+
+
+def test_an_element_has_to_fit_mesh_and_degree():
+    with pytest.raises(SceneError, match="use ElementTriP1 to"):
+        AxisymmetricElasticity(TRIANGLES, 2, 0.3, own_element=skfem.ElementQuad2())
+    with pytest.raises(SceneError, match="give degree = 2"):
+        AxisymmetricElasticity(TRIANGLES, 3, 0.3, own_element=skfem.ElementTriP2())
+    with pytest.raises(SceneError, match="1 to 4 on triangles"):
+        _ = AxisymmetricElasticity(TRIANGLES, 5, 0.3).dofs
