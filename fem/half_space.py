@@ -51,7 +51,7 @@ def pressure_space(
     else:
         # the highest that is stable, reached within a few facets of a ring edge or the rim, where a
         # low one is as accurate
-        highest, lowest = solid.degree - 1, max(1, solid.degree - 2)
+        highest, lowest = max(solid.degree - 1, 1), max(1, solid.degree - 2)
         degrees = layer_degrees(breakpoints, ring_edges, highest, rise=0.5, lowest=lowest)
     if hollow:
         degrees = np.where(breakpoints[1:] <= ring_edges[1], 0, degrees)

@@ -55,10 +55,11 @@ STUDIES: dict[str, ListedStudy] = {
         30,
     ),
     "convergence": ListedStudy(
-        "numerics.convergence",
-        "orders of convergence in element size and degree, graded and uniform",
-        10,
-        of_shaped_punches=True,
+        "convergence.study",
+        "orders of convergence of every quantity, in element size and degree, beside theory",
+        20,
+        takes=("quantities", "methods", "meshes", "degree", "elements", "steps", "against"),
+        of_any_punch=True,
     ),
     "truncation": ListedStudy(
         "numerics.truncation",
