@@ -19,7 +19,7 @@ from ...meshes.radial import Array
 
 DEPTHS = np.array([0.3, 0.7, 1.3, 2.1])
 """Depths on the axis, in punch radii, that stresses are taken at; none is a vertex by design."""
-MOST_UNKNOWNS, QUICK_MOST_UNKNOWNS = 60_000, 15_000
+MOST_UNKNOWNS, QUICK_MOST_UNKNOWNS = 60_000, 20_000
 """Unknowns up to which stresses inside are recovered, which takes a second factorisation."""
 
 

@@ -1,9 +1,9 @@
 """Ways to refine the cells of a face on which contact opens, closes and spreads.
 
 MDR, boundary elements, and finite elements of degree 1 to 4 on triangles and of degree 1 and 2 on
-quadrilaterals, all with pressures that are linear on ever smaller cells; with displacements of degree
-1 they are linear on pairs of facets, which is stable. Left out are higher degrees of the pressure:
-their sign is asked for at nodes, and an edge within an element spoils them.
+quadrilaterals, all with pressures that are linear on ever smaller cells; with displacements of
+degree 1 they are linear on pairs of facets, which is stable. Left out are higher degrees of the
+pressure: their sign is asked for at nodes, and an edge within an element spoils them.
 """
 
 from collections.abc import Hashable, Iterator

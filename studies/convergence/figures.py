@@ -71,7 +71,7 @@ class Panel:
 
 def draw(title: str, panels: Listed[Panel]) -> Figure:
     """Draw errors in panels, logarithmic, with one legend for all of them."""
-    columns = max(1, min(MOST_COLUMNS, len(panels)))
+    columns = max(1, min(3 if len(panels) in (5, 6, 9) else MOST_COLUMNS, len(panels)))
     rows = max(1, -(-len(panels) // columns))
     figure, grid = new_panels(max(2.9 * columns, 5.0), 2.5 * rows + 1.3, rows, columns)
     labels = list(dict.fromkeys(curve.label for panel in panels for curve in panel.curves))
@@ -110,9 +110,12 @@ def _draw_panel(axes: "Axes", panel: Panel, labels: list[str]) -> None:
     axes.set_title(panel.title, fontsize=8)
     if panel.curves:
         axes.set_xlabel(panel.curves[0].xlabel, fontsize=7)
-    low, high = axes.get_xlim()
-    ticks = LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,), numticks=6)
-    axes.xaxis.set(major_locator=ticks, minor_formatter=NullFormatter())
+    for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+        narrow = high < 30 * low
+        ticks = LogLocator(subs=(1, 2, 5) if narrow else (1,), numticks=6)
+        axis.set(major_locator=ticks, minor_formatter=NullFormatter())
+        if narrow:
+            axis.set_major_formatter("{x:.3g}")
     axes.tick_params(labelsize=6)
     axes.grid(True, which="major", color="0.88", linewidth=0.6)
 

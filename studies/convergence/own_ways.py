@@ -35,6 +35,8 @@ OWN_MESHES, STEPS = "your meshes", "steps in time"
 """Groups of ways, each drawn in a figure of its own."""
 MESH_LABEL = r"1 / $\sqrt{\mathrm{number\ of\ elements}}$"
 STEP_LABEL = "step in time, in the unit of the scene"
+SHORT_STEP = 0.25
+"""Part of the first of the times up to which the error there is in proportion to the step."""
 QUAD_DEGREE, TRIANGLE_DEGREE = 2, 2
 """Degrees on meshes of the user's, where none is asked for."""
 
@@ -137,7 +139,7 @@ def way_of_steps(problem: Problem, steps: Sequence[float]) -> Way:
         )
     sharp = replace(problem, rtol=min(problem.rtol, 1e-5))
 
-    def discretise(setting: Hashable, stages: Stages) -> Discretised:
+    def discretise(_: Hashable, stages: Stages) -> Discretised:
         with stages("condensing"):
             compliance = MDR.discretise(sharp, stages).compliance
         return Discretised(compliance, lambda: compliance)
@@ -145,7 +147,8 @@ def way_of_steps(problem: Problem, steps: Sequence[float]) -> Way:
     def problem_at(setting: Hashable) -> Problem:
         return replace(problem, march="implicit", step=float(setting) / problem.units.time)
 
-    theory = partial(theories.of_steps, problem.full_contact)
+    short = max(steps) / problem.units.time <= SHORT_STEP * problem.earliest
+    theory = partial(theories.of_steps, problem.full_contact, short)
     sizes: dict[Hashable, float] = {step: step for step in steps}
     name = "MDR, implicit march"
     return Way(

@@ -36,6 +36,7 @@ from ..wear.fitted_press import fit_presses
 from ..wear.flat_contact import FittedPress, press_flat
 from .axis_stresses import MOST_UNKNOWNS, by_boussinesq, by_elements
 from .measures import FLAT_INDENTATION, FLAT_PRESSURE, STRESSES, Measure, error, measures_of
+from .theories import OWN_QUANTITY
 
 STAGES = {
     "meshing": "mesh s",
@@ -166,7 +167,8 @@ class Studied:
             return self._solve(way, setting)
 
         names = [measure.name for measure in self.measures if self._has(way, measure)]
-        theory = {name: way.theory(name) for name in [*names, *self.quantities]}
+        theory = {name: way.theory(name) for name in names}
+        theory |= dict.fromkeys(self.quantities, Theory(reason=OWN_QUANTITY))
         return Family(way.name, way.sizes, solve, theory, way.xlabel, way.work)
 
     def _has(self, way: Way, measure: Measure) -> bool:

@@ -49,7 +49,7 @@ SLOW_UNKNOWNS, SLOW_PRESSURES = 1.1e-5, 1.5e-10
 
 UNIFORM_LEVELS = {1: (2, 3, 4, 5), 2: (1, 2, 3, 4), 3: (1, 2, 3, 4), 4: (0, 1, 2, 3)}
 """Halvings of uniform triangles by degree, of which the last is left out of the quick version."""
-GRADED_LEVELS = {1: (2, 4, 6, 8), 2: (2, 3, 4, 5), 3: (1, 2, 3, 4), 4: (1, 2, 3, 4)}
+GRADED_LEVELS = {1: (2, 4, 6, 8), 2: (2, 3, 4, 5), 3: (1, 2, 3, 4), 4: (1, 2, 3)}
 """Parts of each side of graded triangles by degree, of which the last is left out then, too."""
 QUAD_UNIFORM_LEVELS = {1: (1, 2, 3, 4), 2: (0, 1, 2, 3)}
 QUAD_GRADED_LEVELS = {1: (1, 2, 3, 4), 2: (1, 2, 3)}
@@ -203,6 +203,8 @@ def graded_way(
         return seconds_of_elements(elements * setting**2, degree, quads)
 
     def theory(measure: str) -> Theory:
+        if element is not None:
+            return Theory(reason=theories.OWN_ELEMENT)
         return theories.of_graded_elements(measure, degree, FLOOR_OF_ELEMENTS)
 
     label = f"FEM {name or ('Q' if quads else 'P') + str(degree)}"

@@ -209,9 +209,10 @@ def conclude(sequences: list[Sequence], problem: Problem) -> list[str]:
     for quantity in dict.fromkeys(sequence.quantity for sequence in sequences):
         of_it = [each for each in sequences if each.quantity == quantity]
         best = min(of_it, key=lambda each: each.errors[-1])
+        greatest = max(each.errors[-1] for each in of_it)
+        others = f"; of the others, none errs by more than {greatest:.1e}" * (len(of_it) > 1)
         told.append(
-            f"{quantity}: the finest levels err by {best.errors[-1]:.1e} ({best.name}) to "
-            f"{max(each.errors[-1] for each in of_it):.1e}."
+            f"{quantity}: the finest level of {best.name} errs by {best.errors[-1]:.1e}{others}."
         )
     return told
 

@@ -67,7 +67,10 @@ MOVING_EDGES = (
     "scatter from level to level."
 )
 OWN_MESH = "No order is expected: how your meshes are graded is not known."
+OWN_ELEMENT = "No order is expected: which polynomials your element holds is not known."
 OWN_QUANTITY = "No order is expected of a quantity of your own."
+NO_TIME = "No order is expected: it does not depend on time."
+LONG_STEPS = "No order is expected: some steps are longer than a quarter of the first of the times."
 STEP_WITH_CONTACT = (
     "No theory is known to us where edges of the contact move: the rates of wear jump there."
 )
@@ -124,12 +127,21 @@ def of_graded_pressures(measure: str, degree: int, floors: dict[str, float]) -> 
     return Theory(reason=OTHER_NORM)
 
 
-def of_steps(problem_in_full_contact: bool, measure: str) -> Theory:
-    """Return what the implicit march leads to."""
-    if not problem_in_full_contact:
+def of_steps(in_full_contact: bool, short: bool, measure: str) -> Theory:
+    """Return what the implicit march leads to.
+
+    Parameters
+    ----------
+    in_full_contact : whether contact never changes
+    short : whether all steps are shorter than the first of the times
+    measure : by its name
+    """
+    if not in_full_contact:
         return Theory(reason=STEP_WITH_CONTACT)
     if measure in TIMELESS:
-        return Theory(reason="No order is expected: it has no time.")
+        return Theory(reason=NO_TIME)
+    if not short:
+        return Theory(reason=LONG_STEPS)
     return Theory(1.0, 0.0, STEP)
 
 

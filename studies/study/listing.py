@@ -67,7 +67,10 @@ STUDIES: dict[str, ListedStudy] = {
         3,
     ),
     "march": ListedStudy(
-        "numerics.march", "orders of the time marches, and where the explicit one blows up", 2
+        "numerics.march",
+        "orders of the time marches, and where the explicit one blows up",
+        2,
+        takes=("steps",),
     ),
     "refinement": ListedStudy(
         "numerics.refinement",
