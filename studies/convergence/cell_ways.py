@@ -25,7 +25,7 @@ from ..numerics.subdivision import subdivided
 from ..problem.problem import Problem
 from ..progress import Stages
 from . import theories
-from .runs import Way
+from .way import Way
 
 FINER, QUICK_FINER = (0.25, 0.5, 1.0, 2.0), (0.125, 0.25, 0.5)
 """How many times as many cells as rtol 1e-4 asks for, from coarse to fine."""

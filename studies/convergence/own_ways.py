@@ -19,7 +19,6 @@ from ..sizes.defaults import pole_orders
 from ..study.levels import Theory
 from ..study.options import Options
 from . import theories
-from .runs import Way
 from .scene_ways import (
     GRADED_LEVELS,
     QUAD_GRADED_LEVELS,
@@ -30,6 +29,7 @@ from .scene_ways import (
     seconds_of_elements,
     uniform_way,
 )
+from .way import Way
 
 OWN_MESHES, STEPS = "your meshes", "steps in time"
 """Groups of ways, each drawn in a figure of its own."""

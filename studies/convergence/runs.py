@@ -6,7 +6,7 @@ half as large as the smallest, and a start that is fitted to its edges, for all 
 take its place where there are any: flat starts and the slope of the steady state.
 """
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -37,6 +37,7 @@ from ..wear.flat_contact import FittedPress, press_flat
 from .axis_stresses import MOST_UNKNOWNS, by_boussinesq, by_elements
 from .measures import FLAT_INDENTATION, FLAT_PRESSURE, STRESSES, Measure, error, measures_of
 from .theories import OWN_QUANTITY
+from .way import Way
 
 STAGES = {
     "meshing": "mesh s",
@@ -49,36 +50,6 @@ STEP_TOLERANCE_FACTOR = 0.2
 """Where contact moves: steps in time err by less than cells (a factor on their tolerance)."""
 STATES_INSIDE = 3
 """Most times at which stresses inside are compared."""
-
-
-@dataclass(frozen=True)
-class Way:
-    """One way to refine the discretisation of a scene, from coarse to fine.
-
-    Parameters
-    ----------
-    name : of its family in the table
-    label : of its curves, shared by all ways with the same elements
-    group : of ways that are drawn together
-    method : whose discretisation it is: `mdr`, `bem` or `fem`
-    sizes : settings of the levels, each with its size
-    discretise : (setting, stages) -> what is worn
-    theory : name of a measure -> what is expected of its errors
-    xlabel : what the size is called
-    work : setting -> seconds that its level is expected to take
-    problem_at : setting -> the problem that is solved; by default the same at all levels
-    """
-
-    name: str
-    label: str
-    group: str
-    method: str
-    sizes: Mapping[Hashable, float]
-    discretise: Callable[[Hashable, Stages], Discretised]
-    theory: Callable[[str], Theory]
-    xlabel: str
-    work: Callable[[Hashable], float] = lambda _: 1.0
-    problem_at: Callable[[Hashable], Problem] | None = None
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from ..sizes.defaults import FACTOR, GROWTH
 from ..study.levels import Theory
 from . import theories
 from .flat_start import QUAD_DEGREES, RING_EDGE, ellipses
-from .runs import Way
+from .way import Way
 
 RIM, RING = 1e-8, 1e-4
 """Sizes of the elements of graded base meshes at the rim and at ring edges, in punch radii."""

@@ -29,8 +29,9 @@ from .figures import LABELS, Curve, Panel, draw
 from .flat_start import flat_families
 from .measures import MeasuredLevels
 from .own_ways import own_ways
-from .runs import STAGES, Studied, Way
+from .runs import STAGES, Studied
 from .scene_ways import ways_of_scene
+from .way import Way
 
 FLAT_PUNCH = "flat punch of one ring"
 """The group of families that have no rings."""
