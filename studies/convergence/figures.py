@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, NullLocator
 
 from ...meshes.radial import Array
-from ..figures.style import LINES, complete, new_panels
+from ..figures.style import LINES, complete, new_panels, power_of_ten
 from ..study.orders import Sequence
 
 if TYPE_CHECKING:
@@ -112,10 +112,10 @@ def _draw_panel(axes: "Axes", panel: Panel, labels: list[str]) -> None:
         axes.set_xlabel(panel.curves[0].xlabel, fontsize=7)
     for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
         narrow = high < 30 * low
-        ticks = LogLocator(subs=(1, 2, 5) if narrow else (1,), numticks=6)
-        axis.set(major_locator=ticks, minor_formatter=NullFormatter())
-        if narrow:
-            axis.set_major_formatter("{x:.3g}")
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if narrow else (1,), numticks=6))
+        axis.set_major_formatter("{x:.3g}" if narrow else lambda value, _: power_of_ten(value))
+        # ticks between them take longer than all the rest of a figure
+        axis.set_minor_locator(NullLocator())
     axes.tick_params(labelsize=6)
     axes.grid(True, which="major", color="0.88", linewidth=0.6)
 
