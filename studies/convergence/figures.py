@@ -85,17 +85,21 @@ def draw(title: str, panels: Listed[Panel]) -> Figure:
     return complete(figure, [title], list(grid.flat), across=0.5, down=0.72)
 
 
+def color_of(label: str, labels: list[str]) -> str:
+    """Return the colour of the curves of a label, one of the labels of a figure."""
+    return COLORS.get(label, SPARE_COLORS[labels.index(label) % len(SPARE_COLORS)])
+
+
 def _draw_panel(axes: "Axes", panel: Panel, labels: list[str]) -> None:
-    drawn = set[float]()
+    lowest = dict[float, Curve]()
     for curve in panel.curves:
         number = labels.index(curve.label)
         errors = np.where(curve.sequence.errors > 0, curve.sequence.errors, np.nan)
-        color = COLORS.get(curve.label, SPARE_COLORS[number % len(SPARE_COLORS)])
         axes.loglog(
             curve.abscissa,
             errors,
             label=curve.label,
-            color=color,
+            color=color_of(curve.label, labels),
             marker=MARKERS[number % len(MARKERS)],
             linestyle=LINES[number % len(LINES)],
             markersize=4,
@@ -103,10 +107,13 @@ def _draw_panel(axes: "Axes", panel: Panel, labels: list[str]) -> None:
             linewidth=1.1,
         )
         order = curve.sequence.theory.order
-        # of curves of the same order one triangle is enough
-        if curve.by_size and np.isfinite(order) and len(errors) > 1 and order not in drawn:
-            drawn.add(order)
-            _draw_triangle(axes, curve, color)
+        if curve.by_size and np.isfinite(order) and len(errors) > 1:
+            # of curves of the same order one triangle is enough, below the lowest of them
+            other = lowest.setdefault(order, curve)
+            if curve.sequence.errors[0] < other.sequence.errors[0]:
+                lowest[order] = curve
+    for curve in lowest.values():
+        _draw_triangle(axes, curve, color_of(curve.label, labels))
     axes.set_title(panel.title, fontsize=8)
     if panel.curves:
         axes.set_xlabel(panel.curves[0].xlabel, fontsize=7)

@@ -177,15 +177,16 @@ def figures(scene: Scene, curves: list[Curve]) -> Iterator[tuple[str, str, list[
         panels = dict[str, list[Curve]]()
         for curve in of_group:
             quantity = curve.sequence.quantity
-            name = f"{quantity}, {how(curve)}" if group == FLAT_PUNCH else quantity
+            name = f"{how(curve)}: {quantity}" if group == FLAT_PUNCH else quantity
             panels.setdefault(name, []).append(curve)
         name = "convergence_" + group.replace(",", "").replace(" ", "_")
         yield name, f"{group}: {title}", [Panel(*item) for item in panels.items()]
 
 
 def how(curve: Curve) -> str:
-    """Return how a flat family is refined, which is the rest of its name."""
-    return curve.sequence.name.partition(", ")[2]
+    """Return the method of a flat family, and how it is refined: its name without the element."""
+    name, _, refined = curve.sequence.name.partition(", ")
+    return f"{name.split()[0]}, {refined}"
 
 
 def conclude(sequences: list[Sequence], problem: Problem) -> list[str]:

@@ -57,7 +57,7 @@ STUDIES: dict[str, ListedStudy] = {
     "convergence": ListedStudy(
         "convergence.study",
         "orders of convergence of every quantity, in element size and degree, beside theory",
-        20,
+        24,
         takes=("quantities", "methods", "meshes", "degree", "elements", "steps", "against"),
         of_any_punch=True,
     ),
