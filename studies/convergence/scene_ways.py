@@ -38,7 +38,7 @@ UNIFORM_SIZE, UNIFORM_REACH = 1.2, 5.0
 """Greatest size of elements, and truncation, of meshes of one size before they are halved."""
 POLES = (0, 2, 4)
 """Orders of the poles on all these meshes: of the energy 1e-9 is left out at 5 radii."""
-FLOOR_OF_ELEMENTS = {"d0": 3e-9, "d(t)": 3e-9, "relaxation time": 3e-9}
+FLOOR_OF_ELEMENTS = {"d0": 3e-10, "d(t)": 5e-10, "relaxation time": 5e-10}
 """Errors that graded elements do not go below: some parts of the sizes at edges."""
 RADIAL_RIM = 1e-13
 """Size of the smallest cell of graded radii, at the rim."""

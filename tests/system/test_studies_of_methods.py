@@ -9,7 +9,10 @@ import pytest
 
 from ringwear import Scene, study
 from ringwear.studies.cli import main
+from ringwear.studies.convergence.flat_start import flat_families
 from ringwear.studies.numerics.march import LIMIT
+from ringwear.studies.study.levels import Record
+from ringwear.studies.study.study_orders import study_orders
 
 Rows = list[dict[str, str]]
 
@@ -45,7 +48,9 @@ ORDERS = {
 
 
 @pytest.mark.gmsh
-@pytest.mark.parametrize("name", ORDERS)
+@pytest.mark.parametrize(
+    "name", [pytest.param("convergence", marks=pytest.mark.slow), "truncation", "march"]
+)
 def test_orders_are_those_of_theory(name, tmp_path):
     tables = conduct(name, tmp_path)
     judged = {
@@ -57,6 +62,18 @@ def test_orders_are_those_of_theory(name, tmp_path):
     assert {key: float(row["expected order"]) for key, row in judged.items()} == ORDERS[name]
     for row in tables.get("march", ()):
         assert abs(float(row[LIMIT] or 0)) <= 0.15
+
+
+@pytest.mark.gmsh
+def test_flat_starts_have_the_orders_of_theory():
+    """The families of the study that have no rings, without all the others."""
+    scene = Scene.load("five_rings")
+    families = list(flat_families(scene.problem, quick=True))
+    found = study_orders(families, Record(), "convergence", scene, "error").orders
+    assert set(found["within 0.15"]) == {"yes"}
+    orders = {(row.refined, row.quantity): row["expected order"] for _, row in found.iterrows()}
+    assert orders == ORDERS["convergence"]
+    assert found.theory.str.endswith(".").all()
 
 
 @pytest.mark.slow
