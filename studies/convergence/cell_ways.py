@@ -6,7 +6,7 @@ degree 1 they are linear on pairs of facets, which is stable. Left out are highe
 pressure: their sign is asked for at nodes, and an edge within an element spoils them.
 """
 
-from collections.abc import Hashable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -38,19 +38,21 @@ REACH, NEGLIGIBLE = 5.0, 1e-10
 
 def ways_of_cells(problem: Problem, quick: bool) -> Iterator[Way]:
     """Yield every way to refine the cells of a face, from coarse to fine."""
-    sizes: dict[Hashable, float] = {finer: 1 / finer for finer in (QUICK_FINER if quick else FINER)}
+    sizes = {finer: 1 / finer for finer in (QUICK_FINER if quick else FINER)}
 
-    def way(name: str, group: str, method: str, seconds: float, **how: int | bool) -> Way:
-        def discretise(setting: Hashable, stages: Stages) -> Discretised:
+    def way(
+        name: str, group: str, method: str, seconds: float, degree: int = 0, quads: bool = False
+    ) -> Way:
+        def discretise(setting: float, stages: Stages) -> Discretised:
             cells = first_contact(problem, setting)[1]
             with stages("condensing"):
                 if method == "fem":
-                    return elements_on(problem, cells, setting, **how)
+                    return elements_on(problem, cells, setting, degree, quads)
                 kernel = ring_kernel if method == "bem" else energy
                 compliance = kernel.compliance(cells.space())
                 return Discretised(compliance, lambda: compliance)
 
-        def work(setting: Hashable) -> float:
+        def work(setting: float) -> float:
             return seconds * (0.2 + setting**2)
 
         return Way(name, name, group, method, sizes, discretise, theories.of_cells, CELLS, work)

@@ -134,5 +134,12 @@ def _draw_triangle(axes: "Axes", curve: Curve, color: str) -> None:
     high = curve.sequence.errors[0] / 2
     low = high * (left / right) ** order
     axes.plot([left, right, right, left], [low, low, high, low], color=color, linewidth=0.6)
-    place = {"textcoords": "offset points", "xytext": (2, 0), "va": "center"}
-    axes.annotate(f"{order:.2g}", (right, np.sqrt(low * high)), fontsize=5.5, color=color, **place)
+    axes.annotate(
+        f"{order:.2g}",
+        (right, np.sqrt(low * high)),
+        textcoords="offset points",
+        xytext=(2, 0),
+        va="center",
+        fontsize=5.5,
+        color=color,
+    )

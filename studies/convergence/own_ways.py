@@ -1,6 +1,6 @@
 """Sequences of the user's own: meshes, elements, and steps in time."""
 
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -99,18 +99,16 @@ def way_of_meshes(
 ) -> Way:
     """Return meshes by their names, from coarse to fine, with elements of a degree."""
 
-    def discretise(setting: Hashable, stages: Stages) -> Discretised:
-        mesh = meshes[str(setting)]
+    def discretise(setting: str, stages: Stages) -> Discretised:
+        mesh = meshes[setting]
         poles = pole_orders(problem, truncation(mesh))
         return discretised_on(problem, lambda: mesh, degree, stages, element, poles)
 
-    def work(setting: Hashable) -> float:
-        mesh = meshes[str(setting)]
+    def work(setting: str) -> float:
+        mesh = meshes[setting]
         return seconds_of_elements(mesh.nelements, degree, isinstance(mesh, MeshQuad))
 
-    sizes: dict[Hashable, float] = {
-        name: float(mesh.nelements**-0.5) for name, mesh in meshes.items()
-    }
+    sizes = {name: float(mesh.nelements**-0.5) for name, mesh in meshes.items()}
     theory = partial(_nothing_expected, theories.OWN_MESH)
     return Way(
         f"{label}, your meshes",
@@ -139,17 +137,17 @@ def way_of_steps(problem: Problem, steps: Sequence[float]) -> Way:
         )
     sharp = replace(problem, rtol=min(problem.rtol, 1e-5))
 
-    def discretise(_: Hashable, stages: Stages) -> Discretised:
+    def discretise(_: float, stages: Stages) -> Discretised:
         with stages("condensing"):
             compliance = MDR.discretise(sharp, stages).compliance
         return Discretised(compliance, lambda: compliance)
 
-    def problem_at(setting: Hashable) -> Problem:
-        return replace(problem, march="implicit", step=float(setting) / problem.units.time)
+    def problem_at(setting: float) -> Problem:
+        return replace(problem, march="implicit", step=setting / problem.units.time)
 
     short = max(steps) / problem.units.time <= SHORT_STEP * problem.earliest
     theory = partial(theories.of_steps, problem.full_contact, short)
-    sizes: dict[Hashable, float] = {step: step for step in steps}
+    sizes = {step: step for step in steps}
     name = "MDR, implicit march"
     return Way(
         name, name, STEPS, "mdr", sizes, discretise, theory, STEP_LABEL, problem_at=problem_at

@@ -6,7 +6,7 @@ sequence of meshes. Raised degrees on quadrilaterals in layers. Pressures of MDR
 elements of each degree, on cells of one size and graded to every edge.
 """
 
-from collections.abc import Hashable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache, partial
 
 import numpy as np
@@ -30,6 +30,8 @@ from . import theories
 from .flat_start import QUAD_DEGREES, RING_EDGE, ellipses
 from .way import Way
 
+Levels = dict[int, tuple[int, ...]]
+"""Settings of the levels by degree, from coarse to fine."""
 RIM, RING = 1e-8, 1e-4
 """Sizes of the elements of graded base meshes at the rim and at ring edges, in punch radii."""
 TRIANGLE_GROWTH, QUADRILATERAL_GROWTH, GRADED_REACH = 0.7, 1.0, 20.0
@@ -47,16 +49,16 @@ FLOOR_OF_RADII = {"d0": 1e-13, "d(t)": 2e-10, "relaxation time": 2e-10, "pressur
 SLOW_UNKNOWNS, SLOW_PRESSURES = 1.1e-5, 1.5e-10
 """Seconds per unknown of finite elements, and per cube of the number of pressures."""
 
-UNIFORM_LEVELS = {1: (2, 3, 4, 5), 2: (1, 2, 3, 4), 3: (1, 2, 3, 4), 4: (0, 1, 2, 3)}
+UNIFORM_LEVELS: Levels = {1: (2, 3, 4, 5), 2: (1, 2, 3, 4), 3: (1, 2, 3, 4), 4: (0, 1, 2, 3)}
 """Halvings of uniform triangles by degree, of which the last is left out of the quick version."""
-GRADED_LEVELS = {1: (2, 4, 6, 8), 2: (2, 3, 4, 5), 3: (1, 2, 3, 4), 4: (1, 2, 3)}
+GRADED_LEVELS: Levels = {1: (2, 4, 6, 8), 2: (2, 3, 4, 5), 3: (1, 2, 3, 4), 4: (1, 2, 3)}
 """Parts of each side of graded triangles by degree, of which the last is left out then, too."""
-QUAD_UNIFORM_LEVELS = {1: (1, 2, 3, 4), 2: (0, 1, 2, 3)}
-QUAD_GRADED_LEVELS = {1: (1, 2, 3, 4), 2: (1, 2, 3)}
+QUAD_UNIFORM_LEVELS: Levels = {1: (1, 2, 3, 4), 2: (0, 1, 2, 3)}
+QUAD_GRADED_LEVELS: Levels = {1: (1, 2, 3, 4), 2: (1, 2, 3)}
 """The same of quadrilaterals, three of which are in a triangle."""
-RADIAL_COUNTS = (4, 8, 16, 32, 64)
+RADIAL_COUNTS: tuple[int, ...] = (4, 8, 16, 32, 64)
 """Cells of each ring by the radius, of one size."""
-RADIAL_GRADINGS = {
+RADIAL_GRADINGS: dict[int, tuple[float, ...]] = {
     1: (0.6, 0.7, 0.78, 0.84),
     2: (0.5, 0.6, 0.7, 0.78),
     3: (0.3, 0.4, 0.5, 0.6),
@@ -114,7 +116,7 @@ def uniform_base(edges: tuple[float, ...]) -> Mesh:
 
 def discretised_on(
     problem: Problem,
-    make: "partial[Mesh]",
+    make: Callable[[], Mesh],
     degree: int,
     stages: Stages,
     element: Element | None = None,
@@ -169,11 +171,11 @@ def uniform_way(
     """Return finite elements of one size, ever halved."""
     edges = problem.merged.ring_edges
 
-    def discretise(setting: Hashable, stages: Stages) -> Discretised:
+    def discretise(setting: int, stages: Stages) -> Discretised:
         make = partial(uniform_mesh, edges, quads, setting)
         return discretised_on(problem, make, degree, stages, element)
 
-    def work(setting: Hashable) -> float:
+    def work(setting: int) -> float:
         elements = uniform_base(tuple(edges.tolist())).nelements * (3 if quads else 1)
         return seconds_of_elements(elements * 4**setting, degree, quads)
 
@@ -194,11 +196,11 @@ def graded_way(
     """Return finite elements graded to every edge, ever subdivided."""
     edges = problem.merged.ring_edges
 
-    def discretise(setting: Hashable, stages: Stages) -> Discretised:
+    def discretise(setting: int, stages: Stages) -> Discretised:
         make = partial(graded_mesh, edges, quads, setting)
         return discretised_on(problem, make, degree, stages, element)
 
-    def work(setting: Hashable) -> float:
+    def work(setting: int) -> float:
         elements = graded_base(tuple(edges.tolist()), quads).nelements * (3 if quads else 1)
         return seconds_of_elements(elements * setting**2, degree, quads)
 
@@ -226,7 +228,7 @@ def layered_way(problem: Problem, degrees: Iterable[int]) -> Way:
         smallest = max(0.1 ** (degree + 1), RING_EDGE)
         return graded(edges, smallest, smallest, FACTOR, GROWTH, outer=2.5).mesh
 
-    def discretise(setting: Hashable, stages: Stages) -> Discretised:
+    def discretise(setting: int, stages: Stages) -> Discretised:
         poles = tuple(range(0, 16, 2))
         return discretised_on(problem, partial(make, setting), setting, stages, poles=poles)
 
@@ -234,7 +236,7 @@ def layered_way(problem: Problem, degrees: Iterable[int]) -> Way:
         reason = theories.ANALYTIC if measure == "d0" else theories.LAYERS
         return Theory(floor=1e-13, reason=reason, floor_cause=theories.REFERENCE)
 
-    def work(setting: Hashable) -> float:
+    def work(setting: int) -> float:
         return 0.05 + 1e-4 * len(edges) * setting**3.5 / 4
 
     label, sizes = "FEM quads", {degree: 0.1**degree for degree in degrees}
@@ -259,14 +261,14 @@ def radial_uniform_way(problem: Problem, method: str, degree: int, counts: Itera
     """Return cells of one size in each ring, ever halved."""
     edges = problem.merged.ring_edges
 
-    def discretise(setting: Hashable, stages: Stages) -> Discretised:
+    def discretise(setting: int, stages: Stages) -> Discretised:
         fractions = np.arange(setting) / setting
         inside = (edges[:-1, None] + np.diff(edges)[:, None] * fractions).ravel()
         with stages("condensing"):
             space = radial_space(problem, np.append(inside, 1.0), degree)
             return radial_compliance(method, space)
 
-    def work(setting: Hashable) -> float:
+    def work(setting: int) -> float:
         return 0.03 + SLOW_PRESSURES * (setting * len(edges) * degree) ** 3
 
     label = f"{method.upper()} degree {degree}"
@@ -279,12 +281,12 @@ def radial_graded_way(problem: Problem, method: str, degree: int, gradings: Iter
     """Return cells graded to every edge, whose neighbours become ever more alike in size."""
     edges = problem.merged.ring_edges
 
-    def discretise(setting: Hashable, stages: Stages) -> Discretised:
+    def discretise(setting: float, stages: Stages) -> Discretised:
         breakpoints = graded_breakpoints(edges, RING_EDGE, RADIAL_RIM, setting)
         with stages("condensing"):
             return radial_compliance(method, radial_space(problem, breakpoints, degree))
 
-    def work(setting: Hashable) -> float:
+    def work(setting: float) -> float:
         cells = 2 * len(edges) * np.log(RING_EDGE) / np.log(setting)
         return 0.03 + SLOW_PRESSURES * (cells * degree) ** 3
 

@@ -1,7 +1,8 @@
 """A way to refine the discretisation of a scene, which becomes a family of the study."""
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from ..methods.base import Discretised
 from ..problem.problem import Problem
@@ -31,9 +32,9 @@ class Way:
     label: str
     group: str
     method: str
-    sizes: Mapping[Hashable, float]
-    discretise: Callable[[Hashable, Stages], Discretised]
+    sizes: Mapping[Any, float]
+    discretise: Callable[[Any, Stages], Discretised]
     theory: Callable[[str], Theory]
     xlabel: str
-    work: Callable[[Hashable], float] = lambda _: 1.0
-    problem_at: Callable[[Hashable], Problem] | None = None
+    work: Callable[[Any], float] = lambda _: 1.0
+    problem_at: Callable[[Any], Problem] | None = None
