@@ -114,6 +114,8 @@ def _draw_panel(axes: "Axes", panel: Panel, labels: list[str]) -> None:
                 lowest[order] = curve
     for curve in lowest.values():
         _draw_triangle(axes, curve, color_of(curve.label, labels))
+    # room for the labels of triangles
+    axes.margins(x=0.12)
     axes.set_title(panel.title, fontsize=8)
     if panel.curves:
         axes.set_xlabel(panel.curves[0].xlabel, fontsize=7)

@@ -35,6 +35,15 @@ from .way import Way
 
 FLAT_PUNCH = "flat punch of one ring"
 """The group of families that have no rings."""
+OF_CELLS = (
+    "The reference has cells half as large as the finest, so that orders between the last levels "
+    "look high. Cells of the face are refined, and the elements below them only beside it: degrees "
+    "1 and 2 stop at what the half-space below errs by."
+)
+LEFT_OUT = (
+    "Higher degrees of the pressure are left out, because its sign is asked for at nodes, and an "
+    "edge within an element spoils them."
+)
 
 
 @dataclass(frozen=True)
@@ -200,6 +209,8 @@ def conclude(sequences: list[Sequence], problem: Problem) -> list[str]:
     if not judged:
         reason = theories.MOVING_EDGES if not problem.full_contact else theories.OWN_MESH
         told = [f"No order is judged. {reason}"]
+    if not problem.full_contact:
+        told += [OF_CELLS, LEFT_OUT]
     told += [
         f"{sequence.name}, {sequence.quantity}: the observed order is {sequence.order:.2f}, and "
         f"{sequence.last_order:.2f} between the last levels, where theory has "

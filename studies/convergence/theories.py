@@ -78,7 +78,6 @@ STEP_WITH_CONTACT = (
 RIM_ELEMENT = "the innermost elements at the rim and at ring edges, which stay coarse"
 ROUNDOFF = "roundoff"
 REFERENCE = "the reference, which is known to no more digits"
-TRUNCATION = "the poles that are left out beyond the outer boundary"
 
 ENERGY_NAMES = {"d(t)": "d(t)", "relaxation time": "relaxation times"}
 """Measures that are energies, or eigenvalues, and what sentences call them."""
@@ -119,7 +118,7 @@ def of_graded_pressures(measure: str, degree: int, floors: dict[str, float]) -> 
     """
     floor, cause = floors.get(measure, 0.0), RIM_ELEMENT if measure in floors else ""
     if measure == "d0":
-        return Theory(2.0 * degree + 3, floor, ENERGY_OF_PRESSURES, cause)
+        return Theory(2.0 * degree + 3, floor, ENERGY_OF_PRESSURES, ROUNDOFF)
     if measure in ENERGY_NAMES:
         return Theory(2.0 * degree + 2, floor, HISTORY_OF_PRESSURES, cause)
     if measure == "pressure":
