@@ -22,7 +22,8 @@ from ..methods.base import method as method_named
 from ..methods.evaluation import Evaluation, FullContact
 from ..methods.mdr import METHOD as MDR
 from ..methods.moving_evaluation import MovingContact
-from ..methods.spaces import first_contact, load_at_start
+from ..methods.pipeline import fitted_starts
+from ..methods.spaces import first_contact
 from ..problem.problem import Problem
 from ..problem.quantities import FINEST
 from ..problem.scene import Scene
@@ -32,7 +33,6 @@ from ..sampling.norms import Results
 from ..study.levels import Family, Theory
 from ..study.options import Quantity
 from ..tables import Row
-from ..wear.fitted_press import fit_presses
 from ..wear.flat_contact import FittedPress, press_flat
 from .axis_stresses import MOST_UNKNOWNS, by_boussinesq, by_elements
 from .measures import FLAT_INDENTATION, FLAT_PRESSURE, STRESSES, Measure, error, measures_of
@@ -97,11 +97,16 @@ class Studied:
         Raises
         ------
         SceneError
-            if a function of a result fails
+            if a function of a result fails, or if there is nothing to measure
         RingwearError
             if the reference cannot be computed
         """
         problem = studied_problem(scene.problem)
+        if not problem.full_contact and not len(problem.times):
+            raise SceneError(
+                "the steady state of this punch is that of a flat one: give wear.times for a "
+                "history, or a flat punch"
+            )
         stages = Stages("reference")
         if problem.full_contact:
             finest = replace(problem, rtol=FINEST, mdr=MdrAccuracy())
@@ -228,16 +233,10 @@ def closed_forms(problem: Problem, results: Results) -> Results:
 
 def fitted_start(problem: Problem, stages: Stages) -> FittedPress | None:
     """Return the unworn press fitted to the edges of its contact; None where that is not had."""
-    if not len(problem.times) or problem.times[0] or not problem.loading.forces[0]:
-        return None
     intervals, _ = first_contact(problem)
-    fitted = MDR.discretise(problem, stages).fitted
-    assert fitted is not None
-    try:
-        return fit_presses(problem.profile, load_at_start(problem), intervals, fitted)[0]
-    except RingwearError:
-        # edges within the contact are free: cells show the start as they show the rest
-        return None
+    presses, _ = fitted_starts(problem, intervals, MDR.discretise(problem, stages))
+    # where edges within the contact are free, cells show the start as they show the rest
+    return presses[0] if presses else None
 
 
 def states_inside(problem: Problem, evaluation: Evaluation) -> Array:
@@ -267,9 +266,8 @@ def result_of(
         discretised.unknowns or discretised.compliance.space.size,
         wear=evaluation.wear,
         half_space=discretised.half_space,
-        march=moving.march if moving else None,
+        march=moving.marched if moving else None,
         answers=evaluation.answers,
-        evaluate=type(evaluation),
     )
     return Result(
         scene, {method: method_named(method)}, {method: solution}, {method: stages}, (), ()

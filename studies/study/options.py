@@ -8,8 +8,8 @@ if TYPE_CHECKING:
     from skfem import Element, Mesh
 
 
-Quantity: TypeAlias = "Callable[[Result], float]"
-"""A number that is taken from the result of a run."""
+Quantity: TypeAlias = Callable[..., float]
+"""A function that takes the result of a run and returns a number."""
 ABSCISSAS = ("size", "unknowns", "seconds")
 """What errors can be drawn against: the size of theory, the number of unknowns, or the time."""
 

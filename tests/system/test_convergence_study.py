@@ -126,6 +126,11 @@ def test_what_does_not_fit_is_refused(options, message):
         study("convergence", "flat_punch", quick=True, **options)
 
 
+def test_a_punch_whose_contact_moves_needs_times():
+    with pytest.raises(SceneError, match=r"give wear\.times"):
+        study("convergence", Scene.load("sphere").changed(wear__times=[]), quick=True)
+
+
 def test_a_function_that_fails_is_named(files, tmp_path, capsys):
     options = ["--mesh", files[0], "--quantity", f"{tmp_path / 'mine.py'}:fails", "--quick"]
     assert main(["study", "convergence", "five_rings", *options, "--out", str(tmp_path / "o")]) == 2
