@@ -157,5 +157,13 @@ OF_STUDIES: dict[str, tuple[str, Told]] = {
             "help": "steps in time, from coarse to fine, in the units of the scene",
         },
     ),
+    "against": (
+        "--against",
+        {
+            "choices": ("size", "unknowns", "seconds"),
+            "default": "size",
+            "help": "what figures draw errors against (default: size)",
+        },
+    ),
 }
 """Options of studies by the name of the option: the flag, and what `argparse` is told of it."""

@@ -5,12 +5,14 @@ explicit march is stable below two over the greatest rate of relaxation: on the 
 paper with n springs that is about ``4/(pi n k)``. The modal march has no step.
 """
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 
 from ...mdr.energy import compliance
 from ...mdr.uniform_grid import UniformGrid
+from ...meshes.errors import SceneError
 from ..methods.spaces import radial_space
 from ..problem.problem import Problem
 from ..problem.scene import Scene
@@ -34,8 +36,13 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
     # so coarse that the explicit march is stable in a few thousand steps
     space = radial_space(problem, degree=2, rim_size=0.02, ring_size=0.02, grading=0.5)
     wear = RunningIn(compliance(space), problem.merged.wear_coefficients)
+    given = [round(TIME * problem.units.time / step) for step in options.steps]
+    if options.steps and min(given) < 1:
+        raise SceneError(f"--steps: give steps up to {TIME * problem.units.time:.3g}")
+    halved = 2 ** np.arange(4 if options.quick else 7)
     marches = [
-        refine_step(wear, march, 4 if options.quick else 7) for march in ("explicit", "implicit")
+        refine_step(wear, march, given or (first_count(wear, march) * halved).tolist())
+        for march in ("explicit", "implicit")
     ]
     # the paper's grid knows discs only
     springs = (25, 50) if options.quick else (25, 50, 100, 200, 400)
@@ -44,18 +51,21 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
     return study_orders([*marches, *grids], record, "march", scene, label)
 
 
-def refine_step(wear: RunningIn, march: str, count: int) -> Family:
-    """Return halved steps, with errors of the indentation at `TIME`."""
+def first_count(wear: RunningIn, march: str) -> int:
+    """Return the number of the first steps: stable explicit ones, implicit ones far beyond that."""
+    return int(np.ceil(TIME / (0.5 * wear.stability_limit()))) if march == "explicit" else 8
+
+
+def refine_step(wear: RunningIn, march: str, counts: Iterable[int]) -> Family:
+    """Return numbers of steps up to `TIME`, with errors of the indentation then."""
     times = np.array([TIME])
     exact = wear.modal(times).indentation[0]
-    # the first explicit step is stable, the first implicit one far beyond that
-    first = int(np.ceil(TIME / (0.5 * wear.stability_limit()))) if march == "explicit" else 8
 
     def solve(steps: int) -> Row:
         indentation = wear.history(times, march, TIME / steps).indentation[0]
         return {"unknowns": wear.compliance.space.size, ERROR: float(indentation / exact - 1)}
 
-    sizes = {steps: TIME / steps for steps in first * 2 ** np.arange(count)}
+    sizes = {steps: TIME / steps for steps in counts}
     return Family(f"{march} march", sizes, solve, {ERROR: Theory(1.0)}, XLABEL)
 
 

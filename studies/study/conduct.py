@@ -9,7 +9,7 @@ from ..figures.style import in_style
 from ..problem.scene import Scene, Source
 from .levels import Record
 from .listing import STUDIES
-from .options import Options, Quantity
+from .options import ABSCISSAS, Options, Quantity
 from .study import Study
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ def study(
     degree: int | None = None,
     elements: "Sequence[Element]" = (),
     steps: Sequence[float] = (),
+    against: str = "size",
 ) -> Study:
     """Conduct a study of a scene: solve its levels, fit orders, draw figures, and conclude.
 
@@ -46,6 +47,8 @@ def study(
     degree : of the finite elements on `meshes`
     elements : elements of scikit-fem, in place of those that the study compares
     steps : in time, in the units of the scene, from coarse to fine
+    against : what figures draw errors against: ``"size"``, that of theory, ``"unknowns"`` or
+        ``"seconds"``
 
     Returns
     -------
@@ -78,6 +81,7 @@ def study(
         degree,
         tuple(elements),
         tuple(steps),
+        against,
     )
     return conduct(name, Scene.of(STUDIES[name].scene if scene is None else scene), options)
 
@@ -118,3 +122,7 @@ def refuse_what_does_not_fit(name: str, scene: Scene, options: Options) -> None:
         if option not in listed.takes:
             which = ", ".join(listed.takes) or "none but quick"
             raise SceneError(f"study {name} does not take {option}: its options are {which}")
+    if options.against not in ABSCISSAS:
+        raise SceneError(
+            f"against = {options.against!r} is no abscissa: give one of {', '.join(ABSCISSAS)}"
+        )

@@ -55,10 +55,11 @@ STUDIES: dict[str, ListedStudy] = {
         30,
     ),
     "convergence": ListedStudy(
-        "numerics.convergence",
-        "orders of convergence in element size and degree, graded and uniform",
-        10,
-        of_shaped_punches=True,
+        "convergence.study",
+        "orders of convergence of every quantity, in element size and degree, beside theory",
+        24,
+        takes=("quantities", "methods", "meshes", "degree", "elements", "steps", "against"),
+        of_any_punch=True,
     ),
     "truncation": ListedStudy(
         "numerics.truncation",
@@ -66,7 +67,10 @@ STUDIES: dict[str, ListedStudy] = {
         3,
     ),
     "march": ListedStudy(
-        "numerics.march", "orders of the time marches, and where the explicit one blows up", 2
+        "numerics.march",
+        "orders of the time marches, and where the explicit one blows up",
+        2,
+        takes=("steps",),
     ),
     "refinement": ListedStudy(
         "refinement.study",

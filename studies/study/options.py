@@ -10,6 +10,8 @@ if TYPE_CHECKING:
 
 Quantity: TypeAlias = Callable[..., float]
 """A function that takes the result of a run and returns a number."""
+ABSCISSAS = ("size", "unknowns", "seconds")
+"""What errors can be drawn against: the size of theory, the number of unknowns, or the time."""
 
 
 @dataclass(frozen=True)
@@ -25,6 +27,7 @@ class Options:
     degree : of the finite elements on `meshes`
     elements : elements of scikit-fem, in place of those that the study compares
     steps : in time, in units of the scene, from coarse to fine
+    against : abscissa of the figures, one of `ABSCISSAS`
     """
 
     quick: bool = False
@@ -34,9 +37,11 @@ class Options:
     degree: int | None = None
     elements: "tuple[Element, ...]" = ()
     steps: tuple[float, ...] = ()
+    against: str = "size"
 
     @property
     def given(self) -> list[str]:
         """Names of what the user has asked for, besides `quick`."""
         names = [option.name for option in fields(self) if option.name != "quick"]
-        return [name for name in names if getattr(self, name)]
+        default = Options()
+        return [name for name in names if getattr(self, name) != getattr(default, name)]

@@ -14,6 +14,7 @@ program can state this index as its error without knowing the truth.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import pandas as pd
@@ -35,6 +36,17 @@ CONFIDENCE = 0.95
 """Probability of the interval of an observed order, if the scatter of its levels is normal."""
 
 
+class FieldLevels(Protocol):
+    """The fields of the levels of a sequence."""
+
+    @property
+    def changes(self) -> Array:
+        """(n-1,) norms of the differences between neighbouring levels, relative."""
+
+    def error_of_limit(self, weight: float) -> float:
+        """Return the error of the finest field and `weight` times its last change, relative."""
+
+
 @dataclass(frozen=True)
 class Sequence:
     """One quantity on the levels of a family that were solved.
@@ -45,6 +57,7 @@ class Sequence:
     quantity : what was computed
     theory : what is expected of it
     sizes, signed : (n,) of the levels; errors relative and signed
+    fields : what the levels are where the errors are norms, which have no sign
     """
 
     name: str
@@ -52,6 +65,7 @@ class Sequence:
     theory: Theory
     sizes: Array
     signed: Array
+    fields: FieldLevels | None = None
 
     @property
     def errors(self) -> Array:
@@ -105,13 +119,14 @@ class Sequence:
         """Signed error of Richardson's limit, and the grid convergence index, both relative.
 
         Both are NaN for fewer than three levels, and if the last three levels do not converge in
-        one direction.
+        one direction. Where errors are norms of fields, the order follows from norms of the
+        differences of levels, and the limit is a field, whose error is a norm again.
         """
         nothing = np.nan, np.nan
         if len(self.sizes) < 3 or not np.isfinite(self.signed[-3:]).all():
             return nothing
         sizes, errors = self.sizes[-3:], self.signed[-3:]
-        before, last = errors[:-1] - errors[1:]
+        before, last = errors[:-1] - errors[1:] if self.fields is None else self.fields.changes[-2:]
 
         def misfit(order: float) -> float:
             powers = sizes**order
@@ -120,7 +135,11 @@ class Sequence:
         if misfit(LOWEST_ORDER) * misfit(HIGHEST_ORDER) >= 0:
             return nothing
         order = brentq(misfit, LOWEST_ORDER, HIGHEST_ORDER)
-        left = last / ((sizes[1] / sizes[2]) ** order - 1)
+        weight = 1 / ((sizes[1] / sizes[2]) ** order - 1)
+        if self.fields is not None:
+            index = SAFETY_OF_THREE_LEVELS * weight * last
+            return self.fields.error_of_limit(weight), float(index)
+        left = weight * last
         index = SAFETY_OF_THREE_LEVELS * abs(left) / (1 + errors[2])
         return float(errors[2] - left), float(index)
 

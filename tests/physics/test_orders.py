@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from ringwear import Scene
-from ringwear.studies.numerics.convergence import (
+from ringwear.studies.convergence.flat_start import (
     GAIN,
     GRADINGS,
     PUNCH_RIM,

@@ -54,6 +54,30 @@ def test_verdicts_on_orders(errors, verdict):
     assert sequence(errors, order=np.nan).verdict == ""
 
 
+class Fields:
+    """Levels ``exact + c h^order`` of a field of two numbers, whose norm is the greater part."""
+
+    def __init__(self, order):
+        self.wrong = np.outer(SIZES**order, [0.3, -0.2])
+
+    @property
+    def changes(self):
+        return np.abs(np.diff(self.wrong, axis=0)).max(axis=1)
+
+    def error_of_limit(self, weight):
+        return np.abs(self.wrong[-1] + weight * (self.wrong[-1] - self.wrong[-2])).max()
+
+
+@pytest.mark.parametrize("order", [0.5, 2.0])
+def test_the_limit_of_fields_is_a_field(order):
+    fields = Fields(order)
+    errors = np.abs(fields.wrong).max(axis=1)
+    limit, index = Sequence("h", "p", Theory(order), SIZES, errors, fields).richardson
+    assert limit == pytest.approx(0, abs=1e-12)
+    # the distance of the finest level from the limit, times Roache's factor
+    assert index == pytest.approx(1.25 * errors[-1])
+
+
 def test_levels_that_fail_are_rows_and_those_before_ctrl_c_are_kept(tmp_path):
     def solve(size):
         if size == 0.3:

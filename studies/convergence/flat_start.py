@@ -1,7 +1,8 @@
-"""Orders of convergence in the element size and the degree.
+"""Orders of the flat start of a punch of one ring, in the element size and the degree.
 
-Finite elements and MDR, graded and uniform meshes. For finite elements one base mesh is subdivided:
-an order is only as clean as its sequence of meshes.
+Finite elements and MDR, graded and uniform meshes. What presses before anything has worn does not
+feel rings: without them sequences are the cleanest, and reach roundoff. For finite elements one
+base mesh is subdivided: an order is only as clean as its sequence of meshes.
 
 Theory, for displacements of degree k and pressures of degree q: energies (d0, displacements,
 relaxation times) are of order 2k on graded meshes and of order 1, set by the singular rim, on
@@ -25,27 +26,29 @@ from typing import Any
 
 import numpy as np
 
-from ...fem.contact_meshes import even_half_space
-from ...mdr import direct, energy, ring_kernel
+from ...mdr import direct, energy
 from ...meshes import bisection
 from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.quads import graded
 from ...meshes.radial import Array, graded_breakpoints
 from ...meshes.sizes import SizeField
-from ..methods.moving_evaluation import MovingContact
-from ..methods.spaces import first_contact
+from ..numerics.core import FLAT, Discretised, condense, evaluate, flat_d0_error
+from ..numerics.subdivision import subdivided, triangulated
 from ..problem.problem import Problem
-from ..problem.scene import Scene
-from ..sampling.norms import Results, differences
 from ..sizes.defaults import FACTOR, GROWTH
-from ..study.levels import Family, Record, Theory
-from ..study.options import Options
-from ..study.study import Study
-from ..study.study_orders import study_orders
+from ..study.levels import Family, Theory
 from ..tables import Row
-from .core import FLAT, Discretised, condense, evaluate, flat_d0_error
-from .subdivision import subdivided, triangulated
+from .theories import (
+    ANALYTIC,
+    ENERGY_OF_ELEMENTS,
+    ENERGY_OF_PRESSURES,
+    GRADIENT,
+    HISTORY_OF_PRESSURES,
+    RIM_ELEMENT,
+    ROOT_AT_RIM,
+    ROUNDOFF,
+)
 
 PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
 """Sizes of the smallest elements: by MDR at the rim of the flat punch; of rings."""
@@ -69,121 +72,79 @@ GAIN = ((1 + FACTOR**0.5) / (1 - FACTOR**0.5)) ** 2
 """Factor per degree on quadrilaterals, by theory."""
 
 
-def conduct(scene: Scene, options: Options, record: Record) -> Study:
-    """Refine everything."""
-    flat = scene.problem.full_contact
-    refined = (families if flat else families_of_cells)(scene.problem, options.quick)
-    found = study_orders(refined, record, "convergence", scene, "relative error")
-    if flat:
-        return found
-    scatter = (
-        "Edges lie anywhere within a cell, so that orders scatter; by cells half as large, "
-        "those of the last levels look high. Left out: higher degrees of the pressure, whose "
-        "sign is asked for at nodes, and which an edge within an element spoils."
-    )
-    return replace(found, conclusions=(*found.conclusions, scatter))
-
-
-def families(problem: Problem, quick: bool) -> Iterator[Family]:
-    """Yield MDR and finite elements, on the flat start and on rings, by size and by degree."""
-    edges, ratio = problem.merged.ring_edges, problem.poisson_ratio
-    # exact values of rings: by a fine MDR, and their gradient in closed form
-    hollow = problem.merged.hollow
-    exact = ring_quantities(problem, by_mdr(edges, RING_EDGE, 10, 0.15, hollow)[0])
-    steady = direct.steady_pressures(*problem.merged)
-    exact["RMS gradient"] = direct.rms_slope(edges, steady, inner_radius=problem.inner_radius)
-
-    def flat(compliance: Compliance) -> Row:
-        return {"d0": flat_d0_error(compliance)}
-
-    def worn(compliance: Compliance) -> Row:
-        values = ring_quantities(problem, compliance)
-        return {quantity: values[quantity] / exact[quantity] - 1 for quantity in exact}
+def flat_families(problem: Problem, quick: bool) -> Iterator[Family]:
+    """Yield families of the flat punch of one ring, and of MDR on the scene's rings."""
+    ratio = problem.poisson_ratio
 
     def refine(
         name: str,
         discretise: Callable[[Any], Discretised],
         sizes: Mapping[Any, float],
-        errors: Callable[[Compliance], Row],
-        theory: Mapping[str, Theory],
+        theory: Theory,
     ) -> Family:
         def solve(setting: Any) -> Row:
             compliance, unknowns = discretise(setting)
-            return {"unknowns": unknowns, **errors(compliance)}
+            return {"unknowns": unknowns, "d0": flat_d0_error(compliance)}
 
         (xlabel,) = (label for kind, label in XLABELS.items() if name.startswith(kind))
-        return Family(name, sizes, solve, theory, xlabel)
+        return Family(name, sizes, solve, {"d0": theory}, xlabel, partial(work, name))
 
-    # errors below the floors are of roundoff, or of the innermost elements
     for degree in (1, 2) if quick else (1, 2, 3, 4):
         by_grading, sizes = partial(by_mdr, FLAT, PUNCH_RIM, degree), ellipses(GRADINGS[degree])
-        theory = {"d0": Theory(2 * degree + 3, floor=1e-13)}
-        yield refine(f"MDR degree {degree}, graded", by_grading, sizes, flat, theory)
-    # degrees above 1 meet zeros or roundoff too early
-    by_grading = partial(by_mdr, edges, RING_EDGE, 1, hollow=hollow)
-    sizes = ellipses((0.6, 0.7, 0.78, 0.84))
-    # the gradient is of two orders less, and feels the smallest elements more
-    theory = dict.fromkeys(exact, Theory(4, floor=2e-10)) | {"RMS gradient": Theory(2, RING_EDGE)}
-    yield refine("MDR degree 1, rings", by_grading, sizes, worn, theory)
-
+        theory = Theory(2 * degree + 3, 1e-13, ENERGY_OF_PRESSURES, ROUNDOFF)
+        yield refine(f"MDR degree {degree}, graded", by_grading, sizes, theory)
+    if problem.indentation is None and not problem.loading.varies and not problem.merged.linear:
+        yield mdr_on_rings(problem)
     for degree, counts in {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}.items():
         by_count = partial(by_triangles, degree, ratio)
         sizes = {count: 1 / count for count in counts}
         # the innermost elements cost d0 0.06 of their size
-        theory = {"d0": Theory(2 * degree, floor=0.06 * PUNCH_MESH.rim_size)}
-        yield refine(f"FEM P{degree}, graded", by_count, sizes, flat, theory)
+        floor, reason = 0.06 * PUNCH_MESH.rim_size, ENERGY_OF_ELEMENTS.format(what="d0")
+        theory = Theory(2 * degree, floor, reason, RIM_ELEMENT)
+        yield refine(f"FEM P{degree}, graded", by_count, sizes, theory)
     for degree, halvings in {2: (1, 2, 3), 3: (0, 1, 2), 4: (0, 1, 2)}.items():
         by_halving = partial(by_even_triangles, degree, ratio)
         sizes = {count: 0.5**count for count in halvings}
-        yield refine(f"FEM P{degree}, uniform", by_halving, sizes, flat, {"d0": Theory(1)})
-
+        theory = Theory(1.0, reason=ROOT_AT_RIM)
+        yield refine(f"FEM P{degree}, uniform", by_halving, sizes, theory)
     raised = {degree: 0.1**degree for degree in QUAD_DEGREES}
     by_degree = partial(by_quads, FLAT, 0.0, ratio)
-    theory = {"d0": Theory(np.log10(GAIN), floor=1e-13)}
-    yield refine("FEM quads, digits per degree", by_degree, raised, flat, theory)
-    if not quick:
-        by_degree = partial(by_quads, edges, RING_EDGE, ratio, hollow=hollow)
-        theory = dict.fromkeys(exact, Theory(floor=1e-13))
-        yield refine("FEM quads, rings, digits per degree", by_degree, raised, worn, theory)
+    theory = Theory(np.log10(GAIN), 1e-13, ANALYTIC, ROUNDOFF)
+    yield refine("FEM quads, digits per degree", by_degree, raised, theory)
 
 
-def families_of_cells(problem: Problem, quick: bool) -> Iterator[Family]:
-    """Yield families of ever smaller cells on which contact opens and spreads.
+def mdr_on_rings(problem: Problem) -> Family:
+    """Return MDR of degree 1 on the rings of a scene, higher degrees of which meet roundoff early.
 
-    MDR, and finite elements of each degree, are compared with boundary elements on cells half as
-    large as the smallest. Errors are the greatest over time.
+    Exact values are those of a fine MDR, and the gradient in closed form.
     """
-    problem = replace(problem, rtol=1e-4, march="modal", step=None)
-    sizes = {finer: 1 / finer for finer in ((0.25, 0.5) if quick else (0.25, 0.5, 1.0, 2.0))}
-    pressed = "indentation" if problem.indentation is None else "normal_force"
-    theory = dict.fromkeys((pressed, "profile", "pressure"), Theory())
+    edges, hollow = problem.merged.ring_edges, problem.merged.hollow
+    exact = ring_quantities(problem, by_mdr(edges, RING_EDGE, 10, 0.15, hollow)[0])
+    steady = direct.steady_pressures(*problem.merged)
+    exact["RMS gradient"] = direct.rms_slope(edges, steady, inner_radius=problem.inner_radius)
 
-    def march(compliance: Compliance) -> Results:
-        # steps in time err by less than cells
-        worn = MovingContact(problem, compliance, step_tolerance_factor=0.2)
-        return worn.for_estimate(worn.estimate_times)
+    def solve(grading: float) -> Row:
+        compliance, unknowns = by_mdr(edges, RING_EDGE, 1, grading, hollow)
+        values = ring_quantities(problem, compliance)
+        errors = {quantity: values[quantity] / exact[quantity] - 1 for quantity in exact}
+        return {"unknowns": unknowns, **errors}
 
-    exact = march(ring_kernel.compliance(first_contact(problem, 2 * max(sizes))[1].space()))
+    # the gradient is of two orders less, and feels the smallest elements more
+    energy_theory = Theory(4.0, 2e-10, HISTORY_OF_PRESSURES, RIM_ELEMENT)
+    theory = dict.fromkeys(exact, energy_theory)
+    theory["RMS gradient"] = Theory(2.0, RING_EDGE, GRADIENT, RIM_ELEMENT)
+    sizes, name = ellipses((0.6, 0.7, 0.78, 0.84)), "MDR degree 1, rings"
+    return Family(name, sizes, solve, theory, XLABELS["MDR"], partial(work, name))
 
-    def solve(degree: int, finer: float) -> Row:
-        cells = first_contact(problem, finer)[1]
-        compliance = energy.compliance(cells.space())
-        unknowns = compliance.space.size
-        if degree:
-            half_space = even_half_space(cells, problem.poisson_ratio, degree=degree)
-            compliance, unknowns = half_space.compliance(), half_space.unknowns
-        errors = differences(march(compliance), exact, problem.face)
-        return {"unknowns": unknowns} | {name: float(errors[name].max()) for name in theory}
 
-    for degree in (0, 2, 3, 4):
-        name = f"FEM P{degree}" if degree else "MDR"
-        yield Family(
-            name,
-            sizes,
-            partial(solve, degree),
-            theory,
-            "size of cells over that of rtol 1e-4",
-        )
+def work(name: str, setting: float) -> float:
+    """Return the seconds that a level of a family is expected to take."""
+    if name.startswith("MDR"):
+        return 0.02 if "rings" not in name else 0.02 / (1 - setting) ** 2
+    if name.startswith("FEM quads"):
+        return 0.02 + 1e-5 * setting**4
+    elements = 340 * setting**2 if "graded" in name else 220 * 4**setting
+    return 0.03 + 1.2e-5 * elements * int(name[len("FEM P")]) ** 2
 
 
 def ellipses(gradings: Iterable[float]) -> dict[Any, float]:

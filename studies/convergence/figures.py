@@ -1,0 +1,147 @@
+"""Figures of the study: a panel for each measure or group of ways, few curves in each."""
+
+from collections.abc import Sequence as Listed
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
+
+from ...meshes.radial import Array
+from ..figures.style import LINES, complete, new_panels, power_of_ten
+from ..study.orders import Sequence
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+COLORS = {
+    "FEM P1": "#e69f00",
+    "FEM P2": "#d55e00",
+    "FEM P3": "#c0392b",
+    "FEM P4": "#7b241c",
+    "FEM Q1": "#56b4e9",
+    "FEM Q2": "#0072b2",
+    "FEM quads": "#4a235a",
+    "MDR": "#1f4e79",
+    "MDR degree 1": "#1f4e79",
+    "MDR degree 2": "#5d8aa8",
+    "MDR degree 3": "#16a085",
+    "MDR degree 4": "#7f8c8d",
+    "BEM": "#2e7d32",
+    "BEM degree 1": "#2e7d32",
+}
+"""Colours of curves by their labels; others take those of `SPARE_COLORS` in turn."""
+SPARE_COLORS = ("#c0392b", "#0072b2", "#2e7d32", "#e69f00", "#4a235a", "#7f8c8d")
+MARKERS = "os^Dvx+*"
+MOST_COLUMNS = 4
+LABELS = {"unknowns": "number of unknowns", "seconds": "seconds of the level"}
+"""What abscissas are called that are not the size of theory."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A sequence as it is drawn.
+
+    Parameters
+    ----------
+    label : shared by all sequences with the same elements
+    group : of ways that are drawn together
+    sequence : its errors
+    abscissa : (n,) of each level
+    xlabel : what the abscissa is called
+    by_size : whether the abscissa is the size of theory
+    """
+
+    label: str
+    group: str
+    sequence: Sequence
+    abscissa: Array
+    xlabel: str
+    by_size: bool
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A title and what is drawn under it."""
+
+    title: str
+    curves: Listed[Curve]
+
+
+def draw(title: str, panels: Listed[Panel]) -> Figure:
+    """Draw errors in panels, logarithmic, with one legend for all of them."""
+    columns = max(1, min(3 if len(panels) in (5, 6, 9) else MOST_COLUMNS, len(panels)))
+    rows = max(1, -(-len(panels) // columns))
+    figure, grid = new_panels(max(2.9 * columns, 5.0), 2.5 * rows + 1.3, rows, columns)
+    labels = list(dict.fromkeys(curve.label for panel in panels for curve in panel.curves))
+    axes: Axes
+    for axes, panel in zip(grid.flat, panels, strict=False):
+        _draw_panel(axes, panel, labels)
+    for axes in grid.flat[len(panels) :]:
+        axes.set_axis_off()
+    for axes in grid[:, 0]:
+        axes.set_ylabel("relative error")
+    return complete(figure, [title], list(grid.flat), across=0.5, down=0.72)
+
+
+def color_of(label: str, labels: list[str]) -> str:
+    """Return the colour of the curves of a label, one of the labels of a figure."""
+    return COLORS.get(label, SPARE_COLORS[labels.index(label) % len(SPARE_COLORS)])
+
+
+def _draw_panel(axes: "Axes", panel: Panel, labels: list[str]) -> None:
+    lowest = dict[float, Curve]()
+    for curve in panel.curves:
+        number = labels.index(curve.label)
+        errors = np.where(curve.sequence.errors > 0, curve.sequence.errors, np.nan)
+        axes.loglog(
+            curve.abscissa,
+            errors,
+            label=curve.label,
+            color=color_of(curve.label, labels),
+            marker=MARKERS[number % len(MARKERS)],
+            linestyle=LINES[number % len(LINES)],
+            markersize=4,
+            markerfacecolor="none",
+            linewidth=1.1,
+        )
+        order = curve.sequence.theory.order
+        if curve.by_size and np.isfinite(order) and len(errors) > 1:
+            # of curves of the same order one triangle is enough, below the lowest of them
+            other = lowest.setdefault(order, curve)
+            if curve.sequence.errors[0] < other.sequence.errors[0]:
+                lowest[order] = curve
+    for curve in lowest.values():
+        _draw_triangle(axes, curve, color_of(curve.label, labels))
+    # room for the labels of triangles
+    axes.margins(x=0.12)
+    axes.set_title(panel.title, fontsize=8)
+    if panel.curves:
+        axes.set_xlabel(panel.curves[0].xlabel, fontsize=7)
+    for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+        narrow = high < 30 * low
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if narrow else (1,), numticks=6))
+        axis.set_major_formatter("{x:.3g}" if narrow else lambda value, _: power_of_ten(value))
+        # ticks between them take longer than all the rest of a figure
+        axis.set_minor_locator(NullLocator())
+    axes.tick_params(labelsize=6)
+    axes.grid(True, which="major", color="0.88", linewidth=0.6)
+
+
+def _draw_triangle(axes: "Axes", curve: Curve, color: str) -> None:
+    """Draw the slope of theory below the first step of a curve, and say which it is."""
+    right, second, *_ = curve.abscissa
+    left, order = np.sqrt(right * second), curve.sequence.theory.order
+    high = curve.sequence.errors[0] / 2
+    low = high * (left / right) ** order
+    axes.plot([left, right, right, left], [low, low, high, low], color=color, linewidth=0.6)
+    axes.annotate(
+        f"{order:.2g}",
+        (right, np.sqrt(low * high)),
+        textcoords="offset points",
+        xytext=(2, 0),
+        va="center",
+        fontsize=5.5,
+        color=color,
+    )

@@ -1,0 +1,211 @@
+"""Sequences of the user's own: meshes, elements, and steps in time."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from skfem import Element, ElementH1, Mesh, MeshQuad
+
+from ...meshes import files
+from ...meshes.errors import MeshError, SceneError
+from ...meshes.half_space import as_half_space, truncation
+from ..methods.base import Discretised
+from ..methods.mdr import METHOD as MDR
+from ..problem.problem import Problem
+from ..progress import Stages
+from ..sizes.defaults import pole_orders
+from ..study.levels import Theory
+from ..study.options import Options
+from . import theories
+from .scene_ways import (
+    GRADED_LEVELS,
+    QUAD_GRADED_LEVELS,
+    QUAD_UNIFORM_LEVELS,
+    UNIFORM_LEVELS,
+    discretised_on,
+    graded_way,
+    seconds_of_elements,
+    uniform_way,
+)
+from .way import Way
+
+OWN_MESHES, STEPS = "your meshes", "steps in time"
+"""Groups of ways, each drawn in a figure of its own."""
+MESH_LABEL = r"1 / $\sqrt{\mathrm{number\ of\ elements}}$"
+STEP_LABEL = "step in time, in the unit of the scene"
+SHORT_STEP = 0.25
+"""Part of the first of the times up to which the error there is in proportion to the step."""
+QUAD_DEGREE, TRIANGLE_DEGREE = 2, 2
+"""Degrees on meshes of the user's, where none is asked for."""
+
+
+def own_ways(problem: Problem, options: Options) -> Iterator[Way]:
+    """Yield the sequences that a user asks for, in place of the study's.
+
+    Raises
+    ------
+    SceneError
+        if a mesh, an element or a step does not go with the scene
+    """
+    if options.meshes:
+        yield from ways_of_meshes(problem, options)
+    for element in options.elements if not options.meshes else ():
+        degree, quads = degree_of(element, options.degree), is_quad(element)
+        shown, name = slice(-1 if options.quick else None), name_of(element)
+        levels = QUAD_UNIFORM_LEVELS if quads else UNIFORM_LEVELS
+        halvings = levels[min(degree, max(levels))][shown]
+        yield uniform_way(problem, degree, quads, halvings, element, name)
+        levels = QUAD_GRADED_LEVELS if quads else GRADED_LEVELS
+        counts = levels[min(degree, max(levels))][shown]
+        yield graded_way(problem, degree, quads, counts, element, name)
+    if options.steps:
+        yield way_of_steps(problem, options.steps)
+
+
+def ways_of_meshes(problem: Problem, options: Options) -> Iterator[Way]:
+    """Yield the user's meshes with each of the user's elements, or with Lagrange's of a degree.
+
+    Raises
+    ------
+    SceneError
+        if a mesh is none of the scene's half-space, or an element does not go with it
+    """
+    if not problem.full_contact:
+        raise SceneError(
+            "study convergence takes meshes of your own for flat punches under a force that never "
+            "falls: cells of a face follow its contact; leave them out"
+        )
+    meshes = {name: own_mesh(problem, each) for name, each in named(options.meshes).items()}
+    on_quads = {isinstance(mesh, MeshQuad) for mesh in meshes.values()}
+    if len(on_quads) > 1:
+        raise SceneError("--mesh: a sequence is of triangles or of quadrilaterals, not of both")
+    (quads,) = on_quads
+    elements: Sequence[Element | None] = options.elements or (None,)
+    for element in elements:
+        if element is not None and is_quad(element) != quads:
+            kind = "quadrilaterals" if quads else "triangles"
+            raise SceneError(f"--element {name_of(element)}: your meshes are of {kind}")
+        degree = options.degree or (QUAD_DEGREE if quads else TRIANGLE_DEGREE)
+        label = f"FEM {'Q' if quads else 'P'}{degree}"
+        if element is not None:
+            degree, label = degree_of(element, options.degree), f"FEM {name_of(element)}"
+        yield way_of_meshes(problem, meshes, degree, element, label)
+
+
+def way_of_meshes(
+    problem: Problem, meshes: dict[str, Mesh], degree: int, element: Element | None, label: str
+) -> Way:
+    """Return meshes by their names, from coarse to fine, with elements of a degree."""
+
+    def discretise(setting: str, stages: Stages) -> Discretised:
+        mesh = meshes[setting]
+        poles = pole_orders(problem, truncation(mesh))
+        return discretised_on(problem, lambda: mesh, degree, stages, element, poles)
+
+    def work(setting: str) -> float:
+        mesh = meshes[setting]
+        return seconds_of_elements(mesh.nelements, degree, isinstance(mesh, MeshQuad))
+
+    sizes = {name: float(mesh.nelements**-0.5) for name, mesh in meshes.items()}
+    theory = partial(_nothing_expected, theories.OWN_MESH)
+    return Way(
+        f"{label}, your meshes",
+        label,
+        OWN_MESHES,
+        "fem",
+        sizes,
+        discretise,
+        theory,
+        MESH_LABEL,
+        work,
+    )
+
+
+def way_of_steps(problem: Problem, steps: Sequence[float]) -> Way:
+    """Return steps in time of the implicit march, on the finest discretisation of the study.
+
+    Raises
+    ------
+    SceneError
+        if there is no history, or a step is not positive
+    """
+    if not len(problem.times) or min(steps) <= 0 or problem.loading.varies:
+        raise SceneError(
+            "--steps: give positive steps, and a scene with wear.times under a constant load"
+        )
+    sharp = replace(problem, rtol=min(problem.rtol, 1e-5))
+
+    def discretise(_: float, stages: Stages) -> Discretised:
+        with stages("condensing"):
+            compliance = MDR.discretise(sharp, stages).compliance
+        return Discretised(compliance, lambda: compliance)
+
+    def problem_at(setting: float) -> Problem:
+        return replace(problem, march="implicit", step=setting / problem.units.time)
+
+    short = max(steps) / problem.units.time <= SHORT_STEP * problem.earliest
+    theory = partial(theories.of_steps, problem.full_contact, short)
+    sizes = {step: step for step in steps}
+    name = "MDR, implicit march"
+    return Way(
+        name, name, STEPS, "mdr", sizes, discretise, theory, STEP_LABEL, problem_at=problem_at
+    )
+
+
+def named(given: Sequence[str | Mesh]) -> dict[str, str | Mesh]:
+    """Return meshes by the names of their files, or by their numbers."""
+    names = [
+        Path(mesh).name if isinstance(mesh, str) else f"mesh {number}"
+        for number, mesh in enumerate(given, 1)
+    ]
+    if len(set(names)) < len(names):
+        names = [f"{number}: {name}" for number, name in enumerate(names, 1)]
+    return dict(zip(names, given, strict=True))
+
+
+def own_mesh(problem: Problem, given: str | Mesh) -> Mesh:
+    """Return a mesh of the user's, read from a file if it is one.
+
+    Raises
+    ------
+    SceneError
+        if it is no mesh of the scene's half-space
+    """
+    try:
+        if isinstance(given, Mesh):
+            return as_half_space(given, problem.merged.ring_edges)
+        return files.read(given, problem.merged.ring_edges, problem.units.length)
+    except MeshError as error:
+        raise SceneError(f"--mesh {error}") from error
+
+
+def is_quad(element: Element) -> bool:
+    """Return whether an element is one of quadrilaterals."""
+    return bool(element.refdom.nnodes == 4)
+
+
+def name_of(element: Element) -> str:
+    """Return the name of an element as scikit-fem has it."""
+    return type(element).__name__.removeprefix("Element")
+
+
+def degree_of(element: Element, asked: int | None) -> int:
+    """Return the degree of an element along a side.
+
+    Raises
+    ------
+    SceneError
+        if the element is not continuous with one function for each vertex
+    """
+    if not isinstance(element, ElementH1) or element.nodal_dofs != 1:
+        raise SceneError(
+            f"--element {name_of(element)}: the displacement has to be continuous, with one "
+            "function for each vertex: give an element such as ElementTriP2 or ElementQuad2"
+        )
+    return asked or 1 + int(element.facet_dofs)
+
+
+def _nothing_expected(reason: str, _: str) -> Theory:
+    return Theory(order=np.nan, reason=reason)
