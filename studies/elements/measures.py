@@ -6,7 +6,7 @@ Everything is non-dimensional: punch radius 1, plane strain modulus 1, force 1.
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import LinAlgError, eigh, solve_triangular
@@ -119,7 +119,7 @@ def measure(condensed: Condensed, basis: csr_matrix, rings: Rings, exact: Worn |
     row : errors are relative; a singular pair has no errors but a remark
     """
     contact = len(condensed.by_elements) - len(condensed.half_space.poles)
-    row: Row = {
+    row: dict[str, Any] = {
         "pressures": basis.shape[1],
         "on the contact": condensed.half_space.stability(basis),
     }

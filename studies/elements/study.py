@@ -11,7 +11,7 @@ excites them, is lost. With a singular rim, that pressure converges as h^(1/2) i
 square, whatever the degree.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 
@@ -143,7 +143,7 @@ class Bench:
         return range(sum(self.facets * 2**halvings <= MOST_FACETS for halvings in range(wanted)))
 
     @cached_property
-    def condensed(self) -> "lru_cache[Condensed]":
+    def condensed(self) -> Callable[[Displacement, int], Condensed]:
         """The function (displacement, halvings) -> what is condensed, the last levels kept."""
 
         @lru_cache(maxsize=len(self.levels) + 1)
@@ -178,7 +178,7 @@ class Bench:
                 {ratio: 1 - 2 * ratio for ratio in LOCKING},
                 partial(self.solve_nearly_incompressible, displacement),
                 xlabel=r"$1 - 2 \nu$",
-                work=lambda _, each=displacement: self._seconds(each, 1, condensing=True),
+                work=partial(self._seconds_of_ratio, displacement),
             )
 
     def _theory(self, displacement: Displacement, pressures: Pressures) -> dict[str, Theory]:
@@ -186,6 +186,10 @@ class Bench:
             return {}
         checkerboards = pressures.has_checkerboards_beneath(displacement.degree)
         return (UNSTABLE if checkerboards else STABLE) | UNKNOWN
+
+    def _seconds_of_ratio(self, displacement: Displacement, ratio: float) -> float:
+        """Return the seconds that a level near incompressibility is expected to take."""
+        return self._seconds(displacement, 1, condensing=True)
 
     def _seconds(
         self, displacement: Displacement, halvings: int, condensing: bool, first: bool = False
@@ -229,7 +233,8 @@ class Bench:
             "facets": len(condensed.space.degrees),
             "unknowns": condensed.half_space.unknowns,
             "seconds of condensing": round(condensed.seconds, 4),
-        } | measure(condensed, of_pressures, self.problem.merged, exact)
+            **measure(condensed, of_pressures, self.problem.merged, exact),
+        }
 
     def drawn_pressures(self) -> list[DrawnPressure]:
         """Return the flat start by a stable and by an unstable pair on the coarsest mesh.
