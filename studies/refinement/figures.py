@@ -23,6 +23,8 @@ LOOKS: dict[str, dict[str, Any]] = {
     "file": {"color": "black", "marker": "x", "linestyle": "-"},
 }
 """The curve of each family."""
+LARGE = 10.0
+"""Effectivity beyond which its axis is logarithmic."""
 THOUSANDS = "thousands of unknowns"
 """Label of axes whose ticks are `_mark_thousands`."""
 
@@ -91,8 +93,12 @@ def draw_indicator(rows: pd.DataFrame) -> Figure:
                 ratios.plot(unknowns, greatest, **{**look, "label": None})
                 ratios.fill_between(unknowns, least, greatest, color=look["color"], alpha=0.15)
             energies.plot(levels["unknowns"], levels["energy"].where(levels["energy"] > 0), **look)
-        ratios.set(ylim=(0, 10), ylabel="indicator over error")
+        ratios.set_ylabel("indicator over error")
         set_logarithmic(ratios, "x")
+        if of_case["greatest effectivity"].max() > LARGE:
+            set_logarithmic(ratios, "y")
+        else:
+            ratios.set_ylim(0, LARGE)
         ratios.set_title(f"{case}\neffectivity, least and greatest over the states")
         set_logarithmic(energies, "x", "y")
         energies.set_ylabel("relative error")

@@ -7,7 +7,7 @@ follow from the accuracy. `degree` raises the degree on one such mesh. `file` ha
 user.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -33,7 +33,7 @@ COARSEST = 1.2
 """Size of the first triangles, in a; they are smaller only where a ring edge has to be a vertex."""
 MARKED = 0.5
 """Share of the squared indicators that the marked triangles have (Dörfler)."""
-GROWTH, GROWTH_OF_ONE_RING = 1.16, 1.12
+GROWTH, GROWTH_OF_ONE_RING, GROWTH_NEAR_INCOMPRESSIBILITY = 1.16, 1.12, 1.22
 """Factor by which the unknowns grow from one adaptive level to the next, measured."""
 MOST_UNKNOWNS = 60_000
 """Unknowns that the adaptive levels go up to."""
@@ -78,6 +78,8 @@ class Ways:
         )
         most = MOST_UNKNOWNS_QUICK if quick else MOST_UNKNOWNS
         growth = GROWTH if len(self.case.problem.merged.widths) > 1 else GROWTH_OF_ONE_RING
+        if self.case.problem.poisson_ratio > 0.49:
+            growth = GROWTH_NEAR_INCOMPRESSIBILITY
         count = max(3, int(np.ceil(np.log(most / start) / np.log(growth))) + 1)
         adaptive = AdaptiveTriangles(self.case, self._coarsest, self.degree)
         expected = {f"level {n}": start * growth**n for n in range(count)}
@@ -135,7 +137,7 @@ class Ways:
             self.levels.append(Level.of(self.case, name, setting, solved))
             row = self.case.row(solved)
             # of the user's meshes nobody knows yet whether their multipliers are stable
-            return row | {"least eigenvalue": least_eigenvalue(solved)} if name == "file" else row
+            return {**row, "least eigenvalue": least_eigenvalue(solved)} if name == "file" else row
 
         def work(setting: str) -> float:
             # measured on two cores: what all levels take, and what grows with the unknowns
@@ -166,7 +168,7 @@ class Ways:
     def _layer(self, setting: str) -> Solved:
         return self._mesh_and_solve("layered", setting, LAYERS)
 
-    def _mesh_and_solve(self, name: str, setting: str, sizes: dict[str, object]) -> Solved:
+    def _mesh_and_solve(self, name: str, setting: str, sizes: Mapping[str, object]) -> Solved:
         """Solve on the mesh that ringwear makes for an accuracy."""
         stages, problem = Stages(name), self._for_accuracy(float(setting.split()[1]), sizes)
         with stages("meshing"):
@@ -180,7 +182,7 @@ class Ways:
         degree = int(setting.split()[1])
         return self.case.solve(self.case.half_space_on(mesh, degree, ACCURACY_OF_LAYERS), stages)
 
-    def _for_accuracy(self, rtol: float, sizes: dict[str, object]) -> Problem:
+    def _for_accuracy(self, rtol: float, sizes: Mapping[str, object]) -> Problem:
         return replace(self.case.problem, rtol=rtol, fem=FemAccuracy.model_validate(sizes))
 
 
@@ -212,6 +214,7 @@ class AdaptiveTriangles:
         solved = self.case.solve_and_estimate(half_space, self._stages)
         solved = replace(solved, seconds=dict(self._stages.seconds))
         with self._stages("meshing"):
+            assert solved.greatest_indicators is not None
             marked = fewest_with_share(solved.greatest_indicators, MARKED)
             edges = self.case.problem.merged.ring_edges
             self.mesh = bisection.refined(self.mesh, marked, edges)
