@@ -41,23 +41,30 @@ def _steps(text: str) -> tuple[float, ...]:
 
 
 FLAGS = {
-    "--no-figures": "numbers only: neither figures nor the report",
-    "--no-report": "figures, but no report.html",
-    "--verbose": "say all: rings, every difference, cost, what is modelled and what is left out",
-    "--csv": "the results as CSV tables, too",
-    "--check": "also condense it, and report the stability of the multipliers",
-    "--quick": "a smaller version of the study",
-    "--dry-run": "say what it will take, without computing",
-    "--resume": "go on with what is in the directory",
-    "--retry-failed": "as --resume, and try again the scenes that failed",
+    "--no-figures": "write numbers only: neither figures nor the page",
+    "--no-report": "write figures, but not the page (report.html)",
+    "--verbose": "print everything: each ring, every difference, the cost, what is modelled and "
+    "left out",
+    "--csv": "write the results as CSV tables, too",
+    "--check": "also condense the finite elements, and report how stable their multipliers are",
+    "--quick": "conduct a smaller version of the study; it says first how long that takes",
+    "--dry-run": "only say what the sweep will take",
+    "--resume": "continue the sweep that is in the directory",
+    "--retry-failed": "continue like --resume, and try again the scenes that failed",
 }
 ARGUMENTS: dict[str, Told] = {
     **{flag: {"action": "store_true", "help": help} for flag, help in FLAGS.items()},
-    "scene": {"help": "a TOML file or a bundled scene"},
-    "name": {"nargs": "?", "help": "a bundled scene, to start one of your own from"},
-    "A": {"help": "a folder of `ringwear run`, a TOML file or a bundled scene"},
-    "B": {"help": "another one"},
-    "file": {"help": "a sweep file (studies/sweep/README.md), or a bundled sweep"},
+    "scene": {"help": "a TOML file, or the name of a bundled scene"},
+    "name": {"nargs": "?", "help": "the name of a bundled scene, to print it"},
+    "A": {
+        "help": "a folder that `ringwear run` has written, a TOML file, or the name of a bundled "
+        "scene"
+    },
+    "B": {"help": "another one, which is compared with A"},
+    "file": {
+        "help": "a sweep file (described in studies/sweep/README.md), or the name of a bundled "
+        "sweep"
+    },
     "files": {
         "nargs": "*",
         "metavar": "FILE",
@@ -69,7 +76,11 @@ ARGUMENTS: dict[str, Told] = {
         "default": 0.01,
         "help": "relative error that theirs may have, in the norm of each quantity (default: 0.01)",
     },
-    "--columns": {"type": _pairs, "metavar": "THEIRS=OURS,...", "help": "names of their columns"},
+    "--columns": {
+        "type": _pairs,
+        "metavar": "THEIRS=OURS,...",
+        "help": "names of their columns, each with the name of ours",
+    },
     "--sizes": {
         "type": _sizes,
         "metavar": "H,...",
@@ -88,25 +99,36 @@ ARGUMENTS: dict[str, Told] = {
     },
     "--out": {
         "type": _directory,
-        "help": "directory (default: results/ and the name of scene, study or file)",
+        "help": "the directory to write to (default: results/NAME, NAME being that of the scene, "
+        "study or file)",
     },
-    "--rtol": {"type": float, "help": "relative accuracy, in place of the scene's"},
-    "--methods": {"help": "methods, comma-separated, in place of the scene's"},
+    "--rtol": {
+        "type": float,
+        "help": "the relative accuracy that is wanted, in place of the scene's",
+    },
+    "--methods": {
+        "help": "methods in place of the scene's, separated by commas: mdr, bem, fem, direct, "
+        "mdr-grid"
+    },
     "--quantities": {
-        "help": "quantities, or history, fields, steady or all, comma-separated: only these are "
-        "computed and judged, to the accuracy asked for"
+        "help": "quantities, separated by commas, or history, fields, steady or all: only "
+        "these are "
+        "computed and judged, to the accuracy that is asked for"
     },
     "--memory": {
         "type": float,
         "metavar": "GIB",
-        "help": "most memory in GiB; what would need more is refused before it starts (default: "
-        "what the machine has)",
+        "help": "the most memory to use, in GiB: what would need more is refused before it starts "
+        "(default: what the machine has)",
     },
-    "--scheduler": {"metavar": "ADDRESS", "help": "a Dask scheduler, to compute on its workers"},
+    "--scheduler": {
+        "metavar": "ADDRESS",
+        "help": "the address of a Dask scheduler, to compute on its workers",
+    },
     "--workers": {
         "type": int,
         "default": os.cpu_count() or 1,
-        "help": "processes on this machine (default: its cores)",
+        "help": "the number of processes on this machine (default: as many as it has cores)",
     },
 }
 OF_STUDIES: dict[str, tuple[str, Told]] = {

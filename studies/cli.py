@@ -303,7 +303,7 @@ class Command(NamedTuple):
 
 COMMANDS = {
     "run": Command(
-        "compute a scene by every method it names, and compare them",
+        "compute a scene by every method that it names, and say how far they agree",
         _run,
         (
             *("scene", "--out", "--rtol", "--methods", "--quantities", "--no-figures"),
@@ -312,39 +312,57 @@ COMMANDS = {
         "five_rings",
     ),
     "check": Command(
-        "hold results of other programs against ours: by how much theirs err, and where",
+        "compare results of other programs with ours: by how much theirs err, and where",
         _check,
         ("scene", "files", "--out", "--within", "--columns", "--units", "--sizes", "--template"),
     ),
     "plan": Command(
-        "say what a scene will take, without computing it", _plan, ("scene", "--check")
+        "say what a scene models and what it will cost, without computing it",
+        _plan,
+        ("scene", "--check"),
     ),
     "mesh": Command(
-        "mesh the half-space of a scene: a VTU file and a figure", _mesh, ("scene", "--out")
+        "mesh the half-space of a scene, and write it as a VTU file and a figure",
+        _mesh,
+        ("scene", "--out"),
     ),
     "compare": Command(
-        "two folders of results, or scenes: what differs, drawn together",
+        "compare two folders of results, or two scenes, and draw them together",
         _compare,
         ("A", "B", "--out"),
     ),
-    "study": Command("a study: figures, tables and a conclusion", _study),
+    "study": Command("conduct a study: write figures and tables, and print conclusions", _study),
     "sweep": Command(
-        "a map: many scenes over axes of scene keys, kept in one labelled store",
+        "compute many scenes over axes of scene keys, and keep them in one store",
         _sweep,
         (
             *("file", "--out", "--scheduler", "--workers", "--memory", "--dry-run", "--resume"),
             "--retry-failed",
         ),
     ),
-    "scenes": Command("list the bundled scenes, or print one as TOML", _scenes, ("name",)),
+    "scenes": Command(
+        "list the bundled scenes, or print one, to start your own from", _scenes, ("name",)
+    ),
 }
+
+
+EXAMPLES = """examples:
+  ringwear run                             compute the bundled scene five_rings
+  ringwear scenes sphere > mine.toml       start a scene of your own from a bundled one
+  ringwear run mine.toml --rtol 1e-3       compute it to another accuracy
+  ringwear check mine.toml abaqus.csv      compare results of another program with ours
+  ringwear study convergence --quick       see the orders of convergence beside theory
+"""
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="ringwear",
-        description="Wear of a ringed punch on an elastic half-space: finite elements, "
-        "dimensionality reduction and direct integration, side by side.",
+        description="Compute how a rigid punch of concentric rings wears on an elastic half-space, "
+        "by finite elements, dimensionality reduction, boundary elements and direct integration, "
+        "and say how far these methods agree.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"ringwear {versions()['ringwear']}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
