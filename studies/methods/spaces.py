@@ -109,8 +109,8 @@ def degrees(
     """Return the degree of each element of a space.
 
     It is the degree that the accuracy asks for, but at most `highest`: most where the amplitude of
-    high degrees is greatest, and lower elsewhere, but no lower than 2, nor than smooth modes ask for: half as much in each layer, whose elements are
-    several times smaller. It is 0 in a hole.
+    high degrees is greatest, and lower elsewhere, but no lower than 2, nor than smooth modes ask
+    for: half as much in each layer, whose elements are several times smaller. It is 0 in a hole.
     """
     edges, ring = problem.merged.ring_edges, space.ring
     at_edges, element = np.searchsorted(space.sort_keys, edges + 0j), np.arange(len(ring))
