@@ -80,7 +80,7 @@ def draw_panels(panels: Sequence[Panel], rows: pd.DataFrame) -> Figure:
         top=1 - 0.42 / height,
         bottom=0.98 / height,
         wspace=0.08,
-        hspace=0.72,
+        hspace=0.62,
     )
     return figure
 

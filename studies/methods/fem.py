@@ -270,6 +270,10 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
         chosen.notes,
         # on triangles, whose degree is low, meshes of two sizes may miss the same
         safety=error_factor(_kind_of_difference(chosen)),
+        # on triangles, whose degree is low, solutions of two sizes or degrees may miss the same
+        safety=error_factor(
+            "flat punch" if chosen.mesher == "quads" else "flat punch on triangles"
+        ),
         smallest=_smallest(problem, chosen),
         # fields follow the accuracy neither on triangles, whose degree is low, nor beyond the
         # highest degree of quadrilaterals, where more layers bring roundoff
