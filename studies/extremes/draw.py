@@ -7,7 +7,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullLocator
+from matplotlib.ticker import (
+    FixedFormatter,
+    FixedLocator,
+    LogLocator,
+    MaxNLocator,
+    NullLocator,
+    StrMethodFormatter,
+)
 
 from ...meshes.radial import Array
 from ..figures.style import PAGE, RED
@@ -60,7 +67,7 @@ def draw_panels(panels: Sequence[Panel], rows: pd.DataFrame) -> Figure:
     figure.legend(
         handles=_handles(),
         loc="lower center",
-        ncols=6,
+        ncols=7,
         frameon=False,
         fontsize=6.6,
         bbox_to_anchor=(0.5, 0.12 / height),
@@ -150,9 +157,15 @@ def _draw_panel(axes: "Axes", panel: Panel, rows: pd.DataFrame) -> None:
 def _set_ticks(axes: "Axes", panel: Panel) -> None:
     """Set the axis of the parameter, with zero at its end if it is logarithmic."""
     if panel.linear:
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         return
     axes.set_xscale("log")
-    axes.xaxis.set(major_locator=LogLocator(numticks=6), minor_locator=NullLocator())
+    low, high = axes.get_xlim()
+    # of less than two decades, powers of ten are too few
+    subs = (1.0, 2.0, 5.0) if high < 100 * low else (1.0,)
+    axes.xaxis.set(major_locator=LogLocator(subs=subs, numticks=6), minor_locator=NullLocator())
+    if high < 100 * low:
+        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     if panel.zero_at is not None:
         ticks = [panel.zero_at, 1e-6, 1e-4, 1e-2, 1.0]
         labels = ["0", *(f"$10^{{{round(np.log10(tick))}}}$" for tick in ticks[1:])]
