@@ -268,12 +268,8 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
         # displacements and stresses inside are those of the clamped half-space, too
         replace(half_space, poles=()) if fixed else half_space,
         chosen.notes,
-        # on triangles, whose degree is low, meshes of two sizes may miss the same
-        safety=error_factor(_kind_of_difference(chosen)),
         # on triangles, whose degree is low, solutions of two sizes or degrees may miss the same
-        safety=error_factor(
-            "flat punch" if chosen.mesher == "quads" else "flat punch on triangles"
-        ),
+        safety=error_factor(_kind_of_difference(chosen)),
         smallest=_smallest(problem, chosen),
         # fields follow the accuracy neither on triangles, whose degree is low, nor beyond the
         # highest degree of quadrilaterals, where more layers bring roundoff
