@@ -46,6 +46,7 @@ class GradedQuads:
     factor : size of a layer over that of the layer outside it
     between : points (2, n) and quadrilaterals (4, m) outside the patches
     edge_amplitude : of the highest degree near an edge, which says where a lower degree will do
+    lacking_degrees : by how many degrees the highest one falls short of what the amplitude asks for
     """
 
     ring_edges: Array
@@ -54,6 +55,7 @@ class GradedQuads:
     factor: float
     between: tuple[Array, Indices]
     edge_amplitude: Amplitude
+    lacking_degrees: int = 0
 
     @cached_property
     def mesh(self) -> MeshQuad:
@@ -99,7 +101,9 @@ class GradedQuads:
         # outside it; and of the outermost
         layer = np.array([[-1.0, 0.0], [-0.75, 0.75], [0.0, 1.0], [0.75, 0.75], [1.0, 0.0]])
         points, low_parts, quadrilaterals, lower, count = [], [], [], [], 0
-        lowered = degree_reductions(self.widths, self.layers, self.factor, self.edge_amplitude)
+        lowered = degree_reductions(
+            self.widths, self.layers, self.factor, self.edge_amplitude, self.lacking_degrees
+        )
         for centre, (inner, outer), fall in zip(
             self.ring_edges[1:], self.widths, lowered, strict=True
         ):
@@ -138,6 +142,7 @@ def graded(
     growth: float,
     outer: float,
     edge_amplitude: Amplitude | None = None,
+    lacking_degrees: int = 0,
 ) -> GradedQuads:
     """Mesh the quarter disc.
 
@@ -152,6 +157,7 @@ def graded(
     outer : truncation radius of the half-space, in punch radii
     edge_amplitude : of the highest degree near an edge, which says where a lower degree will do; by
         default as if nothing had worn
+    lacking_degrees : by how many degrees the highest one falls short of what the amplitude asks for
 
     Raises
     ------
@@ -178,7 +184,9 @@ def graded(
     for way in ways:
         try:
             between = _between(ring_edges[1:], widths, growth, outer, way)
-            graded = GradedQuads(ring_edges, widths, layers, factor, between, edge_amplitude)
+            graded = GradedQuads(
+                ring_edges, widths, layers, factor, between, edge_amplitude, lacking_degrees
+            )
             tried.append((quality(graded.mesh).min(), graded))
         except MeshError as error:
             reason = error

@@ -142,11 +142,17 @@ def patch_layers(widths: Array, sizes: Array, factor: float) -> Indices:
 
 
 def degree_reductions(
-    half_widths: Array, layer_counts: Indices, grading: float, amplitude: Amplitude
+    half_widths: Array,
+    layer_counts: Indices,
+    grading: float,
+    amplitude: Amplitude,
+    lacking_degrees: int = 0,
 ) -> list[Indices]:
     """Return by how much the polynomial degree may be lowered in each layer of each patch.
 
-    Where the amplitude of high degrees is small, lower degrees reach the same error.
+    Where the amplitude of high degrees is small, lower degrees reach the same error. If elements
+    cannot have the degree that is wanted where the amplitude is greatest, all those that can have
+    the degree wanted of them keep it, so that a finer tolerance never asks for lower degrees.
 
     Parameters
     ----------
@@ -155,6 +161,8 @@ def degree_reductions(
     layer_counts : (N,) layers of each patch
     grading : ratio of the sizes of neighbouring layers
     amplitude : of the highest degree on an element
+    lacking_degrees : by how many degrees the highest one that elements have falls short of the one
+        that the amplitude asks for
 
     Returns
     -------
@@ -172,7 +180,10 @@ def degree_reductions(
         for number, (width, count) in enumerate(zip(reach, layer_counts, strict=True))
     ]
     greatest = np.max(np.concatenate(amplitudes))
-    return [degree_reduction(greatest / of_patch, grading) for of_patch in amplitudes]
+    return [
+        np.maximum(degree_reduction(greatest / of_patch, grading) - lacking_degrees, 0)
+        for of_patch in amplitudes
+    ]
 
 
 def adjacent_sizes(widths: Array) -> Array:

@@ -17,6 +17,7 @@ def check_times_of_running_in(report: Reported) -> Rows:
     """Compare what is left at the reported times with the part that their names tell.
 
     The whole change is known from both of its ends, in closed form if wear is constant on rings.
+    The method's own change differs from it by the errors that the method states of both ends.
     """
     wear, problem = report.solution.wear, report.problem
     if wear is None or not report.full:
@@ -33,7 +34,10 @@ def check_times_of_running_in(report: Reported) -> Rows:
         else:
             moved = report.steady_displacement(report.face.radii)[None]
             steady, doubts = report.integrate(moved, report.steady_wear_rate / report.wear)
-            whole, doubt = float(steady[0]) - report.flat.indentation, float(doubts[0])
+            start = report.flat.indentation
+            whole, doubt = float(steady[0]) - start, float(doubts[0])
+            doubt += report.stated("indentation_start") * start
+            doubt += report.stated("indentation_steady") * float(steady[0])
         near = wear.modes.left(time * np.array([1 - NEARBY, 1.0, 1 + NEARBY]))
         decay = abs(np.log(near[2] / near[0])) / (2 * NEARBY)
         stated = float(report.tolerance(name))

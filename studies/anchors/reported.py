@@ -123,6 +123,13 @@ class Reported:
         """Return the steady displacement at radii, in closed form (Eq. 21)."""
         return direct.displacement(self.problem.merged.ring_edges, self.steady_pressures, radii)
 
+    def stated(self, name: str) -> float:
+        """Return the error that the method states of a number of the answer, 0 if it states none.
+
+        Unlike `tolerance` it may be smaller than the accuracy asked for.
+        """
+        return float(np.max(self.solution.errors.get(name, 0.0)))
+
     def given(self, name: str) -> bool:
         """Return whether the table has finite values of a number of the answer."""
         return name in self.table and bool(np.isfinite(np.asarray(self.table[name])).any())

@@ -31,6 +31,7 @@ from ..methods.evaluation import FullContact
 from ..methods.moving_evaluation import MovingContact
 from ..problem.problem import Problem
 from ..problem.scene import Scene
+from ..sizes import defaults
 from ..wear.full_contact import RunningIn
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ def interior(scene: Scene, fem: Solution) -> Interior:
         poles = half_space.poles
     # a clamped boundary is judged by one that is not: the difference is the error itself, far
     # greater than any other
-    orders = (poles, poles[:-1]) if half_space.poles else ((), poles)
+    orders = (poles, defaults.coarser_pole_orders(poles)) if half_space.poles else ((), poles)
     # of a lower degree there may be no stable pressures
     degree = max(half_space.solid.degree, 3) + (not flat)
     # what the user has given stays, and no degree mends the truncation, or cells

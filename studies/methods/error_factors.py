@@ -33,7 +33,7 @@ TABLE = {
     ),
     "flat punch on triangles": ErrorFactor(
         8.0,
-        "the difference of a flat punch to larger triangles, which may miss the same",
+        "the difference of a flat punch to larger triangles, or of degree 2 to degree 3",
         ESTIMATES,
     ),
     "flat punch on halved elements": ErrorFactor(

@@ -242,7 +242,24 @@ class FullContact(Evaluation):
         if name in ("pressure_min", "pressure_max"):
             # the element at the rim moves the other functions that the start is sought among
             return max(chance, error_factor("pressure at the rim") * self._rim_size)
+        if name in self.problem.parts_left:
+            return max(chance, self._unknown_time(self.problem.parts_left[name]))
         return chance
+
+    def _unknown_time(self, part: float) -> float:
+        """Return by how much a time at which a part of the running-in is left errs with the start.
+
+        The whole change begins with the flat start, which errs because of the element at the rim.
+        The part that is left errs by as much, and the time by that over its rate of decay.
+        """
+        whole, time = self.wear.whole_change, self.wear.time_until(part)
+        if not (whole > 0 and time > 0):
+            return 0.0
+        start = whole if self.problem.indentation is not None else self.wear.flat.indentation
+        nearby = 1e-3
+        before, after = self.wear.modes.left(time * np.array([1 - nearby, 1 + nearby]))
+        decay = np.log(before / after) / (2 * nearby)
+        return float(self._stiffness_at_rim * start / whole / decay)
 
     def _chance(self, name: str) -> float:
         """Return by how much two computations may agree by chance, of sums over the elements."""

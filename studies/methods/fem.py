@@ -268,7 +268,7 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
         # displacements and stresses inside are those of the clamped half-space, too
         replace(half_space, poles=()) if fixed else half_space,
         chosen.notes,
-        # on triangles, whose degree is low, meshes of two sizes may miss the same
+        # on triangles, whose degree is low, solutions of two sizes or degrees may miss the same
         safety=error_factor(_kind_of_difference(chosen)),
         smallest=_smallest(problem, chosen),
         # fields follow the accuracy neither on triangles, whose degree is low, nor beyond the
@@ -324,24 +324,27 @@ def _on_cells(problem: Problem, stages: Stages) -> Discretised:
 
 
 def _coarser_half_space(problem: Problem, chosen: ChosenMesh, whole: "HalfSpace") -> "HalfSpace":
-    """Return a half-space with a degree and a layer less, or larger triangles, and a pole less.
+    """Return the half-space that a half-space is compared with to estimate its error.
 
-    A clamped boundary is held against poles: what it errs by is far more than one of them does.
+    It has a degree and a layer less, or larger triangles, and a pole less. What cannot be coarser
+    is compared with something better: a clamped boundary with poles, because it errs by far more
+    than one of them does, and degree 2 with degree 3 on the same mesh, because no multipliers are
+    stable on degree 1, and larger triangles of degree 2 may miss the same relaxation modes.
     """
     from ...fem.half_space import HalfSpace, pressure_space
 
-    solid = replace(
-        whole.solid, degree=_coarser_degree(whole.solid.degree, chosen), mesh=chosen.coarser()
-    )
-    poles = whole.poles if problem.fem.far_field == "fixed" else whole.poles[:-1]
+    if chosen.halved:
+        # halving once less is coarse enough
+        solid = replace(whole.solid, mesh=chosen.coarser())
+    elif whole.solid.degree > 2:
+        solid = replace(whole.solid, degree=whole.solid.degree - 1, mesh=chosen.coarser())
+    else:
+        solid = replace(whole.solid, degree=3)
+    fixed = problem.fem.far_field == "fixed"
+    poles = whole.poles if fixed else defaults.coarser_pole_orders(whole.poles)
     return HalfSpace(
         solid, pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow), poles
     )
-
-
-def _coarser_degree(degree: int, chosen: ChosenMesh) -> int:
-    """Return the degree of the coarser half-space: one less, or the same if halved."""
-    return degree if chosen.halved else max(degree - 1, 2)
 
 
 METHOD = Fem()

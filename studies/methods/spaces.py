@@ -18,7 +18,7 @@ from ...meshes.radial import Array, Indices, exact_graded_breakpoints
 from ...meshes.sizes import degree_reduction
 from ..contact.edges import find_first_contact, refine_at_free_edges
 from ..problem.problem import Problem
-from ..sizes.defaults import cells_of, mdr_sizes, with_affordable_field_tolerance
+from ..sizes.defaults import cells_of, mdr_sizes, pressure_degree, with_affordable_field_tolerance
 from ..wear.unilateral import Interval, Load
 
 # strength of a kink of the wear coefficient (`Rings.kinks`) that asks for no layer
@@ -108,9 +108,9 @@ def degrees(
 ) -> Indices:
     """Return the degree of each element of a space.
 
-    It is `highest` where most is needed, and as much lower elsewhere as less stands behind it, but
-    no lower than 2, nor than smooth modes ask for: half as much in each layer, whose elements are
-    several times smaller. It is 0 in a hole.
+    It is the degree that the accuracy asks for, but at most `highest`: most where the amplitude of
+    high degrees is greatest, and lower elsewhere, but no lower than 2, nor than smooth modes ask
+    for: half as much in each layer, whose elements are several times smaller. It is 0 in a hole.
     """
     edges, ring = problem.merged.ring_edges, space.ring
     at_edges, element = np.searchsorted(space.sort_keys, edges + 0j), np.arange(len(ring))
@@ -119,11 +119,13 @@ def degrees(
     from_outer = space.distance(element, at_edges[ring + 1])
     nearest = np.where(from_outer <= from_inner, ring, ring - 1)
     distance, half = np.minimum(from_inner, from_outer), np.diff(edges)[ring] / 2
-    amplitude = with_affordable_field_tolerance(problem, grading).edge_amplitude(
-        distance, half, nearest
-    )
+    fields = with_affordable_field_tolerance(problem, grading)
+    amplitude = fields.edge_amplitude(distance, half, nearest)
     layer = np.log(np.minimum(distance / half, 1.0)) / np.log(grading)
     least = np.maximum(np.ceil(of_modes * 0.5**layer), 2).astype(np.int64)
-    lower = highest - degree_reduction(amplitude.max() / amplitude, grading)
+    # elements that can have the degree wanted of them have it, also where the highest is too low
+    lacking = max(int(np.ceil(pressure_degree(fields, grading))) - highest, 0)
+    reduction = degree_reduction(amplitude.max() / amplitude, grading)
+    lower = highest - np.maximum(reduction - lacking, 0)
     raised = np.maximum(lower, np.minimum(least, max(highest, of_modes)))
     return np.where((ring == 0) & problem.merged.hollow, 0, raised)

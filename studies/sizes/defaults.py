@@ -195,11 +195,21 @@ def quad_sizes(problem: Problem) -> QuadSizes:
         "growth": chosen.growth or GROWTH,
         "outer": chosen.truncation or far,
         "edge_amplitude": fields.edge_amplitude,
+        "lacking_degrees": max(wanted_quad_degree(problem) - quad_degree(problem), 0),
     }
 
 
 def quad_degree(problem: Problem) -> int:
-    """Return the degree of the displacement on quadrilaterals.
+    """Return the degree of the displacement on quadrilaterals: the one given, else the wanted one.
+
+    Elements have a least and a greatest degree.
+    """
+    degree = int(np.clip(wanted_quad_degree(problem), LAYERED, DEGREES["quads"][-1]))
+    return problem.fem.degree or degree
+
+
+def wanted_quad_degree(problem: Problem) -> int:
+    """Return the degree of the displacement on quadrilaterals that the accuracy asks for.
 
     Notes
     -----
@@ -219,8 +229,7 @@ def quad_degree(problem: Problem) -> int:
         + ABOVE_PRESSURE
         + max(0.0, -DEGREES_TO_SPARE - digits_lost)
     )
-    degree = int(np.clip(np.ceil(wanted), LAYERED, DEGREES["quads"][-1]))
-    return problem.fem.degree or degree
+    return int(np.ceil(wanted))
 
 
 def triangle_ring_sizes(problem: Problem) -> Array:
@@ -290,6 +299,15 @@ def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:
     if problem.fem.poles:
         return tuple(range(0, 2 * problem.fem.poles, 2))
     return enough_poles(truncation, min(NEGLIGIBLE, problem.rtol / MARGIN_OF_TRUNCATION))
+
+
+def coarser_pole_orders(orders: tuple[int, ...]) -> tuple[int, ...]:
+    """Return the orders of the poles that those of a solution are compared with.
+
+    They are one less; but one pole is compared with two, because without any the boundary would be
+    clamped, which errs by far more than one pole does (1.1 a/R in place of (a/R)^5).
+    """
+    return orders[:-1] if len(orders) > 1 else (0, 2)
 
 
 def grid_step(problem: Problem, stability_limit: float) -> float:

@@ -85,9 +85,9 @@ STUDIES: dict[str, ListedStudy] = {
         takes=("elements",),
     ),
     "extremes": ListedStudy(
-        "numerics.extremes",
-        "a map of the limits: every method at extreme parameters against closed forms",
-        55,
+        "extremes.study",
+        "extreme parameters: true errors over promised ones beside a naive solver, and a map",
+        25,
     ),
     "tradeoff": ListedStudy(
         "numerics.tradeoff",

@@ -1,0 +1,1 @@
+"""Extreme parameters: true errors over promised ones, beside a naive solver."""

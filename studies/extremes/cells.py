@@ -1,0 +1,135 @@
+"""A map of the limits over two parameters: every method far from the usual ones.
+
+The scenes are listed in `cells.toml`. A cell of the map is a run of one scene by one method, beside
+direct integration. Its verdict is the worst of the quantities of the steady state, which direct
+integration has in closed form, and of anchors (`studies/anchors/`).
+"""
+
+import json
+import time
+import tomllib
+from collections.abc import Iterable, Iterator
+from functools import partial
+from importlib.resources import files
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from ..crosscheck.dataset import Result
+from ..crosscheck.run import run
+from ..figures.style import GREYS, RED, legend_of, new_figure
+from ..problem.scene import Scene
+from ..study.levels import Family
+from ..tables import Row
+from .verdicts import MEANINGS, Verdict, verdict_on, worst_of
+
+Cell = tuple[str, Any, Any]
+"""The method, and the values on both axes."""
+
+LOOKS: dict[str, tuple[Any, ...]] = {
+    "within": ("s", "0.8", 20),
+    "degraded": ("^", GREYS[4], 24),
+    "refused": ("_", GREYS[0], 28),
+    "wrong": ("X", RED, 40),
+    "crashed": ("*", RED, 60),
+}
+"""Of each verdict: marker, shade, size. Only defects are red."""
+
+
+def families(poisson_ratio: float, quick: bool) -> Iterator[Family]:
+    """Yield the cells of each family; when quick, two of them, far from each other."""
+    listing = files("ringwear.studies") / "extremes" / "cells.toml"
+    table = tomllib.loads(listing.read_text("utf-8"))
+    base = Scene.from_table(table["base"]).changed(half_space__poisson_ratio=poisson_ratio)
+    for family in table["families"]:
+        if quick and family.get("slow"):
+            continue
+        axes = [read_axis(family[axis], table["axes"]) for axis in "xy"]
+        places = list(product(*axes))
+        if quick:
+            places = [(few(axes[0])[at], few(axes[1])[at]) for at in (0, 1)]
+        scenes = {}
+        for (x, y), method in product(dict.fromkeys(places), family["methods"]):
+            changes = {"accuracy.rtol": table["rtol"][method]}
+            changes |= family.get("scene", {}) | axes[0][x] | axes[1][y]
+            changed = {key.replace(".", "__"): value for key, value in changes.items()}
+            scenes[method, x, y] = base.changed(**changed)
+        seconds = table["seconds"] | family.get("seconds", {})
+        yield Family(
+            family["name"],
+            dict.fromkeys(scenes, np.nan),
+            partial(judge, scenes),
+            work=lambda cell, seconds=seconds: seconds[cell[0]],
+        )
+
+
+def few(axis: Iterable[Any]) -> tuple[Any, Any]:
+    """Return a value of the first part of an axis, and one of the last."""
+    values = list(axis)
+    return values[(len(values) - 1) // 4], values[int(0.7 * (len(values) - 1) + 0.5)]
+
+
+def read_axis(axis: str | dict[str, Any], named: dict[str, Any]) -> dict[Any, dict[str, Any]]:
+    """Return what each value of an axis changes: values of one scene key, or labels."""
+    axis = named[axis] if isinstance(axis, str) else axis
+    key, values = next(iter(axis.items()))
+    if "." not in key:
+        return axis
+    if isinstance(values, dict):
+        values = [float(f"{value:.9g}") for value in np.geomspace(*values["geomspace"])]
+    return {value: {key: [value] if key == "wear.times" else value} for value in values}
+
+
+def judge(scenes: dict[Cell, Scene], cell: Cell) -> Row:
+    """Return a row of the table: a scene by one method, by the worst of its quantities."""
+    (method, x, y), start = cell, time.perf_counter()
+    methods = list(dict.fromkeys([method, "direct"]))
+    row = {
+        "part": "map",
+        "method": method,
+        "x": x,
+        "y": y,
+        "parameters": json.dumps(scenes[cell].table()),
+        "promised": scenes[cell].accuracy.rtol,
+    }
+    row |= worst_of(lambda: judge_quantities(run(scenes[cell], methods)))
+    return row | {"seconds": round(time.perf_counter() - start, 4)}
+
+
+def judge_quantities(result: Result) -> Iterator[Verdict]:
+    """Yield the verdict on every quantity of the steady state and on every anchor.
+
+    The quantities are compared with `direct`, which has the steady state in closed form.
+    """
+    rtol = result.scene.accuracy.rtol
+    for row in result.agreement:
+        yield verdict_on(row.quantity, row.difference, row.uncertainty, rtol)
+    for anchor in result.anchors:
+        # what is tolerated is not the method's error alone
+        tolerated = max(rtol, anchor.tolerance)
+        yield verdict_on(anchor.name, anchor.difference, anchor.tolerance, tolerated)
+
+
+def draw(cells: pd.DataFrame) -> Figure:
+    """Draw one page: a panel for each family and method, a symbol for each cell."""
+    panels = cells.groupby(["family", "method"], sort=False)
+    height = -(-len(panels) // 5)
+    figure = new_figure(16, 3.2 * height)
+    for number, ((family, method), panel) in enumerate(panels, 1):
+        across, _, up = str(family).partition(" × ")
+        axes = figure.add_subplot(height, 5, number, title=method, xlabel=across, ylabel=up)
+        (xs, x_values), (ys, y_values) = (pd.factorize(panel[axis]) for axis in "xy")
+        for verdict, (marker, shade, size) in LOOKS.items():
+            these = panel.verdict == verdict
+            look = {"s": size, "color": shade, "marker": marker}
+            axes.scatter(xs[these], ys[these], **look, label=f"{verdict}: {MEANINGS[verdict]}")
+        for axis, values in ((axes.xaxis, x_values), (axes.yaxis, y_values)):
+            step = -(-len(values) // 5)
+            labels = [f"{v:.3g}" if isinstance(v, float) else v for v in values[::step]]
+            axis.set_ticks(range(0, len(values), step), labels)
+        axes.margins(0.1)
+    legend_of(figure, figure.axes[:1])
+    return figure

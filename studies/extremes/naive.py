@@ -1,0 +1,197 @@
+"""The naive choice: what one would write in an afternoon with scikit-fem, to compare with.
+
+Triangles of degree 2 that are all of one size on the face, an outer boundary that is clamped at a
+few radii, displacements of the face prescribed in its nodes (so that every node sticks to the punch
+and may pull), pressures from the reactions, and explicit Euler in steps of one length in the units
+of the scene, with wear in the nodes. Nothing is graded, nothing is made non-dimensional, and no
+error is estimated.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from scipy.sparse.linalg import splu
+from skfem import (
+    Basis,
+    BilinearForm,
+    ElementLineP2,
+    ElementTriP2,
+    ElementVector,
+    MeshLine,
+    MeshTri,
+    asm,
+)
+
+from ...meshes.errors import SolverError
+from ...meshes.radial import Array, ring_of
+from ..problem.problem import Problem
+from ..sampling.norms import Results
+
+CELLS = 20
+"""Elements on the radius of the punch."""
+OUTER = 10.0
+"""Radius and depth at which the half-space is clamped, over the radius of the punch."""
+STEP = 4e-4
+"""Step in time, in the unit of the scene, whatever that is."""
+MOST_STEPS = 6000
+"""Greatest number of steps: a run with more gets longer ones."""
+GROWTH = 1.3
+"""Ratio of neighbouring sizes outside the punch, where elements need not be of one size."""
+HIGHEST_RATIO = 0.4999999999
+"""Poisson's ratio that stands for 1/2, for which Lame's first constant is infinite."""
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """The face of the punch on a uniform mesh, with the half-space condensed to its nodes.
+
+    Parameters
+    ----------
+    stiffness : (n, n) vertical reactions of the nodes by their vertical displacements
+    mesh : of the radius, one element for each facet of the face
+    """
+
+    stiffness: Array
+    mesh: MeshLine
+
+    @cached_property
+    def basis(self) -> Basis:
+        """Quadratic functions of the radius."""
+        return Basis(self.mesh, ElementLineP2())
+
+    @cached_property
+    def order(self) -> Array:
+        """Numbers of the quadratic functions by the radius of their nodes."""
+        return np.asarray(np.argsort(self.basis.doflocs[0]))
+
+    @property
+    def radii(self) -> Array:
+        """(n,) radii of the nodes, increasing."""
+        return np.asarray(self.basis.doflocs[0][self.order])
+
+    @cached_property
+    def mass(self) -> Array:
+        """(n, n) reactions by pressures in the nodes: ``int v_i v_j dA``."""
+        mass = asm(BilinearForm(lambda u, v, w: 2 * np.pi * w.x[0] * u * v), self.basis)
+        return np.asarray(mass.toarray()[np.ix_(self.order, self.order)])
+
+    def values_at(self, radii: Array, nodal: Array) -> Array:
+        """Return the values (T, R) at radii of functions by their values (T, n) in the nodes."""
+        inside = np.clip(radii, *self.mesh.p[0, [0, -1]])
+        return np.asarray(self.basis.probes(inside[None]).tocsc()[:, self.order] @ nodal.T).T
+
+
+@lru_cache(maxsize=8)
+def press(
+    radius: float,
+    inner_radius: float,
+    modulus: float,
+    poisson_ratio: float,
+    outer: float,
+    cells: int,
+) -> Face:
+    """Return the face of a punch on a half-space of uniform triangles; all lengths in one unit.
+
+    Raises
+    ------
+    SolverError
+        if the stiffness is singular
+    """
+    ratio = min(poisson_ratio, HIGHEST_RATIO)
+    shear = modulus * (1 - ratio) / 2
+    first = 2 * shear * ratio / (1 - 2 * ratio)
+    on_face = np.linspace(0.0, radius, cells + 1)
+    if inner_radius:
+        inside = np.linspace(0.0, inner_radius, max(round(cells * inner_radius / radius), 1) + 1)
+        on_face = np.append(inside[:-1], np.linspace(inner_radius, radius, cells + 1))
+    count = int(np.ceil(np.log1p((outer - 1) * cells * (GROWTH - 1)) / np.log(GROWTH)))
+    beyond = radius + (outer - 1) * radius * (GROWTH ** np.arange(1, count + 1) - 1) / (
+        GROWTH**count - 1
+    )
+    line = np.append(on_face, beyond)
+    basis = Basis(MeshTri.init_tensor(line, line), ElementVector(ElementTriP2()), intorder=4)
+
+    @BilinearForm
+    def elasticity(u, v, w):  # type: ignore[no-untyped-def]
+        r = w.x[0]
+        strain_u, strain_v = (np.stack([f.grad[0, 0], f.grad[1, 1], f[0] / r]) for f in (u, v))
+        slip_u, slip_v = (f.grad[0, 1] + f.grad[1, 0] for f in (u, v))
+        normal = first * strain_u.sum(axis=0) * strain_v.sum(axis=0)
+        normal = normal + 2 * shear * (strain_u * strain_v).sum(axis=0)
+        return 2 * np.pi * r * (normal + shear * slip_u * slip_v)
+
+    whole = asm(elasticity, basis).tocsc()
+    end = line[-1]
+    clamped = basis.get_dofs(lambda x: (x[0] == end) | (x[1] == end)).all()
+    axis = basis.get_dofs(lambda x: x[0] == 0).all("u^1")
+    contact = basis.get_dofs(lambda x: (x[1] == 0) & (x[0] > inner_radius) & (x[0] < radius)).all(
+        "u^2"
+    )
+    contact = contact[np.argsort(basis.doflocs[0, contact])]
+    inside = np.setdiff1d(np.arange(whole.shape[0]), np.concatenate([clamped, axis, contact]))
+    try:
+        answered = splu(whole[inside][:, inside]).solve(whole[inside][:, contact].toarray())
+    except RuntimeError as error:
+        raise SolverError(f"the naive stiffness cannot be factorised: {error}") from None
+    stiffness = whole[contact][:, contact].toarray() - whole[contact][:, inside] @ answered
+    on_punch = line[(line >= inner_radius) & (line <= radius)]
+    return Face(stiffness, MeshLine(on_punch))
+
+
+def solve(
+    problem: Problem, outer: float = OUTER, cells: int = CELLS, step: float = STEP
+) -> Results:
+    """Return the indentation and the pressure at the times of a problem, non-dimensional.
+
+    They overflow where the march is unstable.
+
+    Parameters
+    ----------
+    problem : with its times; it is solved in the units of its scene
+    outer : radius at which the half-space is clamped, over that of the punch
+    cells : elements on the radius of the punch
+    step : in time, in the unit of the scene
+    """
+    units = problem.units
+    length, hole = units.length, problem.inner_radius * units.length
+    face = press(length, hole, units.modulus, problem.poisson_ratio, outer, cells)
+    radii = face.radii / length
+    ring = ring_of(problem.rings.ring_edges, np.clip(radii, problem.inner_radius, 1 - 1e-12))
+    # wear rate per pressure, in the units of the scene
+    wear = problem.rings.ends.mean(axis=0)[ring] * units.wear_rate / units.pressure
+    heights = (problem.profile(radii) + problem.profile.standoff) * units.displacement
+    by_height = np.linalg.solve(face.mass, face.stiffness)
+    by_depth, weights = by_height.sum(axis=1), face.stiffness.sum(axis=0)
+
+    def state(now: float) -> tuple[Array, float]:
+        """Return pressures in the nodes, and the indentation, at a time of the scene."""
+        if problem.indentation is not None:
+            depth = (problem.indentation + problem.profile.standoff) * units.displacement
+        else:
+            force = float(np.interp(now / units.time, loading.times, loading.forces)) * units.force
+            depth = (force + weights @ heights) / weights.sum()
+        return by_depth * depth - by_height @ heights, depth
+
+    loading, now, depths, pressures = problem.loading, 0.0, [], []
+    greatest = problem.times[-1] * units.time
+    step = max(step, greatest / MOST_STEPS)
+    with np.errstate(all="ignore"):
+        for time in problem.times * units.time:
+            count = int(np.ceil((time - now) / step - 1e-9))
+            for number in range(count):
+                at = now + (time - now) * number / count
+                speed = np.interp(at / units.time, loading.times, loading.speeds)
+                heights = heights + (time - now) / count * speed * wear * state(at)[0]
+                if not np.isfinite(heights).all():
+                    break
+            now = time
+            pressure, depth = state(now)
+            depths.append(depth)
+            pressures.append(pressure)
+    values = face.values_at(problem.face.radii * length, np.array(pressures))
+    return {
+        "time": problem.times,
+        "indentation": np.array(depths) / units.displacement,
+        "pressure": values / units.pressure,
+    }

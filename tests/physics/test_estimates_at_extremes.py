@@ -1,0 +1,121 @@
+"""Estimates of finite elements where nothing coarser tells: one pole, degree 2, highest degree."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ringwear import Scene, run
+from ringwear.studies.methods.base import method
+from ringwear.studies.progress import Stages
+from ringwear.studies.sizes import defaults
+
+THREE = Scene.load("five_rings").changed(punch__rings=3, load__normal_force=1.0, methods=["fem"])
+
+
+def solved(problem, name="fem"):
+    return method(name).solve(problem, Stages(name))
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("settings", [{"truncation": 100.0}, {"truncation": 1e4}])
+def test_one_pole_is_not_said_to_err_as_a_clamped_boundary(settings):
+    """Far away one pole errs by (a/R)^5; clamped, the boundary would err by 1.1 a/R."""
+    scene = THREE.changed(wear={"times": [0.0]}, accuracy={"rtol": 1e-4, "fem": settings})
+    solution = solved(scene.problem)
+    assert solution.settings["poles"] == 1
+    # Eq. 10
+    error = abs(solution.results["indentation"][0] / 0.5 - 1)
+    assert error <= solution.errors["indentation"][0] <= 1e-4
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("truncation", [2.0, 3.0])
+def test_what_one_pole_misses_is_stated(truncation):
+    """Eq. 10, where the truncation errs by more than anything else."""
+    settings = {"truncation": truncation, "poles": 1}
+    scene = THREE.changed(wear={"times": [0.0]}, accuracy={"rtol": 1e-4, "fem": settings})
+    solution = solved(scene.problem)
+    error = abs(solution.results["indentation"][0] / 0.5 - 1)
+    assert 1e-4 < error <= solution.errors["indentation"][0] < 10 * error
+
+
+@pytest.mark.parametrize("sizes", [{"growth": 2.0}, {"ring_size": 0.5}])
+def test_degree_2_is_not_compared_with_what_misses_the_same(sizes):
+    """Larger triangles of degree 2 were no larger: boundary elements tell how far off both are."""
+    settings = {"degree": 2, "mesher": "bisection"} | sizes
+    times = {"times": [0.0, 1.0]}
+    scene = THREE.changed(wear=times, accuracy={"rtol": 1e-3, "fem": settings})
+    solution = solved(scene.problem)
+    exact = solved(replace(THREE.changed(wear=times).problem, rtol=1e-6), "bem")
+    shown = slice(0, 3)
+    error = np.abs(
+        solution.results["relaxation_time"][shown] / exact.results["relaxation_time"][shown] - 1
+    )
+    assert (error > 1e-3).any()
+    assert (error <= solution.errors["relaxation_time"][shown]).all()
+    anchors = run(scene).anchors
+    failed = [anchor for anchor in anchors if anchor.difference > 3 * anchor.tolerance]
+    assert not failed
+
+
+@pytest.mark.gmsh
+def test_a_coarse_rim_is_felt_in_times_of_running_in():
+    """The whole change begins with the flat start, which errs because of the element at the rim."""
+    sizes = {"rim_size": 0.2, "ring_size": 0.2}
+    times = {"times": [0.0, 0.1, 1.0]}
+    scene = THREE.changed(wear=times, accuracy={"rtol": 1e-3, "fem": sizes})
+    solution = solved(scene.problem)
+    exact = solved(replace(THREE.changed(wear=times).problem, rtol=1e-6), "bem")
+    for name in ("time_to_90", "time_to_99"):
+        error = abs(float(solution.answers[name] / exact.answers[name]) - 1)
+        assert error <= float(solution.errors[name])
+
+
+def degrees_of(problem):
+    """Degree of each element of the mesh that a problem asks for."""
+    from ringwear.studies.methods.fem import half_space_mesh, half_space_on
+
+    return half_space_on(problem, half_space_mesh(problem)).solid
+
+
+@pytest.mark.gmsh
+def test_a_finer_accuracy_never_asks_for_fewer_unknowns():
+    """At the highest degree of quadrilaterals, those beside edges once fell as rtol fell."""
+    unknowns, highest = [], []
+    for rtol in (1e-6, 1e-7, 1e-8, 1e-9):
+        solid = degrees_of(replace(THREE.problem, rtol=rtol))
+        unknowns.append(solid.unknowns)
+        highest.append(solid.degree)
+    assert highest[-2:] == [16, 16]
+    assert (np.diff(unknowns) > 0).all()
+    counts = [
+        solved(replace(THREE.problem, rtol=rtol), "mdr").unknowns for rtol in (1e-7, 1e-8, 1e-9)
+    ]
+    assert (np.diff(counts) > 0).all()
+
+
+def test_the_radial_mesh_keeps_degrees_that_it_can_have():
+    """With a highest degree below the wanted one, all that need less have what they need."""
+    from ringwear.studies.methods.spaces import radial_space
+
+    problem = replace(THREE.problem, rtol=1e-9)
+    sizes = defaults.mdr_sizes(problem)
+    wanted = int(np.ceil(defaults.pressure_degree(problem, sizes["grading"])))
+    whole = radial_space(problem, **sizes | {"degree": wanted}).degrees
+    capped = radial_space(problem, **sizes | {"degree": 18}).degrees
+    assert whole.max() == wanted > 18
+    assert (capped == np.minimum(whole, 18)).all()
+
+
+@pytest.mark.slow
+@pytest.mark.gmsh
+def test_slopes_at_the_finest_accuracy():
+    """Boundary elements tell the RMS slope, in which finite elements once erred by 12 rtol."""
+    problem = replace(THREE.changed(wear__times={"tau": [0.01, 0.1, 1.0, 5.0]}).problem, rtol=1e-8)
+    exact = solved(replace(problem, rtol=1e-9, compared_on=problem.face), "bem")
+    solution = solved(problem)
+    slopes = solution.results["rms_slope"] / exact.results["rms_slope"]
+    assert np.abs(slopes - 1).max() < 1e-8
