@@ -86,8 +86,8 @@ def elements_on(
         space = pressure_space(solid, np.array(edges), larger.hollow)
         linear = replace(space, degrees=np.minimum(space.degrees, 1))
         half_space = HalfSpace(solid, linear, enough_poles(REACH, NEGLIGIBLE))
-    compliance = half_space.compliance()
     if degree == 1:
         # broken at ring edges, there are more linear pressures on facets than contact nodes
-        compliance = compliance.restricted(compliance.space.coarser())
+        half_space = replace(half_space, space=half_space.space.coarser())
+    compliance = half_space.compliance()
     return Discretised(compliance, lambda: compliance, half_space.unknowns, half_space=half_space)

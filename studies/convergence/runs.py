@@ -165,8 +165,6 @@ class Studied:
         if half_space is not None and discretised.unknowns <= self.most_inside:
             states = states_inside(problem, evaluation)
             if len(states):
-                if compliance.space is not half_space.space:
-                    states = states @ half_space.space.embedding(compliance.space).T
                 with stages("inside"):
                     values[STRESSES] = by_elements(half_space, states)
         self.solved[way.name, setting] = values
