@@ -8,7 +8,7 @@ integration has in closed form, and of anchors (`studies/anchors/`).
 import json
 import time
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from importlib.resources import files
 from itertools import product
@@ -62,8 +62,13 @@ def families(poisson_ratio: float, quick: bool) -> Iterator[Family]:
             family["name"],
             dict.fromkeys(scenes, np.nan),
             partial(judge, scenes),
-            work=lambda cell, seconds=seconds: seconds[cell[0]],
+            work=partial(_seconds_of, seconds),
         )
+
+
+def _seconds_of(seconds: Mapping[str, float], cell: tuple[str, Any, Any]) -> float:
+    """Return the seconds that a cell is expected to take, by its method."""
+    return seconds[cell[0]]
 
 
 def few(axis: Iterable[Any]) -> tuple[Any, Any]:

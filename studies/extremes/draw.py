@@ -1,7 +1,7 @@
 """The figure of the panels: true errors over promised ones, beside the naive choice."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -37,7 +37,9 @@ LOOKS: dict[str, tuple[str, str, str]] = {
     NAIVE: ("0.45", "X", "naive choice"),
 }
 """Colour, marker and label of each method."""
-MARKS: dict[str, dict[str, Any]] = {
+Look: TypeAlias = dict[str, Any]
+"""What matplotlib is told of a line or of a mark."""
+MARKS: dict[str, Look] = {
     "degraded": {"marker": "o", "markersize": 7, "markeredgecolor": "black"},
     "wrong": {"marker": "x", "markersize": 8, "markeredgecolor": "black"},
     "refused": {"marker": "_", "markersize": 8, "markeredgecolor": "0.3"},
@@ -128,7 +130,7 @@ def _draw_panel(axes: "Axes", panel: Panel, rows: pd.DataFrame) -> None:
             these = (of_method.verdict == verdict).to_numpy()
             # what was refused or crashed has no error
             height = np.where(np.isfinite(errors), errors, 3 * LOWEST)
-            mark = {"linestyle": "", "markerfacecolor": "none", "markeredgewidth": 0.8} | look
+            mark: Look = {"linestyle": "", "markerfacecolor": "none", "markeredgewidth": 0.8} | look
             axes.plot(x[these], height[these], **mark)
     axes.axhspan(1, GREATEST, color=RED, alpha=0.06, linewidth=0)
     axes.axhline(1, color="0.4", linewidth=0.8)
@@ -198,11 +200,11 @@ def _handles() -> list[Line2D]:
         )
         for name, (color, marker, label) in LOOKS.items()
     ]
-    dashed = {"color": "0.3", "linestyle": STATED, "linewidth": 0.8}
+    dashed: Look = {"color": "0.3", "linestyle": STATED, "linewidth": 0.8}
     handles.append(Line2D([], [], **dashed, label="the method's own estimate"))
     handles += [
         Line2D([], [], linestyle="", markerfacecolor="none", **look, label=verdict)
         for verdict, look in MARKS.items()
     ]
-    beyond = {"linestyle": "", "marker": "^", "markersize": 4, "color": "0.45"}
+    beyond: Look = {"linestyle": "", "marker": "^", "markersize": 4, "color": "0.45"}
     return [*handles, Line2D([], [], **beyond, label=f"beyond {GREATEST:.0e}")]

@@ -18,6 +18,7 @@ from ...mdr.flat_punch import flat_punch
 from ..crosscheck.agreement import compare
 from ..crosscheck.promise import allowed_error, unresolved
 from ..methods.base import Solution, method
+from ..problem.fields import Cone, Parabola
 from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..problem.sections import FemAccuracy, MdrAccuracy
@@ -44,8 +45,15 @@ def solve_reference(problem: Problem, name: str, rtol: float) -> Solution:
     RingwearError
         if the reference cannot be computed
     """
-    default = {"fem": FemAccuracy(), "mdr": MdrAccuracy(), "march": "modal", "step": None}
-    finer = replace(problem, rtol=rtol, compared_on=problem.face, **default)
+    finer = replace(
+        problem,
+        rtol=rtol,
+        compared_on=problem.face,
+        fem=FemAccuracy(),
+        mdr=MdrAccuracy(),
+        march="modal",
+        step=None,
+    )
     return method(name).solve(finer, Stages(name))
 
 
@@ -101,13 +109,12 @@ def start_in_closed_form(scene: Scene) -> dict[str, float]:
         flat = flat_punch(problem.inner_radius)
         return {"indentation": float(flat.indentation)}
     profile, units = scene.punch.profile, problem.units
-    kind = getattr(profile, "kind", "")
     pressed = units.force / (units.modulus * units.length**2)
-    if kind == "parabola":
+    if isinstance(profile, Parabola):
         curvature = profile.curvature_radius / units.length
         contact = (0.75 * pressed * curvature) ** (1 / 3)
         depth = contact**2 / curvature
-    elif kind == "cone":
+    elif isinstance(profile, Cone):
         contact = (2 * pressed / (np.pi * profile.slope)) ** 0.5
         depth = np.pi / 2 * profile.slope * contact
     else:

@@ -209,7 +209,7 @@ def read_panels(poisson_ratio: float) -> Iterator[Panel]:
     for panel in table["panels"]:
         scene = base.changed(**panel.pop("scene", {}))
         seconds = table["seconds"] | panel.pop("seconds", {})
-        lists = {
+        lists: dict[str, Any] = {
             key: tuple(panel.pop(key)) for key in ("values", "quick", "methods") & panel.keys()
         }
         yield Panel(base=scene, seconds=seconds, **lists, **panel)

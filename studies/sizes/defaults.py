@@ -129,6 +129,7 @@ class QuadSizes(TypedDict):
     growth: float
     outer: float
     edge_amplitude: EdgeAmplitude
+    lacking_degrees: int
 
 
 def mdr_sizes(problem: Problem) -> dict[str, Any]:
