@@ -88,16 +88,10 @@ def block_sizes(sweep: Sweep, blank: xarray.Dataset) -> dict[str, int]:
     discretisation; of few scenes, or of shaped punches, it takes several geometries. Large sweeps
     have larger blocks.
     """
-    # beginnings of keys that scenes may differ in and yet share a discretisation
-    sharing: tuple[str, ...] = ()
-    if sweep.first.problem.full_contact:
-        sharing = (
-            *("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs"),
-            *("load.", "wear.", "output.", "title"),
-        )
+    shared = sweep.first.problem.contact.shared_keys
     larger = min(max(sweep.count // 8192, 1), 64)
     in_memory = 2**27 * sweep.count // blank.nbytes
-    unlike = {column.dim for key, column in sweep.columns.items() if not key.startswith(sharing)}
+    unlike = {column.dim for key, column in sweep.columns.items() if not key.startswith(shared)}
     block: dict[str, int] = {}
     # the last dimensions first, as their scenes stand side by side in the store
     last_first = list(sweep.sizes)[::-1]
