@@ -46,7 +46,7 @@ def pressed_by(**load):
             INDENTATION_AT_VARYING_SPEED,
         ),
     ],
-    ids=str,
+    ids=["force", "rising", "falling", "speed", "indentation", "indentation and speed"],
 )
 def test_contact_and_load_of_a_flat_punch(load, contact, regime):
     problem = pressed_by(**load)
@@ -88,7 +88,7 @@ def test_names_of_quantities_and_numbers_are_known():
         ({"indentation": 1.0}, {"contact_radius"}),
         ({"normal_force": FALLING}, {"relaxation_time"}),
     ],
-    ids=str,
+    ids=["force", "rising", "indentation", "falling"],
 )
 def test_forces_are_quantities_where_they_are_not_one_number(load, missing):
     problem = pressed_by(**load)
