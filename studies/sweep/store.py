@@ -25,6 +25,7 @@ from zarr.codecs import ZstdCodec
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.quantities import ERROR, NORMS, STATES, error_name
+from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames, kind_of
 from ..versions import code, stamp, versions
 from ..wear.modes import SHOWN
@@ -56,7 +57,7 @@ def template(sweep: Sweep) -> xarray.Dataset:
     for key, (name, dim, values) in [*sweep.shared.items(), *sweep.columns.items()]:
         numbers = all(isinstance(value, int | float) for value in values)
         array = np.array(values if numbers else [*map(str, values)], None if numbers else object)
-        coordinates[name] = dim, array, described(key, kind_of(key))
+        coordinates[name] = dim, array, described(key, kind_of(key, Scene))
     dataset = xarray.Dataset(coords=coordinates)
 
     def add(
