@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike
 from ..methods.base import Solution
 from ..problem.problem import Problem
 from ..problem.quantities import HISTORIES, STEADY
+from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..problem.scene import Scene
 from . import answers, balances, fields, inputs, moving, start, steady, wear
 from .anchor import Anchor, Rows, judge
@@ -128,27 +129,32 @@ OF_INPUTS = (
     "outer radii reported",
 )
 OF_STEADY_STATES = ("steady_wear_rate in closed form", "steady pressures of Eq. 24")
-OF_FULL_CONTACT = (
-    "flat start of the answer",
-    "force shares of the answer at the start",
-    "running-in time of the answer",
-    "displacement, u = d - f",
-    "greatest displacement",
-    "reciprocity with the flat punch",
-    "modes add up to the flat start",
-    "worn volumes of the answer, of the profile",
-)
-OF_MOVING_CONTACT = (
-    "u + f = d where it presses",
-    "no gap below zero",
-    "F = int p dA",
-    "reciprocity with a uniform pressure",
-    "reciprocity with the flat punch",
-    "contact ends where p does",
-    "greatest displacement",
-)
-OF_A_FORCE = ("ring forces add up to F",)
-OF_A_FIXED_INDENTATION = ("worn, unworn and pressed in, of the overlap A d",)
+OF_CONTACT = {
+    FULL_CONTACT: (
+        "flat start of the answer",
+        "force shares of the answer at the start",
+        "running-in time of the answer",
+        "displacement, u = d - f",
+        "greatest displacement",
+        "reciprocity with the flat punch",
+        "modes add up to the flat start",
+        "worn volumes of the answer, of the profile",
+    ),
+    MOVING_CONTACT: (
+        "u + f = d where it presses",
+        "no gap below zero",
+        "F = int p dA",
+        "reciprocity with a uniform pressure",
+        "reciprocity with the flat punch",
+        "contact ends where p does",
+        "greatest displacement",
+    ),
+}
+# by the quantity that the load does not give
+OF_RESPONSE = {
+    "indentation": ("ring forces add up to F",),
+    "normal_force": ("worn, unworn and pressed in, of the overlap A d",),
+}
 
 
 def anchors(
@@ -190,5 +196,4 @@ def expected_anchors(problem: Problem, solution: Solution) -> tuple[str, ...]:
     marched = solution.wear is not None or solution.march is not None
     if not (marched and problem.earliest and problem.march == "modal"):
         return names
-    names += OF_FULL_CONTACT if problem.full_contact else OF_MOVING_CONTACT
-    return names + (OF_A_FORCE if problem.indentation is None else OF_A_FIXED_INDENTATION)
+    return names + OF_CONTACT[problem.contact] + OF_RESPONSE[problem.load_regime.response]

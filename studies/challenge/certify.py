@@ -32,7 +32,7 @@ def certify(scene: Scene) -> pd.DataFrame:
     that of the finest run; the greatest difference to another is at most half a unit of the last
     digit.
     """
-    finest = 1e-8 if scene.problem.full_contact else 1e-5
+    finest = scene.problem.contact.finest_rtol
     settings = ("mdr", finest), ("bem", 3 * finest), ("fem", 3 * finest), ("mdr", 10 * finest)
     values = [sample(scene, *chosen) for chosen in settings]
     sizes = (values[0].abs() / np.ptp(values, axis=0) / 2).clip(upper=1e12)  # to twelve digits

@@ -100,7 +100,7 @@ def check(
 
 def _with_given_force(problem: Problem, solution: Solution) -> Solution:
     """Return a solution with the force as a quantity: no method makes an error of what is given."""
-    if problem.indentation is not None:
+    if problem.load_regime.response == "normal_force":
         return solution
     force = {"normal_force": problem.loading.at(problem.times).force}
     exact = {"normal_force": np.zeros(len(problem.times))}

@@ -12,7 +12,8 @@ from ...meshes.compliance import Compliance
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.loading import Loading
-from ..sizes.marching import MOST_CONTACT_STEPS, steps_between
+from ..problem.regimes import MOVING_CONTACT
+from ..sizes.marching import steps_between
 from ..wear.history import History, Moment, Steps
 from ..wear.unilateral import Load
 from .full_face import FullFace
@@ -133,9 +134,9 @@ class ContactMarch:
                     in_turn = loading.varies and control.taken % WATCHED_EVERY == 0
                     if dt < left and (further or in_turn):
                         watched.append(now)
-                if control.taken + control.rejected > MOST_CONTACT_STEPS:
+                if control.taken + control.rejected > MOVING_CONTACT.most_steps:
                     raise SceneError(
-                        f"the march took more than {MOST_CONTACT_STEPS} steps to a sliding "
+                        f"the march took more than {MOVING_CONTACT.most_steps} steps to a sliding "
                         f"distance of {now.distance:.3g}: give a larger rtol"
                     )
             if carried.force is not None and now.press.force != carried.force:
@@ -156,10 +157,10 @@ class ContactMarch:
             If it would take too many steps.
         """
         counts = steps_between(times, step).astype(int)
-        if counts.sum() > MOST_CONTACT_STEPS:
+        if counts.sum() > MOVING_CONTACT.most_steps:
             raise SceneError(
-                f"{counts.sum()} steps are needed, more than {MOST_CONTACT_STEPS}: give a larger "
-                "wear.step"
+                f"{counts.sum()} steps are needed, more than {MOVING_CONTACT.most_steps}: "
+                "give a larger wear.step"
             )
         stages, face = self._stages, self.face
         before = now = stages.unworn()

@@ -120,16 +120,11 @@ def compare(problem: Problem, solutions: Sequence[Solution]) -> dict[str, Differ
 
 def due(problem: Problem) -> set[str]:
     """Return what two methods that lack nothing have to be compared in."""
-    names = set(QUANTITIES) - {"contact", "contact_edge"} - STEADY
-    names -= {"contact_radius"} if problem.full_contact else {"relaxation_time"}
-    if problem.full_contact and problem.indentation is None:
-        names -= {"ring_worn_volume"}
-        names -= set() if problem.loading.varies else {"normal_force"}
+    names = set(QUANTITIES) - {"contact", "contact_edge"} - STEADY - problem.quantities_missing
     if not len(problem.times):
         names = {"relaxation_time"} & names if problem.quantities else set()
-    elif problem.full_contact:
-        names |= {"running_in_time", "indentation_start", "force_share", "worn_volume"}
-        names |= problem.parts_left.keys()
+    else:
+        names |= problem.contact.numbers_due - problem.load_regime.numbers_missing
     if problem.steady:
         names |= STEADY
     return {name for name in names if problem.wants(name)}

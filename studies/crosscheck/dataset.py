@@ -21,6 +21,7 @@ from ..problem.quantities import (
     FIELDS,
     error_name,
 )
+from ..problem.regimes import OPERATORS
 from ..problem.scene import Scene
 from ..progress import Stages
 from ..sampling.field_differences import (
@@ -97,10 +98,11 @@ class Result:
             for solution in self.solutions.values()
             if solution.wear is not None
         ]
-        if not self.scene.problem.full_contact or len(sizes) < 2 or max(sizes) <= MOST_PRESSURES:
+        by_contact = OPERATORS in self.scene.problem.contact.left_out
+        if by_contact or len(sizes) < 2 or max(sizes) <= MOST_PRESSURES:
             return {}
         return {
-            "methods as operators": f"compared for up to {MOST_PRESSURES} pressures: eigenvalues "
+            OPERATORS: f"compared for up to {MOST_PRESSURES} pressures: eigenvalues "
             f"of {max(sizes)} would take longer than the run; energies are still checked"
         }
 

@@ -7,11 +7,26 @@ pressures^2, and as pressures^3 once matrices are large, a march as its steps ti
 
 from ..methods.base import Method, SystemSize
 from ..problem.problem import Problem
+from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..problem.scene import Scene, Source
 from ..sizes.marching import steps_between
 from .run import run
 from .scope import methods_of, refusals
 from .sizes import predict_memory
+
+
+def _work_of_modes(problem: Problem, order: float) -> float:
+    # of a steady state, or of relaxation times alone, no modes are needed
+    return (0.5 if len(problem.times) else 0.1) * order**2 * (1 + order / 3)
+
+
+def _work_of_steps(problem: Problem, order: float) -> float:
+    # the steps that suit rtol go as the third root of its inverse
+    return float(0.15 * order**2 * problem.rtol ** (-1 / 3))
+
+
+# work of dense algebra, by a problem and thousands of its pressures
+DENSE_WORK = {FULL_CONTACT: _work_of_modes, MOVING_CONTACT: _work_of_steps}
 
 
 def predict_work(method: Method, problem: Problem, size: SystemSize) -> float:
@@ -21,19 +36,14 @@ def predict_work(method: Method, problem: Problem, size: SystemSize) -> float:
     """
     order, step = size.pressures / 1e3, method.step(problem)
     steps = float(steps_between(problem.times, step).sum()) if step else 0.0
-    if problem.full_contact:
-        # of a steady state, or of relaxation times alone, no modes are needed
-        dense = (0.5 if len(problem.times) else 0.1) * order**2 * (1 + order / 3)
-    else:
-        # the steps that suit rtol go as the third root of its inverse
-        dense = 0.15 * order**2 * problem.rtol ** (-1 / 3)
+    dense = DENSE_WORK[problem.contact](problem, order)
     return 0.02 + dense + 0.1 * (size.unknowns / 1e4) ** 1.5 + 6e-4 * steps * order**2
 
 
 def coarsen(scene: Scene) -> Scene:
     """Return the probe of a scene: the same scene at a coarse accuracy.
 
-    If a flat punch has more than 16 rings, the probe has the inner 16. If a time step is given, the
+    If a flat punch has many rings, the probe has the inner ones only. If a time step is given, the
     probe makes the first hundred steps.
     """
     problem, step, times = scene.problem, scene.wear.step, scene.wear.times
@@ -46,9 +56,10 @@ def coarsen(scene: Scene) -> Scene:
     if step is not None and times:
         times = [0.0, min(times[-1], 100 * step)]
     changes: dict[str, object] = {"accuracy": accuracy, "wear__times": times, "output__radii": None}
-    if problem.full_contact and len(problem.wear_coefficients) > 16:
-        edges = (problem.ring_edges[1:17] * problem.units.length).tolist()
-        coefficients = problem.wear_coefficients[:16] * problem.units.wear_coefficient
+    most = problem.contact.rings_of_probe
+    if most is not None and len(problem.wear_coefficients) > most:
+        edges = (problem.ring_edges[1 : most + 1] * problem.units.length).tolist()
+        coefficients = problem.wear_coefficients[:most] * problem.units.wear_coefficient
         changes["punch"] = {
             "radius": edges[-1],
             "ring_edges": edges,

@@ -33,8 +33,6 @@ AT_EDGES = (
 BY_CELLS = ("ring_force", "ring_worn_volume", "force_share", "worn_volume")
 # quantities that the first line names, of those that are left out at the same times
 MOST_NAMES = 4
-# times the accuracy asked for that each method may err by where edges of the contact move
-WHERE_EDGES_MOVE = 2.0
 
 
 @dataclass(frozen=True)
@@ -55,7 +53,7 @@ class LeftOut:
 
 def allowed_error(problem: Problem) -> float:
     """Return the error that each method may state."""
-    return problem.rtol * (1.0 if problem.full_contact else WHERE_EDGES_MOVE)
+    return problem.rtol * problem.contact.allowed_over_rtol
 
 
 def unresolved(

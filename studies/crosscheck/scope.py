@@ -28,16 +28,11 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
     lines = [f"{name}: {entry.what or 'a method of the user'}" for name, entry in methods.items()]
     # what lacks nothing marches from the start to the steady state; others tell their way
     if len(problem.times) and not all(entry.lacks for entry in methods.values()):
-        start, way = "the flat start", "exactly in time, by its relaxation modes"
-        if not problem.full_contact:
-            start, way = "the unworn face", "in implicit steps of second order that suit rtol"
-            lines.append(
-                "inequality: pressure >= 0, gap >= 0, one of them zero; contact opens, closes and "
-                "spreads"
-            )
-        if problem.march != "modal":
-            way = f"by steps of {problem.march} Euler"
-        lines.append(f"history: {len(problem.times)} times from {start}, {way}")
+        contact, way = problem.contact, f"by steps of {problem.march} Euler"
+        if problem.march == "modal":
+            way = contact.way
+        lines += contact.modelled
+        lines.append(f"history: {len(problem.times)} times from {contact.start}, {way}")
     if scene.half_space.punch_youngs_modulus is not None:
         lines.append(
             "two elastic bodies: one half-space of their combined modulus; the punch counts as a "
@@ -48,20 +43,14 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
             "hole: the surface under it is free; the flat start is sought among the flat annulus's "
             "pressures"
         )
-    if problem.loading.varies:
+    lines += problem.load_regime.modelled
+    if not problem.loading.forces.all():
         lines.append(
-            "load over time: linear between the times given, and wear goes by the sliding "
-            "distance; the steady state is that of the force and speed held last, relaxation times "
-            "are those of the greatest speed"
+            "no force: while it is 0, the punch rests on its foremost point and does not wear"
         )
-        if not problem.loading.forces.all():
-            lines.append(
-                "no force: while it is 0, the punch rests on its foremost point and does not wear"
-            )
     lacking = all("steady state" in entry.lacks for entry in methods.values())
     if problem.steady and not lacking:
-        flat = ", that of the flat punch: wear ends with all of the face in contact"
-        lines.append(f"steady state: without any march{'' if problem.full_contact else flat}")
+        lines.append(f"steady state: without any march{problem.contact.steady_state}")
     return lines
 
 
@@ -69,34 +58,17 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
     """Return what is not computed, with the reason."""
     problem = scene.problem
     reasons = {
-        "friction and temperature": "not part of the model: the punch is rigid and frictionless"
+        "friction and temperature": "not part of the model: the punch is rigid and frictionless",
+        **problem.contact.left_out,
+        **problem.load_regime.left_out,
     }
-    if problem.full_contact:
-        reasons["inequality p >= 0"] = (
-            "a punch that starts flat never loses contact: pressure can only rise where it is near "
-            "zero"
-        )
-    else:
-        reasons |= {
-            "springs' rule of the MDR": "q = d - g holds only while contact is one disc; the "
-            "energy of the MDR needs no disc",
-            "relaxation modes": "they are those of a contact that does not change; running-in "
-            "times are told once all of the face carries",
-            "ring pressures at the start": "they may be infinite at edges of the contact, or on "
-            "its axis",
-            "methods as operators": "compared for flat punches only",
-        }
-    if problem.loading.varies:
-        reasons["times to 90 % and 99 % of running-in"] = "the load varies, and they are of one"
     alone = f"output.quantities asks for {', '.join(scene.output.quantities)} alone"
     if problem.quantities is not None:
         reasons["all other quantities"] = alone
     if not len(problem.times):
         reasons["history"] = alone if scene.wear.times else "the scene gives no times"
-    if problem.indentation is not None:
-        reasons["steady state"] = (
-            "at a fixed indentation wear goes on until nothing presses any more"
-        )
+    if never := problem.load_regime.no_steady_state:
+        reasons["steady state"] = never
     elif scene.wear.steady and problem.why_never_steady:
         reasons["steady state"] = problem.why_never_steady
     elif not problem.steady:
@@ -133,7 +105,7 @@ def time_scale(scene: Scene) -> list[str]:
     problem = scene.problem
     if not problem.earliest:
         return []
-    slowest = slowest_relaxation_time(problem.merged, problem.indentation is not None)
+    slowest = slowest_relaxation_time(problem)
     if not np.isfinite(slowest):
         return [f"running-in: not known beforehand for more than {MOST_RINGS} rings"]
 
@@ -142,10 +114,10 @@ def time_scale(scene: Scene) -> list[str]:
 
     lines = [f"running-in: slowest relaxation time of the full face {written(slowest)}"]
     # contact that spreads has a time scale of its own
-    if not problem.full_contact and not problem.loading.varies:
+    until = problem.load_regime.spreads_until
+    if not problem.full_contact and until is not None:
         start, end = map(written, spreading(problem))
-        until = f" to {end}" if problem.indentation is None else " on"
-        lines.append(f"contact spreads from about {start}{until}")
+        lines.append(f"contact spreads from about {start}{until.format(end=end)}")
     return lines + outside(problem, slowest)
 
 

@@ -31,11 +31,11 @@ def draw_history(result: Result) -> Figure:
     the indentation is given, and the indentation if more methods give it. Differences are drawn in
     panels below, relative to the value.
     """
-    scale, fixed = Scale(result.scene), result.scene.problem.indentation is not None
+    scale = Scale(result.scene)
     worn = result.coordinates["time"] > 0
     times = result.coordinates["time"][worn]
     # results of others may tell no more than how deep the punch is
-    rising = ("normal_force" if fixed else "displacement_max", "indentation")
+    rising = result.scene.problem.load_regime.shows_running_in, "indentation"
     names = max(rising, key=lambda name: len(result.by_method(name))), "rms_slope"
     first, between = result.between
     rows = min(2, len(result.by_method("rms_slope")))

@@ -68,8 +68,7 @@ class Scale:
             "volume": 100 * slid * units.volume,
         }
         self.axes = {kind: self._unit(size, kind) for kind, size in sizes.items()}
-        # where loads vary, late times have as much to show as early ones
-        self.logarithmic = times[-1] > 30 * times[0] and not self.problem.loading.varies
+        self.logarithmic = times[-1] > 30 * times[0] and self.problem.load_regime.logarithmic_times
         self.many_rings = len(self.problem.wear_coefficients) > 24
 
     def _unit(self, size: float, kind: str) -> tuple[float, str]:

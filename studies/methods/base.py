@@ -14,6 +14,7 @@ from ..contact.fitted_press import CompliancesOn
 from ..contact.marched import Marched
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, COMPARED_MODES, DESCRIBED
+from ..problem.regimes import FIXED_INDENTATIONS, MOVING_CONTACT, Regime
 from ..progress import Stages
 from ..sampling.norms import Results
 from ..wear.flat_contact import FittedPress
@@ -158,6 +159,12 @@ class SystemSize(NamedTuple):
     pressures: int
 
 
+def flat_punches_only(name: str) -> dict[Regime, str]:
+    """Return what a method refuses that solves flat punches under a force only."""
+    reason = f"{name} knows flat punches under a force only: leave it out of methods"
+    return dict.fromkeys((MOVING_CONTACT, *FIXED_INDENTATIONS), reason)
+
+
 class Method(ABC):
     """A way to solve the problem.
 
@@ -166,11 +173,14 @@ class Method(ABC):
     name : as scenes call it
     what : what it is, for people
     lacks : `history` or `steady state`, if it does not give that, and why
+    refused : regimes of problems that it cannot solve, each with the reason and the remedy; all but
+        flat punches under a force if it is None
     """
 
     name: str
     what: str = ""
     lacks: ClassVar[dict[str, str]] = {}
+    refused: ClassVar[Mapping[Regime, str] | None] = None
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Return everything that a problem asks for."""
@@ -199,9 +209,8 @@ class Method(ABC):
 
     def refusal(self, problem: Problem) -> str:
         """Return why it cannot solve the problem at all, with the remedy; empty if it can."""
-        if not problem.full_contact or problem.indentation is not None:
-            return f"{self.name} knows flat punches under a force only: leave it out of methods"
-        return ""
+        refused = flat_punches_only(self.name) if self.refused is None else self.refused
+        return next((refused[regime] for regime in problem.regimes if regime in refused), "")
 
     def sizes_given(self, problem: Problem) -> bool:
         """Return whether the user has given the sizes of the method, which then stay."""

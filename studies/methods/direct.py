@@ -1,6 +1,6 @@
 """Direct integration: the steady state in closed form (Eqs. 21 to 27)."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -10,6 +10,7 @@ from ...meshes.radial import Array, ring_of
 from ..problem.face import Face
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, STEADY
+from ..problem.regimes import FIXED_INDENTATIONS, WEAR_ALONG_RADIUS, Regime
 from ..progress import Stages
 from ..sampling.answers import steady_answers
 from ..sampling.norms import Results
@@ -22,25 +23,16 @@ class Direct(Method):
     name = "direct"
     what = "the steady state by direct integration, in closed form"
     lacks: ClassVar[dict[str, str]] = {"history": "direct integration knows the steady state only"}
-
-    def refusal(self, problem: Problem) -> str:
-        """Return why the problem cannot be solved at all, with the remedy; empty if it can.
-
-        Direct integration needs wear coefficients that are constant on rings, and a load that is a
-        force.
-        """
-        if problem.merged.linear:
-            return (
-                "direct integration knows pressures that are constant on rings, and with "
-                "punch.wear_coefficient along the radius none is: leave direct out of methods, or "
-                "give steps, or many rings"
-            )
-        if problem.indentation is not None:
-            return (
-                "direct knows steady states, and with load.indentation nothing presses in the "
-                "end: leave it out of methods"
-            )
-        return ""
+    refused: ClassVar[Mapping[Regime, str]] = {
+        WEAR_ALONG_RADIUS: "direct integration knows pressures that are constant on rings, and "
+        "with punch.wear_coefficient along the radius none is: leave direct out of methods, or "
+        "give steps, or many rings",
+        **dict.fromkeys(
+            FIXED_INDENTATIONS,
+            "direct knows steady states, and with load.indentation nothing presses in the end: "
+            "leave it out of methods",
+        ),
+    }
 
     def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         """Return the steady states of several problems on the same ring edges, in closed form."""

@@ -16,11 +16,6 @@ from .evaluation import Evaluation
 OF_FIELD = {"displacement_max": "displacement", "steady_displacement_max": "steady_profile"}
 
 
-# numbers of a flat punch that are values of the displacement at one place, whose differences cross
-# zero now and then: their errors are at least this part of that of the field
-TAKEN_FROM_FIELD = {"displacement_centre", "displacement_max"}
-
-
 def estimate_errors(
     fine: Evaluation, coarse: Evaluation
 ) -> tuple[dict[str, Array], dict[str, float]]:
@@ -39,8 +34,8 @@ def estimate_errors(
         )
     errors = {name: fine.estimate(name, difference) for name, difference in missed.items()}
     part = error_factor("part of the field")
-    for name in TAKEN_FROM_FIELD & errors.keys():
-        if problem.full_contact and "displacement" in errors:
+    for name in fine.taken_from_field & errors.keys():
+        if "displacement" in errors:
             errors[name] = np.maximum(errors[name], part * errors["displacement"])
     compared = answer_differences(coarse.answers, fine.answers)
     for name, difference in compared.items():

@@ -4,7 +4,10 @@ Flat punches under a force keep full contact, and are exact in time; any other c
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Set
 from functools import cached_property
+from math import inf, prod
+from typing import ClassVar
 
 import numpy as np
 
@@ -28,6 +31,11 @@ class Evaluation(ABC):
     """One compliance, worn and sampled."""
 
     wear: RunningIn | None = None
+    # greatest number of times whose fields are sampled at once
+    times_at_once: float = inf
+    # numbers that are values of the displacement at one place, whose differences cross zero now and
+    # then: their errors are at least a part of that of the field
+    taken_from_field: ClassVar[Set[str]] = frozenset()
 
     def __init__(self, problem: Problem, compliance: Compliance) -> None:
         self.problem, self.compliance = problem, compliance
@@ -85,8 +93,7 @@ class Evaluation(ABC):
     def results(self) -> Results:
         """The quantities at the times and radii asked for."""
         results, count = self._timeless(on_face=False), len(self.problem.times)
-        # fields of a hundred thousand times at once would fill the memory; a march has few
-        pieces = 1 + count // 1024 if self.problem.full_contact else 1
+        pieces = 1 + int(count // self.times_at_once)
         sampled = [
             self.sampler.history(self.history[piece])
             for piece in np.array_split(np.arange(count), pieces)
@@ -128,6 +135,10 @@ class FullContact(Evaluation):
     smallest : least size of the elements that the method can have beside a ring edge
     """
 
+    # fields of a hundred thousand times at once would fill the memory; a march has few
+    times_at_once = 1024
+    taken_from_field = frozenset({"displacement_centre", "displacement_max"})
+
     def __init__(
         self,
         problem: Problem,
@@ -136,7 +147,7 @@ class FullContact(Evaluation):
         smallest: float = 0.0,
     ) -> None:
         super().__init__(problem, compliance)
-        graded = error_factor("wear along the radius") if problem.merged.linear else 1.0
+        graded = prod(map(error_factor, problem.wear_regime.error_factors))
         self.safety, self.smallest, self._graded = graded * safety, smallest, graded
         wear_coefficients = problem.merged.wear_coefficients
         self.wear: RunningIn = RunningIn(
@@ -242,8 +253,8 @@ class FullContact(Evaluation):
         if name in ("pressure_min", "pressure_max"):
             # the element at the rim moves the other functions that the start is sought among
             return max(chance, error_factor("pressure at the rim") * self._rim_size)
-        if name in self.problem.parts_left:
-            return max(chance, self._unknown_time(self.problem.parts_left[name]))
+        if name in self.problem.load_regime.parts_left:
+            return max(chance, self._unknown_time(self.problem.load_regime.parts_left[name]))
         return chance
 
     def _unknown_time(self, part: float) -> float:

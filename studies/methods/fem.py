@@ -14,6 +14,7 @@ from ...fem.condensation import solver
 from ...meshes.errors import MeshError
 from ...meshes.sizes import NARROWEST
 from ..problem.problem import Problem
+from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..problem.sections import DEGREES, LAYERED
 from ..progress import Stages
 from ..sizes import defaults
@@ -158,13 +159,8 @@ class Fem(ComplianceMethod):
         """Return why the problem cannot be solved at all, with the remedy; empty if it can.
 
         Besides what every `ComplianceMethod` refuses, rings narrower than `NARROWEST` cannot be
-        meshed, and only the mesh of a flat punch can be sized by the user.
+        meshed.
         """
-        if not problem.full_contact and problem.fem.model_fields_set - {"mesher", "degree"}:
-            return (
-                "accuracy.fem sizes the mesh of a flat punch: with an initial profile leave out "
-                "all but the mesher, which is that of the steady state, and the degree"
-            )
         if refused := _refused_degree(problem):
             return refused
         narrowest = float(problem.merged.widths.min())
@@ -174,6 +170,15 @@ class Fem(ComplianceMethod):
                 f"{narrowest:.2g} a; merge it with a neighbour, or leave fem out of methods"
             )
         return super().refusal(problem)
+
+    def sizes_of_flat_punches(self, problem: Problem) -> str:
+        """Return what to leave out if the user has given more than the mesher and the degree."""
+        if not problem.fem.model_fields_set - {"mesher", "degree"}:
+            return ""
+        return (
+            "accuracy.fem sizes the mesh of a flat punch: with an initial profile leave out all "
+            "but the mesher, which is that of the steady state, and the degree"
+        )
 
     def sizes_given(self, problem: Problem) -> bool:
         """Return whether the user has given sizes or degrees of the mesh."""
@@ -194,12 +199,7 @@ class Fem(ComplianceMethod):
 
     def system_size(self, problem: Problem) -> SystemSize:
         """Return how many unknowns and pressures the finite elements of a problem will have."""
-        from ...fem.contact_meshes import even_half_space
-
-        if problem.full_contact:
-            half_space = half_space_on(problem, half_space_mesh(problem))
-        else:
-            half_space = even_half_space(contact_cells(problem)[0], problem.poisson_ratio)
+        half_space = HALF_SPACES[problem.contact](problem)
         return SystemSize(half_space.unknowns, half_space.space.size)
 
     def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
@@ -216,7 +216,17 @@ class Fem(ComplianceMethod):
         For a flat punch, elements are small at ring edges and rim; for any other, there are cells
         over the face.
         """
-        return (_layered if problem.full_contact else _on_cells)(problem, stages)
+        return DISCRETISED[problem.contact](problem, stages)
+
+
+def _layered_half_space(problem: Problem) -> "HalfSpace":
+    return half_space_on(problem, half_space_mesh(problem))
+
+
+def _half_space_on_cells(problem: Problem) -> "HalfSpace":
+    from ...fem.contact_meshes import even_half_space
+
+    return even_half_space(contact_cells(problem)[0], problem.poisson_ratio)
 
 
 def _refused_degree(problem: Problem) -> str:
@@ -346,5 +356,8 @@ def _coarser_half_space(problem: Problem, chosen: ChosenMesh, whole: "HalfSpace"
         solid, pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow), poles
     )
 
+
+HALF_SPACES = {FULL_CONTACT: _layered_half_space, MOVING_CONTACT: _half_space_on_cells}
+DISCRETISED = {FULL_CONTACT: _layered, MOVING_CONTACT: _on_cells}
 
 METHOD = Fem()

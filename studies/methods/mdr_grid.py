@@ -3,7 +3,7 @@
 Springs on a uniform grid, explicit steps in time, no steady state.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -13,13 +13,14 @@ from ...mdr.uniform_grid import UniformGrid
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
 from ..problem.problem import Problem
+from ..problem.regimes import VARYING_FORCE, WEAR_ALONG_RADIUS, Regime
 from ..progress import Stages
 from ..sampling.norms import answer_differences, differences
 from ..sampling.sampler import Sampler
 from ..sizes.defaults import grid_step
 from ..sizes.marching import refused_steps, steps_between
 from ..wear.history import History
-from .base import Method, Solution, SystemSize
+from .base import Method, Solution, SystemSize, flat_punches_only
 from .pipeline import DENSE_MATRICES
 
 
@@ -31,6 +32,13 @@ class MdrGrid(Method):
     lacks: ClassVar[dict[str, str]] = {
         "steady state": "the paper's algorithm marches towards it, and never arrives"
     }
+    refused: ClassVar[Mapping[Regime, str]] = {
+        WEAR_ALONG_RADIUS: "mdr-grid knows wear that is constant on rings: leave it out of "
+        "methods, or give steps or many rings in place of punch.wear_coefficient along the radius",
+        VARYING_FORCE: "mdr-grid knows one force and one sliding speed: leave it out of methods, "
+        "or give load.normal_force and load.sliding_speed as numbers",
+        **flat_punches_only("mdr-grid"),
+    }
 
     def refusal(self, problem: Problem) -> str:
         """Return why the problem cannot be solved at all, with the remedy; empty if it can.
@@ -40,18 +48,8 @@ class MdrGrid(Method):
         """
         if problem.inner_radius:
             return "mdr-grid knows discs only: with punch.inner_radius leave it out of methods"
-        if problem.merged.linear:
-            return (
-                "mdr-grid knows wear that is constant on rings: leave it out of methods, or give "
-                "steps or many rings in place of punch.wear_coefficient along the radius"
-            )
         if refused := super().refusal(problem):
             return refused
-        if problem.loading.varies:
-            return (
-                "mdr-grid knows one force and one sliding speed: leave it out of methods, or give "
-                "load.normal_force and load.sliding_speed as numbers"
-            )
         if not len(problem.times):
             return (
                 "mdr-grid marches in time and knows no steady state: give wear.times, or leave it "

@@ -12,7 +12,7 @@ from ..contact.march import ContactMarch
 from ..contact.marched import Marched
 from ..contact.moments import moments, unresolved_height
 from ..problem.problem import Problem
-from ..problem.quantities import DESCRIBED, ENERGIES
+from ..problem.quantities import DESCRIBED
 from ..sampling.answers import moving_answers
 from ..sampling.norms import Results
 from ..wear.flat_contact import FittedPress
@@ -176,11 +176,12 @@ class MovingContact(Evaluation):
             return error_factor("decaying force") * self.safety
         # under one load energies and volumes are of second order and more in the cells, which makes
         # a difference three times the error
-        converges = name in (*ENERGIES, "ring_worn_volume") and not self.problem.loading.varies
-        return error_factor("moving contact, energies and volumes") if converges else self.safety
+        if name in self.problem.load_regime.second_order:
+            return error_factor("moving contact, energies and volumes")
+        return self.safety
 
     def _decays(self, name: str) -> bool:
-        return self.problem.indentation is not None and name in ("normal_force", "ring_force")
+        return name in self.problem.load_regime.decaying
 
     def _least_error(self, name: str) -> Array:
         """Return what a quantity is not known better than, at the times asked for."""

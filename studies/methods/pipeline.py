@@ -8,10 +8,11 @@ marched (`solve_in_moving_contact`). Both evaluate a fine and a coarser complian
 (`estimate_errors`).
 """
 
-from abc import abstractmethod
-from collections.abc import Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import ClassVar
 
 import numpy as np
 
@@ -23,10 +24,11 @@ from ...meshes.radial import Array
 from ..contact.fitted_press import fit_presses
 from ..problem.problem import Problem
 from ..problem.profile import FLAT
+from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT, ContactRegime, Regime
 from ..progress import Stages
 from ..sampling.answers import joined
-from ..sizes.defaults import RADIAL_ROUNDOFF, mdr_sizes, smallest_size
-from ..sizes.marching import MOST_CONTACT_STEPS, MOST_STEPS, refused_steps, steps_between
+from ..sizes.defaults import RADIAL_ROUNDOFF, smallest_size
+from ..sizes.marching import refused_steps, steps_between
 from ..sizes.shared import Shared
 from ..wear.flat_contact import FittedPress
 from ..wear.unilateral import Interval
@@ -35,7 +37,7 @@ from .error_factors import error_factor
 from .estimates import estimate_errors
 from .evaluation import Evaluation, FullContact
 from .moving_evaluation import MovingContact
-from .spaces import first_contact, load_at_start, pressure_spaces
+from .spaces import choose_spaces, first_contact, load_at_start, pressure_spaces
 
 # dense matrices of the size of the compliance that are in memory at once
 DENSE_MATRICES = 14.0
@@ -48,32 +50,43 @@ class ComplianceMethod(Method):
     given to `run`.
     """
 
+    # it takes every regime, as far as march and times go with it
+    refused: ClassVar[Mapping[Regime, str]] = {}
+
     @abstractmethod
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:
         """Return the compliance that suits a problem, and a coarser one."""
 
+    def sizes_of_flat_punches(self, problem: Problem) -> str:
+        """Return what to leave out if the user has given sizes that only a flat punch can have.
+
+        Empty if the user has given none.
+        """
+        return ""
+
     def refusal(self, problem: Problem) -> str:
         """Return why it cannot solve the problem at all, with the remedy; empty if it can."""
-        if problem.march != "modal" and problem.loading.varies:
+        if refused := super().refusal(problem):
+            return refused
+        if not problem.full_contact and (leave_out := self.sizes_of_flat_punches(problem)):
+            return leave_out
+        if problem.march not in problem.load_regime.marches:
             return (
                 f"wear.march = '{problem.march}' takes steps of one length under one load: with a "
                 "load that varies give 'modal'"
             )
         if problem.step and problem.march != "modal":
             steps = float(steps_between(problem.times, problem.step).sum())
-            most = MOST_STEPS if problem.full_contact else MOST_CONTACT_STEPS
-            if refused := refused_steps(steps, "give a larger wear.step, or march = 'modal'", most):
+            remedy, most = "give a larger wear.step, or march = 'modal'", problem.contact.most_steps
+            if refused := refused_steps(steps, remedy, most):
                 return refused
-        if problem.indentation is not None and not len(problem.times):
+        if not len(problem.times) and (refused := problem.load_regime.refused_without_times):
+            return refused
+        if problem.march not in problem.contact.marches:
             return (
-                "load.indentation has no steady state but that nothing presses any more: give "
-                "wear.times"
-            )
-        if not problem.full_contact and problem.march == "explicit":
-            return (
-                f"wear.march = 'explicit' does not go with {self.name} on an initial profile, "
-                "where contact is an inequality: give 'implicit', or 'modal' for steps that suit "
-                "the accuracy"
+                f"wear.march = '{problem.march}' does not go with {self.name} on an initial "
+                "profile, where contact is an inequality: give 'implicit', or 'modal' for steps "
+                "that suit the accuracy"
             )
         return ""
 
@@ -91,9 +104,7 @@ class ComplianceMethod(Method):
 
         Shaped punches are solved one by one.
         """
-        if problems[0].full_contact:
-            return solve_in_full_contact(self, problems, stages)
-        return [solve_in_moving_contact(self, problem, stages) for problem in problems]
+        return PIPELINES[problems[0].contact].solve_all(self, problems, stages)
 
     def solve_again(
         self, problem: Problem, before: Solution, allowed: float, stages: Stages
@@ -103,9 +114,7 @@ class ComplianceMethod(Method):
         A steady state whose errors are allowed, and a start fitted to the edges of the contact,
         are kept: neither depends on the cells of the history.
         """
-        if problem.full_contact:
-            return self.solve(problem, stages)
-        return solve_in_moving_contact(self, problem, stages, before, allowed)
+        return PIPELINES[problem.contact].solve_again(self, problem, before, allowed, stages)
 
 
 class AnySpaceMethod(ComplianceMethod):
@@ -115,17 +124,12 @@ class AnySpaceMethod(ComplianceMethod):
     def compliance(self, space: PressureSpace) -> Compliance:
         """Return the compliance on a space."""
 
-    def refusal(self, problem: Problem) -> str:
-        """Return why it cannot solve the problem at all, with the remedy; empty if it can.
-
-        Besides what every `ComplianceMethod` refuses, only the radial mesh of a flat punch can be
-        sized by the user.
-        """
-        if not problem.full_contact and problem.mdr.given:
-            return (
-                "accuracy.mdr sizes the mesh of a flat punch: with an initial profile leave it out"
-            )
-        return super().refusal(problem)
+    def sizes_of_flat_punches(self, problem: Problem) -> str:
+        """Return what to leave out if the user has given sizes of the radial mesh."""
+        leave_out = (
+            "accuracy.mdr sizes the mesh of a flat punch: with an initial profile leave it out"
+        )
+        return leave_out if problem.mdr.given else ""
 
     def sizes_given(self, problem: Problem) -> bool:
         """Return whether the user has given the sizes of the radial mesh."""
@@ -133,23 +137,21 @@ class AnySpaceMethod(ComplianceMethod):
 
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:
         """Return the compliance on the space that suits a problem, and what makes a coarser one."""
-        fine, coarse = pressure_spaces(problem)
+        spaces = choose_spaces(problem)
 
         def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> Compliance:
             return self.compliance(fitted_space(edges, infinite, degree))
 
-        # of sizes of which each ring edge may have its own, the smallest
-        sizes = mdr_sizes(problem).items() if problem.full_contact else ()
-        smallest = {name: np.min(size).item() for name, size in sizes if np.size(size)}
+        def coarser() -> Compliance:
+            coarse = spaces.coarse
+            return compliance.restricted(coarse) if spaces.nested else self.compliance(coarse)
+
         with stages("assembling"):
-            compliance = self.compliance(fine)
+            compliance = self.compliance(spaces.fine)
         return Discretised(
             compliance,
-            # within its own space a compliance need not be computed anew
-            lambda: (
-                compliance.restricted(coarse) if problem.full_contact else self.compliance(coarse)
-            ),
-            settings=smallest,
+            coarser,
+            settings=spaces.smallest_sizes,
             smallest=smallest_size(problem, RADIAL_ROUNDOFF),
             fitted=(partial(fitted, degree=8), partial(fitted, degree=6)),
         )
@@ -222,6 +224,64 @@ def solve_in_moving_contact(
         )
         solution = replace(solution, notes=(*solution.notes, note))
     return _beside(solution, steady) if steady else solution
+
+
+class Pipeline(ABC):
+    """How punches of one contact regime are solved, by any method that yields a compliance."""
+
+    @abstractmethod
+    def solve_all(
+        self, method: ComplianceMethod, problems: Sequence[Problem], stages: Stages
+    ) -> list[Solution]:
+        """Return the solutions of problems on the same rings."""
+
+    def solve_again(
+        self,
+        method: ComplianceMethod,
+        problem: Problem,
+        before: Solution,
+        allowed: float,
+        stages: Stages,
+    ) -> Solution:
+        """Return a problem's solution by finer sizes than one before, of which nothing is kept."""
+        return method.solve(problem, stages)
+
+
+class FullContactPipeline(Pipeline):
+    """Flat punches share one discretisation, and modes are exact in time."""
+
+    def solve_all(
+        self, method: ComplianceMethod, problems: Sequence[Problem], stages: Stages
+    ) -> list[Solution]:
+        """Return the solutions of flat punches on the same rings."""
+        return solve_in_full_contact(method, problems, stages)
+
+
+class MovingContactPipeline(Pipeline):
+    """Punches whose contact opens, closes and spreads are marched one by one."""
+
+    def solve_all(
+        self, method: ComplianceMethod, problems: Sequence[Problem], stages: Stages
+    ) -> list[Solution]:
+        """Return the solutions of shaped punches, each discretised by itself."""
+        return [solve_in_moving_contact(method, problem, stages) for problem in problems]
+
+    def solve_again(
+        self,
+        method: ComplianceMethod,
+        problem: Problem,
+        before: Solution,
+        allowed: float,
+        stages: Stages,
+    ) -> Solution:
+        """Return the solution by finer sizes; an accurate steady state and the start are kept."""
+        return solve_in_moving_contact(method, problem, stages, before, allowed)
+
+
+PIPELINES: dict[ContactRegime, Pipeline] = {
+    FULL_CONTACT: FullContactPipeline(),
+    MOVING_CONTACT: MovingContactPipeline(),
+}
 
 
 def steady_part(

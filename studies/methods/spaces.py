@@ -5,8 +5,10 @@ degree. Where edges of the contact move, pressures jump at places that are not k
 linear pressures on cells.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from ...meshes.radial import Array, Indices, exact_graded_breakpoints
 from ...meshes.sizes import degree_reduction
 from ..contact.edges import find_first_contact, refine_at_free_edges
 from ..problem.problem import Problem
+from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..sizes.defaults import cells_of, mdr_sizes, pressure_degree, with_affordable_field_tolerance
 from ..wear.unilateral import Interval, Load
 
@@ -28,13 +31,48 @@ WEAK_KINK = 0.1
 START_TOLERANCE, COARSEST_RTOL = 0.2, 1e-3
 
 
+class PressureSpaces(NamedTuple):
+    """The pressure space that suits a problem, and one that is coarser in everything.
+
+    Parameters
+    ----------
+    fine, coarse : the spaces
+    nested : whether the coarse one lies within the fine one, so that a compliance on it need not be
+        computed anew
+    smallest_sizes : the sizes that the fine one was made by, the smallest where each ring edge has
+        its own; empty of cells
+    """
+
+    fine: PressureSpace
+    coarse: PressureSpace
+    nested: bool
+    smallest_sizes: Mapping[str, float]
+
+
+def choose_spaces(problem: Problem) -> PressureSpaces:
+    """Return the pressure spaces that suit the contact of a problem, and how they were made."""
+    return SPACES[problem.contact](problem)
+
+
 def pressure_spaces(problem: Problem) -> tuple[PressureSpace, PressureSpace]:
     """Return the pressure space that suits a problem, and one that is coarser in everything."""
-    if not problem.full_contact:
-        fine, coarse = contact_cells(problem)
-        return fine.space(), coarse.space()
-    space = radial_space(problem, **mdr_sizes(problem))
-    return space, space.coarser()
+    spaces = choose_spaces(problem)
+    return spaces.fine, spaces.coarse
+
+
+def _graded_spaces(problem: Problem) -> PressureSpaces:
+    sizes = mdr_sizes(problem)
+    space = radial_space(problem, **sizes)
+    smallest = {name: np.min(size).item() for name, size in sizes.items() if np.size(size)}
+    return PressureSpaces(space, space.coarser(), True, smallest)
+
+
+def _spaces_of_cells(problem: Problem) -> PressureSpaces:
+    fine, coarse = contact_cells(problem)
+    return PressureSpaces(fine.space(), coarse.space(), False, {})
+
+
+SPACES = {FULL_CONTACT: _graded_spaces, MOVING_CONTACT: _spaces_of_cells}
 
 
 def load_of(problem: Problem) -> Load:

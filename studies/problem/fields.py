@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -50,6 +51,17 @@ Increasing = Annotated[list[NotNegative], AfterValidator(check_increasing)]
 Times = Annotated[Increasing, AfterValidator(check_ranges)]
 
 
+@dataclass(frozen=True)
+class Unit:
+    """The unit of a scene key, beside its type: ``Annotated[float, Unit("length")]``.
+
+    The unit of a list is that of each number in it, and the unit of a table over times or radii is
+    that of its `values`. `kind` is a key of `SI` in `unit_names.py`.
+    """
+
+    kind: Literal["length", "force", "pressure", "time", "wear_rate", "wear_coefficient"]
+
+
 def optional(description: str, **limits: Any) -> Any:
     """Return a key that may be left out, and then is None."""
     return Field(default=None, description=description, **limits)
@@ -69,7 +81,9 @@ class Section(BaseModel):
 class OverTime(Section):
     """A number that varies: linear between times, constant before the first and after the last."""
 
-    times: Increasing = Field(min_length=1, description="increasing times, 0 or later")
+    times: Annotated[Increasing, Unit("time")] = Field(
+        min_length=1, description="increasing times, 0 or later"
+    )
     values: list[NotNegative] = Field(
         description="a value, 0 or more, for each of the times; not all 0"
     )
@@ -110,7 +124,9 @@ class Parabola(ProfileSection):
     """Heights f = r^2 / (2 R), with the radius of curvature R."""
 
     kind: Literal["parabola"]
-    curvature_radius: Positive = Field(description="the radius of curvature R, a positive length")
+    curvature_radius: Annotated[Positive, Unit("length")] = Field(
+        description="the radius of curvature R, a positive length"
+    )
 
     def height_over(self, punch_radius: float) -> Height:
         """Return the function of radii that gives the heights."""
@@ -132,7 +148,9 @@ class Power(ProfileSection):
     """Heights f = c (r/a)^n, with the punch radius a."""
 
     kind: Literal["power"]
-    coefficient: Positive = Field(description="the height at the rim of f = c (r/a)^n, positive")
+    coefficient: Annotated[Positive, Unit("length")] = Field(
+        description="the height at the rim of f = c (r/a)^n, positive"
+    )
     exponent: Positive = Field(description="the exponent n of f = c (r/a)^n, positive")
 
     def height_over(self, punch_radius: float) -> Height:
@@ -144,8 +162,12 @@ class RoundedRim(ProfileSection):
     """Heights f = (r - b)^2 / (2 R) beyond the flat radius b, and 0 inside it."""
 
     kind: Literal["rounded_rim"]
-    flat_radius: NotNegative = Field(description="the radius b inside which the face is flat")
-    curvature_radius: Positive = Field(description="the radius of curvature R, a positive length")
+    flat_radius: Annotated[NotNegative, Unit("length")] = Field(
+        description="the radius b inside which the face is flat"
+    )
+    curvature_radius: Annotated[Positive, Unit("length")] = Field(
+        description="the radius of curvature R, a positive length"
+    )
 
     @property
     def kinks(self) -> list[float]:
@@ -171,7 +193,7 @@ class Ball(ProfileSection):
     """A ball to all digits; `parabola` is what is usual for small contacts."""
 
     kind: Literal["ball"]
-    ball_radius: Positive = Field(
+    ball_radius: Annotated[Positive, Unit("length")] = Field(
         description="the radius of the ball, a length that is not below punch.radius"
     )
 
@@ -195,7 +217,9 @@ class Ball(ProfileSection):
 class Truncated(ProfileSection):
     """A face that is flat inside a radius, with a kink there."""
 
-    flat_radius: Positive = Field(description="the radius b inside which the face is flat")
+    flat_radius: Annotated[Positive, Unit("length")] = Field(
+        description="the radius b inside which the face is flat"
+    )
 
     @property
     def kinks(self) -> list[float]:
@@ -226,7 +250,9 @@ class TruncatedParaboloid(Truncated):
     """Heights f = (r^2 - b^2) / (2 R) beyond the flat radius b, and 0 inside it."""
 
     kind: Literal["truncated_paraboloid"]
-    curvature_radius: Positive = Field(description="the radius of curvature R, a positive length")
+    curvature_radius: Annotated[Positive, Unit("length")] = Field(
+        description="the radius of curvature R, a positive length"
+    )
 
     def height_over(self, punch_radius: float) -> Height:
         """Return the function of radii that gives the heights."""
@@ -240,7 +266,9 @@ class Concave(ProfileSection):
     """A dish: it touches at the rim first."""
 
     kind: Literal["concave"]
-    depth: Positive = Field(description="the depth h at the centre of f = h (1 - r^2/a^2)")
+    depth: Annotated[Positive, Unit("length")] = Field(
+        description="the depth h at the centre of f = h (1 - r^2/a^2)"
+    )
 
     def height_over(self, punch_radius: float) -> Height:
         """Return the function of radii that gives the heights."""
@@ -251,12 +279,14 @@ class HeightTable(ProfileSection):
     """Monotone cubics through given points (Fritsch and Carlson): smooth, without overshoot."""
 
     kind: Literal["table"]
-    radii: Increasing = Field(
+    radii: Annotated[Increasing, Unit("length")] = Field(
         min_length=2,
         description="increasing radii from 0 to punch.radius, with heights; or a file of both; a "
         "step of the face is a ring edge with a recess",
     )
-    heights: list[NotNegative] = Field(description="a height, 0 or more, for each of the radii")
+    heights: Annotated[list[NotNegative], Unit("length")] = Field(
+        description="a height, 0 or more, for each of the radii"
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -299,7 +329,7 @@ class HeightTable(ProfileSection):
 class WearTable(Section):
     """Wear coefficients over the radius, linear between points, constant beyond the ends."""
 
-    radii: list[NotNegative] = Field(
+    radii: Annotated[list[NotNegative], Unit("length")] = Field(
         min_length=1,
         description="radii from 0 to punch.radius that do not decrease; two equal ones are a step",
     )

@@ -26,7 +26,18 @@ from .face import Face, Rings, SampledFace
 from .loading import Loading
 from .profile import FLAT, InitialProfile
 from .punch import PunchSection
-from .quantities import ENERGIES, GROUPS, HISTORIES, OF_PROFILES, STEADY, Units, expand
+from .quantities import ENERGIES, GROUPS, HISTORIES, STEADY, Units, expand
+from .regimes import (
+    FULL_CONTACT,
+    LOADS,
+    MOVING_CONTACT,
+    WEAR_ALONG_RADIUS,
+    WEAR_ON_RINGS,
+    ContactRegime,
+    LoadRegime,
+    Regime,
+    WearRegime,
+)
 from .sections import (
     AccuracySection,
     FemAccuracy,
@@ -177,6 +188,31 @@ class Problem:
         """
         return self.profile.flat and self.loading.rising
 
+    @property
+    def contact(self) -> ContactRegime:
+        """Full contact or moving contact, with all that differs between them."""
+        return FULL_CONTACT if self.full_contact else MOVING_CONTACT
+
+    @property
+    def load_regime(self) -> LoadRegime:
+        """The kind of load: a force or an indentation, constant or not, with all that differs."""
+        return LOADS[self.indentation is not None, self.loading.varies]
+
+    @property
+    def wear_regime(self) -> WearRegime:
+        """Wear that is constant on rings or varies along the radius, with all that differs."""
+        return WEAR_ALONG_RADIUS if self.merged.linear else WEAR_ON_RINGS
+
+    @property
+    def regimes(self) -> tuple[Regime, ...]:
+        """Its regimes of wear, contact and load, in the order in which they are refused."""
+        return self.wear_regime, self.contact, self.load_regime
+
+    @property
+    def quantities_missing(self) -> frozenset[str]:
+        """Names of the quantities that its contact does not have under its load."""
+        return self.contact.quantities_missing - self.load_regime.quantities_told
+
     @cached_property
     def time_to_wear_flat(self) -> float:
         """Sliding distance by which the greatest force wears off all that stands out of the face.
@@ -252,15 +288,7 @@ class Problem:
         SceneError
             if the scene has none of them
         """
-        # contact that never changes has no edges, and no other has relaxation times
-        missing = {"relaxation_time"}
-        if self.full_contact:
-            missing = set(OF_PROFILES)
-            if self.indentation is not None:
-                missing -= {"normal_force", "ring_worn_volume"}
-            elif self.loading.varies:
-                missing -= {"normal_force"}
-        wanted = quantities - missing
+        wanted = quantities - self.quantities_missing
         if not len(self.times):
             wanted -= HISTORIES
         if not self.steady:
@@ -285,18 +313,6 @@ class Problem:
         """Whether nothing but energies is wanted, which converge twice as fast as fields do."""
         return self.quantities is not None and self.quantities <= set(ENERGIES)
 
-    @property
-    def parts_left(self) -> dict[str, float]:
-        """What part of the running-in is left at each of the times that the answer tells.
-
-        A load that varies has no such times.
-        """
-        if self.loading.varies:
-            return {}
-        if self.indentation is not None:
-            return {"time_to_half_force": 0.5}
-        return {"time_to_90": 0.1, "time_to_99": 0.01}
-
     @cached_property
     def radii(self) -> Array:
         """Radii of the output: the user's, or a grid that is dense near ring edges, not on them."""
@@ -311,8 +327,6 @@ class Problem:
     @cached_property
     def face(self) -> Face:
         """Radii that crowd at ring edges and at the rim, as the layers of the earliest time do."""
-        # equal cells of the face that norms of fields see at least, where edges of the contact move
-        cells_of_face = 250
         if self.compared_on is not None:
             return self.compared_on
         rings = self.merged
@@ -326,9 +340,8 @@ class Problem:
         breakpoints = graded_breakpoints(rings.ring_edges, nearest, rim, factor=0.4)
         # the integral over each ring that the scene names, also where nothing happens at its edge
         breakpoints = np.union1d(breakpoints, self.ring_edges)
-        if not self.full_contact:
-            # pressures nearly jump at edges of the contact, which may be anywhere
-            even = np.linspace(0, 1, cells_of_face + 1)
+        if cells := self.contact.cells_of_face:
+            even = np.linspace(0, 1, cells + 1)
             # slopes of an element as wide as roundoff would be roundoff over that
             apart = np.abs(even[:, None] - breakpoints).min(axis=1) > 1e-9
             breakpoints = np.union1d(breakpoints, even[apart])

@@ -22,6 +22,7 @@ from .fields import (
     Section,
     TruncatedCone,
     TruncatedParaboloid,
+    Unit,
     WearTable,
     check_increasing,
     optional,
@@ -36,8 +37,10 @@ NARROWEST_HOLE, NARROWEST_FACE = 1e-9, 1e-9
 class PunchSection(Section):
     """The table `punch` of the scene: radii, rings, wear coefficients and the unworn face."""
 
-    radius: Positive = Field(description="the punch radius, a positive length")
-    inner_radius: NotNegative = Field(
+    radius: Annotated[Positive, Unit("length")] = Field(
+        description="the punch radius, a positive length"
+    )
+    inner_radius: Annotated[NotNegative, Unit("length")] = Field(
         default=0.0,
         description="the radius of the hole of a hollow punch, below that of the first ring; 0 for "
         "a full one",
@@ -51,13 +54,15 @@ class PunchSection(Section):
         le=1e9,
         description="the width of even rings over that of odd rings, h2/h1, from 1e-9 to 1e9",
     )
-    ring_edges: Annotated[list[Positive], AfterValidator(check_increasing)] | None = optional(
+    ring_edges: (
+        Annotated[list[Positive], AfterValidator(check_increasing), Unit("length")] | None
+    ) = optional(
         "the outer radius of each ring, increasing, the last equal to punch.radius", min_length=1
     )
-    wear_coefficients: list[Positive] | None = optional(
+    wear_coefficients: Annotated[list[Positive], Unit("wear_coefficient")] | None = optional(
         "positive numbers: two, alternating from the centre, or one for each ring"
     )
-    recess: list[NotNegative] | None = optional(
+    recess: Annotated[list[NotNegative], Unit("length")] | None = optional(
         "a height, 0 or more, for each ring: material missing"
     )
     profile: (
@@ -92,6 +97,7 @@ class PunchSection(Section):
         Annotated[
             Annotated[Positive, Tag("number")] | Annotated[WearTable, Tag("graded")],
             Discriminator(lambda given: "number" if isinstance(given, float | int) else "graded"),
+            Unit("wear_coefficient"),
         ]
         | None
     ) = optional(

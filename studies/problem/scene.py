@@ -89,7 +89,7 @@ class Scene(Section):
     output: OutputSection = OutputSection()
 
     def __init__(self, /, **table: object) -> None:
-        table = without_quantities(table)
+        table = without_quantities(table, type(self))
         try:
             super().__init__(**table)
         except ValidationError as error:

@@ -14,6 +14,7 @@ from .fields import (
     Positive,
     Section,
     Times,
+    Unit,
     optional,
     over_time,
 )
@@ -39,8 +40,12 @@ RUNNING_IN = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5,
 class HalfSpaceSection(Section):
     """The table `half_space` of the scene: elastic constants of the half-space and the punch."""
 
-    plane_strain_modulus: Positive | None = optional("E* = E/(1 - nu^2), a positive pressure")
-    youngs_modulus: Positive | None = optional("Young's modulus E, a positive pressure")
+    plane_strain_modulus: Annotated[Positive, Unit("pressure")] | None = optional(
+        "E* = E/(1 - nu^2), a positive pressure"
+    )
+    youngs_modulus: Annotated[Positive, Unit("pressure")] | None = optional(
+        "Young's modulus E, a positive pressure"
+    )
     poisson_ratio: float = Field(
         default=0.3,
         gt=-1,
@@ -49,7 +54,7 @@ class HalfSpaceSection(Section):
         description="a number above -1 and at most 0.5",
     )
 
-    punch_youngs_modulus: Positive | None = optional(
+    punch_youngs_modulus: Annotated[Positive, Unit("pressure")] | None = optional(
         "Young's modulus of an elastic punch, which then counts as a second half-space, a positive "
         "pressure; none for a rigid punch"
     )
@@ -92,16 +97,16 @@ Varying = Annotated[
 class LoadSection(Section):
     """The table `load` of the scene: force, mean pressure or indentation, and sliding speed."""
 
-    normal_force: Varying | None = optional(
+    normal_force: Annotated[Varying, Unit("force")] | None = optional(
         "the normal force F, positive, or { times = [...], values = [...] }"
     )
-    mean_pressure: Varying | None = optional(
+    mean_pressure: Annotated[Varying, Unit("pressure")] | None = optional(
         "the normal force over the area of the face, positive, or { times = [...], values = [...] }"
     )
-    indentation: Positive | None = optional(
+    indentation: Annotated[Positive, Unit("length")] | None = optional(
         "the indentation d of the unworn face plane, held fixed: the force decays as wear goes on"
     )
-    sliding_speed: Varying = Field(
+    sliding_speed: Annotated[Varying, Unit("wear_rate")] = Field(
         default=1.0,
         description="the sliding speed, positive, or { times = [...], values = [...] }",
     )
@@ -131,7 +136,7 @@ class LoadSection(Section):
 class WearSection(Section):
     """The table `wear` of the scene: times of the history, the march, and the steady state."""
 
-    times: Times = Field(
+    times: Annotated[Times, Unit("time")] = Field(
         default=[],
         description="increasing times, 0 or later, none for no history; or 'running-in'; or counts "
         "of the slowest relaxation time, { tau = [0.1, 1.0, 5.0] }",
@@ -139,7 +144,9 @@ class WearSection(Section):
     tau: list[float] | None = optional("it within times: times = { tau = [...] }", exclude=True)
     steady: bool = True
     march: Literal["modal", "implicit", "explicit"] = "modal"
-    step: Positive | None = optional("the time step of the implicit or explicit march")
+    step: Annotated[Positive, Unit("time")] | None = optional(
+        "the time step of the implicit or explicit march"
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -225,7 +232,9 @@ class MdrAccuracy(Sizes):
         le=20_000,
         description="springs of the uniform grid of mdr-grid, 4 to 20000",
     )
-    step: Positive | None = optional("time step of mdr-grid, positive; default half the greatest")
+    step: Annotated[Positive, Unit("time")] | None = optional(
+        "time step of mdr-grid, positive; default half the greatest"
+    )
 
 
 class AccuracySection(Section):
@@ -241,11 +250,13 @@ class AccuracySection(Section):
 class OutputSection(Section):
     """The table `output` of the scene: the quantities, radii and times that are written."""
 
-    radii: Increasing | None = optional("radii from 0 to punch.radius, increasing", min_length=1)
-    field_times: Increasing | None = optional(
+    radii: Annotated[Increasing, Unit("length")] | None = optional(
+        "radii from 0 to punch.radius, increasing", min_length=1
+    )
+    field_times: Annotated[Increasing, Unit("time")] | None = optional(
         "times at which the inside of the half-space is written, increasing", min_length=1
     )
-    depth: Positive | None = optional(
+    depth: Annotated[Positive, Unit("length")] | None = optional(
         "the distance from the axis to which the inside of the half-space is written, in "
         "half_space.vtu; as far as the mesh goes if not given"
     )

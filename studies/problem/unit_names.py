@@ -4,18 +4,20 @@ A scene states its units as ``SI``, or as those of length, force, pressure and t
 s``, which must be consistent, a pressure being a force over the square of a length. Without, its
 numbers have none. Any number may be a quantity instead, ``"20 mm"``: it is converted to them, to SI
 by default. pint knows the units, and is loaded only where some are written that are not SI's own.
+The unit of each key is declared beside its type (`Unit`), in the models of the scene's tables.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple, get_args
 
 import numpy as np
+from pydantic import BaseModel
 
 from ...meshes.errors import SceneError
-from .fields import TomlTable
+from .fields import TomlTable, Unit
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -51,35 +53,64 @@ SI["displacement"] = SI["length"]
 BASE = ("m", "N", "Pa", "s")
 # of numbers without units
 NO_UNIT = "1"
-# names of scene keys that have a unit, by its kind
-KEYS = {
-    "length": (
-        *(
-            "radius",
-            "inner_radius",
-            "ring_edges",
-            "recess",
-            "curvature_radius",
-            "flat_radius",
-            "coefficient",
-        ),
-        *("radii", "heights", "indentation", "ball_radius", "depth"),
-    ),
-    "force": ("normal_force",),
-    "pressure": (
-        *("plane_strain_modulus", "youngs_modulus", "punch_youngs_modulus"),
-        *("mean_pressure",),
-    ),
-    "time": ("times", "step", "field_times"),
-    "wear_rate": ("sliding_speed",),
-    "wear_coefficient": ("wear_coefficient", "wear_coefficients"),
-}
+# kind of a scene key without a unit
+NUMBER = "number"
 
 
-def kind_of(key: str) -> str:
-    """Return the kind of unit that a scene key has: that of a table, for the values in it."""
-    name = key.removesuffix(".values").split(".")[-1]
-    return next((kind for kind, names in KEYS.items() if name in names), "number")
+class Key(NamedTuple):
+    """What a scene key may hold.
+
+    Parameters
+    ----------
+    kind : of its unit; `number` if it has none
+    tables : the models of the tables that it may hold
+    """
+
+    kind: str = NUMBER
+    tables: tuple[type[BaseModel], ...] = ()
+
+
+@lru_cache(maxsize=128)
+def keys_in(declared: Key) -> dict[str, Key]:
+    """Return the keys of the tables that a key may hold, as their models declare them.
+
+    Raises
+    ------
+    TypeError
+        if a unit is of no kind that `SI` has, or if one key has units of two kinds
+    """
+    keys = dict[str, Key]()
+    for table in declared.tables:
+        for name, info in table.model_fields.items():
+            annotations = [*_parts(info.annotation), *info.metadata]
+            kinds = {part.kind for part in annotations if isinstance(part, Unit)}
+            if name == "values":
+                kinds = kinds or {declared.kind}
+            tables = tuple(part for part in annotations if isinstance(part, type))
+            key = Key(next(iter(kinds), NUMBER), tables)
+            if len(kinds) > 1 or keys.setdefault(info.alias or name, key).kind != key.kind:
+                raise TypeError(f"the key {name} of {table.__name__} has units of two kinds")
+            if key.kind not in (NUMBER, *SI):
+                raise TypeError(f"no unit is of the kind {key.kind!r}: give one of {', '.join(SI)}")
+    return keys
+
+
+def _parts(annotation: object) -> Iterator[Unit | type[BaseModel]]:
+    """Yield the units and the models of tables in a type, at any depth."""
+    if isinstance(annotation, Unit) or (
+        isinstance(annotation, type) and issubclass(annotation, BaseModel)
+    ):
+        yield annotation
+    for part in get_args(annotation):
+        yield from _parts(part)
+
+
+def kind_of(key: str, scene: type[BaseModel]) -> str:
+    """Return the kind of unit that a key of a scene has, such as ``punch.radius``."""
+    declared = Key(tables=(scene,))
+    for name in key.split("."):
+        declared = keys_in(declared).get(name, Key())
+    return declared.kind
 
 
 @dataclass(frozen=True)
@@ -129,7 +160,7 @@ class UnitNames:
 
     def name(self, kind: str) -> str:
         """Return the unit that a kind of quantity is stored in; 1 if it has none."""
-        if self.base is None or kind in ("slope", "share", "number"):
+        if self.base is None or kind in ("slope", "share", NUMBER):
             return NO_UNIT
         length, force, pressure, time = self.base
         names = {"length": length, "displacement": length, "force": force, "pressure": pressure}
@@ -166,8 +197,13 @@ class UnitNames:
         return f"{number:g} {name}".rstrip()
 
 
-def without_quantities(table: Mapping[str, object]) -> TomlTable:
+def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> TomlTable:
     """Return a scene's table with a number in place of each quantity, in the scene's units.
+
+    Parameters
+    ----------
+    table : of the scene, nested
+    scene : the model whose annotations declare the unit of each key
 
     Raises
     ------
@@ -177,24 +213,29 @@ def without_quantities(table: Mapping[str, object]) -> TomlTable:
     stated, written = table.get("units", "SI"), list[str]()
     names = UnitNames.of(stated) if isinstance(stated, str) else UnitNames()
 
-    def convert(value: object, key: str) -> object:
+    def convert_all(values: Mapping[str, object], path: str, declared: Key) -> TomlTable:
+        keys = keys_in(declared)
+        return {
+            name: convert(of, path + name, keys.get(name, Key())) for name, of in values.items()
+        }
+
+    def convert(value: object, path: str, declared: Key) -> object:
         if isinstance(value, Mapping):
-            return {name: convert(of, f"{key}.{name}") for name, of in value.items()}
+            return convert_all(value, f"{path}.", declared)
         if isinstance(value, list | tuple):
-            return [convert(of, key) for of in value]
+            return [convert(of, path, declared) for of in value]
         # 'running-in' is a text
-        if isinstance(value, str) and kind_of(key) in SI and re.match(r"[-+.\s]*\d", value):
-            written.append(key)
-            return _number(value, key, names)
+        if isinstance(value, str) and declared.kind in SI and re.match(r"[-+.\s]*\d", value):
+            written.append(path)
+            return _number(value, path, declared.kind, names)
         return value
 
-    converted = {key: convert(value, key) for key, value in table.items()}
+    converted = convert_all(table, "", Key(tables=(scene,)))
     return {"units": "SI"} | converted if written else converted
 
 
-def _number(quantity: str, key: str, names: UnitNames) -> float:
-    """Return a quantity in the units of a scene."""
-    kind = kind_of(key)
+def _number(quantity: str, key: str, kind: str, names: UnitNames) -> float:
+    """Return a quantity of a kind in the units of a scene."""
     if names.base is None:
         raise SceneError(
             f"{key} = {quantity!r} has a unit, and the scene says that its numbers have none: give "

@@ -54,12 +54,11 @@ def flat_answers(
         values["force_share"][0] = forces / forces.sum()
         values["indentation_start"][...] = flat.indentation + problem.profile.standoff
         values["running_in_time"][...] = wear.relaxation_times[0]
-        for name, left in problem.parts_left.items():
+        for name, left in problem.load_regime.parts_left.items():
             values[name][...] = wear.time_until(left)
         sampler = Sampler(problem, wear.compliance.space)
         values["worn_volume"] = sampler.worn_volumes(ends)[-1]
-        if problem.indentation is not None:
-            put_forces(values, problem, sampler.ring_forces(ends).sum(axis=1))
+        put_forces(values, problem, sampler.ring_forces(ends).sum(axis=1))
     put_steady(values, problem, steady)
     return present(values)
 
@@ -85,11 +84,10 @@ def moving_answers(
     if not problem.why_never_steady:
         values["running_in_time"][...] = march.face.slowest_time
     values["worn_volume"] = sampler.worn_volumes(ends)[-1]
-    if problem.indentation is not None:
-        put_forces(values, problem, forces.sum(axis=1))
+    put_forces(values, problem, forces.sum(axis=1))
     if not problem.loading.varies:
         values["time_to_full_contact"][...] = march.time_of_full_contact
-        for name, left in problem.parts_left.items():
+        for name, left in problem.load_regime.parts_left.items():
             values[name][...] = _time_of_march(march, left)
         if problem.times[0] == 0:
             values["indentation_start"][...] = ends.indentation[0] + problem.profile.standoff
@@ -143,10 +141,17 @@ def _steady_extremes(problem: Problem, steady: Results) -> tuple[Array, Array]:
 
 
 def put_forces(values: Results, problem: Problem, forces: Array) -> None:
-    """Put the first and the last force at a fixed indentation into the answer."""
-    values["force_end"][...] = forces[-1]
-    if problem.times[0] == 0:
-        values["force_start"][...] = forces[0]
+    """Put the forces that the load does not give into the answer.
+
+    The force of the start is known only if the start is among the times.
+
+    Parameters
+    ----------
+    forces : (2,) at the first and at the last of the times
+    """
+    for name, place in problem.load_regime.forces_told.items():
+        if name != "force_start" or problem.times[0] == 0:
+            values[name][...] = forces[place]
 
 
 def present(values: Results) -> Results:

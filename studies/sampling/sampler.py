@@ -12,6 +12,7 @@ from ...meshes.radial import Array
 from ..contact.edges import worn_edges
 from ..contact.worn_face import WornFace
 from ..problem.problem import Problem
+from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..wear.flat_contact import SteadyState
 from ..wear.history import History
 from .norms import Results, radial_weight
@@ -123,9 +124,15 @@ class Sampler:
 
     def worn_volumes(self, history: History) -> Array:
         """Return what has worn off each ring (T, N)."""
-        if self.problem.full_contact:
-            on_rings = _ring_forces(self.space, self.problem.ring_edges.tobytes())
-            return np.asarray(history.profile @ on_rings.T)
+        return WORN_VOLUMES[self.problem.contact](self, history)
+
+    def worn_volumes_of_full_face(self, history: History) -> Array:
+        """Return what has worn off each ring (T, N) by the profile, which is in the space."""
+        on_rings = _ring_forces(self.space, self.problem.ring_edges.tobytes())
+        return np.asarray(history.profile @ on_rings.T)
+
+    def worn_volumes_on_cells(self, history: History) -> Array:
+        """Return what has worn off each ring (T, N) by the integral of the pressure over time."""
         # k times the time integral of the pressure, which alone is in the space
         rings, space = self.problem.merged, self.space
         integral = history.profile / space.at_vertices(rings.wear_coefficients)
@@ -145,21 +152,27 @@ class Sampler:
             raise ValueError("fields of a contact that moves need the compliance")
         return WornFace(self.problem.profile, self.compliance, history)
 
-    def _fields(self, history: History, radii: Array) -> Values:
+    @property
+    def _centre(self) -> Array:
+        """(1,) radius 0; of a hollow punch, the inner edge of its face."""
+        return self.problem.ring_edges[:1]
+
+    def fields_of_full_face(self, history: History, radii: Array) -> Values:
+        """Return the quantities that are made of the face, where all of it carries."""
+        centre, standoff = self._centre, self.problem.profile.standoff
+        worn, depth = history.profile, history.indentation[:, None]
+        displaced = depth * self.space.uniform - worn
+        return {
+            "profile": lambda: self.problem.profile(radii) + self._at(radii, worn) + standoff,
+            "displacement": lambda: depth - self._at(radii, worn),
+            "displacement_centre": lambda: (depth - self._at(centre, worn))[:, 0],
+            "displacement_max": lambda: self._greatest(displaced),
+            "rms_slope": lambda: self._rms_slope((_slopes(self.space) @ worn.T).T),
+        }
+
+    def fields_on_cells(self, history: History, radii: Array) -> Values:
         """Return the quantities that are made of the face and the displacement under it."""
-        standoff = self.problem.profile.standoff
-        # of a hollow punch, the inner edge of its face
-        centre = self.problem.ring_edges[:1]
-        if self.problem.full_contact:
-            worn, depth = history.profile, history.indentation[:, None]
-            displaced = depth * self.space.uniform - worn
-            return {
-                "profile": lambda: self.problem.profile(radii) + self._at(radii, worn) + standoff,
-                "displacement": lambda: depth - self._at(radii, worn),
-                "displacement_centre": lambda: (depth - self._at(centre, worn))[:, 0],
-                "displacement_max": lambda: self._greatest(displaced),
-                "rms_slope": lambda: self._rms_slope((_slopes(self.space) @ worn.T).T),
-            }
+        centre, standoff = self._centre, self.problem.profile.standoff
         face = self.worn_face(history)
 
         def displacements(at: Array) -> Array:
@@ -192,13 +205,14 @@ class Sampler:
             "indentation": lambda: history.indentation + problem.profile.standoff,
             "ring_force": lambda: self.ring_forces(history),
         }
-        values |= self._fields(history, radii)
-        if problem.indentation is not None or not problem.full_contact:
+        values |= FIELDS[problem.contact](self, history, radii)
+        missing = problem.quantities_missing
+        if "ring_worn_volume" not in missing:
             values["normal_force"] = lambda: self.ring_forces(history).sum(axis=1)
             values["ring_worn_volume"] = lambda: self.worn_volumes(history)
-        elif problem.loading.varies:
+        elif "normal_force" not in missing:
             values["normal_force"] = lambda: history.force
-        if not problem.full_contact:
+        if "contact_radius" not in missing:
             edges = self._edges(history)
             values["contact_radius"] = lambda: np.nanmax(edges, axis=1, initial=0.0)
             if not on_face:
@@ -264,3 +278,14 @@ class Sampler:
             for name, value in values.items()
             if name in always or self.problem.wants(name)
         }
+
+
+# what samples the face, by the contact of the problem
+WORN_VOLUMES = {
+    FULL_CONTACT: Sampler.worn_volumes_of_full_face,
+    MOVING_CONTACT: Sampler.worn_volumes_on_cells,
+}
+FIELDS = {
+    FULL_CONTACT: Sampler.fields_of_full_face,
+    MOVING_CONTACT: Sampler.fields_on_cells,
+}

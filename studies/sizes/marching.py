@@ -3,11 +3,7 @@
 import numpy as np
 
 from ...meshes.radial import Array
-
-MOST_STEPS = 2_000_000
-"""Greatest number of steps of a march in full contact, where a step is a product of matrices."""
-MOST_CONTACT_STEPS = 200_000
-"""Greatest number of steps of a march in which each step is a contact problem."""
+from ..problem.regimes import FULL_CONTACT
 
 
 def steps_between(times: Array, step: float) -> Array:
@@ -15,7 +11,7 @@ def steps_between(times: Array, step: float) -> Array:
     return np.asarray(np.ceil(np.diff(times, prepend=0.0) / step * (1 - 1e-12)))
 
 
-def refused_steps(count: float, remedy: str, most: int = MOST_STEPS) -> str:
+def refused_steps(count: float, remedy: str, most: int = FULL_CONTACT.most_steps) -> str:
     """Return why so many steps will not be made, with the remedy; empty if they will."""
     return (
         f"{count:.3g} steps are needed to the last time, more than {most}: {remedy}"

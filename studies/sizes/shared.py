@@ -65,7 +65,7 @@ def discretised_alike(problem: Problem) -> Hashable:
     """Return what a discretisation depends on, but for the amplitudes at edges."""
     sizes = problem.fem.model_dump_json(), problem.mdr.model_dump_json()
     numbers = problem.poisson_ratio, problem.rtol, problem.gradient_average
-    kinds = bool(len(problem.times)), problem.full_contact
+    kinds = bool(len(problem.times)), problem.contact
     rings = problem.merged
     edges = rings.ring_edges.tobytes(), rings.smooth.tobytes(), rings.hollow
     return *edges, *numbers, *kinds, *sizes

@@ -110,8 +110,7 @@ def refuse_what_does_not_fit(name: str, scene: Scene, options: Options) -> None:
     """
     listed, problem = STUDIES[name], scene.problem
     flat = problem.full_contact and problem.indentation is None
-    shaped = listed.of_shaped_punches and not problem.full_contact
-    if problem.merged.linear or not (listed.of_any_punch or flat or shaped):
+    if problem.merged.linear or not (listed.of_any_punch or flat):
         raise SceneError(
             f"study {name} is about flat punches under a force, whose edges stay, with "
             "wear constant on rings: leave out punch.recess, punch.profile and "

@@ -29,7 +29,6 @@ class ListedStudy:
     scene : its scene by default
     takes : names of the options that it knows besides `quick` (`studies/study/conduct.py`)
     of_any_punch : whether it takes any punch
-    of_shaped_punches : whether it takes shaped punches, too, not only flat ones under a force
     """
 
     module: str
@@ -38,7 +37,6 @@ class ListedStudy:
     scene: str = "five_rings"
     takes: tuple[str, ...] = ()
     of_any_punch: bool = False
-    of_shaped_punches: bool = False
 
     @property
     def conduct(self) -> "Callable[[Scene, Options, Record], Study]":

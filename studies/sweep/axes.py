@@ -31,7 +31,7 @@ from typing import Self
 from ...meshes.errors import SceneError
 from ..problem.fields import Height, TomlTable, read_table, refuse_device
 from ..problem.problem import Problem
-from ..problem.quantities import ANSWER, GROUPS, QUANTITIES, STEADY
+from ..problem.quantities import ANSWER, GROUPS, QUANTITIES
 from ..problem.scene import Scene
 from .columns import Column, has_units, read_columns
 
@@ -335,5 +335,4 @@ def _checked_keep(
 
 def _given(problem: Problem) -> frozenset[str]:
     """Return the quantities that a problem has."""
-    given = problem.asking_for(GROUPS["all"]).quantities or frozenset()
-    return given - (STEADY if problem.indentation is not None else frozenset())
+    return problem.asking_for(GROUPS["all"]).quantities or frozenset()

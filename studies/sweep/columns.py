@@ -13,6 +13,7 @@ import numpy as np
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.fields import TomlTable
+from ..problem.scene import Scene
 from ..problem.unit_names import without_quantities
 
 # values of one key, of whatever kind the scene declares
@@ -123,13 +124,13 @@ def has_units(columns: Iterable[tuple[str, object]]) -> bool:
     numbers = (
         (key, next(iter(of.values()), None) if isinstance(of, dict) else of) for key, of in columns
     )
-    return any("units" in without_quantities(_nest(key, of)) for key, of in numbers)
+    return any("units" in without_quantities(_nest(key, of), Scene) for key, of in numbers)
 
 
 def _in_units(key: str, values: Values, base: TomlTable) -> Values:
     """Return values of a key as numbers in the units of the base."""
     stated = {"units": base["units"]} if "units" in base else {}
-    table = without_quantities(stated | _nest(key, values))
+    table = without_quantities(stated | _nest(key, values), Scene)
     for part in key.split("."):
         table = table[part]
     return list(table)

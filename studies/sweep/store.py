@@ -25,6 +25,7 @@ from zarr.codecs import ZstdCodec
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.quantities import ERROR, NORMS, STATES, error_name
+from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames, kind_of
 from ..versions import code, stamp, versions
 from ..wear.modes import SHOWN
@@ -56,7 +57,7 @@ def template(sweep: Sweep) -> xarray.Dataset:
     for key, (name, dim, values) in [*sweep.shared.items(), *sweep.columns.items()]:
         numbers = all(isinstance(value, int | float) for value in values)
         array = np.array(values if numbers else [*map(str, values)], None if numbers else object)
-        coordinates[name] = dim, array, described(key, kind_of(key))
+        coordinates[name] = dim, array, described(key, kind_of(key, Scene))
     dataset = xarray.Dataset(coords=coordinates)
 
     def add(
@@ -88,16 +89,10 @@ def block_sizes(sweep: Sweep, blank: xarray.Dataset) -> dict[str, int]:
     discretisation; of few scenes, or of shaped punches, it takes several geometries. Large sweeps
     have larger blocks.
     """
-    # beginnings of keys that scenes may differ in and yet share a discretisation
-    sharing: tuple[str, ...] = ()
-    if sweep.first.problem.full_contact:
-        sharing = (
-            *("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs"),
-            *("load.", "wear.", "output.", "title"),
-        )
+    shared = sweep.first.problem.contact.shared_keys
     larger = min(max(sweep.count // 8192, 1), 64)
     in_memory = 2**27 * sweep.count // blank.nbytes
-    unlike = {column.dim for key, column in sweep.columns.items() if not key.startswith(sharing)}
+    unlike = {column.dim for key, column in sweep.columns.items() if not key.startswith(shared)}
     block: dict[str, int] = {}
     # the last dimensions first, as their scenes stand side by side in the store
     last_first = list(sweep.sizes)[::-1]

@@ -30,7 +30,7 @@ def running_in(problem: Problem, counts: Sequence[float]) -> Array:
 
     Those of all of the running-in of a face that is not flat go from when it first spreads.
     """
-    slowest = slowest_relaxation_time(problem.merged, problem.indentation is not None)
+    slowest = slowest_relaxation_time(problem)
     if problem.full_contact or list(counts) != RUNNING_IN:
         return slowest * np.array(counts)
     first, overlap = spreading(problem)
@@ -60,12 +60,12 @@ def spreading(problem: Problem) -> tuple[float, float]:
     return float(0.01 * cut[at] / stiffness[at]), overlap
 
 
-def slowest_relaxation_time(rings: Rings, fixed: bool) -> float:
+def slowest_relaxation_time(problem: Problem) -> float:
     """Return the slowest relaxation time, non-dimensional, to a few digits.
 
     NaN for more than `MOST_RINGS`.
     """
-    times = slowest_relaxation_times(rings, fixed)
+    times = slowest_relaxation_times(problem.merged, problem.indentation is not None)
     return float(times[0]) if len(times) else float("nan")
 
 

@@ -95,6 +95,4 @@ def test_the_time_scale_is_known_beforehand(rings, ratio, width):
         punch__wear_coefficients=[1.0, ratio],
     )
     computed = run(scene).solutions["mdr"].results["relaxation_time"]
-    assert slowest_relaxation_time(scene.problem.rings, False) == pytest.approx(
-        float(computed[0]), rel=1e-4
-    )
+    assert slowest_relaxation_time(scene.problem) == pytest.approx(float(computed[0]), rel=1e-4)

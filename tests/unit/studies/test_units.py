@@ -1,11 +1,15 @@
 """Units of scenes: refused where not consistent, and quantities with units of their own."""
 
+from typing import Annotated
+
 import numpy as np
 import pytest
 
 from ringwear import Scene
 from ringwear.meshes.errors import SceneError
-from ringwear.studies.problem.unit_names import UnitNames
+from ringwear.studies.problem.fields import OverTime, Positive, Section, Unit
+from ringwear.studies.problem.punch import PunchSection
+from ringwear.studies.problem.unit_names import UnitNames, kind_of, without_quantities
 
 SI = {
     "punch": {
@@ -142,3 +146,62 @@ def test_a_scene_without_units_takes_no_quantities():
 )
 def test_numbers_are_written_for_people_with_a_unit_that_suits_them(value, kind, told):
     assert UnitNames.of("SI").write(value, kind) == told
+
+
+class Stroke(Section):
+    """A table with keys of several kinds."""
+
+    length: Annotated[Positive, Unit("length")] | None = None
+    speeds: Annotated[list[Positive], Unit("wear_rate")] | None = None
+    pull: Annotated[Positive | OverTime, Unit("force")] | None = None
+    count: Positive | None = None
+
+
+class PunchWithStroke(PunchSection):
+    """A punch with a new key and a new table, declared as CONTRIBUTING.md says."""
+
+    travel: Annotated[Positive, Unit("length")]
+    stroke: Stroke = Stroke()
+
+
+class SceneWithStroke(Scene):
+    """A scene of such a punch."""
+
+    punch: PunchWithStroke
+
+
+@pytest.mark.parametrize(("units", "metre"), [("SI", 1.0), ("mm, N, MPa, s", 1e3)])
+def test_a_new_key_converts_by_the_unit_that_it_is_declared_with(units, metre):
+    pull = {"times": ["0 s", "2 min"], "values": ["1 N", "2 kN"]}
+    stroke = {"length": "3 cm", "speeds": ["60 mm/min", "1 m/s"], "pull": pull, "count": 7.0}
+    punch = WRITTEN["punch"] | {"travel": "5 mm", "stroke": stroke}
+    read = SceneWithStroke(**WRITTEN | {"units": units, "punch": punch}).punch
+    assert read.travel == pytest.approx(5e-3 * metre, rel=1e-14)
+    assert read.stroke.length == pytest.approx(3e-2 * metre, rel=1e-14)
+    assert read.stroke.speeds == pytest.approx([1e-3 * metre, metre], rel=1e-14)
+    assert (read.stroke.pull.times, read.stroke.pull.values) == ([0, 120], [1, 2000])
+    assert read.radius == pytest.approx(0.02 * metre, rel=1e-14)
+
+
+def test_a_new_key_refuses_units_of_another_kind_and_without_a_unit_takes_numbers_alone():
+    punch = WRITTEN["punch"] | {"travel": "5 N"}
+    with pytest.raises(SceneError, match=r"punch\.travel = '5 N'.*unit of length"):
+        SceneWithStroke(**WRITTEN | {"punch": punch})
+    punch = WRITTEN["punch"] | {"travel": 1.0, "stroke": {"count": "7 mm"}}
+    with pytest.raises(SceneError, match=r"punch\.stroke\.count = '7 mm'"):
+        SceneWithStroke(**WRITTEN | {"punch": punch})
+    # the scene itself has no such key
+    assert kind_of("punch.travel", SceneWithStroke) == "length"
+    assert kind_of("punch.travel", Scene) == "number"
+
+
+def test_units_that_contradict_each_other_or_are_of_no_kind_are_errors_of_the_declaration():
+    class Twice(Section):
+        reach: Annotated[Positive, Unit("length")] | Annotated[OverTime, Unit("time")]
+
+    class Unknown(Section):
+        reach: Annotated[Positive, Unit("lenght")]
+
+    for table, message in ((Twice, "two kinds"), (Unknown, "no unit is of the kind 'lenght'")):
+        with pytest.raises(TypeError, match=message):
+            without_quantities({"reach": "1 m"}, table)

@@ -1,0 +1,137 @@
+"""The lists of CONTRIBUTING.md are complete: a quantity and a study, added as they say."""
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray
+
+import ringwear.studies
+from ringwear import Scene, run, study
+from ringwear.studies.anchors import checks
+from ringwear.studies.anchors.anchor import Row
+from ringwear.studies.cli import main
+from ringwear.studies.problem import quantities
+from ringwear.studies.problem.quantities import Quantity
+from ringwear.studies.problem.regimes import FULL_CONTACT
+from ringwear.studies.sampling import sampler
+from ringwear.studies.study.listing import STUDIES, ListedStudy
+
+CONTRIBUTING = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text("utf-8")
+
+
+def files_named_for(thing):
+    """Return the files that the list of CONTRIBUTING.md names for a new thing."""
+    entry = re.search(
+        rf"^- \*\*{thing}\*\*:(.*?)(?=^- |^$)", CONTRIBUTING, re.MULTILINE | re.DOTALL
+    )
+    return re.findall(r"`([\w/.]+)`", entry[1])
+
+
+def check_inner_force(report):
+    """Compare the force on the innermost ring at the start with that of the flat punch."""
+    force = report.take("inner_force")[0]
+    inside = 1 - np.sqrt(1 - report.reading.edges[1] ** 2)
+    yield Row("inner force of the flat start", force, inside, report.tolerance("inner_force")[0])
+
+
+def add_inner_force(patch, factor):
+    """Add a quantity: the force on the innermost ring, times a factor that is 1 if it is right."""
+    definition = "force on the innermost ring"
+    described = Quantity(("time",), "force", definition, "value")
+    # both tables are built from the same rows when the module is imported
+    patch.setitem(quantities.QUANTITIES, "inner_force", described)
+    patch.setitem(quantities.DESCRIBED, "inner_force", described)
+    others = sampler.FIELDS[FULL_CONTACT]
+
+    def with_inner_force(sampler, history, radii):
+        value = {"inner_force": lambda: factor * sampler.ring_forces(history)[:, 0]}
+        return others(sampler, history, radii) | value
+
+    patch.setitem(sampler.FIELDS, FULL_CONTACT, with_inner_force)
+    anchor = checks.Check(check_inner_force, "inner_force")
+    patch.setattr(checks, "CHECKS", (*checks.CHECKS, anchor))
+
+
+def test_a_quantity_needs_its_definition_its_value_and_an_anchor(monkeypatch, tmp_path):
+    named = files_named_for("a quantity")
+    assert named[:2] == ["studies/problem/quantities.py", "studies/sampling/sampler.py"]
+    assert "studies/anchors/" in named
+    add_inner_force(monkeypatch, factor=1.0)
+    result = run(Scene.load("five_rings").changed(methods=["mdr", "bem"], accuracy__rtol=1e-3))
+    # estimates, comparison, anchors and files follow
+    assert (result.dataset.inner_force_error < 1e-3).all()
+    assert result.quantities["inner_force"] == "agree"
+    told = [anchor for anchor in result.anchors if anchor.name == "inner force of the flat start"]
+    assert {anchor.method for anchor in told} == {"mdr", "bem"}
+    assert all(anchor.holds for anchor in told)
+    result.save(tmp_path)
+    with xarray.open_dataset(tmp_path / "results.nc") as written:
+        inner = written.inner_force.sel(solver="mdr")
+        ring = written.ring_force.sel(solver="mdr").isel(ring=0)
+        np.testing.assert_allclose(inner, ring, rtol=1e-14)
+        assert inner.attrs["long_name"] == "force on the innermost ring"
+
+
+def test_the_anchor_of_a_new_quantity_notices_that_it_is_wrong(monkeypatch):
+    add_inner_force(monkeypatch, factor=1.01)
+    result = run(Scene.load("five_rings").changed(methods=["mdr", "bem"], accuracy__rtol=1e-3))
+    assert result.quantities["inner_force"] == "agree"
+    assert result.verdict == "disagree"
+
+
+TRAPEZOIDS = '''
+"""How the trapezoidal rule converges."""
+
+import numpy as np
+
+from .study.levels import Family, Theory
+from .study.study_orders import study_orders
+
+
+def conduct(scene, options, record):
+    """Integrate exp from 0 to 1 with ever more trapezoids."""
+
+    def solve(count):
+        values = np.exp(np.linspace(0, 1, count + 1))
+        integral = (values[0] / 2 + values[1:-1].sum() + values[-1] / 2) / count
+        return {"unknowns": count + 1, "integral": integral / np.expm1(1) - 1}
+
+    counts = (2, 4, 8, 16) if options.quick else (2, 4, 8, 16, 32, 64)
+    sizes = {count: 1 / count for count in counts}
+    family = Family("trapezoids", sizes, solve, {"integral": Theory(2.0)}, "width")
+    return study_orders([family], record, "trapezoids", scene, "relative error")
+'''
+
+
+@pytest.fixture
+def trapezoids(monkeypatch, tmp_path):
+    """A study, added by a file beside those in `studies/` and a row in `STUDIES`."""
+    (tmp_path / "trapezoids.py").write_text(TRAPEZOIDS, "utf-8")
+    folders = [*ringwear.studies.__path__, str(tmp_path)]
+    monkeypatch.setattr(ringwear.studies, "__path__", folders)
+    row = ListedStudy("trapezoids", "order of the trapezoidal rule", 1)
+    monkeypatch.setitem(STUDIES, "trapezoids", row)
+    yield row
+    sys.modules.pop("ringwear.studies.trapezoids", None)
+
+
+def test_a_study_needs_a_file_and_a_row(trapezoids, tmp_path, capsys):
+    assert "studies/study/listing.py" in files_named_for("a study")
+    found = study("trapezoids", quick=True)
+    assert found.purpose == trapezoids.purpose
+    assert found.orders["least squares"].item() == pytest.approx(2, abs=0.05)
+    with pytest.raises(SystemExit, match="0"):
+        main(["study", "--help"])
+    assert "order of the trapezoidal rule" in capsys.readouterr().out
+    out = tmp_path / "out"
+    assert main(["study", "trapezoids", "--quick", "--out", str(out)]) == 0
+    assert len(pd.read_csv(out / "trapezoids.csv")) == 4
+    assert (out / "trapezoids.png").exists()
+    assert "1 of 1 orders" in capsys.readouterr().out
+    # unless the row says so, a study is not of shaped punches
+    assert main(["study", "trapezoids", "sphere", "--quick", "--out", str(tmp_path / "no")]) == 2
+    assert "leave out punch.recess" in capsys.readouterr().err

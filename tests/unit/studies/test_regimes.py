@@ -1,0 +1,104 @@
+"""Regimes of contact, load and wear: each problem has one of each, and tables have all of them."""
+
+import pytest
+
+from ringwear import Scene
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.anchors.checks import OF_CONTACT, OF_RESPONSE
+from ringwear.studies.crosscheck.plan import DENSE_WORK
+from ringwear.studies.methods.base import method
+from ringwear.studies.methods.fem import DISCRETISED, HALF_SPACES
+from ringwear.studies.methods.pipeline import PIPELINES
+from ringwear.studies.methods.spaces import SPACES
+from ringwear.studies.problem.quantities import ANSWER, QUANTITIES
+from ringwear.studies.problem.regimes import (
+    FIXED_INDENTATION,
+    FULL_CONTACT,
+    INDENTATION_AT_VARYING_SPEED,
+    LOADS,
+    MOVING_CONTACT,
+    ONE_FORCE,
+    VARYING_FORCE,
+    WEAR_ALONG_RADIUS,
+    WEAR_ON_RINGS,
+)
+from ringwear.studies.sampling.sampler import FIELDS, WORN_VOLUMES
+
+RISING = {"times": [0.0, 1.0], "values": [1.0, 2.0]}
+FALLING = {"times": [0.0, 1.0], "values": [2.0, 1.0]}
+
+
+def pressed_by(**load):
+    return Scene.from_table(Scene.load("five_rings").table() | {"load": load}).problem
+
+
+@pytest.mark.parametrize(
+    ("load", "contact", "regime"),
+    [
+        ({"normal_force": 1.0}, FULL_CONTACT, ONE_FORCE),
+        ({"normal_force": RISING}, FULL_CONTACT, VARYING_FORCE),
+        ({"normal_force": FALLING}, MOVING_CONTACT, VARYING_FORCE),
+        ({"normal_force": 1.0, "sliding_speed": FALLING}, FULL_CONTACT, VARYING_FORCE),
+        ({"indentation": 1.0}, FULL_CONTACT, FIXED_INDENTATION),
+        (
+            {"indentation": 1.0, "sliding_speed": FALLING},
+            FULL_CONTACT,
+            INDENTATION_AT_VARYING_SPEED,
+        ),
+    ],
+    ids=["force", "rising", "falling", "speed", "indentation", "indentation and speed"],
+)
+def test_contact_and_load_of_a_flat_punch(load, contact, regime):
+    problem = pressed_by(**load)
+    assert (problem.contact, problem.load_regime) == (contact, regime)
+    assert problem.wear_regime is WEAR_ON_RINGS
+
+
+def test_contact_of_a_sphere_and_wear_along_the_radius():
+    assert Scene.load("sphere").problem.contact is MOVING_CONTACT
+    wear = {"radii": [0.0, 1.0], "values": [1.0, 2.0]}
+    punch = {"radius": 1.0, "wear_coefficient": wear}
+    graded = Scene.from_table(Scene.load("five_rings").table() | {"punch": punch}).problem
+    assert graded.wear_regime is WEAR_ALONG_RADIUS
+
+
+def test_every_table_has_every_regime():
+    for table in (
+        *(PIPELINES, SPACES, DISCRETISED, HALF_SPACES, DENSE_WORK),
+        *(OF_CONTACT, FIELDS, WORN_VOLUMES),
+    ):
+        assert set(table) == {FULL_CONTACT, MOVING_CONTACT}
+    assert set(OF_RESPONSE) == {regime.response for regime in LOADS.values()}
+
+
+def test_names_of_quantities_and_numbers_are_known():
+    for contact in (FULL_CONTACT, MOVING_CONTACT):
+        assert contact.quantities_missing <= QUANTITIES.keys()
+        assert contact.numbers_due <= ANSWER.keys()
+    for load in LOADS.values():
+        assert load.quantities_told | load.decaying <= QUANTITIES.keys()
+        assert {*load.parts_left, *load.forces_told} | load.numbers_missing <= ANSWER.keys()
+
+
+@pytest.mark.parametrize(
+    ("load", "missing"),
+    [
+        ({"normal_force": 1.0}, {"normal_force", "ring_worn_volume", "contact_radius"}),
+        ({"normal_force": RISING}, {"ring_worn_volume", "contact_radius"}),
+        ({"indentation": 1.0}, {"contact_radius"}),
+        ({"normal_force": FALLING}, {"relaxation_time"}),
+    ],
+    ids=["force", "rising", "indentation", "falling"],
+)
+def test_forces_are_quantities_where_they_are_not_one_number(load, missing):
+    problem = pressed_by(**load)
+    assert problem.quantities_missing - {"contact", "contact_edge"} == missing
+    with pytest.raises(SceneError, match="has none of them"):
+        problem.asking_for(frozenset(missing))
+
+
+def test_methods_refuse_the_regimes_of_their_tables():
+    varying, fixed = pressed_by(normal_force=RISING), pressed_by(indentation=1.0)
+    assert "one force" in method("mdr-grid").refusal(varying)
+    assert "nothing presses in the end" in method("direct").refusal(fixed)
+    assert not method("mdr").refusal(varying)
