@@ -83,7 +83,7 @@ def keys_in(declared: Key) -> dict[str, Key]:
     for table in declared.tables:
         for name, info in table.model_fields.items():
             annotations = [*_parts(info.annotation), *info.metadata]
-            kinds = {part.kind for part in annotations if isinstance(part, Unit)}
+            kinds: set[str] = {part.kind for part in annotations if isinstance(part, Unit)}
             if name == "values":
                 kinds = kinds or {declared.kind}
             tables = tuple(part for part in annotations if isinstance(part, type))
