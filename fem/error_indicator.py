@@ -190,7 +190,7 @@ def _squared_mismatches(
     first, second = (
         InteriorFacetBasis(mesh, solid.element, side=side, **settings) for side in (0, 1)
     )
-    beside = FacetBasis(mesh, solid.element, facets=mesh.boundaries["free"], **settings)
+    of_free_surface = FacetBasis(mesh, solid.element, facets=mesh.boundaries["free"], **settings)
     on_contact = FacetBasis(mesh, solid.element, facets=contact_facets(mesh), **settings)
 
     def tractions(basis: FacetBasis, normals: Array) -> Array:
@@ -204,7 +204,9 @@ def _squared_mismatches(
     of_contact[1] -= _given_pressures(on_contact, space, pressures)
     out = np.zeros((len(displacements), mesh.nfacets))
     out[:, first.find] = _integrals(first, jumps) / 2
-    out[:, beside.find] = _integrals(beside, tractions(beside, np.asarray(beside.normals)))
+    out[:, of_free_surface.find] = _integrals(
+        of_free_surface, tractions(of_free_surface, np.asarray(of_free_surface.normals))
+    )
     out[:, on_contact.find] = _integrals(on_contact, of_contact)
     return out
 

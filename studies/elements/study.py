@@ -12,7 +12,7 @@ square, whatever the degree.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 
 import pandas as pd
@@ -79,14 +79,18 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
     families = list(bench.families())
     table = record.solve("elements", families, COLUMNS)
     orders = pd.DataFrame(each.summary() for each in sequences_of(families, table))
-    choice = choose(table, orders, several_rings=len(problem.merged.wear_coefficients) > 1)
-    return Study(
-        "elements",
-        scene,
-        table,
-        orders=orders,
-        conclusions=(*conclude(choice, table), *bench.notes, *record.conclusions),
-        figures={"elements": draw(table, choice, bench.drawn_pressures())},
+    # what an interruption has left of a family tells nothing of its pair
+    levels = table.groupby("family").size()
+    whole = [each.name for each in families if levels.get(each.name, 0) == len(each.sizes)]
+    compared = table[table.family.isin(whole)]
+    found = Study("elements", scene, table, orders=orders, conclusions=tuple(record.conclusions))
+    if compared.empty:
+        return found
+    choice = choose(compared, orders, several_rings=len(problem.merged.wear_coefficients) > 1)
+    return replace(
+        found,
+        conclusions=(*conclude(choice, compared), *bench.notes, *record.conclusions),
+        figures={"elements": draw(compared, choice, bench.drawn_pressures())},
         tables={"choice": choice},
     )
 

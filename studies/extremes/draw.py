@@ -1,7 +1,7 @@
 """The figure of the panels: true errors over promised ones, beside the naive choice."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -17,7 +17,7 @@ from matplotlib.ticker import (
 )
 
 from ...meshes.radial import Array
-from ..figures.style import PAGE, RED
+from ..figures.style import PAGE, RED, Look
 from .panels import NAIVE, Panel
 from .verdicts import MEANINGS, in_words
 
@@ -37,8 +37,6 @@ LOOKS: dict[str, tuple[str, str, str]] = {
     NAIVE: ("0.45", "X", "naive choice"),
 }
 """Colour, marker and label of each method."""
-Look: TypeAlias = dict[str, Any]
-"""What matplotlib is told of a line or of a mark."""
 MARKS: dict[str, Look] = {
     "degraded": {"marker": "o", "markersize": 7, "markeredgecolor": "black"},
     "wrong": {"marker": "x", "markersize": 8, "markeredgecolor": "black"},

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
@@ -15,6 +16,7 @@ from ..sampling.field_differences import FieldComparison, FieldDifference
 from .scale import Scale, shown_times
 from .style import (
     PAGE,
+    Look,
     complete,
     label_of,
     method_curve,
@@ -102,7 +104,7 @@ def _curve_times(fields: Sequence[FieldDifference]) -> list[float]:
 
 
 def _draw_curves(
-    axes: Any,
+    axes: Axes,
     field: FieldDifference,
     drawn: FieldComparison,
     colours: dict[float, Any],
@@ -138,7 +140,7 @@ def _draw_curves(
 
 
 def _draw_map(
-    axes: Any,
+    axes: Axes,
     field: FieldDifference,
     contact_edges: Array,
     limits: tuple[float, float],
@@ -228,7 +230,7 @@ def _face(scale: Scale) -> tuple[float, float]:
     return float(inner), float(outer)
 
 
-def _mark_rings(axes: Any, scale: Scale) -> None:
+def _mark_rings(axes: Axes, scale: Scale) -> None:
     """Mark the ring edges unless there are too many, and show the face alone."""
     edges = scale.problem.ring_edges[1:-1] * scale.problem.units.length
     if len(edges) and not scale.many_rings:
@@ -239,7 +241,7 @@ def _mark_rings(axes: Any, scale: Scale) -> None:
     axes.set_xlim(*_face(scale))
 
 
-def _mark() -> dict[str, Any]:
+def _mark() -> Look:
     """Return how the largest difference is marked."""
     return {
         "marker": "o",

@@ -3,9 +3,8 @@
 Greatest displacement and RMS slope over time (the paper's Fig. 5), and how far methods differ.
 """
 
-from typing import Any
-
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...meshes.radial import Array
@@ -69,7 +68,7 @@ def draw_history(result: Result) -> Figure:
     return complete(figure, titles, panels[:, 0])
 
 
-def _draw_differences(axes: Any, times: Array, methods: dict[str, Array], scale: Scale) -> None:
+def _draw_differences(axes: Axes, times: Array, methods: dict[str, Array], scale: Scale) -> None:
     """Draw differences of each method from the first, over its value, where there are any."""
     (first, reference), *others = methods.items()
     # no more than roundoff is left of displacements where nothing presses

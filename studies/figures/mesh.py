@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
@@ -94,7 +95,7 @@ def draw_mesh(mesh: Any, mesher: str, ring_edges: Array) -> Figure:
     return complete(figure, [title])
 
 
-def _draw_punch(axes: Any, depth: float, ring_edges: Array) -> None:
+def _draw_punch(axes: Axes, depth: float, ring_edges: Array) -> None:
     """Draw the punch as a bar above a view of that depth, and mark its ring edges."""
     axes.plot(ring_edges[[0, -1]], [-0.015 * depth] * 2, color=RED, linewidth=2)
     edges = ring_edges[1:-1]

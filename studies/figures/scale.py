@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from ...mdr.flat_punch import D0, P0
 from ...meshes.radial import Array, Indices
@@ -94,7 +95,7 @@ class Scale:
         return f"{what} ({unit})" if unit else what
 
     def plot(
-        self, axes: Any, name: str, over: str, places: Array, heights: Array, **look: Any
+        self, axes: Axes, name: str, over: str, places: Array, heights: Array, **look: Any
     ) -> None:
         """Draw a quantity over the `radius`, broken where pressures jump, or over `time`."""
         if over == "time" and self.logarithmic:
@@ -109,7 +110,7 @@ class Scale:
         axes.plot(self.shown(over, places), self.shown(name, heights), **look)
         axes.set(xlabel=self.label(over), ylabel=self.label(name))
 
-    def plot_radial(self, axes: Any, name: str, radii: Array, values: dict[str, Array]) -> None:
+    def plot_radial(self, axes: Axes, name: str, radii: Array, values: dict[str, Array]) -> None:
         """Draw a quantity over the radius by every method that gives it, and shade the rings."""
         for method, curve in values.items():
             given = ~np.isnan(curve)

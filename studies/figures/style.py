@@ -7,18 +7,22 @@ import textwrap
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from ...meshes.radial import Array
 from ..registry import METHODS
 
+Look: TypeAlias = dict[str, Any]
+"""What matplotlib is told of a curve or of a mark."""
+
 # curves by the name of their method; those of a user's own join at their first figure
-LOOKS: dict[str, dict[str, Any]] = {
+LOOKS: dict[str, Look] = {
     "mdr": {"color": "#1f4e79", "linewidth": 2.2, "alpha": 0.55},
     "mdr-grid": {"color": "#8e6c00", "linestyle": (0, (5, 1, 1, 1)), "marker": "v"},
     "bem": {"color": "#2e7d32", "linestyle": "-.", "marker": "s"},
@@ -30,7 +34,7 @@ GREYS = ("0.0", "0.45", "0.2", "0.6", "0.35")
 # of the punch and its ring edges
 RED = "#c0392b"
 # of what others are seen against
-FAINT: dict[str, Any] = {"color": "0.4", "linewidth": 0.8, "linestyle": (0, (1, 2))}
+FAINT: Look = {"color": "0.4", "linewidth": 0.8, "linestyle": (0, (1, 2))}
 # least span of an axis of values over the values themselves
 LEAST_SPAN = 0.01
 # width in inches of a figure over both columns of a page
@@ -94,7 +98,7 @@ def new_panels(
 def complete(
     figure: Figure,
     titles: Iterable[str],
-    axes: Iterable[Any] = (),
+    axes: Iterable[Axes] = (),
     note: str = "",
     across: float = 0.6,
     down: float = 0.1,
@@ -126,7 +130,7 @@ def complete(
     return figure
 
 
-def legend_of(figure: Figure, axes: Iterable[Any], note: str = "") -> float:
+def legend_of(figure: Figure, axes: Iterable[Axes], note: str = "") -> float:
     """Add one legend under the whole figure, every label of some axes once, below a note.
 
     Return its height in inches.
@@ -151,7 +155,7 @@ def legend_of(figure: Figure, axes: Iterable[Any], note: str = "") -> float:
     return 0.13 + 0.15 * -(-len(handles) // columns) + 0.125 * len(note.splitlines())
 
 
-def legend_below(axes: Any) -> None:
+def legend_below(axes: Axes) -> None:
     """Add a legend under the axes, where it covers nothing.
 
     None without curves, as after an early interruption.
@@ -165,7 +169,7 @@ def legend_below(axes: Any) -> None:
         )
 
 
-def set_logarithmic(axes: Any, *directions: str) -> None:
+def set_logarithmic(axes: Axes, *directions: str) -> None:
     """Make axes logarithmic, with ticks at powers of ten alone.
 
     Ticks between them, and formulas in labels, would take as long as all the rest of a figure.
@@ -177,7 +181,7 @@ def set_logarithmic(axes: Any, *directions: str) -> None:
         axis.set_minor_locator(NullLocator())
 
 
-def show_values(axes: Any) -> None:
+def show_values(axes: Axes) -> None:
     """Write the numbers of a vertical axis in full, and let it span 1 % of the values or more.
 
     A narrower span, or an offset such as ``1e-5+6.2475e1``, would make roundoff look like much.
@@ -196,7 +200,7 @@ def power_of_ten(value: float) -> str:
     return "10" + f"{np.log10(value):.0f}".translate(superscripts)
 
 
-def curve(number: int) -> dict[str, Any]:
+def curve(number: int) -> Look:
     """Return marker, line and grey of the n-th curve: distinct without colour."""
     return {
         "marker": "os^Dvx+*"[number % 8],
@@ -213,7 +217,7 @@ def label_of(name: str) -> str:
     return name.upper() if name in METHODS else name
 
 
-def method_curve(name: str, points: int = 0) -> dict[str, Any]:
+def method_curve(name: str, points: int = 0) -> Look:
     """Return the curve of a method, with about 24 markers on so many points."""
     look = LOOKS.setdefault(name, curve(len(LOOKS)))
     look = {"linewidth": 1.0, "markersize": 3.0, "label": label_of(name)} | look
@@ -221,7 +225,7 @@ def method_curve(name: str, points: int = 0) -> dict[str, Any]:
 
 
 def shade_rings(
-    axes: Any, ring_edges: Array, wear_coefficients: Array, radius: float = 1.0
+    axes: Axes, ring_edges: Array, wear_coefficients: Array, radius: float = 1.0
 ) -> None:
     """Draw grey bands over the rings that wear fastest.
 

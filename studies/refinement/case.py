@@ -39,7 +39,7 @@ TRUTH = 1e-9
 NEGLIGIBLE = 1e-12
 """Accuracy that decides on the number of poles where truncation must not be seen."""
 ENERGY_FLOOR = 1e-11
-"""Energy errors, relative to the energy, below which roundoff and truncation are felt."""
+"""Energy errors, relative to the energy, below which roundoff and truncation are above_floor."""
 ERRORS = {
     "d0": "indentation d(0)",
     "history": "indentation d(t)",
@@ -111,8 +111,8 @@ class Solved:
         if self.indicators is None:
             return {}
         errors = self.relative_energy_errors[self.energies > 0]
-        felt = errors > ENERGY_FLOOR
-        ratios = np.sqrt(self.indicators.sum(axis=1)[felt] / errors[felt])
+        above_floor = errors > ENERGY_FLOOR
+        ratios = np.sqrt(self.indicators.sum(axis=1)[above_floor] / errors[above_floor])
         if not len(ratios):
             return {}
         return {

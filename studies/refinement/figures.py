@@ -1,20 +1,20 @@
 """Figures of the ways to refine: errors over unknowns and seconds, and the error indicator."""
 
 import textwrap
-from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator
 
-from ..figures.style import FAINT, PAGE, complete, new_panels, set_logarithmic
+from ..figures.style import FAINT, PAGE, Look, complete, new_panels, set_logarithmic
 from ..study.levels import SECONDS
 from .case import ERRORS
 from .observed_orders import NAMES, sequences
 
-LOOKS: dict[str, dict[str, Any]] = {
+LOOKS: dict[str, Look] = {
     "uniform": {"color": "#8a8a8a", "marker": "o", "linestyle": ":"},
     "graded": {"color": "#2e7d32", "marker": "D", "linestyle": "-."},
     "adaptive": {"color": "#c0392b", "marker": "^", "linestyle": "-"},
@@ -112,13 +112,13 @@ def draw_indicator(rows: pd.DataFrame) -> Figure:
     return complete(figure, [title], panels[:, 1], across=0.6, down=0.5)
 
 
-def _mark_thousands(axes: Any) -> None:
+def _mark_thousands(axes: Axes) -> None:
     """Set ticks at 1, 3, 10, 30, ... thousand on a logarithmic axis of unknowns."""
     axes.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
     axes.xaxis.set_major_formatter(lambda value, _: f"{value / 1000:g}")
 
 
-def _look(family: str, levels: pd.DataFrame) -> dict[str, Any]:
+def _look(family: str, levels: pd.DataFrame) -> Look:
     """Return the curve of a family; that of the user's meshes is called by their names."""
     label = NAMES[family]
     if family in ("uniform", "graded", "adaptive"):

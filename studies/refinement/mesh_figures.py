@@ -1,9 +1,9 @@
 """Meshes under the punch at three levels of each way, and the error of the pressure along r."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
@@ -104,7 +104,7 @@ def _three_of_each(levels: Sequence[Level], without: tuple[str, ...]) -> dict[st
     }
 
 
-def _draw_mesh(axes: Any, case: Case, level: Level) -> None:
+def _draw_mesh(axes: Axes, case: Case, level: Level) -> None:
     """Draw the mesh under the punch, coloured by the indicators of its triangles."""
     corners = level.mesh.p[:, level.mesh.t]
     seen = (corners[0].min(axis=0) < WIDTH) & (corners[1].min(axis=0) < DEPTH)
@@ -132,7 +132,7 @@ def _draw_mesh(axes: Any, case: Case, level: Level) -> None:
     axes.set(xlim=(0, WIDTH), ylim=(DEPTH, -PUNCH), aspect="equal", yticks=[0, DEPTH / 2, DEPTH])
 
 
-def _draw_pressure_errors(axes: Any, case: Case, levels: Sequence[Level]) -> None:
+def _draw_pressure_errors(axes: Axes, case: Case, levels: Sequence[Level]) -> None:
     """Draw the errors of the pressure at the first time after the start, finer levels darker."""
     face = case.watched.face
     names = ["coarsest", "middle", "finest"] if len(levels) == 3 else ["coarsest", "finest"]

@@ -151,7 +151,7 @@ class Record:
 
 
 def _forget_peak() -> None:
-    """Reset the count of the greatest memory of this process, which Linux alone can do."""
+    """Start to count the greatest memory of this process anew, which Linux alone can do."""
     try:
         Path("/proc/self/clear_refs").write_text("5", "ascii")
     except OSError:
