@@ -31,7 +31,7 @@ LOOKS: dict[str, tuple[str, str, Any, str]] = {
 """Colour, marker, line and label of each method and program."""
 STATED = (0, (4, 2))
 """Dashes of what methods state."""
-LABELLED = {"mdr": ((-3, -4), "right", "top"), "fem": ((3, 3), "left", "bottom")}
+LABELLED = {"mdr": ((-3, -4), "right", "top"), "fem": ((3, 4), "left", "bottom")}
 """Methods at whose points the tolerance is written, where, and how it is aligned."""
 TITLES = {
     "indentation, force, relaxation times": "d(t), F, relaxation times",
@@ -260,7 +260,7 @@ def _limits(rows: pd.DataFrame) -> tuple[float, float]:
 
 def _seconds_limits(rows: pd.DataFrame) -> tuple[float, float]:
     """Return ends of the axis of seconds, with room for the tolerances at points."""
-    return float(rows["least seconds"].min() / 3), float(3 * rows["greatest seconds"].max())
+    return float(rows["least seconds"].min() / 3), float(6 * rows["greatest seconds"].max())
 
 
 def _set_error_axis(axes: "Axes", labelled: bool) -> None:

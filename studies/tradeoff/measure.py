@@ -27,7 +27,7 @@ from ..tables import Row
 
 RUNS = 3
 """Least number of runs of a level."""
-MOST_RUNS = 9
+MOST_RUNS = 5
 """Greatest number of runs of a level that takes little time."""
 ENOUGH_SECONDS = 0.25
 """Seconds of all runs of a level beyond which it has only `RUNS` runs."""

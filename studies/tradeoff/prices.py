@@ -17,6 +17,9 @@ from ..study.orders import CONFIDENCE, slope_interval
 LEAST_LEVELS = 3
 """Levels of different errors that a price of a digit needs: two have no scatter."""
 
+LEAST_DIGITS = 0.5
+"""Digits between the errors of all levels that a price needs: less is no gain to be paid for."""
+
 
 @dataclass(frozen=True)
 class DigitPrice:
@@ -25,11 +28,13 @@ class DigitPrice:
     Parameters
     ----------
     levels : of different errors
+    digits : between the greatest and the least error
     price : by least squares; NaN of fewer than `LEAST_LEVELS` levels
     lower, upper : ends of its interval, of `CONFIDENCE`; NaN of fewer than `LEAST_LEVELS` levels
     """
 
     levels: int
+    digits: float = 0.0
     price: float = np.nan
     lower: float = np.nan
     upper: float = np.nan
@@ -41,7 +46,11 @@ class DigitPrice:
             return f"fewer than {LEAST_LEVELS} levels of different errors"
         if self.lower <= 1 <= self.upper:
             return f"the interval from {self.lower:.4g} to {self.upper:.4g} contains 1"
-        return "" if self.lower > 1 else "errors do not fall as seconds grow"
+        if self.upper < 1:
+            return "errors do not fall as seconds grow"
+        if self.digits < LEAST_DIGITS:
+            return f"all errors lie within {self.digits:.2g} digits"
+        return ""
 
     @property
     def in_words(self) -> str:
@@ -70,7 +79,7 @@ def fit_digit_price(seconds: Array, errors: Array) -> DigitPrice:
     # slopes over digits that hardly differ are without bound
     with np.errstate(over="ignore"):
         price, lower, upper = np.power(10.0, [slope, *interval])
-    return DigitPrice(len(first), float(price), float(lower), float(upper))
+    return DigitPrice(len(first), float(np.ptp(digits)), float(price), float(lower), float(upper))
 
 
 def list_prices(rows: pd.DataFrame) -> pd.DataFrame:
@@ -88,6 +97,7 @@ def list_prices(rows: pd.DataFrame) -> pd.DataFrame:
                 "group": group,
                 "method": name,
                 "levels": price.levels,
+                "digits": price.digits,
                 "price of a digit": price.price,
                 "lower end": price.lower,
                 "upper end": price.upper,

@@ -11,6 +11,8 @@ import pytest
 
 from ringwear import Scene, study
 from ringwear.meshes.errors import SceneError
+from ringwear.studies.problem.quantities import GROUPS
+from ringwear.studies.study.levels import Record
 from ringwear.studies.tradeoff import measure
 from ringwear.studies.tradeoff.draw import read_challenge
 from ringwear.studies.tradeoff.prices import (
@@ -19,6 +21,8 @@ from ringwear.studies.tradeoff.prices import (
     list_effectivities,
     list_prices,
 )
+from ringwear.studies.tradeoff.study import COLUMNS
+from ringwear.studies.tradeoff.ways import Ways
 
 OTHERS = Path(__file__).parents[3] / "studies" / "challenge" / "others"
 ERRORS = 10.0 ** -np.arange(1.0, 7.0)
@@ -53,6 +57,8 @@ def test_the_interval_is_that_of_students_distribution():
         ([1.0, 1.0, 2.0], [1e-1, 1e-1, 1e-2], "fewer than 3 levels"),
         ([1.0, 2.0, 3.0, 4.0], [1e-1, 0.0, np.nan, 1e-2], "fewer than 3 levels"),
         (SCATTER, ERRORS, "contains 1"),
+        # a standstill: seconds double, and nothing is gained
+        ([1.0, 2.0, 4.0, 8.0], [0.104, 0.103, 0.102, 0.101], "within 0.013 digits"),
         ([1.0, 2.0, 4.0, 8.0], [1e-4, 1e-3, 1e-2, 1e-1], "errors do not fall"),
     ],
 )
@@ -110,18 +116,22 @@ def test_an_effectivity_is_the_estimate_over_the_error():
 
 
 def test_the_table_has_tolerance_estimate_error_and_effectivity():
-    scene = Scene.load("flat_punch").changed(wear__times=[0.1])
-    found = study("tradeoff", scene, quick=True, methods=["mdr", "direct"])
-    table = found.table
+    # references are quick to compute for the steady state alone
+    problem = Scene.load("five_rings").problem.asking_for(GROUPS["steady"])
+    ways = Ways.of(problem, ("mdr", "direct"), quick=True)
+    families = [each for each in ways.families() if each.name.startswith("steady state")]
+    table = Record().solve("tradeoff", families, COLUMNS)
+    assert {"seconds", "tolerance", "estimate", "error", "effectivity"} < {*table.columns}
     asked = table[table.method == "mdr"]
-    assert asked.tolerance.tolist()[:2] == [1e-1, 1e-2]
+    assert asked.tolerance.tolist() == [1e-1, 1e-2, 1e-3, 1e-4]
+    # true errors are within the tolerance, and within what is stated
     assert (asked.error <= asked.tolerance).all()
+    assert (asked.effectivity >= 1).all()
     np.testing.assert_allclose(asked.effectivity, asked.estimate / asked.error)
     assert (asked["least seconds"] <= asked.seconds).all()
     assert (asked.seconds <= asked["greatest seconds"]).all()
     assert (asked.runs >= 3).all()
     assert table[table.method == "direct"].tolerance.isna().all()
-    assert {"digit_price", "effectivity"} <= found.tables.keys()
 
 
 def test_a_quantity_of_ones_own_is_a_group():
@@ -134,6 +144,7 @@ def test_a_quantity_of_ones_own_is_a_group():
     assert found.table.group.unique().tolist() == ["first_depth"]
     assert (found.table.error.astype(float) <= found.table.tolerance).all()
     assert found.table.estimate.isna().all()
+    assert set(found.tables) == {"digit_price"}
 
 
 @pytest.mark.parametrize(
