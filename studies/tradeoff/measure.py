@@ -92,17 +92,21 @@ def measure_method(name: str, problem: Problem, reference: Solution) -> Row:
     solution, timing = time_runs(
         lambda: solved_to_accuracy(solver, [problem], Stages(name))[0],
     )
-    row = {"unknowns": solution.unknowns} | timing.row
+    row = {"unknowns": solution.unknowns, **timing.row}
     if name in SAME_PRESSURES and solution.unknowns >= reference.unknowns:
-        return row | {"remark": TOO_FINE}
+        return {**row, "remark": TOO_FINE}
     compared = compare(problem, (solution, reference))
     if not compared:
         raise SolverError(f"{name} gives none of the quantities of this group: leave it out")
     errors = {quantity: float(np.max(of.size)) for quantity, of in compared.items()}
     worst = max(errors, key=lambda quantity: errors[quantity])
     estimate = max(float(np.max(of.first)) for of in compared.values())
-    known = {"estimate of the reference": float(np.max(compared[worst].second))}
-    return row | row_of_accuracy(errors[worst], estimate) | {"worst quantity": worst} | known
+    return {
+        **row,
+        **row_of_accuracy(errors[worst], estimate),
+        "worst quantity": worst,
+        "estimate of the reference": float(np.max(compared[worst].second)),
+    }
 
 
 def measure_quantity(name: str, scene: Scene, quantity: Quantity, exact: float, rtol: float) -> Row:
@@ -122,7 +126,7 @@ def measure_quantity(name: str, scene: Scene, quantity: Quantity, exact: float, 
     result, timing = time_runs(lambda: run(asked, [name]))
     error = abs(float(quantity(result)) / exact - 1) if exact else abs(float(quantity(result)))
     unknowns = result.solutions[name].unknowns
-    return {"unknowns": unknowns} | timing.row | row_of_accuracy(error, np.nan)
+    return {"unknowns": unknowns, **timing.row, **row_of_accuracy(error, np.nan)}
 
 
 def measure_naive(problem: Problem, reference: Solution, cells: int, step: float) -> Row:
@@ -159,7 +163,7 @@ def measure_naive(problem: Problem, reference: Solution, cells: int, step: float
             "the explicit march of the naive finite elements is unstable: leave them out, or end "
             "wear.times earlier"
         )
-    return timing.row | row_of_accuracy(errors[worst], np.nan) | {"worst quantity": worst}
+    return {**timing.row, **row_of_accuracy(errors[worst], np.nan), "worst quantity": worst}
 
 
 def row_of_accuracy(error: float, estimate: float) -> Row:

@@ -150,7 +150,7 @@ def _solve_quantity(
     """Return the row of a level of a quantity of the user's own."""
     tolerance = tolerance_of(setting)
     row = {"group": label, "method": name, "tolerance": tolerance, "worst quantity": label}
-    return row | measure_quantity(name, scene, quantity, exact, tolerance)
+    return {**row, **measure_quantity(name, scene, quantity, exact, tolerance)}
 
 
 def list_what_is_left_out(names: tuple[str, ...], scene: Scene, options: Options) -> Iterator[str]:

@@ -173,8 +173,8 @@ class Ways:
         """Return the family of a group and a method."""
 
         def solve(setting: str) -> Row:
-            row = levels[setting]()
-            return {"group": group, "method": name, "tolerance": tolerance_of(setting)} | row
+            asked = {"group": group, "method": name, "tolerance": tolerance_of(setting)}
+            return {**asked, **levels[setting]()}
 
         def work(setting: str) -> float:
             return expected_seconds(name, tolerance_of(setting), self.problem.full_contact)
