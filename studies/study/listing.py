@@ -88,9 +88,10 @@ STUDIES: dict[str, ListedStudy] = {
         25,
     ),
     "tradeoff": ListedStudy(
-        "numerics.tradeoff",
-        "error of groups of quantities against seconds, for every method",
-        18,
+        "tradeoff.study",
+        "speed against accuracy: tolerance, estimate and true error of every method and march",
+        25,
+        takes=("quantities", "methods"),
         of_any_punch=True,
     ),
 }

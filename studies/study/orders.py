@@ -94,11 +94,7 @@ class Sequence:
         It is Student's, with two degrees of freedom less than there are levels.
         """
         sizes, errors = self._logarithms(slice(None))
-        if len(sizes) < 3:
-            return np.nan, np.nan
-        (slope, _), covariance = np.polyfit(sizes, errors, 1, cov=True)
-        half = stdtrit(len(sizes) - 2, (1 + CONFIDENCE) / 2) * np.sqrt(covariance[0, 0])
-        return float(slope - half), float(slope + half)
+        return slope_interval(sizes, errors)
 
     def _logarithms(self, part: slice) -> tuple[Array, Array]:
         sizes, errors = (np.log(values[self.counted][part]) for values in (self.sizes, self.errors))
@@ -182,6 +178,23 @@ class Sequence:
             "cause of the floor": self.theory.floor_cause,
             "theory": self.theory.reason,
         }
+
+
+def slope_interval(x: Array, y: Array) -> tuple[float, float]:
+    """Return the interval of the slope of a line fitted by least squares, of `CONFIDENCE`.
+
+    It is Student's, with two degrees of freedom less than there are points; NaN of fewer than
+    three points.
+
+    Parameters
+    ----------
+    x, y : (n,) points
+    """
+    if len(x) < 3:
+        return np.nan, np.nan
+    (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
+    half = stdtrit(len(x) - 2, (1 + CONFIDENCE) / 2) * np.sqrt(covariance[0, 0])
+    return float(slope - half), float(slope + half)
 
 
 def sequences_of(families: Iterable[Family], rows: pd.DataFrame) -> list[Sequence]:

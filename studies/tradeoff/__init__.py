@@ -1,0 +1,1 @@
+"""The study of speed against accuracy."""

@@ -1,0 +1,211 @@
+"""The ways to compute a group of quantities, each with its levels, from coarse to fine."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from ..extremes.oracles import other_theory, solve_reference
+from ..methods.base import Solution, method
+from ..problem.problem import Problem
+from ..problem.quantities import GROUPS
+from ..problem.sections import MdrAccuracy
+from ..progress import Stages
+from ..study.levels import Family
+from ..tables import Row
+from . import measure
+
+ASKED = {
+    "indentation, force, relaxation times": frozenset(
+        ["indentation", "normal_force", "relaxation_time"]
+    ),
+    "history": GROUPS["history"],
+    "fields": GROUPS["fields"],
+    "steady state": GROUPS["steady"],
+}
+"""Groups of quantities, each of which is asked for alone."""
+BY_TOLERANCE = ("mdr", "bem", "fem")
+"""Methods whose sizes follow the tolerance."""
+DIRECT, IMPLICIT, EXPLICIT, GRID, NAIVE = (
+    "direct",
+    "mdr implicit",
+    "mdr explicit",
+    "mdr-grid",
+    "naive",
+)
+WAYS = (*BY_TOLERANCE, DIRECT, IMPLICIT, EXPLICIT, GRID, NAIVE)
+"""All methods and marches, as the option `methods` names them."""
+
+IMPLICIT_STEPS = (0.1, 0.01, 0.001)
+"""Steps of the implicit march, non-dimensional."""
+STABLE_PARTS = (0.9, 0.3, 0.1)
+"""Steps of the explicit march, over the greatest that is stable."""
+EXPLICIT_SIZES = MdrAccuracy(degree=2, rim_size=0.02, ring_size=0.02, grading=0.5)
+"""Elements so coarse that the explicit march is stable in a few thousand steps."""
+NAIVE_CELLS = (5, 10, 20, 40)
+"""Elements of the naive finite elements on the radius of the punch."""
+NAIVE_STEP = 0.2
+"""Step of the naive finite elements, non-dimensional, times the elements on the radius.
+
+Their march is stable at 0.2 and unstable at 0.4 with 10 to 40 elements on five rings.
+"""
+EXPECTED_SECONDS = {"mdr": 0.05, "bem": 0.05, "fem": 0.2, GRID: 0.3, NAIVE: 0.3}
+"""Seconds of a run of a flat punch at the coarsest level."""
+EXPECTED_PRICE = 1.4
+"""Factor by which one more digit asked for multiplies the expected seconds."""
+EXPECTED_SHAPED = {1e-1: 1.0, 1e-2: 1.0, 3e-3: 2.5, 1e-3: 6.0}
+"""Seconds of a run of a shaped punch by MDR, by its tolerance; finite elements take twice."""
+
+
+def tolerances(problem: Problem, quick: bool) -> list[float]:
+    """Return the tolerances that methods are asked for."""
+    if problem.full_contact:
+        return [10.0**-digits for digits in range(1, 5 if quick else 9)]
+    # matrices on cells are dense
+    return [1e-1, 1e-2] if quick else [1e-1, 1e-2, 3e-3, 1e-3]
+
+
+def reference_tolerance(problem: Problem, quick: bool) -> float:
+    """Return the accuracy of the solutions that errors are measured by."""
+    finest = min(tolerances(problem, quick))
+    if problem.full_contact:
+        return 1e-3 * finest if quick else 1e-9
+    # the first tolerance is refined to a tenth of itself, and sizes end where cells are too many
+    return 0.01 * finest
+
+
+@dataclass(frozen=True, eq=False)
+class Ways:
+    """All methods and marches for one problem, measured by references of another theory.
+
+    Parameters
+    ----------
+    problem : with the radii at which it is compared
+    references : solutions by the name of their method
+    names : of the methods and marches that are measured
+    quick : whether fewer tolerances will do
+    """
+
+    problem: Problem
+    references: Mapping[str, Solution]
+    names: tuple[str, ...]
+    quick: bool
+
+    @classmethod
+    def of(cls, problem: Problem, names: tuple[str, ...], quick: bool) -> "Ways":
+        """Solve the references that the names need.
+
+        Raises
+        ------
+        RingwearError
+            if a reference cannot be computed
+        """
+        rtol = reference_tolerance(problem, quick)
+        problem = replace(problem, march="modal", step=None)
+        problem = replace(problem, compared_on=replace(problem, rtol=rtol).face)
+        needed = dict.fromkeys(other_theory(name.split()[0]) for name in names)
+        references = {name: solve_reference(problem, name, rtol) for name in needed}
+        return cls(problem, references, names, quick)
+
+    def families(self) -> Iterator[Family]:
+        """Yield a family for each group of quantities and each method or march that gives it."""
+        for group, quantities in ASKED.items():
+            alone = self.problem.asking_for(quantities)
+            # nothing is steady at a fixed indentation
+            if method("mdr").refusal(alone):
+                continue
+            for name in self.names:
+                if levels := self._levels(name, alone, quantities):
+                    yield self._family(group, name, levels)
+
+    def _levels(
+        self, name: str, alone: Problem, quantities: frozenset[str]
+    ) -> "dict[str, Callable[[], Row]]":
+        """Return the levels of a method or a march, from coarse to fine; empty if it has none."""
+        if name == NAIVE:
+            return self._naive_levels(alone)
+        problems: dict[str, Problem] = {}
+        marched = self.problem.full_contact and quantities <= GROUPS["history"]
+        if name in BY_TOLERANCE:
+            problems = {
+                f"rtol {rtol:.0e}": replace(alone, rtol=rtol)
+                for rtol in tolerances(self.problem, self.quick)
+            }
+        elif name == DIRECT and quantities <= GROUPS["steady"]:
+            problems = {"closed form": alone}
+        elif name == IMPLICIT and marched:
+            stepped = replace(alone, march="implicit", rtol=1e-4)
+            problems = {f"step {step:g}": replace(stepped, step=step) for step in IMPLICIT_STEPS}
+        elif name == EXPLICIT and marched:
+            problems = _explicit_problems(alone)
+        elif name == GRID and marched:
+            problems = {
+                f"n = {count}": replace(alone, mdr=MdrAccuracy(grid=count))
+                for count in ((50, 100, 200) if self.quick else (50, 100, 200, 400))
+            }
+        solver = name.split()[0]
+        reference = self.references[other_theory(solver)]
+        return {
+            setting: partial(measure.measure_method, solver, problem, reference)
+            for setting, problem in problems.items()
+            if not method(solver).refusal(problem)
+        }
+
+    def _naive_levels(self, alone: Problem) -> "dict[str, Callable[[], Row]]":
+        """Return the levels of the naive finite elements.
+
+        Their nodes stick to the whole face, so they know no contact that opens and spreads.
+        """
+        given = {"pressure"} if alone.indentation is not None else {"indentation", "pressure"}
+        if not alone.full_contact or not any(map(alone.wants, given)):
+            return {}
+        reference = self.references[other_theory(NAIVE)]
+        only = alone.asking_for(frozenset(name for name in given if alone.wants(name)))
+        return {
+            f"{cells} elements": partial(
+                measure.measure_naive, only, reference, cells, NAIVE_STEP / cells
+            )
+            for cells in (NAIVE_CELLS[:-1] if self.quick else NAIVE_CELLS)
+        }
+
+    def _family(self, group: str, name: str, levels: "dict[str, Callable[[], Row]]") -> Family:
+        """Return the family of a group and a method."""
+
+        def solve(setting: str) -> Row:
+            asked = {"group": group, "method": name, "tolerance": tolerance_of(setting)}
+            return {**asked, **levels[setting]()}
+
+        def work(setting: str) -> float:
+            return expected_seconds(name, tolerance_of(setting), self.problem.full_contact)
+
+        return Family(f"{group}, {name}", dict.fromkeys(levels, np.nan), solve, work=work)
+
+
+def tolerance_of(setting: str) -> float:
+    """Return the tolerance that a setting asks for; NaN if it sets sizes or steps."""
+    return float(setting.removeprefix("rtol ")) if setting.startswith("rtol ") else np.nan
+
+
+def expected_seconds(name: str, tolerance: float, full_contact: bool) -> float:
+    """Return the seconds that all runs of a level are expected to take."""
+    if full_contact:
+        digits = 0.0 if np.isnan(tolerance) else -np.log10(tolerance) - 1
+        seconds = EXPECTED_SECONDS.get(name, 0.1) * EXPECTED_PRICE**digits
+    else:
+        shaped = EXPECTED_SHAPED.get(tolerance, 1.0)
+        seconds = 2 * shaped if name == "fem" else shaped
+    return measure.RUNS * seconds
+
+
+def _explicit_problems(alone: Problem) -> dict[str, Problem]:
+    """Return the explicit march on coarse elements, in steps below the greatest stable one."""
+    coarse = replace(alone, mdr=EXPLICIT_SIZES)
+    solution = method("mdr").solve(coarse, Stages("mdr"))
+    if solution.wear is None:
+        return {}
+    limit = solution.wear.stability_limit()
+    return {
+        f"step {part:g} of the limit": replace(coarse, march="explicit", step=part * limit)
+        for part in STABLE_PARTS
+    }
