@@ -128,7 +128,7 @@ def _draw_curves(
             there = np.isfinite(field.relative[row])
             heights = np.maximum(field.relative[row, there], 0.1 * low)
             label = scale.when(time) if np.isfinite(time) else "steady state"
-            look = {"marker": "."} if there.sum() < FEW_RADII else {}
+            look: Look = {"marker": "."} if there.sum() < FEW_RADII else {}
             radii = scale.shown("radius", field.radii[there])
             axes.plot(radii, heights, color=colour, linewidth=0.8, label=label, **look)
     if largest:
@@ -158,7 +158,7 @@ def _draw_map(
     if contact_edges.shape[1] and len(contact_edges) == len(heights):
         places = scale.shown("radius", contact_edges)
         places = np.where(places > inner, places, np.nan)
-        look = {"marker": "|", "linestyle": "", "color": "#1565c0", "markersize": 4}
+        look: Look = {"marker": "|", "linestyle": "", "color": "#1565c0", "markersize": 4}
         lines = axes.plot(places, np.tile(heights[:, None], places.shape[1]), **look)
         lines[0].set_label("edge of the contact")
     row, at = field.largest
@@ -234,7 +234,7 @@ def _mark_rings(axes: Axes, scale: Scale) -> None:
     """Mark the ring edges unless there are too many, and show the face alone."""
     edges = scale.problem.ring_edges[1:-1] * scale.problem.units.length
     if len(edges) and not scale.many_rings:
-        look = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
+        look: Look = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
         # from the bottom to the top of the panel, whatever its scale
         whole = axes.get_xaxis_transform()
         axes.vlines(scale.shown("radius", edges), 0, 1, transform=whole, **look)

@@ -104,7 +104,8 @@ def test_every_panel_has_its_runs():
     for panel in PANELS.values():
         for quick, values in ((True, panel.quick), (False, panel.values)):
             runs = panel.family(quick).sizes
-            assert runs.keys() == {(x, name) for x in values for name in (*panel.methods, NAIVE)}
+            methods = [name for name in panel.methods if not (quick and name == "bem")]
+            assert runs.keys() == {(x, name) for x in values for name in (*methods, NAIVE)}
         assert panel.fails_at in panel.quick
     assert set(METHODS) == {name for panel in PANELS.values() for name in panel.methods} & {
         "mdr",
