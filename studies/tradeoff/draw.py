@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, NullLocator
 
 from ..figures.style import PAGE, RED
@@ -136,6 +137,7 @@ def _draw_seconds(axes: "Axes", rows: pd.DataFrame) -> None:
                     va=down,
                     fontsize=5.2,
                     color=color,
+                    path_effects=[withStroke(linewidth=1.5, foreground="white")],
                 )
     axes.set_xscale("log")
     axes.xaxis.set_minor_locator(NullLocator())
@@ -217,9 +219,14 @@ def _effectivity_in_words(effectivities: pd.DataFrame, group: str) -> str:
     of_group = effectivities[effectivities.group == group].set_index("method")
     medians = of_group["median effectivity"]
     words = ", ".join(
-        f"{LOOKS[name][3]} {medians[name]:.2g}" for name in LABELLED if name in medians
+        f"{LOOKS[name][3]} {_short(medians[name])}" for name in LABELLED if name in medians
     )
     return f"stated/true: {words}" if words else "stated and true error"
+
+
+def _short(number: float) -> str:
+    """Return a number with two digits, and without an exponent."""
+    return f"{number:.0f}" if number >= 10 else f"{number:.2g}"
 
 
 def _labelled(levels: pd.DataFrame) -> list[int]:

@@ -13,16 +13,14 @@ from typing import TypeVar
 import numpy as np
 
 from ...meshes.errors import SolverError
+from ...meshes.radial import ring_of
 from ..crosscheck.accuracy import solved_to_accuracy
 from ..crosscheck.agreement import compare
-from ..crosscheck.run import run
 from ..extremes import naive
 from ..methods.base import Solution, method
 from ..problem.problem import Problem
-from ..problem.scene import Scene
 from ..progress import Stages
 from ..sampling.norms import Results, differences
-from ..study.options import Quantity
 from ..tables import Row
 
 RUNS = 3
@@ -109,26 +107,6 @@ def measure_method(name: str, problem: Problem, reference: Solution) -> Row:
     }
 
 
-def measure_quantity(name: str, scene: Scene, quantity: Quantity, exact: float, rtol: float) -> Row:
-    """Return seconds and true error of a function of the result of a run.
-
-    Functions of a result have no error estimate.
-
-    Parameters
-    ----------
-    name : of the method
-    scene : that is run
-    quantity : function of the result
-    exact : its value by another theory, to a finer accuracy
-    rtol : accuracy that is asked for
-    """
-    asked = scene.changed(accuracy__rtol=rtol)
-    result, timing = time_runs(lambda: run(asked, [name]))
-    error = abs(float(quantity(result)) / exact - 1) if exact else abs(float(quantity(result)))
-    unknowns = result.solutions[name].unknowns
-    return {"unknowns": unknowns, **timing.row, **row_of_accuracy(error, np.nan)}
-
-
 def measure_naive(problem: Problem, reference: Solution, cells: int, step: float) -> Row:
     """Return seconds and true error of the naive finite elements, in what they give of a group.
 
@@ -164,6 +142,26 @@ def measure_naive(problem: Problem, reference: Solution, cells: int, step: float
             "wear.times earlier"
         )
     return {**timing.row, **row_of_accuracy(errors[worst], np.nan), "worst quantity": worst}
+
+
+def stable_naive_step(problem: Problem, cells: int) -> float:
+    """Return the greatest stable step of the naive finite elements, in units of the problem.
+
+    It is two over the greatest rate at which pressures decay by wear, at a fixed indentation.
+    """
+    units, hole = problem.units, problem.inner_radius
+    face = naive.press(
+        units.length,
+        hole * units.length,
+        units.modulus,
+        problem.poisson_ratio,
+        naive.OUTER,
+        cells,
+    )
+    radii = np.clip(face.radii / units.length, hole, 1 - 1e-12)
+    wear = problem.rings.ends.mean(axis=0)[ring_of(problem.rings.ring_edges, radii)]
+    pressures = np.linalg.solve(face.mass, face.stiffness) * units.displacement / units.pressure
+    return float(2 / np.abs(np.linalg.eigvals(pressures * wear[:, None])).max())
 
 
 def row_of_accuracy(error: float, estimate: float) -> Row:

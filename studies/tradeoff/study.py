@@ -9,37 +9,24 @@ import os
 import platform
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import SceneError
-from ..crosscheck.run import run
-from ..extremes.oracles import other_theory
 from ..problem.scene import Scene
-from ..study.levels import Family, Record
-from ..study.options import Options, Quantity
+from ..study.levels import Record
+from ..study.options import Options
 from ..study.study import Study
-from ..tables import Row
 from .draw import draw
-from .measure import measure_quantity
+from .own_quantities import families_of_quantities
 from .prices import (
     conclude_effectivities,
     conclude_prices,
     list_effectivities,
     list_prices,
 )
-from .ways import (
-    BY_TOLERANCE,
-    NAIVE,
-    WAYS,
-    Ways,
-    expected_seconds,
-    reference_tolerance,
-    tolerance_of,
-    tolerances,
-)
+from .ways import BY_TOLERANCE, NAIVE, WAYS, Ways
 
 COLUMNS = [
     "group",
@@ -117,40 +104,6 @@ def choose_methods(options: Options) -> tuple[str, ...]:
             which = "quantities of one's own" if options.quantities else "study tradeoff"
             raise SceneError(f"methods: {which} has no {name!r}: give some of {', '.join(known)}")
     return options.methods or tuple(known)
-
-
-def families_of_quantities(
-    scene: Scene, options: Options, names: tuple[str, ...]
-) -> Iterator[Family]:
-    """Yield a family for each quantity of the user's own and each method."""
-    problem = scene.problem
-    finest = scene.changed(accuracy={"rtol": reference_tolerance(problem, options.quick)})
-    needed = dict.fromkeys(map(other_theory, names))
-    references = {name: run(finest, [name]) for name in needed}
-    settings = [f"rtol {rtol:.0e}" for rtol in tolerances(problem, options.quick)]
-    for label, quantity in options.quantities.items():
-        for name in names:
-            exact = float(quantity(references[other_theory(name)]))
-            solve = partial(_solve_quantity, label, name, scene, quantity, exact)
-            yield Family(
-                f"{label}, {name}",
-                dict.fromkeys(settings, np.nan),
-                solve,
-                work=partial(_work, name, problem.full_contact),
-            )
-
-
-def _work(name: str, full_contact: bool, setting: str) -> float:
-    return expected_seconds(name, tolerance_of(setting), full_contact)
-
-
-def _solve_quantity(
-    label: str, name: str, scene: Scene, quantity: Quantity, exact: float, setting: str
-) -> Row:
-    """Return the row of a level of a quantity of the user's own."""
-    tolerance = tolerance_of(setting)
-    row = {"group": label, "method": name, "tolerance": tolerance, "worst quantity": label}
-    return {**row, **measure_quantity(name, scene, quantity, exact, tolerance)}
 
 
 def list_what_is_left_out(names: tuple[str, ...], scene: Scene, options: Options) -> Iterator[str]:

@@ -1,0 +1,33 @@
+"""Options of the study of speed against accuracy."""
+
+from __future__ import annotations
+
+import pytest
+
+from ringwear import Scene, study
+from ringwear.meshes.errors import SceneError
+
+
+def test_a_quantity_of_ones_own_is_a_group():
+    # of a flat punch, F / (2 a E*): Boussinesq
+    def first_depth(result):
+        return float(result.dataset.indentation[0, 0])
+
+    scene = Scene.load("flat_punch").changed(wear__times=[0.0, 0.1])
+    found = study("tradeoff", scene, quick=True, quantities=[first_depth], methods=["mdr"])
+    assert found.table.group.unique().tolist() == ["first_depth"]
+    assert (found.table.error.astype(float) <= found.table.tolerance).all()
+    assert found.table.estimate.isna().all()
+    assert set(found.tables) == {"digit_price"}
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"methods": ["rope"]}, "has no 'rope': give some of mdr, bem, fem, direct"),
+        ({"methods": ["naive"], "quantities": {"d": lambda _: 1.0}}, "has no 'naive'"),
+    ],
+)
+def test_methods_that_are_not_known_are_refused(options, message):
+    with pytest.raises(SceneError, match=message):
+        study("tradeoff", "flat_punch", quick=True, **options)
