@@ -47,6 +47,8 @@ FLAGS = {
     "left out",
     "--csv": "write the results as CSV tables, too",
     "--check": "also condense the finite elements, and report how stable their multipliers are",
+    "--refinement": "take the files as one program's, from coarse to fine, each half as coarse as "
+    "the one before",
     "--quick": "conduct a smaller version of the study; it says first how long that takes",
     "--dry-run": "only say what the sweep will take",
     "--resume": "continue the sweep that is in the directory",
@@ -84,8 +86,7 @@ ARGUMENTS: dict[str, Told] = {
     "--sizes": {
         "type": _sizes,
         "metavar": "H,...",
-        "help": "of elements or steps, where several files are a refinement from coarse to fine "
-        "(default: each half of the one before)",
+        "help": "sizes of elements or steps, if the files are one program's, from coarse to fine",
     },
     "--template": {
         "type": _directory,

@@ -128,9 +128,9 @@ def _check(options: argparse.Namespace) -> Status:
     given = {Path(file).name: file for file in options.files}
     if len(given) < len(options.files):
         given = {file: file for file in options.files}
-    # each half as coarse as the one before it, unless it is said otherwise
+    # of a refinement, each half as coarse as the one before it unless sizes are given
     halved = [0.5**level for level in range(len(given))]
-    sizes = options.sizes or (halved if len(given) > 1 else [])
+    sizes = options.sizes or (halved if options.refinement else [])
     out = _out(options, f"check_{Path(options.scene).stem}")
     files = run_files(PICTURES) | {"check.csv", "refinement.png"}
     with output_folder(out, "check", files) as folder:
@@ -314,7 +314,10 @@ COMMANDS = {
     "check": Command(
         "compare results of other programs with ours: by how much theirs err, and where",
         _check,
-        ("scene", "files", "--out", "--within", "--columns", "--units", "--sizes", "--template"),
+        (
+            *("scene", "files", "--out", "--within", "--columns", "--units", "--refinement"),
+            *("--sizes", "--template"),
+        ),
     ),
     "plan": Command(
         "say what a scene models and what it will cost, without computing it",

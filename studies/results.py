@@ -249,13 +249,16 @@ class Checked(Result, checked.Checked):
     """
 
 
-def check(scene: Source, given: "Mapping[str, OthersResults]", **how: Any) -> Checked:
+def check(
+    scene: Source, given: "Mapping[str, OthersResults] | OthersResults", **how: Any
+) -> Checked:
     """Hold results of other programs against ours, at their times and radii.
 
     Parameters
     ----------
     scene : a Scene, the name of a bundled one, a file, or nested dictionaries
-    given : CSV or netCDF files, DataFrames or xarray Datasets, by the names of their programs
+    given : CSV or netCDF files, DataFrames or xarray Datasets, by the names of their programs; or
+        one alone, which is called "theirs", or by the name of its file
     how : `methods` of ours, in place of the scene's; `within`, the relative error that theirs are
         allowed, 0.01; `columns`, names of ours by theirs, ``{"p": "pressure"}``; `units` of theirs,
         such as ``"mm, N, MPa, s"``, if not the scene's; `sizes`, decreasing, if they are of one
@@ -276,7 +279,10 @@ def check(scene: Source, given: "Mapping[str, OthersResults]", **how: Any) -> Ch
     """
     from .check.check import check as hold_against
 
-    return _as(Checked, hold_against(scene, given, **how))
+    # a dataset is a mapping, too, of its variables
+    several = isinstance(given, Mapping) and not hasattr(given, "to_dataframe")
+    alone = Path(given).name if isinstance(given, str | Path) else "theirs"
+    return _as(Checked, hold_against(scene, given if several else {alone: given}, **how))
 
 
 def _as(kind: type[Shown], result: dataset.Result) -> Shown:

@@ -14,6 +14,8 @@ from .diagnose import Comparison, Diagnosis, diagnose
 from .verdict import Verdict, best, in_words, verdicts
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from .refinement import Refinement
 
 
@@ -59,6 +61,13 @@ class Checked(Result):
         return [field for field in OVER_TIME if field in self.solutions[name].results]
 
     @property
+    def errors(self) -> "pd.DataFrame":
+        """The verdicts as a table: a row for each program, quantity and time."""
+        import pandas as pd
+
+        return pd.DataFrame([asdict(row) for row in self.verdicts])
+
+    @property
     def judged(self) -> tuple[str, ...]:
         """Names of those that are judged."""
         return self.given[-1:] if self.sizes else self.given
@@ -98,6 +107,7 @@ class Checked(Result):
         names, lines = UnitNames.of(self.scene.units), list[str]()
         for name in self.judged:
             judged = [row for row in self.verdicts if row.solver == name]
+            lines.append(f"{name}: {self._verdict_on(judged)}")
             for _, rows in groupby(judged, lambda row: row.quantity):
                 lines.append(f"{name}: {in_words(list(rows), names)}")
             lines += [
@@ -106,6 +116,18 @@ class Checked(Result):
                 for fault in self.diagnoses[name]
             ]
         return lines + [f"refinement: {row.in_words(names)}" for row in self.refinements]
+
+    def _verdict_on(self, judged: list[Verdict]) -> str:
+        """Return in words whether all that a program gives is within what is allowed."""
+        beyond = dict.fromkeys(row.quantity for row in judged if not row.within)
+        given = dict.fromkeys(row.quantity for row in judged)
+        if not judged:
+            return "nothing of it could be compared"
+        if not beyond:
+            return f"all {len(given)} quantities are within {self.within:.3g} of ours"
+        names = ", ".join(name.replace("_", " ") for name in beyond)
+        counts = f"{len(beyond)} of {len(given)} quantities"
+        return f"{counts} differ from ours by more than {self.within:.3g}: {names}"
 
     @property
     def notes(self) -> tuple[str, ...]:

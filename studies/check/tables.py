@@ -6,7 +6,6 @@ stand in rows whose radius is empty. What is wrong is refused in a line that nam
 line, the column and the remedy.
 """
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -19,14 +18,19 @@ from ..crosscheck.sizes import refuse_large
 from ..problem.fields import refuse_device
 from ..problem.quantities import FIELDS, QUANTITIES
 from ..problem.scene import Scene
-from ..problem.unit_names import UnitNames
+from ..problem.unit_names import UnitNames, size_of_unit
 from ..progress import LOG
+from .csv_files import name_and_unit, read_csv_text, read_numbers
 
 if TYPE_CHECKING:
     import xarray
 
 # a file, or a table in memory
 OthersResults: TypeAlias = "str | Path | pd.DataFrame | xarray.Dataset"
+
+
+LARGE = 200_000
+"""Characters from which on a CSV file is read as numbers at once, if it has nothing else."""
 
 
 def read(
@@ -68,13 +72,20 @@ def read(
         source = source[given].reset_coords(drop=True).to_dataframe()
     if source.index.names != [None]:
         source = source.reset_index()
+    source, of_headings = _with_our_headings(source, columns, kinds)
     frame = _named(source, name, columns, list(kinds))
     table = _checked(frame, f"{name}, {place}")
     stated = UnitNames.of(scene.units)
     if units and stated.base is None:
         raise SceneError(f"--units {units}: the scene's numbers have none: give its units")
     for key in table:
-        table[key] *= UnitNames.of(units or scene.units).size(kinds[key]) / stated.size(kinds[key])
+        kind, unit = kinds[key], of_headings.get(key, "")
+        theirs = UnitNames.of(units or scene.units).size(kind)
+        if unit and stated.base is None:
+            LOG.warning("%s: the unit of %s is not read, for the scene has none", name, key)
+        elif unit:
+            theirs = size_of_unit(unit, kind, f"{name}, the heading of {key}")
+        table[key] *= theirs / stated.size(kind)
     if "radius" in table:
         radius, rim = table["radius"], scene.punch.radius
         # what roundoff of units has moved beyond the rim is on it
@@ -99,6 +110,27 @@ def read(
     return table
 
 
+def _with_our_headings(
+    frame: pd.DataFrame, columns: Mapping[str, str], kinds: Mapping[str, str]
+) -> tuple[pd.DataFrame, dict[str, str]]:
+    """Return a table with our names where headings mean them, and the units of these headings.
+
+    What the user names, and what has our name already, stays.
+    """
+    names, units = dict[object, str](), dict[str, str]()
+    taken = {columns.get(str(heading), str(heading)) for heading in frame}
+    for heading in frame:
+        name, unit = name_and_unit(str(heading))
+        if name not in kinds or str(heading) in columns:
+            continue
+        if str(heading) == name or name not in taken:
+            names[heading] = name
+            taken.add(name)
+            if unit:
+                units[name] = unit
+    return frame.rename(columns=names), units
+
+
 def _open(path: Path) -> "pd.DataFrame | xarray.Dataset":
     """Return a dataset of a netCDF file, or a CSV table of text by the numbers of its lines."""
     try:
@@ -109,27 +141,14 @@ def _open(path: Path) -> "pd.DataFrame | xarray.Dataset":
                 refuse_large(path, data)
                 return data.load()
         refuse_device(path)
-        lines = path.read_text("utf-8-sig").replace('"', "").splitlines()
+        text = path.read_text("utf-8-sig")
     except (OSError, ValueError) as error:
         raise SceneError(
             f"{path} cannot be read: {getattr(error, 'strerror', None) or error}; give CSV in "
             "UTF-8, or netCDF in a file that ends in .nc"
         ) from None
-    rows = {
-        number: re.split(r"\s*[,;\t]\s*", line.strip())
-        for number, line in enumerate(lines, 1)
-        if line.partition("#")[0].strip()
-    }
-    if len(rows) < 2:
-        raise SceneError(f"{path} has no rows: give names of columns, and numbers below them")
-    first, *others = rows
-    for number in others:
-        if len(rows[number]) != len(rows[first]):
-            raise SceneError(
-                f"{path}, line {number}: {len(rows[number])} cells under {len(rows[first])} "
-                "columns; give as many, with points for decimals"
-            )
-    return pd.DataFrame([rows[number] for number in others], others, rows[first])
+    table = read_numbers(path, text) if len(text) > LARGE else None
+    return read_csv_text(path, text) if table is None else table
 
 
 def _surface(path: Path, columns: Mapping[str, str]) -> pd.DataFrame:

@@ -253,6 +253,23 @@ def _number(quantity: str, key: str, kind: str, names: UnitNames) -> float:
     return float(value) / names.size(kind)
 
 
+def size_of_unit(unit: str, kind: str, place: str) -> float:
+    """Return how much of the SI unit of a kind a unit is.
+
+    Raises
+    ------
+    SceneError
+        if it is no unit of that kind, naming the place where it stands
+    """
+    try:
+        return _size_in_si(unit, kind)
+    except SceneError:
+        raise SceneError(
+            f"{place}: {unit!r} is no unit of {kind.replace('_', ' ')}: give one such as "
+            f"{', '.join(list(SI[kind])[-3:])}"
+        ) from None
+
+
 @lru_cache(maxsize=64)
 def _size_in_si(unit: str, kind: str) -> float:
     """Return how much of the SI unit of a kind a unit is."""

@@ -1,0 +1,130 @@
+"""CSV tables as other programs write them.
+
+Columns may be separated by commas, semicolons or tabs, with points for decimals, or commas where
+columns are not separated by them. Headings may be in any case, have symbols for names (``t``,
+``r``, ``p``), and units (``time [s]``, ``p (MPa)``, ``r/mm``); units may also stand in a row of
+their own below the headings. Empty lines, and what follows a ``#``, are left out.
+"""
+
+import re
+from pathlib import Path
+
+import pandas as pd
+
+from ...meshes.errors import SceneError
+
+SYMBOLS = {
+    "t": "time",
+    "r": "radius",
+    "p": "pressure",
+    "contact_pressure": "pressure",
+    "u": "displacement",
+    "uz": "displacement",
+    "u_z": "displacement",
+    "f": "profile",
+    "worn_profile": "profile",
+    "wear": "profile",
+    "d": "indentation",
+    "depth": "indentation",
+    "approach": "indentation",
+    "fn": "normal_force",
+    "f_n": "normal_force",
+    "force": "normal_force",
+    "load": "normal_force",
+}
+"""Our names by those that other programs and papers use."""
+UNIT = re.compile(r"^(?P<name>[^\[(/]+?)\s*(?:\[(?P<a>.*)\]|\((?P<b>.*)\)|/\s*(?P<c>.+))$")
+"""A heading with a unit in brackets, in parentheses or after a slash."""
+
+
+def name_and_unit(heading: str) -> tuple[str, str]:
+    """Return our name for a heading, and the unit that it states; empty if it states none."""
+    matched = UNIT.match(heading.strip())
+    name, unit = heading.strip(), ""
+    if matched:
+        name, unit = matched["name"], next(filter(None, matched.group("a", "b", "c")), "")
+    name = re.sub(r"\s+", "_", name.strip().lower())
+    return SYMBOLS.get(name, name), unit.strip()
+
+
+def read_csv_text(path: Path, text: str) -> pd.DataFrame:
+    """Return a table of texts by the numbers of its lines, headings as they stand.
+
+    Units of a row of their own join the headings, in brackets.
+
+    Raises
+    ------
+    SceneError
+        if there are no rows, no headings, or rows of another length, naming the line
+    """
+    lines = text.replace('"', "").splitlines()
+    kept = {
+        number: line.partition("#")[0].strip()
+        for number, line in enumerate(lines, 1)
+        if line.partition("#")[0].strip()
+    }
+    if len(kept) < 2:
+        raise SceneError(f"{path} has no rows: give names of columns, and numbers below them")
+    first, *others = kept
+    separator = _separator(kept[first])
+    commas = separator != ","
+    rows = {number: _cells(line, separator, commas) for number, line in kept.items()}
+    headings = rows[first]
+    if all(_is_number(cell) for cell in headings):
+        raise SceneError(
+            f"{path}, line {first}: the first line must name the columns; give names, as in "
+            "time,radius,pressure"
+        )
+    for number in others:
+        if len(rows[number]) != len(headings):
+            raise SceneError(
+                f"{path}, line {number}: {len(rows[number])} cells under {len(headings)} "
+                "columns; give as many, with points for decimals"
+            )
+    if not any(cell == "" or _is_number(cell) for cell in rows[others[0]]):
+        units = rows[others[0]]
+        headings = [
+            f"{name_and_unit(heading)[0]} [{unit.strip('[]()')}]"
+            for heading, unit in zip(headings, units, strict=True)
+        ]
+        others = others[1:]
+    return pd.DataFrame([rows[number] for number in others], others, headings)
+
+
+def read_numbers(path: Path, text: str) -> pd.DataFrame | None:
+    """Return a table of numbers at once, which large files need; None if it is not so simple.
+
+    Lines are numbered as they are if nothing is left out between them.
+    """
+    head, _, _ = text.partition("\n")
+    separator = _separator(head)
+    if "#" in text or "\n\n" in text or all(_is_number(of) for of in head.split(separator)):
+        return None
+    try:
+        table = pd.read_csv(path, sep=separator, decimal=".", encoding="utf-8-sig", dtype=float)
+    except (ValueError, OSError):
+        return None
+    table.index += 2
+    table.columns = [str(name).strip() for name in table.columns]
+    return table
+
+
+def _separator(headings: str) -> str:
+    """Return what separates the columns."""
+    return next((mark for mark in (";", "\t", ",") if mark in headings), ",")
+
+
+def _cells(line: str, separator: str, commas: bool) -> list[str]:
+    """Return the cells of a line, with points for decimals if commas may stand for them."""
+    cells = [cell.strip() for cell in line.split(separator)]
+    if not commas:
+        return cells
+    return [re.sub(r"^([-+]?\d*),(\d+([eE][-+]?\d+)?)$", r"\1.\2", cell) for cell in cells]
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell.strip().replace(",", "."))
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,116 @@
+"""Tables of other programs as they come: headings, separators, units, and one verdict for each."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from ringwear import Scene, check
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.check.csv_files import name_and_unit, read_csv_text, read_numbers
+from ringwear.studies.cli import main
+
+SCENE = Scene(
+    units="SI",
+    methods=["mdr"],
+    punch={"radius": 0.01, "rings": 1, "wear_coefficients": [1e-15]},
+    half_space={"plane_strain_modulus": 2e9},
+    load={"normal_force": 100.0, "sliding_speed": 0.1},
+    wear={"times": [0.0, 10.0]},
+)
+DEPTH = 100 / (2 * 0.01 * 2e9)
+"""Indentation of the flat start, F / (2 a E*), in metres."""
+RADII = np.array([0.0, 2.5, 5.0, 7.5])
+"""In millimetres."""
+PRESSURE = 100 / (2 * np.pi * 0.01**2) / np.sqrt(1 - (RADII / 10) ** 2)
+"""Of the flat start, in pascals."""
+
+
+@pytest.mark.parametrize(
+    ("heading", "expected"),
+    [
+        ("time", ("time", "")),
+        ("Time [s]", ("time", "s")),
+        ("t", ("time", "")),
+        ("R (mm)", ("radius", "mm")),
+        ("p / MPa", ("pressure", "MPa")),
+        ("Contact pressure [MPa]", ("pressure", "MPa")),
+        ("Normal Force", ("normal_force", "")),
+        ("wear coefficient [mm^3/(N m)]", ("wear_coefficient", "mm^3/(N m)")),
+    ],
+)
+def test_headings_are_known_in_any_case_by_symbols_and_with_units(heading, expected):
+    assert name_and_unit(heading) == expected
+
+
+TABLES = {
+    "semicolons and decimal commas": (";", ",", "t;r [mm];p [MPa]", None),
+    "a row of units": (",", ".", "Time,Radius,Pressure", "s,mm,MPa"),
+    "tabs": ("\t", ".", "TIME (s)\tr/mm\tContact Pressure (MPa)", None),
+}
+
+
+@pytest.mark.parametrize("kind", TABLES)
+def test_a_table_is_read_as_it_comes(kind, tmp_path):
+    separator, point, head, units = TABLES[kind]
+    rows = [
+        separator.join(f"{value:.12g}".replace(".", point) for value in (0.0, radius, pressure))
+        for radius, pressure in zip(RADII, PRESSURE / 1e6, strict=True)
+    ]
+    path = tmp_path / "theirs.csv"
+    path.write_text("\n".join([head, *([units] if units else []), *rows]) + "\n", "utf-8")
+    (row,) = check(SCENE, path).verdicts
+    assert row.solver == "theirs.csv"
+    assert row.quantity == "pressure"
+    assert abs(row.error) <= row.stated + 1e-11
+
+
+def test_a_table_without_headings_says_so(tmp_path):
+    path = tmp_path / "theirs.csv"
+    path.write_text("0,0.1\n1,0.2\n", "utf-8")
+    with pytest.raises(SceneError, match="the first line must name the columns"):
+        check(SCENE, path)
+
+
+def test_a_unit_of_another_kind_is_refused_with_its_heading(tmp_path):
+    path = tmp_path / "theirs.csv"
+    path.write_text("time [s],indentation [MPa]\n0,0.1\n", "utf-8")
+    with pytest.raises(SceneError, match=r"heading of indentation: 'MPa' is no unit"):
+        check(SCENE, path)
+
+
+def test_large_files_are_read_at_once_and_as_small_ones_are(tmp_path):
+    path = tmp_path / "theirs.csv"
+    table = pd.DataFrame({"time": 0.0, "radius": np.linspace(0, 1, 500), "pressure": 2.0})
+    table.to_csv(path, index=False)
+    text = path.read_text("utf-8")
+    at_once = read_numbers(path, text)
+    by_lines = read_csv_text(path, text).astype(float)
+    pd.testing.assert_frame_equal(at_once, by_lines)
+    assert read_numbers(path, text + "\n# a remark\n") is None
+
+
+def test_one_table_needs_no_name_and_errors_are_a_table():
+    table = pd.DataFrame({"time": [0.0], "indentation": [0.97 * DEPTH]})
+    checked = check(SCENE, table)
+    assert checked.errors.solver.tolist() == ["theirs"]
+    (error,), (stated,) = checked.errors.error, checked.errors.stated
+    assert abs(error + 0.03) <= stated
+    assert not checked.passes
+
+
+def test_files_of_different_programs_have_a_verdict_each_and_are_no_refinement(tmp_path, capsys):
+    for name, factor in (("abaqus", 1.001), ("ansys", 0.9)):
+        table = pd.DataFrame({"time": [0.0], "indentation": [factor * DEPTH]})
+        table.to_csv(tmp_path / f"{name}.csv", index=False)
+    (tmp_path / "scene.toml").write_text(SCENE.to_toml(), "utf-8")
+    files = [str(tmp_path / "abaqus.csv"), str(tmp_path / "ansys.csv")]
+    out = ["--out", str(tmp_path / "out")]
+    assert main(["check", str(tmp_path / "scene.toml"), *files, *out]) == 3
+    told = capsys.readouterr().out
+    assert "abaqus.csv: all 1 quantities are within 0.01 of ours" in told
+    assert "ansys.csv: 1 of 1 quantities differ from ours by more than 0.01: indentation" in told
+    assert "order" not in told
+    assert main(["check", str(tmp_path / "scene.toml"), *files[::-1], "--refinement", *out]) == 0
+    assert "refinement: indentation" in capsys.readouterr().out
