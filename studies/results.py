@@ -280,9 +280,11 @@ def check(
     from .check.check import check as hold_against
 
     # a dataset is a mapping, too, of its variables
-    several = isinstance(given, Mapping) and not hasattr(given, "to_dataframe")
-    alone = Path(given).name if isinstance(given, str | Path) else "theirs"
-    return _as(Checked, hold_against(scene, given if several else {alone: given}, **how))
+    if isinstance(given, Mapping) and not hasattr(given, "to_dataframe"):
+        named = dict(given)
+    else:
+        named = {Path(given).name if isinstance(given, str | Path) else "theirs": given}
+    return _as(Checked, hold_against(scene, named, **how))
 
 
 def _as(kind: type[Shown], result: dataset.Result) -> Shown:
