@@ -58,9 +58,9 @@ class Refinement:
     def in_words(self, names: UnitNames) -> str:
         """Return what there is to say, in a line."""
         sequence, (limit, index) = self.sequence, self.estimate
-        between = ", ".join(f"{order:.2g}" for order in sequence.orders)
+        between = ", ".join(_told(order) for order in sequence.orders)
         line = (
-            f"{self.at(names)}: order {sequence.order:.2g} ({between}), errors "
+            f"{self.at(names)}: order {_told(sequence.order)} ({between}), errors "
             f"{sequence.errors[0]:.1e} to {sequence.errors[-1]:.1e}"
         )
         if not sequence.counted.all():
@@ -92,3 +92,8 @@ def refinements(
             signed = np.array([row.error for row in at])
             sequence = Levels("theirs", quantity, theory, np.array(sizes), signed)
             yield Refinement(sequence, time)
+
+
+def _told(order: float) -> str:
+    """Return an order in words."""
+    return "cannot be told" if np.isnan(order) else f"{order:.2g}"

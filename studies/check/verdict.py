@@ -14,6 +14,8 @@ from ..progress import LOG
 from ..sampling.norms import differences
 
 Solutions = Mapping[str, Solution]
+# errors from which on they are told as multiples, not in per cent
+MANY = 10.0
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,8 @@ def in_words(rows: Sequence[Verdict], names: UnitNames) -> str:
 
 
 def _percent(error: float) -> str:
-    return f"{100 * abs(error):.2g} %"
+    """Return an error in per cent, or how many times the right value it is, if that is more."""
+    return f"{100 * abs(error):.2g} %" if abs(error) < MANY else f"{abs(error):.2g} times"
 
 
 def _sign(error: float) -> str:

@@ -4,6 +4,7 @@ It can be had as a table of arrays (written as netCDF-4), as an xarray Dataset a
 (written as JSON).
 """
 
+import difflib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
@@ -309,7 +310,14 @@ class Result:
         """
         stated = self.table.variables.get(error_name(quantity))
         if stated is None:
-            raise SceneError(f"no error of {quantity!r} is stated; dataset has all that are")
+            there = self.table.variables
+            named = [name for name in there if error_name(name) in there]
+            near = difflib.get_close_matches(quantity, named, 1)
+            meant = f"did you mean {near[0]!r}? Else " if near else ""
+            raise SceneError(
+                f"no error of {quantity!r} is stated: {meant}give one of those in dataset: "
+                + ", ".join(named)
+            )
         return float(np.nanmax(stated[1]))
 
     @property

@@ -31,6 +31,8 @@ def check_increasing(values: list[float]) -> list[float]:
 
 def check_range(value: float) -> float:
     """Refuse what leaves the range of double precision in products of a few such values."""
+    if not value > 0:
+        raise ValueError(f"{value} must be positive")
     if not 1e-40 <= value <= 1e40:
         raise ValueError(f"{value} is beyond 1e-40 to 1e+40 in these units")
     return value

@@ -41,7 +41,9 @@ ALIKE = 0.6
 def check_method(method: str) -> str:
     """Refuse a method that nobody has registered."""
     if method not in METHODS:
-        raise ValueError(f"no method '{method}'")
+        near = difflib.get_close_matches(method.lower(), METHODS, 1, ALIKE)
+        meant = f": did you mean '{near[0]}'?" if near else ""
+        raise ValueError(f"no method '{method}'{meant}")
     return method
 
 
@@ -88,7 +90,12 @@ class Scene(Section):
     accuracy: AccuracySection = AccuracySection()
     output: OutputSection = OutputSection()
 
-    def __init__(self, /, **table: object) -> None:
+    def __init__(self, /, *misplaced: object, **table: object) -> None:
+        if misplaced:
+            raise SceneError(
+                f"Scene({misplaced[0]!r}): give sections by their names, Scene(punch={{...}}, "
+                "...), or Scene.load of a file or of a bundled name"
+            )
         table = without_quantities(table, type(self))
         try:
             super().__init__(**table)
@@ -191,12 +198,22 @@ class Scene(Section):
         """Return the scene as TOML."""
         return tomli_w.dumps(self.table())
 
-    def changed(self, **changes: object) -> "Scene":
-        """Return the scene with some keys changed, named with double underscores.
+    def changed(self, keys: Mapping[str, object] | None = None, /, **changes: object) -> "Scene":
+        """Return the scene with some keys changed.
 
-        ``accuracy__rtol=1e-6``.
+        Parameters
+        ----------
+        keys : values by names with dots, as sweeps have them: ``{"accuracy.rtol": 1e-6}``
+        changes : values by names with double underscores: ``accuracy__rtol=1e-6``
+
+        Raises
+        ------
+        SceneError
+            if the scene cannot be so, naming the key and the remedy
         """
         table = self.table()
+        for key, value in (keys or {}).items():
+            set_key(table, key.split("."), value)
         for name, value in changes.items():
             set_key(table, name.split("__"), value)
         return Scene.from_table(table).with_heights(*self.punch.heights, kinks=self.punch.kinks)

@@ -114,3 +114,16 @@ def test_files_of_different_programs_have_a_verdict_each_and_are_no_refinement(t
     assert "order" not in told
     assert main(["check", str(tmp_path / "scene.toml"), *files[::-1], "--refinement", *out]) == 0
     assert "refinement: indentation" in capsys.readouterr().out
+
+
+def test_large_errors_are_told_as_multiples():
+    table = pd.DataFrame({"time": [0.0], "indentation": [1e6 * DEPTH]})
+    (_, line, *_) = check(SCENE, table).lines
+    assert "1e+06 times high" in line
+    assert "%" not in line.partition("(")[0]
+
+
+def test_a_quantity_that_is_misspelt_is_answered_by_the_right_one():
+    checked = check(SCENE, pd.DataFrame({"time": [0.0], "indentation": [DEPTH]}))
+    with pytest.raises(SceneError, match="did you mean 'pressure'"):
+        checked.error("presure")

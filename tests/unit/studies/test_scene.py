@@ -94,7 +94,7 @@ BAD_CHANGES = [
     ({"accuracy__fem": {"mesher": "bisection", "degree": 5}}, "accuracy.fem bisection 1 to 4"),
     ({"accuracy__fem": {"mesher": "gmsh", "degree": 16}}, "accuracy.fem gmsh 1 to 4"),
     ({"load__normal_force": {"times": [0.0, 1.0], "values": [1.0]}}, "load.normal_force 1 2 each"),
-    ({"load__sliding_speed": {"times": [0.0], "values": [0.0]}}, "load.sliding_speed 0.0 beyond"),
+    ({"load__sliding_speed": {"times": [0.0], "values": [0.0]}}, "load.sliding_speed 0.0 positive"),
     ({"load__normal_force": {"tims": [0.0]}}, "load.normal_force.tims did you mean times"),
     ({"methods": ["direct", "astrology"]}, "methods astrology mdr"),
     ({"methods": ["direct", "direct"]}, "methods twice"),
@@ -260,3 +260,24 @@ def test_times_in_units_of_the_running_in():
 def test_times_that_cannot_be_are_refused(times):
     with pytest.raises(SceneError, match="times"):
         Scene.from_table(Scene.load("five_rings").table() | {"wear": {"times": times}})
+
+
+@pytest.mark.parametrize(
+    ("guess", "told"),
+    [
+        (lambda scene: scene.changed(punch__radius=-1.0), "must be positive"),
+        (lambda scene: scene.changed(punch__radius=float("nan")), "must be positive"),
+        (lambda scene: scene.changed(methods=["FEM"]), "did you mean 'fem'"),
+        (lambda _: Scene("five_rings"), r"Scene\.load"),
+    ],
+)
+def test_guesses_are_answered_by_what_to_write(guess, told):
+    with pytest.raises(SceneError, match=told):
+        guess(Scene.load("five_rings"))
+
+
+def test_keys_are_changed_by_names_with_dots_too():
+    scene = Scene.load("five_rings")
+    assert (
+        scene.changed({"accuracy.rtol": 1e-6}).table() == scene.changed(accuracy__rtol=1e-6).table()
+    )
