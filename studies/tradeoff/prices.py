@@ -21,6 +21,10 @@ LEAST_DIGITS = 0.5
 """Digits between the errors of all levels that a price needs: less is no gain to be paid for."""
 
 
+HOPELESS = 1000
+"""Greatest end of an interval that is told; seconds beyond do not follow the errors at all."""
+
+
 @dataclass(frozen=True)
 class DigitPrice:
     """The factor by which one more correct digit multiplies the seconds.
@@ -45,7 +49,10 @@ class DigitPrice:
         if self.levels < LEAST_LEVELS:
             return f"fewer than {LEAST_LEVELS} levels of different errors"
         if self.lower <= 1 <= self.upper:
-            return f"the interval from {self.lower:.4g} to {self.upper:.4g} contains 1"
+            ends = f"from {self.lower:.2g} to {self.upper:.2g}"
+            if self.upper > HOPELESS:
+                ends = f"beyond {HOPELESS:g}"
+            return f"the interval reaches {ends}, and contains 1"
         if self.upper < 1:
             return "errors do not fall as seconds grow"
         if self.digits < LEAST_DIGITS:
