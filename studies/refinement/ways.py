@@ -127,7 +127,7 @@ class Ways:
         solve: Callable[[str], Solved],
         more: float = 0.0,
     ) -> Family:
-        """Return a family of levels with about so many unknowns each, those that are most_seconds.
+        """Return a family of levels with about so many unknowns each, those that are most_unknowns.
 
         `more` is what their time exceeds that of uniform triangles by, as a part of it.
         """
@@ -145,11 +145,11 @@ class Ways:
             truth = SECONDS_OF_TRUTH * rings if setting == FIRST else 0.0
             return truth + 0.03 + 7e-6 * (1 + more) * unknowns[setting]
 
-        most_seconds = MOST_EXPECTED_QUICK if self.options.quick else MOST_EXPECTED
+        most_unknowns = MOST_EXPECTED_QUICK if self.options.quick else MOST_EXPECTED
         settings = [
             setting
             for number, (setting, count) in enumerate(unknowns.items())
-            if number < LEAST_LEVELS or count <= most_seconds
+            if number < LEAST_LEVELS or count <= most_unknowns
         ]
         return Family(name, dict.fromkeys(settings, np.nan), solve_level, work=work)
 

@@ -48,8 +48,9 @@ def family_of(case, way, quick=True):
 @pytest.mark.parametrize("punch", ["flat", "five", pytest.param("narrow", marks=pytest.mark.slow)])
 def test_uniform_refinement_is_of_first_order_and_refines_the_contact(punch, monkeypatch):
     monkeypatch.setattr(cases, "TRUTH", 1e-3)  # d0 has a closed form
-    family = family_of(case_of(PUNCHES[punch]), "uniform")
-    first, last_but_one, last = (family.solve(setting) for setting in family.sizes)
+    # the quick study leaves out what is larger beside a narrow ring
+    family = family_of(case_of(PUNCHES[punch]), "uniform", quick=punch != "narrow")
+    first, last_but_one, last = map(family.solve, list(family.sizes)[:3])
     assert last["multipliers"] > 3 * first["multipliers"]
     assert np.log2(last_but_one["d0"] / last["d0"]) == pytest.approx(1, abs=0.15)
     assert last["d0"] <= 5e-3
