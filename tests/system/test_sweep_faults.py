@@ -276,9 +276,9 @@ def test_a_scheduler_that_does_not_answer(tmp_path, monkeypatch):
         compute_into(tmp_path, scheduler="tcp://127.0.0.1:9")
 
 
-def begin(directory, *arguments):
+def begin(directory, *arguments, table=LONG):
     """Begin the command in a process of its own, in a directory."""
-    (directory / "sweep.toml").write_text(tomli_w.dumps(LONG))
+    (directory / "sweep.toml").write_text(tomli_w.dumps(table))
     (directory / "counted.py").write_text(CODE)
     return subprocess.Popen(
         [sys.executable, "counted.py", *arguments],

@@ -7,17 +7,23 @@ import time
 import pytest
 import tomli_w
 import xarray
-from test_sweep_faults import BASE, alive, begin, children, contents, statuses
+from test_sweep_faults import BASE, LONG, alive, begin, children, contents, statuses
 
 from ringwear.studies.cli import main
 
 pytestmark = pytest.mark.slow
 
 
+# so many scenes that the sweep is not over when it is stopped
+VERY_LONG = LONG | {
+    "axes": LONG["axes"] | {"punch.wear_ratio": {"geomspace": [0.5, 4.0, 100]}},
+}
+
+
 def test_a_stop_while_workers_start(tmp_path):
     """One line, whenever it comes, and nothing of the workers is left."""
     for delay in (3.0, 4.0, 5.0, 6.0):
-        process = begin(tmp_path, "--workers", "2", "--resume")
+        process = begin(tmp_path, "--workers", "2", "--resume", table=VERY_LONG)
         time.sleep(delay)
         workers = children(process)
         process.terminate()
