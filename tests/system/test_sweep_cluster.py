@@ -67,6 +67,14 @@ sys.modules["ringwear"] = None
 """
 
 
+def wait_until(condition, what, seconds=120):
+    """Wait for a condition, and fail if it takes too long."""
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, f"it takes more than {seconds} s until {what}"
+        time.sleep(0.2)
+
+
 class Cluster:
     """A scheduler and workers, each a process of its own in a directory."""
 
@@ -77,8 +85,7 @@ class Cluster:
             "scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", "at.json"
         )
         file = directory / "at.json"
-        while not (file.exists() and file.read_text()):
-            time.sleep(0.1)
+        wait_until(lambda: file.exists() and file.read_text(), "the scheduler listens")
         self.address = str(json.loads(file.read_text())["address"])
 
     def worker(self, preload="", nanny=False):
@@ -88,8 +95,7 @@ class Cluster:
         arguments = ["--nthreads", "1", "--preload", "preload.py"]
         arguments.append("--nanny" if nanny else "--no-nanny")
         worker = self._start("worker", self.address, *arguments)
-        while self.workers() == before:
-            time.sleep(0.2)
+        wait_until(lambda: self.workers() != before, "the worker is known")
         return worker
 
     def workers(self):
@@ -160,8 +166,7 @@ def test_a_worker_without_ringwear_is_told(cluster):
     """Also where it comes later, and others compute."""
     cluster.worker(ENDLESS)
     sweep = cluster.sweep()
-    while not cluster.out.exists():
-        time.sleep(0.1)
+    wait_until(cluster.out.exists, "the store exists")
     cluster.worker(WITHOUT)
     expect(sweep, 1, "has another ringwear")
 
@@ -179,8 +184,7 @@ def test_a_block_that_kills_its_workers_is_left_out(cluster, here):
 def test_a_scheduler_that_is_lost(cluster):
     cluster.worker(HALTING)
     sweep = cluster.sweep()
-    while 1 not in statuses(cluster.out):
-        time.sleep(0.2)
+    wait_until(lambda: 1 in statuses(cluster.out), "a block is stored")
     cluster.scheduler.send_signal(signal.SIGKILL)
     expect(sweep, 1, "--resume")
     assert 0 < statuses(cluster.out).count(1) < 48
@@ -191,8 +195,7 @@ def test_a_worker_that_is_lost(cluster, here):
     (cluster.directory / "halt").touch()
     first = cluster.worker(HALTING)
     sweep = cluster.sweep()
-    while not (cluster.directory / "begun").exists():
-        time.sleep(0.2)
+    wait_until((cluster.directory / "begun").exists, "a block has begun")
     first.kill()
     assert sweep.stderr is not None
     while "from 0 workers" not in (line := sweep.stderr.readline()):
