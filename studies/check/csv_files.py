@@ -7,6 +7,7 @@ their own below the headings. Empty lines, and what follows a ``#``, are left ou
 """
 
 import re
+from io import StringIO
 from pathlib import Path
 
 import pandas as pd
@@ -91,7 +92,7 @@ def read_csv_text(path: Path, text: str) -> pd.DataFrame:
     return pd.DataFrame([rows[number] for number in others], others, headings)
 
 
-def read_numbers(path: Path, text: str) -> pd.DataFrame | None:
+def read_numbers(text: str) -> pd.DataFrame | None:
     """Return a table of numbers at once, which large files need; None if it is not so simple.
 
     Lines are numbered as they are if nothing is left out between them.
@@ -101,8 +102,8 @@ def read_numbers(path: Path, text: str) -> pd.DataFrame | None:
     if "#" in text or "\n\n" in text or all(_is_number(of) for of in head.split(separator)):
         return None
     try:
-        table = pd.read_csv(path, sep=separator, decimal=".", encoding="utf-8-sig", dtype=float)
-    except (ValueError, OSError):
+        table = pd.read_csv(StringIO(text), sep=separator, dtype=float)
+    except ValueError:
         return None
     table.index += 2
     table.columns = [str(name).strip() for name in table.columns]

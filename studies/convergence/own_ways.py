@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from skfem import Element, ElementH1, Mesh, MeshQuad
 
-from ...meshes import files
+from ...fem.elements import is_on_quadrilaterals
 from ...meshes.errors import MeshError, SceneError
-from ...meshes.half_space import as_half_space, truncation
+from ...meshes.half_space import truncation
 from ..methods.base import Discretised
 from ..methods.mdr import METHOD as MDR
 from ..problem.problem import Problem
@@ -18,6 +18,7 @@ from ..progress import Stages
 from ..sizes.defaults import pole_orders
 from ..study.levels import Theory
 from ..study.options import Options
+from ..study.own_mesh import own_mesh
 from . import theories
 from .scene_ways import (
     GRADED_LEVELS,
@@ -52,7 +53,7 @@ def own_ways(problem: Problem, options: Options) -> Iterator[Way]:
     if options.meshes:
         yield from ways_of_meshes(problem, options)
     for element in options.elements if not options.meshes else ():
-        degree, quads = degree_of(element, options.degree), is_quad(element)
+        degree, quads = degree_of(element, options.degree), is_on_quadrilaterals(element)
         shown, name = slice(-1 if options.quick else None), name_of(element)
         levels = QUAD_UNIFORM_LEVELS if quads else UNIFORM_LEVELS
         halvings = levels[min(degree, max(levels))][shown]
@@ -77,14 +78,14 @@ def ways_of_meshes(problem: Problem, options: Options) -> Iterator[Way]:
             "study convergence takes meshes of your own for flat punches under a force that never "
             "falls: cells of a face follow its contact; leave them out"
         )
-    meshes = {name: own_mesh(problem, each) for name, each in named(options.meshes).items()}
+    meshes = {name: mesh_of_option(problem, each) for name, each in named(options.meshes).items()}
     on_quads = {isinstance(mesh, MeshQuad) for mesh in meshes.values()}
     if len(on_quads) > 1:
         raise SceneError("--mesh: a sequence is of triangles or of quadrilaterals, not of both")
     (quads,) = on_quads
     elements: Sequence[Element | None] = options.elements or (None,)
     for element in elements:
-        if element is not None and is_quad(element) != quads:
+        if element is not None and is_on_quadrilaterals(element) != quads:
             kind = "quadrilaterals" if quads else "triangles"
             raise SceneError(f"--element {name_of(element)}: your meshes are of {kind}")
         degree = options.degree or (QUAD_DEGREE if quads else TRIANGLE_DEGREE)
@@ -165,7 +166,7 @@ def named(given: Sequence[str | Mesh]) -> dict[str, str | Mesh]:
     return dict(zip(names, given, strict=True))
 
 
-def own_mesh(problem: Problem, given: str | Mesh) -> Mesh:
+def mesh_of_option(problem: Problem, given: str | Mesh) -> Mesh:
     """Return a mesh of the user's, read from a file if it is one.
 
     Raises
@@ -174,16 +175,9 @@ def own_mesh(problem: Problem, given: str | Mesh) -> Mesh:
         if it is no mesh of the scene's half-space
     """
     try:
-        if isinstance(given, Mesh):
-            return as_half_space(given, problem.merged.ring_edges)
-        return files.read(given, problem.merged.ring_edges, problem.units.length)
+        return own_mesh(problem, given)
     except MeshError as error:
         raise SceneError(f"--mesh {error}") from error
-
-
-def is_quad(element: Element) -> bool:
-    """Return whether an element is one of quadrilaterals."""
-    return bool(element.refdom.nnodes == 4)
 
 
 def name_of(element: Element) -> str:

@@ -132,3 +132,16 @@ def _over_rings(first: Compliance, second: Compliance) -> float:
     triangle = np.linalg.qr(second.factor @ pressures, mode="r")
     image = solve_triangular(triangle, (first.factor @ pressures).T, trans="T").T
     return float(np.abs(np.linalg.svd(image, compute_uv=False) ** 2 - 1).max())
+
+
+def least_ratio_of_energies(first: Array, second: Array) -> float:
+    """Return the least ratio of energies, that by the first factor (m, n) over that by the second.
+
+    By singular values: an eigensolver of the energies themselves would lose those below 1e-15.
+    """
+    scale = np.linalg.norm(second, axis=0)
+    triangle = np.linalg.qr(second / scale, mode="r")
+    ratios = solve_triangular(triangle, (first / scale).T, trans="T").T
+    if first.shape[0] < first.shape[1]:
+        return 0.0
+    return float(np.linalg.svd(ratios, compute_uv=False)[-1] ** 2)

@@ -23,6 +23,7 @@ from ...meshes.errors import SolverError
 from ...meshes.half_space import truncation
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, gauss, graded_breakpoints, ring_of
+from ..crosscheck.operators import least_ratio_of_energies
 from ..problem.problem import Rings
 from ..tables import Row
 from ..wear.full_contact import RunningIn
@@ -124,7 +125,7 @@ def measure(condensed: Condensed, basis: csr_matrix, rings: Rings, exact: Worn |
         "on the contact": condensed.half_space.stability(basis),
     }
     first, second = condensed.factors_of(basis)
-    row["least eigenvalue"] = least_eigenvalue(first, second)
+    row["least eigenvalue"] = least_ratio_of_energies(first, second)
     try:
         refuse_singular(row["on the contact"], basis.shape[1], contact)
     except SolverError:
@@ -139,19 +140,6 @@ def measure(condensed: Condensed, basis: csr_matrix, rings: Rings, exact: Worn |
     if exact:
         row["d(t)"], row["p(t)"] = wear_errors(condensed.space, basis, first, rings, exact)
     return row
-
-
-def least_eigenvalue(first: Array, second: Array) -> float:
-    """Return the least ratio of energies, that by the first factor (m, n) over that by the second.
-
-    By singular values: an eigensolver of the energies themselves would lose those below 1e-15.
-    """
-    scale = np.linalg.norm(second, axis=0)
-    triangle = np.linalg.qr(second / scale, mode="r")
-    ratios = solve_triangular(triangle, (first / scale).T, trans="T").T
-    if first.shape[0] < first.shape[1]:
-        return 0.0
-    return float(np.linalg.svd(ratios, compute_uv=False)[-1] ** 2)
 
 
 def press(factor: Array, weights: Array) -> tuple[float, Array, float]:

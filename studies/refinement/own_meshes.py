@@ -7,18 +7,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import solve_triangular
 from skfem import Mesh, MeshQuad, MeshTri
 
 from ...mdr import energy
-from ...meshes import files
 from ...meshes.errors import MeshError, SceneError
-from ...meshes.half_space import as_half_space, contact_radii
-from ..crosscheck.operators import MOST_PRESSURES
-from ..problem.problem import Problem
+from ...meshes.half_space import contact_radii
+from ..crosscheck.operators import MOST_PRESSURES, least_ratio_of_energies
 from ..progress import Stages
 from ..sizes.defaults import triangle_degree
 from ..study.options import Options
+from ..study.own_mesh import own_mesh
 from .case import TIMES, Case, Level, Solved
 
 DEGREES = {"triangles": range(2, 5), "quadrilaterals": range(2, 17)}
@@ -96,21 +94,6 @@ class OwnMeshes:
         return triangle_degree(problem)
 
 
-def own_mesh(problem: Problem, given: str | Path | Mesh) -> Mesh:
-    """Return the user's mesh, read from a file if it is one.
-
-    Files are in the units of the scene, meshes of scikit-fem in punch radii.
-
-    Raises
-    ------
-    MeshError
-        if a ring edge is not a vertex of it, or if it is no mesh of a half-space
-    """
-    if isinstance(given, Mesh):
-        return as_half_space(given, problem.merged.ring_edges)
-    return files.read(given, problem.merged.ring_edges, problem.units.length)
-
-
 def least_eigenvalue(solved: Solved) -> float:
     """Return the least ratio of the energies of a pressure by finite elements and by MDR.
 
@@ -119,9 +102,8 @@ def least_eigenvalue(solved: Solved) -> float:
     """
     if solved.compliance.space.size > MOST_PRESSURES:
         return np.nan
-    triangle = np.linalg.qr(energy.compliance(solved.compliance.space).factor, mode="r")
-    ratios = solve_triangular(triangle, solved.compliance.factor.T, trans="T")
-    return float(np.linalg.svd(ratios, compute_uv=False).min() ** 2)
+    exact = energy.compliance(solved.compliance.space)
+    return least_ratio_of_energies(solved.compliance.factor, exact.factor)
 
 
 class WorstPlace(NamedTuple):

@@ -85,10 +85,10 @@ def test_large_files_are_read_at_once_and_as_small_ones_are(tmp_path):
     table = pd.DataFrame({"time": 0.0, "radius": np.linspace(0, 1, 500), "pressure": 2.0})
     table.to_csv(path, index=False)
     text = path.read_text("utf-8")
-    at_once = read_numbers(path, text)
+    at_once = read_numbers(text)
     by_lines = read_csv_text(path, text).astype(float)
     pd.testing.assert_frame_equal(at_once, by_lines)
-    assert read_numbers(path, text + "\n# a remark\n") is None
+    assert read_numbers(text + "\n# a remark\n") is None
 
 
 def test_one_table_needs_no_name_and_errors_are_a_table():

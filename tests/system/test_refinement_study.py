@@ -24,10 +24,10 @@ from ringwear.studies.refinement.conclusions import costs
 from ringwear.studies.refinement.own_meshes import (
     OwnMeshes,
     least_eigenvalue,
-    own_mesh,
     worst_place,
 )
 from ringwear.studies.study.options import Options
+from ringwear.studies.study.own_mesh import own_mesh
 
 PUNCHES = {"flat": [1.0], "five": [0.2, 0.4, 0.6, 0.8, 1.0], "narrow": [0.2, 0.4, 0.401, 0.8, 1.0]}
 
