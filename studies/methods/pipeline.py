@@ -8,8 +8,8 @@ marched (`solve_in_moving_contact`). Both evaluate a fine and a coarser complian
 (`estimate_errors`).
 """
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from abc import abstractmethod
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import ClassVar
@@ -104,17 +104,19 @@ class ComplianceMethod(Method):
 
         Shaped punches are solved one by one.
         """
-        return PIPELINES[problems[0].contact].solve_all(self, problems, stages)
+        return PIPELINES[problems[0].contact](self, problems, stages)
 
     def solve_again(
         self, problem: Problem, before: Solution, allowed: float, stages: Stages
     ) -> Solution:
         """Return a problem's solution by finer sizes.
 
-        A steady state whose errors are allowed, and a start fitted to the edges of the contact,
-        are kept: neither depends on the cells of the history.
+        Of a shaped punch, a steady state whose errors are allowed, and a start fitted to the edges
+        of the contact, are kept: neither depends on the cells of the history.
         """
-        return PIPELINES[problem.contact].solve_again(self, problem, before, allowed, stages)
+        if problem.full_contact:
+            return self.solve(problem, stages)
+        return solve_in_moving_contact(self, problem, stages, before, allowed)
 
 
 class AnySpaceMethod(ComplianceMethod):
@@ -226,61 +228,18 @@ def solve_in_moving_contact(
     return _beside(solution, steady) if steady else solution
 
 
-class Pipeline(ABC):
-    """How punches of one contact regime are solved, by any method that yields a compliance."""
-
-    @abstractmethod
-    def solve_all(
-        self, method: ComplianceMethod, problems: Sequence[Problem], stages: Stages
-    ) -> list[Solution]:
-        """Return the solutions of problems on the same rings."""
-
-    def solve_again(
-        self,
-        method: ComplianceMethod,
-        problem: Problem,
-        before: Solution,
-        allowed: float,
-        stages: Stages,
-    ) -> Solution:
-        """Return a problem's solution by finer sizes than one before, of which nothing is kept."""
-        return method.solve(problem, stages)
+def solve_each_in_moving_contact(
+    method: ComplianceMethod, problems: Sequence[Problem], stages: Stages
+) -> list[Solution]:
+    """Solve shaped punches one by one, each on a discretisation of its own."""
+    return [solve_in_moving_contact(method, problem, stages) for problem in problems]
 
 
-class FullContactPipeline(Pipeline):
-    """Flat punches share one discretisation, and modes are exact in time."""
-
-    def solve_all(
-        self, method: ComplianceMethod, problems: Sequence[Problem], stages: Stages
-    ) -> list[Solution]:
-        """Return the solutions of flat punches on the same rings."""
-        return solve_in_full_contact(method, problems, stages)
-
-
-class MovingContactPipeline(Pipeline):
-    """Punches whose contact opens, closes and spreads are marched one by one."""
-
-    def solve_all(
-        self, method: ComplianceMethod, problems: Sequence[Problem], stages: Stages
-    ) -> list[Solution]:
-        """Return the solutions of shaped punches, each discretised by itself."""
-        return [solve_in_moving_contact(method, problem, stages) for problem in problems]
-
-    def solve_again(
-        self,
-        method: ComplianceMethod,
-        problem: Problem,
-        before: Solution,
-        allowed: float,
-        stages: Stages,
-    ) -> Solution:
-        """Return the solution by finer sizes; an accurate steady state and the start are kept."""
-        return solve_in_moving_contact(method, problem, stages, before, allowed)
-
-
+Pipeline = Callable[[ComplianceMethod, Sequence[Problem], Stages], list[Solution]]
+"""What solves problems of one contact regime, by any method that yields a compliance."""
 PIPELINES: dict[ContactRegime, Pipeline] = {
-    FULL_CONTACT: FullContactPipeline(),
-    MOVING_CONTACT: MovingContactPipeline(),
+    FULL_CONTACT: solve_in_full_contact,
+    MOVING_CONTACT: solve_each_in_moving_contact,
 }
 
 
