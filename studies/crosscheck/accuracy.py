@@ -22,7 +22,7 @@ def solved_to_accuracy(
     method: Method, problems: Sequence[Problem], stages: Stages
 ) -> list[Solution]:
     """Solve problems on the same ring edges, and each again whose estimates fall short."""
-    solutions = method.solve_all(problems, stages)
+    solutions = method.solve_alike(problems, stages)
     return [
         refined(method, problem, solution, stages)
         for problem, solution in zip(problems, solutions, strict=True)

@@ -182,9 +182,16 @@ class Method(ABC):
     lacks: ClassVar[dict[str, str]] = {}
     refused: ClassVar[Mapping[Regime, str] | None] = None
 
+    @abstractmethod
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Return everything that a problem asks for."""
-        return self.solve_all([problem], stages)[0]
+
+    def solve_alike(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+        """Return the solutions of several problems on the same ring edges and half-space.
+
+        A method that can compute once what they have in common does so here.
+        """
+        return [self.solve(problem, stages) for problem in problems]
 
     def solve_again(
         self, problem: Problem, before: Solution, allowed: float, stages: Stages
@@ -199,13 +206,6 @@ class Method(ABC):
         stages : tells of the progress
         """
         return self.solve(problem, stages)
-
-    @abstractmethod
-    def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
-        """Return the solutions of several problems on the same ring edges and half-space.
-
-        What the problems have in common is computed once.
-        """
 
     def refusal(self, problem: Problem) -> str:
         """Return why it cannot solve the problem at all, with the remedy; empty if it can."""

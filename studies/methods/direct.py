@@ -34,7 +34,11 @@ class Direct(Method):
         ),
     }
 
-    def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+    def solve(self, problem: Problem, stages: Stages) -> Solution:
+        """Return the steady state in closed form."""
+        return self.solve_alike([problem], stages)[0]
+
+    def solve_alike(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         """Return the steady states of several problems on the same ring edges, in closed form."""
         ring_edges = problems[0].merged.ring_edges
         slopes = greatest = np.full(len(problems), np.nan)

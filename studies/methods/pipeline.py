@@ -29,7 +29,7 @@ from ..progress import Stages
 from ..sampling.answers import joined
 from ..sizes.defaults import RADIAL_ROUNDOFF, smallest_size
 from ..sizes.marching import refused_steps, steps_between
-from ..sizes.shared import Shared
+from ..sizes.shared import covering
 from ..wear.flat_contact import FittedPress
 from ..wear.unilateral import Interval
 from .base import Discretised, Method, Solution, SystemSize
@@ -99,8 +99,12 @@ class ComplianceMethod(Method):
         """Return about how many numbers its dense matrices have."""
         return DENSE_MATRICES * float(pressures) ** 2
 
-    def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
-        """Discretise once, for the sharpest of the problems; then wear, sample and estimate each.
+    def solve(self, problem: Problem, stages: Stages) -> Solution:
+        """Discretise, wear, sample, and estimate errors."""
+        return PIPELINES[problem.contact](self, [problem], stages)[0]
+
+    def solve_alike(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+        """Discretise once, for the smallest sizes that any needs; then wear, sample, estimate each.
 
         Shaped punches are solved one by one.
         """
@@ -164,7 +168,7 @@ def solve_in_full_contact(
 ) -> list[Solution]:
     """Solve flat punches on the same rings: their histories are exact in time."""
     several = len(problems) > 1
-    made = method.discretise(Shared.of(problems) if several else problems[0], stages)
+    made = method.discretise(covering(problems) if several else problems[0], stages)
     with stages("estimating"):
         compliances = made.compliance, made.coarser()
     with stages("marching" if len(problems[0].times) else "steady state"):

@@ -82,6 +82,8 @@ class Problem:
         estimates serve these alone
     loading : force and speed over time; their greatest values are those of the units, those held
         last make the steady state
+    shared_amplitude : `edge_amplitude` of several problems that share a discretisation
+        (`studies/sizes/shared.py`); None for its own
     """
 
     rings: Rings
@@ -102,6 +104,7 @@ class Problem:
     graded: Rings | None = None
     quantities: frozenset[str] | None = None
     loading: Loading = field(default_factory=Loading)
+    shared_amplitude: EdgeAmplitude | None = None
 
     @classmethod
     def from_tables(
@@ -271,6 +274,8 @@ class Problem:
     @property
     def edge_amplitude(self) -> EdgeAmplitude:
         """Of the pressures that are asked for, by what wear has blunted: sizes go by it."""
+        if self.shared_amplitude is not None:
+            return self.shared_amplitude
         (inner, wear), earliest = self.merged.ends, self.earliest or np.inf
         outside = np.append(inner[1:], wear[-1])
         slower = np.minimum(wear, outside)
@@ -390,7 +395,6 @@ def _approach(punch: PunchSection, given: float, ring_edges: Array) -> float:
     if given <= least:
         raise SceneError(
             f"load.indentation = {given:.6g} is too small to touch: the punch stands {least:.6g} "
-            "from "
-            "the half-space where it is nearest; give more"
+            "from the half-space where it is nearest; give more"
         )
     return given - least

@@ -19,7 +19,7 @@ from ringwear.studies.cli import main
 from ringwear.studies.crosscheck.sizes import predict_memory
 from ringwear.studies.problem.problem import Rings
 from ringwear.studies.problem.quantities import QUANTITIES, error_name
-from ringwear.studies.sizes.shared import Shared, groups
+from ringwear.studies.sizes.shared import covering, groups
 from ringwear.studies.sweep.axes import ANSWERS, Sweep
 from ringwear.studies.sweep.store import Store
 
@@ -84,7 +84,7 @@ def test_one_discretisation_serves_every_wear():
     problems = [made.scene(changes).problem for changes in made.changes()]
     # equal wear leaves no ring edges
     assert sorted(map(sorted, groups(problems))) == [[0], [1, 2, 3], [4]]
-    shared = Shared.of(problems[1:4])
+    shared = covering(problems[1:4])
     halves, edges = shared.merged.widths / 2, np.arange(5)
     for problem, distance in product(problems[1:4], np.geomspace(1e-10, 0.1, 40)):
         # sharper at every distance from every edge
