@@ -66,7 +66,7 @@ def _run(options: argparse.Namespace) -> Status:
     # nearly all that a run makes stays to its end: to search it for garbage takes a tenth of a run
     gc.set_threshold(50_000, 50, 50)
     scene = Scene.of(options.scene, options.methods, options.rtol, options.quantities)
-    from .crosscheck.sizes import beyond_memory, machine_memory, predict_memory
+    from .predictions.memory import beyond_memory, machine_memory, predict_memory
 
     if refusal := beyond_memory(predict_memory(scene), options.memory or machine_memory()):
         raise SceneError(refusal)
@@ -77,7 +77,7 @@ def _run(options: argparse.Namespace) -> Status:
         pictures = PICTURES
     # that the folder can be written to is known before the work
     with output_folder(_out(options, options.scene), "run", run_files(pictures)) as folder:
-        from .crosscheck.run import run
+        from .outcome.run import run
         from .report.page import show
         from .report.printed import print_account
         from .report.words import Account
@@ -153,9 +153,9 @@ def _check(options: argparse.Namespace) -> Status:
 
 
 def _plan(options: argparse.Namespace) -> Status:
-    from .crosscheck.plan import plan
-    from .crosscheck.run import run
-    from .crosscheck.scope import left_out, methods_of, modelled, time_scale
+    from .outcome.run import run
+    from .outcome.scope import left_out, methods_of, modelled, time_scale
+    from .predictions.plan import plan
     from .report.printed import print_scope
 
     scene = Scene.load(options.scene)
@@ -198,9 +198,9 @@ def _mesh(options: argparse.Namespace) -> Status:
 def _compare(options: argparse.Namespace) -> Status:
     files = ("scenes.csv", "answers.csv", "comparison.png", "difference.png")
     with output_folder(_out(options, "compare"), "compare", files) as folder:
-        from .crosscheck.run import run
         from .figures.comparison import draw_comparison, draw_field_difference
         from .figures.style import save
+        from .outcome.run import run
         from .output.stored import load
         from .report.comparison import (
             answer_rows,

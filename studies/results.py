@@ -2,17 +2,16 @@
 
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
 from html import escape
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from ..meshes.errors import RingwearError, SceneError
 from .check import checked
-from .crosscheck import dataset
-from .crosscheck.run import run as compute
 from .methods.base import Method
+from .outcome.outcome import Outcome
+from .outcome.run import run_as
 from .output import stored
 from .output.files import run_files, write_numbers
 from .output.folder import output_folder
@@ -24,8 +23,6 @@ if TYPE_CHECKING:
 
     from .check.tables import OthersResults
     from .figures.style import Picture
-
-Shown = TypeVar("Shown", bound="Result")
 
 
 def run(
@@ -155,10 +152,10 @@ def run(
     entries = listed(methods or ())
     named = all(isinstance(entry, str) for entry in entries)
     names = [str(entry) for entry in entries] if named and methods is not None else None
-    return _as(Result, compute(Scene.of(scene, names, rtol, quantities), entries or None))
+    return run_as(Result, Scene.of(scene, names, rtol, quantities), entries or None)
 
 
-class Result(dataset.Result):
+class Result(Outcome):
     """Everything that a run computed.
 
     `dataset` (xarray, in the scene's units), `answers` by method, `verdict`, `error(name)`,
@@ -227,7 +224,7 @@ class Result(dataset.Result):
         return out.written
 
 
-class Stored(Result, stored.Stored):
+class Stored(Result, stored.StoredOutcome):
     """Results that were written: all numbers, and the figures that need no more."""
 
 
@@ -239,10 +236,10 @@ def load(folder: str | Path) -> Stored:
     SceneError
         if the folder holds none that can be read
     """
-    return _as(Stored, stored.load(folder))
+    return stored.load(folder, Stored)
 
 
-class Checked(Result, checked.Checked):
+class Checked(Result, checked.CheckedOutcome):
     """A run beside which results of other programs stand.
 
     `verdicts`, `diagnoses` and `passes` tell about these results.
@@ -277,16 +274,11 @@ def check(
     >>> round(checked.verdicts[0].error, 4), checked.passes
     (-0.03, False)
     """
-    from .check.check import check as hold_against
+    from .check.check import check_as
 
     # a dataset is a mapping, too, of its variables
     if isinstance(given, Mapping) and not hasattr(given, "to_dataframe"):
         named = dict(given)
     else:
         named = {Path(given).name if isinstance(given, str | Path) else "theirs": given}
-    return _as(Checked, hold_against(scene, named, **how))
-
-
-def _as(kind: type[Shown], result: dataset.Result) -> Shown:
-    """Return results that show themselves."""
-    return kind(*(getattr(result, field.name) for field in fields(result)))
+    return check_as(Checked, scene, named, **how)

@@ -41,7 +41,7 @@ from ringwear.studies.problem.scene import Scene
 
 if TYPE_CHECKING:
     from ringwear.meshes.errors import RingwearError, SceneError
-    from ringwear.studies.crosscheck.plan import plan
+    from ringwear.studies.predictions.plan import plan
     from ringwear.studies.results import Result, check, load, run
     from ringwear.studies.study.conduct import study
     from ringwear.studies.study.study import Study
@@ -71,7 +71,7 @@ _LATER = {
     "run": "ringwear.studies.results",
     "check": "ringwear.studies.results",
     "load": "ringwear.studies.results",
-    "plan": "ringwear.studies.crosscheck.plan",
+    "plan": "ringwear.studies.predictions.plan",
     "study": "ringwear.studies.study.conduct",
     "sweep": "ringwear.studies.sweep.conduct",
     "RingwearError": "ringwear.meshes.errors",

@@ -13,8 +13,8 @@ import xarray
 from matplotlib.figure import Figure
 
 from ..check.check import check
-from ..crosscheck.run import run
 from ..figures.style import LOOKS
+from ..outcome.run import run
 from ..problem.scene import Scene
 
 ERRORS = ["indentation", "pressure"]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..crosscheck.dataset import Result
+from ..outcome.outcome import Outcome
 from ..problem.unit_names import UnitNames
 from ..sampling.field_differences import OVER_TIME
 from .diagnose import Comparison, Diagnosis, diagnose
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Checked(Result):
+class CheckedOutcome(Outcome):
     """A run beside which results of other programs stand.
 
     Parameters

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from ...meshes.errors import MeshError, SceneError
-from ..crosscheck.sizes import refuse_large
+from ..predictions.memory import refuse_large
 from ..problem.fields import refuse_device
 from ..problem.quantities import FIELDS, QUANTITIES
 from ..problem.scene import Scene

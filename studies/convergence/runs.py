@@ -16,7 +16,6 @@ from ...mdr.flat_punch import flat_punch
 from ...meshes.compliance import Compliance
 from ...meshes.errors import RingwearError, SceneError
 from ...meshes.radial import Array
-from ..crosscheck.dataset import Result
 from ..methods.base import Discretised, Solution
 from ..methods.base import method as method_named
 from ..methods.evaluation import Evaluation, FullContact
@@ -24,6 +23,7 @@ from ..methods.mdr import METHOD as MDR
 from ..methods.moving_evaluation import MovingContact
 from ..methods.pipeline import fitted_starts
 from ..methods.spaces import first_contact
+from ..outcome.outcome import Outcome
 from ..problem.problem import Problem
 from ..problem.quantities import FINEST
 from ..problem.scene import Scene
@@ -253,7 +253,7 @@ def states_inside(problem: Problem, evaluation: Evaluation) -> Array:
 
 def result_of(
     scene: Scene, method: str, evaluation: Evaluation, discretised: Discretised, stages: Stages
-) -> Result:
+) -> Outcome:
     """Return the result of a run with one method, whose errors nobody has estimated."""
     moving = evaluation if isinstance(evaluation, MovingContact) else None
     solution = Solution(
@@ -267,12 +267,12 @@ def result_of(
         march=moving.marched if moving else None,
         answers=evaluation.answers,
     )
-    return Result(
+    return Outcome(
         scene, {method: method_named(method)}, {method: solution}, {method: stages}, (), ()
     )
 
 
-def take(name: str, quantity: Quantity, result: Result) -> float:
+def take(name: str, quantity: Quantity, result: Outcome) -> float:
     """Return the value of a user's function of a result.
 
     Raises

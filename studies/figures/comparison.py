@@ -3,14 +3,14 @@
 from matplotlib.figure import Figure
 
 from ...meshes.errors import SceneError
-from ..crosscheck.dataset import Result
+from ..outcome.outcome import Outcome
 from ..sampling.field_differences import FieldComparison
 from .difference import draw_difference
 from .scale import Scale
 from .style import PAGE, complete, curve, new_panels, show_values
 
 
-def draw_comparison(a: Result, b: Result) -> Figure:
+def draw_comparison(a: Outcome, b: Outcome) -> Figure:
     """Draw what two results give, each by its first method.
 
     Raises
@@ -38,12 +38,12 @@ def draw_comparison(a: Result, b: Result) -> Figure:
     return complete(figure, _titles(a, b), figure.axes, down=0.5)
 
 
-def draw_field_difference(a: Result, b: Result, comparison: FieldComparison) -> Figure:
+def draw_field_difference(a: Outcome, b: Outcome, comparison: FieldComparison) -> Figure:
     """Draw B minus A in the fields along the radius, in the units of A."""
     return draw_difference(Scale(a.scene), ": ".join(_titles(a, b)), (comparison,))
 
 
-def _titles(a: Result, b: Result) -> tuple[str, str]:
+def _titles(a: Outcome, b: Outcome) -> tuple[str, str]:
     """Return the titles of both scenes, for the title of a figure."""
     first, second = (result.scene.title or "untitled" for result in (a, b))
     return "A", f"{first}; B: {second}"

@@ -3,12 +3,12 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..crosscheck.dataset import Result
+from ..outcome.outcome import Outcome
 from .scale import Scale
 from .style import PAGE, complete, curve, method_curve, new_panels, show_values
 
 
-def draw_contact(result: Result) -> Figure:
+def draw_contact(result: Outcome) -> Figure:
     """Draw the edges of the contact, the forces on rings and the worn volumes of rings over time.
 
     Edges are shown by every method, with the inside of the contact shaded. Forces and worn volumes

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
 from ...meshes.radial import Array
-from ..crosscheck.dataset import Result
+from ..outcome.outcome import Outcome
 from ..sampling.field_differences import FieldComparison, FieldDifference
 from .scale import Scale, shown_times
 from .style import (
@@ -41,7 +41,7 @@ CELLS = 160
 FEW_RADII = 25
 
 
-def draw_result_difference(result: Result) -> Figure:
+def draw_result_difference(result: Outcome) -> Figure:
     """Draw the difference of two methods of a run; a note tells of further methods."""
     return draw_difference(Scale(result.scene), result.scene.title, result.field_comparisons)
 

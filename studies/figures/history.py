@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...meshes.radial import Array
-from ..crosscheck.dataset import Result
+from ..outcome.outcome import Outcome
 from .scale import Scale
 from .style import (
     FAINT,
@@ -23,7 +23,7 @@ from .style import (
 )
 
 
-def draw_history(result: Result) -> Figure:
+def draw_history(result: Outcome) -> Figure:
     """Draw displacement and RMS slope over time, and by how much methods differ from the first.
 
     Values are marked at the times of the scene. In place of the displacement, the force is drawn if

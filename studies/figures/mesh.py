@@ -10,14 +10,14 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from ...meshes.radial import Array
-from ..crosscheck.dataset import Result
 from ..inside.interior import NEAR
+from ..outcome.outcome import Outcome
 from ..problem.scene import Scene
 from .scale import Scale
 from .style import PAGE, RED, complete, new_panels, power_of_ten, save
 
 
-def draw_stress(result: Result) -> Figure:
+def draw_stress(result: Outcome) -> Figure:
     """Draw the von Mises stress under the rings, at every state whose inside was recovered."""
     fields, scale, problem = result.inside, Scale(result.scene), result.scene.problem
     count = len(fields.labels)
@@ -58,7 +58,7 @@ def draw_stress(result: Result) -> Figure:
     return figure
 
 
-def draw_result_mesh(result: Result) -> Figure:
+def draw_result_mesh(result: Outcome) -> Figure:
     """Draw the mesh of the finite elements."""
     fem = result.solutions["fem"]
     assert fem.half_space is not None

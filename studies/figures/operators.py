@@ -2,11 +2,11 @@
 
 from matplotlib.figure import Figure
 
-from ..crosscheck.dataset import Result
+from ..outcome.outcome import Outcome
 from .style import PAGE, complete, curve, new_panels, set_logarithmic
 
 
-def draw_operators(result: Result) -> Figure:
+def draw_operators(result: Outcome) -> Figure:
     """Draw the relative difference of two methods against the wavelength of the pressure.
 
     Wavelengths that the elements do not resolve are shaded.

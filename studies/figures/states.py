@@ -8,12 +8,12 @@ Profiles are shown less what has worn off everywhere, which the figure names: it
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..crosscheck.dataset import Result
+from ..outcome.outcome import Outcome
 from .scale import Scale, high_pressure, least_wear, panel_tops, shown_times
 from .style import FAINT, PAGE, RED, complete, new_panels
 
 
-def draw_states(result: Result) -> Figure:
+def draw_states(result: Outcome) -> Figure:
     """Draw profiles and pressures at several times, every method over the other.
 
     Of a punch that is not flat, the neighbourhood of the contact is shown.
@@ -63,7 +63,7 @@ def draw_states(result: Result) -> Figure:
     return complete(figure, titles, panels[:, 0], _shaded(scale), across=0.4)
 
 
-def draw_steady(result: Result) -> Figure:
+def draw_steady(result: Outcome) -> Figure:
     """Draw limiting profile and steady pressure, every method over the other."""
     scale, names = Scale(result.scene), ("steady_profile", "steady_pressure")
     figure, panels = new_panels(PAGE, 2.8, columns=2)

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from ...meshes.errors import SceneError
-from ..crosscheck.dataset import Result
+from ..outcome.outcome import Outcome
 from ..problem.quantities import ANSWER, QUANTITIES
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
@@ -24,14 +24,14 @@ def refuse_other_units(a: Scene, b: Scene) -> None:
         )
 
 
-def scene_rows(a: Result, b: Result) -> pd.DataFrame:
+def scene_rows(a: Outcome, b: Outcome) -> pd.DataFrame:
     """Return the keys of the scenes that differ."""
     tables = [pd.json_normalize(side.scene.table()).iloc[0].astype(str) for side in (a, b)]
     table = pd.concat(tables, axis=1, keys=["A", "B"]).fillna("not given")
     return table[table.A != table.B].map(_cut).rename_axis("key").reset_index()
 
 
-def answer_rows(a: Result, b: Result) -> pd.DataFrame:
+def answer_rows(a: Outcome, b: Outcome) -> pd.DataFrame:
     """Return each number of the punch on both sides, and the relative difference."""
     names, rows = UnitNames.of(a.scene.units), []
     for name, quantity in (ANSWER | QUANTITIES).items():
@@ -52,7 +52,7 @@ def answer_rows(a: Result, b: Result) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def field_comparison(a: Result, b: Result) -> FieldComparison | None:
+def field_comparison(a: Outcome, b: Outcome) -> FieldComparison | None:
     """Return B minus A in the fields along the radius, each by its first method that has them.
 
     Return None if no field is given by both at a common time.

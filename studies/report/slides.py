@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from ...meshes.radial import Array, ring_of
-from ..crosscheck.dataset import Result
 from ..figures.scale import Scale, high_pressure, least_wear, panel_tops, shown_times
+from ..outcome.outcome import Outcome
 
 
-def slides(result: Result) -> dict[str, Any] | None:
+def slides(result: Outcome) -> dict[str, Any] | None:
     """Return what the script of the page draws, in the units of its axes.
 
     Nothing where no state is known over the radius.

@@ -8,8 +8,8 @@ import numpy as np
 
 from ...meshes.radial import Array
 from ..crosscheck.agreement import by_quantity
-from ..crosscheck.dataset import Result
-from ..crosscheck.scope import left_out, modelled, outside
+from ..outcome.outcome import Outcome
+from ..outcome.scope import left_out, modelled, outside
 from ..problem.quantities import ANSWER, QUANTITIES, STATES
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
@@ -23,7 +23,7 @@ class Account:
     Answers are by the first method that gives them, with their units.
     """
 
-    def __init__(self, result: Result) -> None:
+    def __init__(self, result: Outcome) -> None:
         self.result, self.scene = result, result.scene
         self.names = UnitNames.of(self.scene.units)
         self.title = self.scene.title or "Untitled scene"

@@ -14,9 +14,9 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..crosscheck.accuracy import solved_to_accuracy
 from ..crosscheck.agreement import disagreement
-from ..crosscheck.answer import answer
-from ..crosscheck.table import in_units
 from ..methods.base import Method, Solution, method
+from ..outcome.answer import answer
+from ..outcome.table import in_units
 from ..problem.problem import Problem
 from ..problem.quantities import error_name
 from ..progress import Stages

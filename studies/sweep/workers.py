@@ -16,8 +16,8 @@ import xarray
 
 from ...meshes.errors import SolverError
 from ...meshes.radial import Array
-from ..crosscheck.sizes import machine_memory
 from ..output.signals import signals_wait
+from ..predictions.memory import machine_memory
 from ..progress import LOG
 from ..versions import computed_with, stamp
 from .axes import Sweep

@@ -5,8 +5,8 @@ from functools import partial
 
 import numpy as np
 
-from ..crosscheck.run import run
 from ..extremes.oracles import other_theory
+from ..outcome.run import run
 from ..problem.scene import Scene
 from ..study.levels import Family
 from ..study.options import Options, Quantity

@@ -44,8 +44,8 @@ def fail(patch, stage, raised):
 @pytest.mark.parametrize(
     ("stage", "raised", "told"),
     [
-        ("ringwear.studies.crosscheck.run.run", KeyboardInterrupt(), "stopped"),
-        ("ringwear.studies.crosscheck.dataset.summary", KeyboardInterrupt(), "stopped"),
+        ("ringwear.studies.outcome.run.run", KeyboardInterrupt(), "stopped"),
+        ("ringwear.studies.outcome.outcome.summary", KeyboardInterrupt(), "stopped"),
         ("ringwear.studies.figures.style.save", KeyboardInterrupt(), "stopped"),
         ("ringwear.studies.report.page.write_report", KeyboardInterrupt(), "stopped"),
         (NETCDF, FULL_DISK, "could not be written"),

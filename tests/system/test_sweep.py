@@ -16,7 +16,7 @@ from ringwear import Scene, run, sweep
 from ringwear.mdr import direct
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
-from ringwear.studies.crosscheck.sizes import predict_memory
+from ringwear.studies.predictions.memory import predict_memory
 from ringwear.studies.problem.problem import Rings
 from ringwear.studies.problem.quantities import QUANTITIES, error_name
 from ringwear.studies.sizes.shared import covering, groups

@@ -8,7 +8,7 @@ import pytest
 
 from ringwear import Scene
 from ringwear.meshes.errors import SceneError
-from ringwear.studies.crosscheck.scope import methods_of, refusals
+from ringwear.studies.outcome.scope import methods_of, refusals
 from ringwear.studies.problem.scene import bundled, declaration
 from ringwear.studies.report.words import defaults_taken
 

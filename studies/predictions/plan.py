@@ -6,13 +6,13 @@ pressures^2, and as pressures^3 once matrices are large, a march as its steps ti
 """
 
 from ..methods.base import Method, SystemSize
+from ..outcome.run import run
+from ..outcome.scope import methods_of, refusals
 from ..problem.problem import Problem
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..problem.scene import Scene, Source
 from ..sizes.marching import steps_between
-from .run import run
-from .scope import methods_of, refusals
-from .sizes import predict_memory
+from .memory import predict_memory
 
 
 def _work_of_modes(problem: Problem, order: float) -> float:
