@@ -201,7 +201,7 @@ def _compare(options: argparse.Namespace) -> Status:
         from .figures.comparison import draw_comparison, draw_field_difference
         from .figures.style import save
         from .outcome.run import run
-        from .output.stored import load
+        from .output.stored import StoredOutcome, load
         from .report.comparison import (
             answer_rows,
             field_comparison,
@@ -212,7 +212,9 @@ def _compare(options: argparse.Namespace) -> Status:
         from .tables import write_csv
 
         given = (options.A, options.B)
-        sources = [load(each) if Path(each).is_dir() else Scene.load(each) for each in given]
+        sources = [
+            load(each, StoredOutcome) if Path(each).is_dir() else Scene.load(each) for each in given
+        ]
         refuse_other_units(*(each if isinstance(each, Scene) else each.scene for each in sources))
         sides = [run(each) if isinstance(each, Scene) else each for each in sources]
         tables = scene_rows(*sides), answer_rows(*sides)
