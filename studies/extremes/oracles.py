@@ -104,16 +104,16 @@ def start_in_closed_form(scene: Scene) -> dict[str, float]:
     None are known if the contact is not a disc within the face, or if the load is no force.
     """
     problem = scene.problem
-    return STARTS[problem.contact](scene, problem) if problem.load_regime is ONE_FORCE else {}
+    return STARTS[problem.contact](scene) if problem.load_regime is ONE_FORCE else {}
 
 
-def _start_of_flat(scene: Scene, problem: Problem) -> dict[str, float]:
-    return {"indentation": float(flat_punch(problem.inner_radius).indentation)}
+def _start_of_flat(scene: Scene) -> dict[str, float]:
+    return {"indentation": float(flat_punch(scene.problem.inner_radius).indentation)}
 
 
-def _start_of_shaped(scene: Scene, problem: Problem) -> dict[str, float]:
+def _start_of_shaped(scene: Scene) -> dict[str, float]:
     """Return the contact radius and the indentation of a sphere or a cone within the face."""
-    profile, units = scene.punch.profile, problem.units
+    profile, units = scene.punch.profile, scene.problem.units
     pressed = units.force / (units.modulus * units.length**2)
     if isinstance(profile, Parabola):
         curvature = profile.curvature_radius / units.length
