@@ -72,8 +72,8 @@ def inside(poisson_ratio, **changes):
     scene = Scene.load("flat_punch").changed(
         half_space__poisson_ratio=poisson_ratio, wear__times=[0.0], **changes
     )
-    fem = named("fem")
-    fields = interior(scene, fem.solve(scene.problem, Stages(fem)))
+    # of a solution, the inside takes the half-space alone
+    fields = interior(scene, named("fem").discretise(scene.problem, Stages("fem")))
     r, z = fields.points
     far = np.hypot(r - 1, z) > NEAR
     assert (r[far] == 0).any()

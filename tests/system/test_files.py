@@ -211,7 +211,7 @@ def test_an_accuracy_that_is_not_reached_ends_in_status_3(tmp_path, capsys):
         accuracy__fem__far_field="fixed",
         accuracy__fem__truncation=20.0,
     )
-    status, out = run_scene(tmp_path, scene)
+    status, out = run_scene(tmp_path, scene, "--no-figures")
     assert status == 3
     summary = json.loads((out / "summary.json").read_text("utf-8"))
     assert summary["verdict"] == "undecided"

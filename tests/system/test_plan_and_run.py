@@ -18,6 +18,8 @@ from ringwear.studies.progress import Stages
 def test_unknowns_are_those_of_the_run(name):
     """Before it is refined, if its estimates fall short."""
     scene = Scene.load(name)
+    # elements do not depend on late times
+    scene = scene.changed(wear__times=scene.wear.times[:3])
     for of in scene.methods:
         solution = method(of).solve(scene.problem, Stages(of))
         assert method(of).system_size(scene.problem).unknowns == solution.unknowns
