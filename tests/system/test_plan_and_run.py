@@ -27,7 +27,7 @@ def test_unknowns_are_those_of_the_run(name):
 
 @pytest.mark.parametrize("load", [{"normal_force": 1.0}, {"indentation": 0.05}], ids=str)
 def test_a_plan_tells_seconds_and_gib_of_any_punch(load):
-    scene = Scene.load("recessed_binder").changed(methods=["mdr"], load=load, accuracy__rtol=1e-3)
+    scene = Scene.load("recessed_binder").changed(methods=["mdr"], load=load, accuracy__rtol=1e-2)
     mdr, total, memory = plan(scene)
     assert re.fullmatch(r"mdr: \d+ unknowns, \d+ pressures, about [\d.]+ s", mdr)
     assert re.match(r"in all: about [\d.]+ s", total)
