@@ -8,6 +8,7 @@ are kept).
 """
 
 import argparse
+import atexit
 import gc
 import sys
 from collections.abc import Callable
@@ -42,6 +43,8 @@ class Status(IntEnum):
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return the exit status."""
+    # at the end Python would search all that is left for garbage, which takes as long as a figure
+    atexit.register(gc.freeze)
     options = _parser().parse_args(arguments)
     show_progress(of_stages=options.command not in ("plan", "study", "sweep"))
     try:

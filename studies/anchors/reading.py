@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import pchip_interpolate
 
 from ...mdr.flat_punch import flat_punch
 from ...meshes.radial import Array
@@ -211,6 +210,8 @@ def _heights(profile: TomlTable, radii: Array, punch_radius: float) -> Array:
     if kind == "rounded_rim":
         beyond = np.maximum(radii - profile["flat_radius"], 0.0)
         return np.asarray(beyond**2 / (2 * profile["curvature_radius"]))
+    from scipy.interpolate import pchip_interpolate  # few profiles are tables
+
     return np.asarray(pchip_interpolate(profile["radii"], profile["heights"], radii))
 
 

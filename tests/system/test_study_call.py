@@ -12,6 +12,7 @@ from ringwear import study
 from ringwear.meshes import bisection
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.sizes import SizeField
+from ringwear.studies.refinement import ways
 from ringwear.studies.study.levels import Family, Progress, Record
 
 
@@ -85,7 +86,10 @@ def test_a_study_is_a_public_name():
     assert "study" in dir(ringwear)
 
 
-def test_the_study_of_refinement_has_a_line_for_the_users_mesh(tmp_path):
+def test_the_study_of_refinement_has_a_line_for_the_users_mesh(tmp_path, monkeypatch):
+    # without the levels that take long
+    monkeypatch.setattr(ways, "ACCURACIES_QUICK", (1e-1,))
+    monkeypatch.setattr(ways, "MOST_UNKNOWNS_QUICK", 1000)
     own = tmp_path / "mine.vtu"
     field = SizeField((0.0, 0.5, 1.0), 0.02, 0.05, 0.8, 4.0)
     bisection.mesh(field).save(own, file_format="vtu")
