@@ -42,11 +42,14 @@ def check_decay(report: Reported) -> Rows:
         yield Row(name, force[0], 1.0, tolerance)
     if report.graded:
         return
-    worn = (report.take("ring_worn_volume") / report.problem.wear_coefficients).sum(axis=1)
+    volumes, coefficients = report.take("ring_worn_volume"), report.problem.wear_coefficients
+    worn = (volumes / coefficients).sum(axis=1)
     # at a stop nothing changes
     distances, at = np.unique(report.distances, return_index=True)
     greatest = np.maximum.accumulate(force)
-    errors = report.errors("normal_force", "ring_worn_volume") * [greatest, worn]
+    # errors of volumes are relative to their sum, also that of a ring that hardly wears
+    most = volumes.sum(axis=1) * np.sum(1 / coefficients)
+    errors = report.errors("normal_force", "ring_worn_volume") * [greatest, most]
     passed, force, worn, errors = np.diff(distances), force[at], worn[at], errors[:, at]
     error, lost = errors[:, 1:] + errors[:, :-1]
     doubt = EXACT * force[0] + error + lost / passed

@@ -10,6 +10,7 @@ from matplotlib.ticker import NullLocator
 
 from ...meshes.radial import Array
 from ..figures.style import LINES, complete, new_panels, power_of_ten
+from ..study.errors_over_size import draw_slope_triangle
 from ..study.orders import Sequence
 
 if TYPE_CHECKING:
@@ -115,8 +116,9 @@ def _draw_panel(axes: "Axes", panel: Panel, labels: list[str]) -> None:
             other = lowest.setdefault(order, curve)
             if curve.sequence.errors[0] < other.sequence.errors[0]:
                 lowest[order] = curve
-    for curve in lowest.values():
-        _draw_triangle(axes, curve, color_of(curve.label, labels))
+    for order, curve in lowest.items():
+        color = color_of(curve.label, labels)
+        draw_slope_triangle(axes, curve.abscissa, curve.sequence.errors, order, color)
     # room for the labels of triangles
     axes.margins(x=0.12)
     axes.set_title(panel.title, fontsize=8)
@@ -142,21 +144,3 @@ def ticks(low: float, high: float) -> Array:
         if len(values) > 1:
             break
     return values[:: -(-len(values) // MOST_TICKS) or 1]
-
-
-def _draw_triangle(axes: "Axes", curve: Curve, color: str) -> None:
-    """Draw the slope of theory below the first step of a curve, and say which it is."""
-    right, second, *_ = curve.abscissa
-    left, order = np.sqrt(right * second), curve.sequence.theory.order
-    high = curve.sequence.errors[0] / 2
-    low = high * (left / right) ** order
-    axes.plot([left, right, right, left], [low, low, high, low], color=color, linewidth=0.6)
-    axes.annotate(
-        f"{order:.2g}",
-        (right, np.sqrt(low * high)),
-        textcoords="offset points",
-        xytext=(2, 0),
-        va="center",
-        fontsize=5.5,
-        color=color,
-    )

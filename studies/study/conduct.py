@@ -110,12 +110,17 @@ def refuse_what_does_not_fit(name: str, scene: Scene, options: Options) -> None:
     """
     listed, problem = STUDIES[name], scene.problem
     flat = problem.full_contact and problem.indentation is None
-    if problem.merged.linear or not (listed.of_any_punch or flat):
+    if not (listed.of_any_punch or flat):
         raise SceneError(
-            f"study {name} is about flat punches under a force, whose edges stay, with "
-            "wear constant on rings: leave out punch.recess, punch.profile and "
-            "punch.wear_coefficient along the radius, and give load.normal_force; study tradeoff "
-            "takes any punch, and study convergence shaped ones, too"
+            f"study {name} is about flat punches under a force, whose edges stay: leave out "
+            "punch.recess and punch.profile, and give load.normal_force; studies "
+            f"{_those_that('of_any_punch')} take any punch"
+        )
+    if problem.merged.linear and not listed.along_radius:
+        raise SceneError(
+            f"study {name} is about rings, each with one wear coefficient: give "
+            "punch.wear_coefficients in place of punch.wear_coefficient along the radius; studies "
+            f"{_those_that('along_radius')} take it"
         )
     for option in options.given:
         if option not in listed.takes:
@@ -125,3 +130,9 @@ def refuse_what_does_not_fit(name: str, scene: Scene, options: Options) -> None:
         raise SceneError(
             f"against = {options.against!r} is no abscissa: give one of {', '.join(ABSCISSAS)}"
         )
+
+
+def _those_that(trait: str) -> str:
+    """Return the names of the studies with a trait of `ListedStudy`, as a list in words."""
+    *names, last = (name for name, listed in STUDIES.items() if getattr(listed, trait))
+    return f"{', '.join(names)} and {last}"

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from ...meshes.radial import Array
 from ..figures.style import LOOKS, curve, legend_below, new_figure
 from .orders import Sequence
 
@@ -47,7 +48,8 @@ def draw_errors(panels: Mapping[str, Curves], ylabel: str) -> Figure:
             errors = np.where(sequence.errors > 0, sequence.errors, np.nan)
             axes.loglog(sequence.sizes, errors, label=label, **look)
             if np.isfinite(sequence.theory.order) and len(errors) > 1:
-                _draw_triangle(axes, sequence, look["color"])
+                order, color = sequence.theory.order, look["color"]
+                draw_slope_triangle(axes, sequence.sizes, sequence.errors, order, color)
         axes.set(xlabel=xlabel, ylabel=ylabel)
         low, high = axes.get_xlim()
         ticks = LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,))
@@ -58,10 +60,20 @@ def draw_errors(panels: Mapping[str, Curves], ylabel: str) -> Figure:
     return figure
 
 
-def _draw_triangle(axes: "Axes", sequence: Sequence, color: str) -> None:
-    """Draw the slope of theory below the first step of a curve, and say which it is."""
-    right, second, *_ = sequence.sizes
-    left, high, order = np.sqrt(right * second), sequence.errors[0] / 2, sequence.theory.order
+def draw_slope_triangle(
+    axes: "Axes", sizes: Array, errors: Array, order: float, color: str
+) -> None:
+    """Draw the slope of theory below the first step of a curve, and say which it is.
+
+    Parameters
+    ----------
+    axes : logarithmic
+    sizes, errors : (n,) of the curve, from coarse to fine
+    order : of theory
+    color : of the curve
+    """
+    right, second, *_ = sizes
+    left, high = np.sqrt(right * second), errors[0] / 2
     low = high * (left / right) ** order
     axes.plot([left, right, right, left], [low, low, high, low], color=color, linewidth=0.6)
     axes.annotate(

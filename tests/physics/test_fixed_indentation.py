@@ -221,3 +221,19 @@ def test_slip_everywhere_wears_off_all_of_the_overlap(depth, rtol, overlap, tole
     scene = fixed_sphere(depth, [0.3, 0.6, 1.0], [1.0, 0.2, 0.5], [0.0, 1e4], rtol)
     worn = run(scene).dataset.ring_worn_volume.isel(time=1).sum("ring")
     np.testing.assert_allclose(worn, overlap, rtol=tolerance)
+
+
+@pytest.mark.parametrize(
+    ("wear", "times"),
+    [
+        # the volume of a ring that hardly wears is known to a part of that of the other
+        ([1.0, 3.6e-6], [5e-5, 1.5e-4, 5e-4, 1.5e-3]),
+        # pressures whose squares are no numbers any more
+        ([1.0, 1.0], [2.0, 40.0, 700.0]),
+    ],
+)
+def test_anchors_hold_where_a_ring_hardly_wears_and_where_nothing_presses_any_more(wear, times):
+    punch = {"radius": 1.0, "ring_edges": [0.42, 1.0], "wear_coefficients": wear}
+    scene = held(punch=punch, accuracy={"rtol": 2e-5}).changed(methods=["mdr"])
+    found = run(scene.changed(wear={"times": times}))
+    assert [anchor for anchor in found.anchors if not anchor.holds] == []
