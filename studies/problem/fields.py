@@ -74,6 +74,7 @@ class Section(BaseModel):
     prefix: ClassVar[str] = ""
 
     def __setattr__(self, name: str, value: object) -> None:
+        """Say how to make another scene."""
         raise AttributeError(
             f"a scene does not change: write scene.changed({{'{self.prefix}{name}': {value!r}}}) "
             "for another one"

@@ -33,7 +33,6 @@ from .sections import (
 )
 from .unit_names import without_quantities
 
-
 # keys of a section that say the same in several ways
 ALTERNATIVES = (
     ("punch", ("wear_coefficients",), ("wear_coefficient", "wear_ratio")),
@@ -70,6 +69,7 @@ class Loading(classmethod):
     def __get__(self, scene: "Scene", kind: type) -> LoadSection: ...
 
     def __get__(self, scene: "Scene | None", kind: type) -> object:
+        """Return the reader of the class, or the table of a scene."""
         return super().__get__(None, kind) if scene is None else scene.load_
 
 
@@ -77,6 +77,7 @@ class SceneType(type(Section)):  # type: ignore[misc]
     """The class of `Scene`, which tells what to write in place of what it does not have."""
 
     def __getattr__(cls, name: str) -> object:
+        """Tell what to write in place of what the class does not have."""
         if name.startswith("_") or name not in OTHER_CALLS:
             return super().__getattr__(name)
         raise AttributeError(f"Scene has no {name!r}: write {OTHER_CALLS[name]}")

@@ -115,8 +115,8 @@ def read_values(key: str, given: Any, base: TomlTable, draws: int, seed: int | N
         return (spaced.round().astype(int) if whole else spaced).tolist()
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
         raise SceneError(
-            f"{key} = {shown(given)}: give a list of values, or linspace or geomspace = [first, last, "
-            "count] in braces, without count to draw from"
+            f"{key} = {shown(given)}: give a list of values, or linspace or geomspace = [first, "
+            "last, count] in braces, without count to draw from"
         ) from None
 
 

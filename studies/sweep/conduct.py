@@ -15,8 +15,8 @@ from ..calls import naming_arguments
 from ..figures.style import new_figure, set_logarithmic
 from ..output.folder import Folder, lock_folder, output_folder, refuse_foreign_folders
 from ..output.one_file import make
-from ..problem.fields import TomlTable
 from ..problem.explain import shown
+from ..problem.fields import TomlTable
 from ..problem.scene import Scene, dotted, listed
 from ..progress import LOG
 from .axes import Sweep

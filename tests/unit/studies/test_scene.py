@@ -188,7 +188,7 @@ def test_numbers_of_numpy_are_numbers():
 
 
 def test_a_scene_is_a_value():
-    with pytest.raises(AttributeError, match="write scene.changed"):
+    with pytest.raises(AttributeError, match=r"write scene\.changed"):
         GOOD.punch.radius = 3.0
     changed = GOOD.changed(
         accuracy__rtol=1e-5, accuracy__fem__degree=3, output__gradient_average="area"
