@@ -33,7 +33,7 @@ def _solvers(data: xarray.Dataset | xarray.DataArray) -> list[str]:
     return data.coords["solver"].values.ravel().tolist() if "solver" in data.coords else []
 
 
-class DataArray(xarray.DataArray):
+class DataArray(xarray.DataArray):  # type: ignore[no-untyped-call]
     """A DataArray whose `sel` refuses a solver that is given as `method`."""
 
     __slots__ = ()
@@ -51,7 +51,7 @@ class DataArray(xarray.DataArray):
         return super().sel(indexers, method, tolerance, drop, **labels)
 
 
-class Dataset(xarray.Dataset):
+class Dataset(xarray.Dataset):  # type: ignore[no-untyped-call]
     """A Dataset whose `sel` refuses a solver that is given as `method`, as that of its arrays."""
 
     __slots__ = ()

@@ -59,7 +59,7 @@ class Cost(NamedTuple):
         return self.first + self.refining
 
     def __str__(self) -> str:
-        """The seconds in words."""
+        """Return the seconds in words."""
         if not self.known:
             return (
                 f"{self.first:.2g} s or more: whether it is to be refined then, it tells as it runs"

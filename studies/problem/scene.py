@@ -62,7 +62,8 @@ def check_method(method: str) -> str:
 class Loading(classmethod):
     """The decorator of `Scene.load`: of a scene that is there, `scene.load` is its table."""
 
-    @overload
+    # classmethod is generic in what it reads, and returns it of instances, too
+    @overload  # type: ignore[override]
     def __get__(self, scene: None, kind: type) -> "Callable[[str | Path], Scene]": ...
 
     @overload
@@ -157,7 +158,7 @@ class Scene(Section, metaclass=SceneType):
             )
         return self
 
-    @Loading
+    @Loading  # type: ignore[arg-type]
     def load(cls, source: str | Path) -> "Scene":
         """Read a scene from a file, or a bundled one by its name."""
         if not isinstance(source, str | Path):
