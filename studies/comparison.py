@@ -10,13 +10,13 @@ import pandas as pd
 
 from ..meshes.errors import SceneError
 from .calls import naming_arguments
-from .crosscheck import dataset
+from .crosscheck.dataset import Result
+from .crosscheck.run import run
 from .output.folder import output_folder
 from .output.stored import load
 from .problem.explain import nearest
 from .problem.scene import Scene, Source
 from .report.comparison import answer_rows, field_comparison, refuse_other_units, scene_rows
-from .results import run
 from .sampling.field_differences import FieldComparison
 from .tables import write_csv
 
@@ -27,7 +27,7 @@ FILES = "scenes.csv", "answers.csv", "comparison.png", "difference.png"
 
 
 @naming_arguments
-def compare(a: "Source | dataset.Result", b: "Source | dataset.Result") -> "Comparison":
+def compare(a: Source | Result, b: Source | Result) -> "Comparison":
     """Compare two results: what differs between their scenes, in their answers and in their fields.
 
     Parameters
@@ -65,9 +65,9 @@ def compare(a: "Source | dataset.Result", b: "Source | dataset.Result") -> "Comp
     return Comparison(*(run(each) if isinstance(each, Scene) else each for each in sources))
 
 
-def _source(given: "Source | dataset.Result") -> "Scene | dataset.Result":
+def _source(given: Source | Result) -> Scene | Result:
     """Return the results that are there, or the scene that is to be computed."""
-    if isinstance(given, dataset.Result):
+    if isinstance(given, Result):
         return given
     is_folder = isinstance(given, str | Path) and str(given) and Path(given).is_dir()
     return load(str(given)) if is_folder else Scene.of(given)
@@ -82,8 +82,8 @@ class Comparison:
     a, b : what is compared
     """
 
-    a: dataset.Result
-    b: dataset.Result
+    a: Result
+    b: Result
 
     @cached_property
     def table(self) -> pd.DataFrame:
