@@ -128,13 +128,16 @@ class Comparison:
     @cached_property
     def figures(self) -> "Mapping[str, Figure]":
         """Figures by name: `comparison`, and `difference` where there are fields of both."""
-        from .figures.comparison import draw_comparison, draw_field_difference
+        from .figures.comparison import draw_comparison, titles
+        from .figures.difference import draw_difference
+        from .figures.scale import Scale
         from .figures.style import in_style
 
         with in_style():
             drawn = {"comparison": draw_comparison(self.a, self.b)}
             if self.fields is not None:
-                drawn["difference"] = draw_field_difference(self.a, self.b, self.fields)
+                title = ": ".join(titles(self.a, self.b))
+                drawn["difference"] = draw_difference(Scale(self.a.scene), title, (self.fields,))
         return drawn
 
     def plot(self, kind: str = "comparison") -> "Figure":
