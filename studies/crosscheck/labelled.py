@@ -12,19 +12,22 @@ import xarray
 from ...meshes.errors import SceneError
 
 
-def refuse_method(solvers: list[str], method: object, solver: object) -> None:
-    """Refuse a solver that is given as `method`, and one that is not there.
+def refuse_method(solvers: list[str], method: object, labels: Mapping[Any, Any]) -> None:
+    """Refuse a solver that is given as `method` or `methods`, and one that is not there.
 
     Raises
     ------
     SceneError
         saying what to write
     """
-    if method in solvers:
+    if isinstance(method, str) and method in solvers:
         raise SceneError(
             f"sel(method={method!r}) selects nothing, as method is xarray's word for inexact "
             f"labels: write sel(solver={method!r})"
         )
+    solver = labels.get("solver")
+    if solvers and "methods" in labels:
+        raise SceneError(f"no dimension 'methods': write sel(solver={labels['methods']!r})")
     if isinstance(solver, str) and solvers and solver not in solvers:
         raise SceneError(f"no solver {solver!r} in these results: give one of {', '.join(solvers)}")
 
@@ -47,7 +50,7 @@ class DataArray(xarray.DataArray):  # type: ignore[no-untyped-call]
         **labels: Any,
     ) -> Self:
         """Select by labels, as xarray does."""
-        refuse_method(_solvers(self), method, {**(indexers or {}), **labels}.get("solver"))
+        refuse_method(_solvers(self), method, {**(indexers or {}), **labels})
         return super().sel(indexers, method, tolerance, drop, **labels)
 
 
@@ -70,5 +73,5 @@ class Dataset(xarray.Dataset):  # type: ignore[no-untyped-call]
         **labels: Any,
     ) -> Self:
         """Select by labels, as xarray does."""
-        refuse_method(_solvers(self), method, {**(indexers or {}), **labels}.get("solver"))
+        refuse_method(_solvers(self), method, {**(indexers or {}), **labels})
         return super().sel(indexers, method, tolerance, drop, **labels)

@@ -94,6 +94,8 @@ def load(folder: str | Path) -> Stored:
     """
     import xarray
 
+    if not isinstance(folder, str | Path):
+        raise SceneError(f"{folder!r} is no folder: give one that `ringwear run` has written")
     path = Path(folder)
     try:
         told = json.loads((path / "summary.json").read_text("utf-8"))

@@ -180,7 +180,7 @@ def _fault(fault: ErrorDetails, errors: list[ErrorDetails], scene: type[Section]
 REMEDIES = {
     "string_type": "a text, in quotes",
     "bool_type": "true or false",
-    "model_type": "a table of its keys",
+    "model_type": "its keys in braces, or below a heading in brackets",
 }
 
 
@@ -204,7 +204,7 @@ def _in_plain_words(fault: ErrorDetails) -> str:
 
 def shown(value: object) -> str:
     """Return a value as text, cut where it is long."""
-    text = repr(value)
+    text = " ".join(repr(value).split())
     return text if len(text) <= SHOWN else f"{text[: SHOWN - 4]} ..."
 
 

@@ -28,7 +28,7 @@ from types import UnionType
 from typing import Self
 
 from ...meshes.errors import SceneError
-from ..problem.explain import nearest
+from ..problem.explain import nearest, question
 from ..problem.fields import Height, TomlTable, read_table, refuse_device
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, GROUPS, QUANTITIES
@@ -312,8 +312,10 @@ def _checked_keep(
         )
     computed = {of for of in KEEPABLE if not given.isdisjoint(ANSWERS.get(of, (of,)))}
     if not keep or not set(map(str, keep)) <= computed:
+        strange = next((str(name) for name in keep if str(name) not in computed), "")
         raise SceneError(
-            f"keep = {keep!r} names what is no quantity of such punches: give a list of "
+            f"keep = {keep!r} names what is no quantity of such punches"
+            f"{question(strange, computed) if strange else ':'} give a list of "
             f"{', '.join(sorted(computed))}; histories need wear.times, and steady quantities "
             "wear.steady = true"
         )
