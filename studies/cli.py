@@ -9,7 +9,9 @@ are kept).
 
 import argparse
 import gc
+import shutil
 import sys
+import textwrap
 from collections.abc import Callable
 from contextlib import suppress
 from enum import IntEnum
@@ -303,7 +305,7 @@ COMMANDS = {
         ),
     ),
     "plan": Command(
-        "say what a scene models and what it will cost, without computing it",
+        "say what a scene models and what it will cost",
         _plan,
         ("scene", "--check"),
     ),
@@ -332,6 +334,11 @@ COMMANDS = {
 }
 
 
+PURPOSE = (
+    "Compute how a rigid punch of concentric rings wears on an elastic half-space, by finite "
+    "elements, dimensionality reduction, boundary elements and direct integration, and say how far "
+    "these methods agree."
+)
 EXAMPLES = """examples:
   ringwear run                          compute the scene five_rings
   ringwear scenes sphere > mine.toml    start a scene of your own
@@ -344,9 +351,7 @@ EXAMPLES = """examples:
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="ringwear",
-        description="Compute how a rigid punch of concentric rings wears on an elastic half-space, "
-        "by finite elements, dimensionality reduction, boundary elements and direct integration, "
-        "and say how far these methods agree.",
+        description=textwrap.fill(PURPOSE, shutil.get_terminal_size().columns - 2),
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -1,13 +1,12 @@
 """What a run will take, before it runs.
 
-Sizes are counted on the meshes that it will have. A probe, the scene itself at a coarse accuracy,
-tells about how long a method takes: seconds go with the sizes, a sparse factor as unknowns^1.5,
-dense algebra as pressures^2, and as pressures^3 once matrices are large, a march as its steps times
-pressures^2.
+Sizes are counted on the meshes that it will have. A method refines where its estimates fall short,
+which doubles the seconds or more. No probe foresees that, as estimates are often about as large as
+what is allowed. So a method that takes a few seconds is solved once, and its own estimate tells.
 
-A method refines where its estimates fall short, which doubles the seconds or more. No probe
-foresees that, as estimates are often about as large as what is allowed. So a method that takes a
-few seconds is solved once, and its own estimate tells. Of others, no figure is given but the least.
+Of others, a probe, the scene itself at a coarse accuracy, tells how long they take at least:
+seconds go with the sizes, a sparse factor as unknowns^1.5, dense algebra as pressures^2, and as
+pressures^3 once matrices are large, a march as its steps times pressures^2.
 """
 
 import time
@@ -28,8 +27,8 @@ from .promise import allowed_error
 from .scope import methods_of, refusals
 from .sizes import predict_memory
 
-# seconds that a plan may take to solve a method once
-MOST_SOLVED = 5.0
+# work up to which a method is solved at once, and seconds up to which it is after a probe
+LITTLE_WORK, MOST_SOLVED = 1.0, 5.0
 # an estimate of a probe over what it may be, below which full contact is expected to be accurate
 # enough at the accuracy asked for: over 20 scenes the ratio grew at most fivefold
 FAR_BELOW = 0.2
@@ -87,9 +86,9 @@ DENSE_WORK = {FULL_CONTACT: _work_of_modes, MOVING_CONTACT: _work_of_steps}
 
 
 def predict_work(method: Method, problem: Problem, size: SystemSize) -> float:
-    """Return about how much work a method has; what counts is the ratio of two problems.
+    """Return about how much work a method has, in seconds on some machine, to a factor of five.
 
-    The factors between its parts were measured on the bundled scenes.
+    The ratio for two problems is better known. Its factors were measured on the bundled scenes.
     """
     order, step = size.pressures / 1e3, method.step(problem)
     steps = float(steps_between(problem.times, step).sum()) if step else 0.0
@@ -126,22 +125,27 @@ def coarsen(scene: Scene) -> Scene:
 
 
 def predict_cost(method: Method, problem: Problem, probe: Problem) -> Cost:
-    """Return what a method will take for a problem, by solving the probe, and the problem if quick.
+    """Return what a method will take for a problem: by the problem itself if it is quick to solve.
 
-    Probe and problem are solved on one thread.
+    Else by a probe, which is the same problem at a coarse accuracy.
     """
-    size, coarse = method.system_size(problem), method.system_size(probe)
-    growth = predict_work(method, problem, size) / predict_work(method, probe, coarse)
-    seconds, solution = _solve(method, probe)
-    if seconds * growth > MOST_SOLVED:
-        # the first time libraries were loaded
+    _solve(method, _small_problem(problem))  # libraries are loaded, and not timed
+    work = predict_work(method, problem, method.system_size(problem))
+    if work > LITTLE_WORK:
         seconds, solution = _solve(method, probe)
-    if seconds * growth > MOST_SOLVED:
-        ratio = error_of_sizes(probe, solution) / allowed_error(probe)
-        known = method.sizes_given(problem) or (problem.full_contact and ratio < FAR_BELOW)
-        return Cost(seconds * growth, known=known, notes=solution.notes)
+        seconds *= work / predict_work(method, probe, method.system_size(probe))
+        if seconds > MOST_SOLVED:
+            ratio = error_of_sizes(probe, solution) / allowed_error(probe)
+            known = method.sizes_given(problem) or (problem.full_contact and ratio < FAR_BELOW)
+            return Cost(seconds, known=known, notes=solution.notes)
     first, solution = _solve(method, problem)
     return _with_refinement(method, problem, solution, first)
+
+
+def _small_problem(problem: Problem) -> Problem:
+    """Return a problem that needs the libraries of another, and little else."""
+    fem = {"mesher": problem.fem.meshed_by}
+    return Scene.load("flat_punch").changed({"accuracy": {"rtol": 0.1, "fem": fem}}).problem
 
 
 def _solve(method: Method, problem: Problem) -> tuple[float, Solution]:

@@ -1,4 +1,4 @@
-"""What a user of numpy, pandas and xarray types first: it works, or says in a line what to write."""
+"""What a user of numpy and xarray types first: it works, or says in a line what to write."""
 
 import numpy as np
 import pandas as pd
@@ -133,7 +133,7 @@ def test_guesses_that_are_told_what_to_write(guess, told, result):
 
 def test_a_property_that_fails_tells_its_own_fault(result, monkeypatch):
     """What is told of names that are not there does not hide a fault of ours."""
-    monkeypatch.setattr(type(result), "notes", property(lambda of: [].nothing))
+    monkeypatch.setattr(type(result), "notes", property(lambda _: [].nothing))
     with pytest.raises(AttributeError, match="'list' object has no attribute 'nothing'"):
         _ = result.notes
 
