@@ -10,7 +10,9 @@ are kept).
 import argparse
 import atexit
 import gc
+import shutil
 import sys
+import textwrap
 from collections.abc import Callable
 from contextlib import suppress
 from enum import IntEnum
@@ -18,12 +20,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..meshes.errors import RingwearError, SceneError
-from .arguments import ARGUMENTS, OF_STUDIES
+from .arguments import ARGUMENTS, OF_STUDIES, Parser
 from .output.folder import Folder, output_folder
 from .output.signals import ending_on_signals
 from .problem.scene import Scene, bundled, text_of
 from .progress import show_progress
 from .registry import INTERRUPTED
+from .report.terminal import print_lines
 from .study.listing import STUDIES
 from .versions import versions
 
@@ -105,7 +108,8 @@ def _out(options: argparse.Namespace, name: str) -> Path:
 
 
 def _print_files(folder: Folder, failures: list[str]) -> None:
-    print(f"\n{len(folder.written)} files in {folder.out}: {', '.join(folder.written)}")
+    files = ", ".join(folder.written)
+    print_lines(["", f"{len(folder.written)} files in {folder.out}: {files}"])
     for failure in failures:
         print(f"ringwear: {failure}", file=sys.stderr)
 
@@ -146,8 +150,8 @@ def _check(options: argparse.Namespace) -> Status:
         write_numbers(result, folder.hidden)
         write_check(result, folder.hidden)
         account = Account(result)
-        print(f"\n{account.title}", "", *result.lines, sep="\n")
-        print(f"Ours: {account.verdict_line}", flush=True)
+        print_lines(["", account.title, "", *result.lines, f"Ours: {account.verdict_line}"])
+        sys.stdout.flush()
         failures = show(result, account, PICTURES, folder.hidden, page=True)
     _print_files(folder, failures)
     if failures:
@@ -162,10 +166,11 @@ def _plan(options: argparse.Namespace) -> Status:
     from .report.printed import print_scope
 
     scene = Scene.load(options.scene)
-    print(f"\n{scene.title or 'Untitled scene'}", *time_scale(scene), "", sep="\n")
+    print_lines(["", scene.title or "Untitled scene", *time_scale(scene), ""])
     methods = methods_of(scene.methods)
     print_scope(modelled(scene, methods), left_out(scene, methods))
-    print("\nBy method", *(f"  {line}" for line in plan(scene)), sep="\n")
+    print("\nBy method", flush=True)
+    print_lines(f"  {line}" for line in plan(scene))
     # the finite elements' multipliers against a compliance that resolves every pressure they have
     for pair in run(scene.changed(methods=["mdr", "fem"])).operators if options.check else ():
         print(
@@ -199,39 +204,18 @@ def _mesh(options: argparse.Namespace) -> Status:
 
 
 def _compare(options: argparse.Namespace) -> Status:
-    files = ("scenes.csv", "answers.csv", "comparison.png", "difference.png")
-    with output_folder(_out(options, "compare"), "compare", files) as folder:
-        from .figures.comparison import draw_comparison, draw_field_difference
-        from .figures.style import save
-        from .outcome.run import run
-        from .output.stored import StoredOutcome, load
-        from .report.comparison import (
-            answer_rows,
-            field_comparison,
-            refuse_other_units,
-            scene_rows,
-        )
-        from .report.printed import print_table
-        from .tables import write_csv
+    from .comparison import FILES, compare
+    from .report.printed import print_table
 
-        given = (options.A, options.B)
-        sources = [
-            load(each, StoredOutcome) if Path(each).is_dir() else Scene.load(each) for each in given
-        ]
-        refuse_other_units(*(each if isinstance(each, Scene) else each.scene for each in sources))
-        sides = [run(each) if isinstance(each, Scene) else each for each in sources]
-        tables = scene_rows(*sides), answer_rows(*sides)
-        for file, table in zip(files, tables, strict=False):
-            write_csv(table, folder.hidden / file)
-        save(folder.hidden / files[2], draw_comparison, *sides)
-        compared = field_comparison(*sides)
-        if compared is not None:
-            save(folder.hidden / files[3], draw_field_difference, *sides, compared)
+    with output_folder(_out(options, "compare"), "compare", FILES) as folder:
+        compared = compare(options.A, options.B)
+        compared.write(folder.hidden)
     print(f"A: {options.A}\nB: {options.B}")
-    for table in tables:
+    for table in (compared.scenes, compared.shown):
         print()
         print_table(table.to_dict("records"))
-    if compared is None:
+    print_lines(["", compared.verdict_in_words])
+    if compared.fields is None:
         print("\ndifference.png is not drawn: no field is given by both at a common time")
     _print_files(folder, [])
     return Status.DONE
@@ -257,7 +241,7 @@ def _study(options: argparse.Namespace) -> Status:
         else:
             with keeping_rows(conclusions):
                 failures += found.write(folder.hidden)
-    print("\n".join(conclusions))
+    print_lines(conclusions)
     _print_files(folder, failures)
     return Status.FAILED if failures or INTERRUPTED in conclusions else Status.DONE
 
@@ -282,7 +266,7 @@ def _sweep(options: argparse.Namespace) -> Status:
         raise SceneError(f"--workers {options.workers}: give 1 or more")
     out = _out(options, options.file)
     conclusions, complete, agree = conduct(options.file, out, options)
-    print("\n".join(conclusions))
+    print_lines(conclusions)
     if not complete:
         return Status.FAILED
     return Status.DONE if agree else Status.DISAGREE
@@ -292,8 +276,7 @@ def _scenes(options: argparse.Namespace) -> Status:
     if options.name is not None:
         print(text_of(options.name), end="")
         return Status.DONE
-    for name in bundled():
-        print(f"{name:<18}{Scene.load(name).title}")
+    print_lines(f"{name:<18}{Scene.load(name).title}" for name in bundled())
     return Status.DONE
 
 
@@ -325,7 +308,7 @@ COMMANDS = {
         ),
     ),
     "plan": Command(
-        "say what a scene models and what it will cost, without computing it",
+        "say what a scene models and what it will cost",
         _plan,
         ("scene", "--check"),
     ),
@@ -354,21 +337,24 @@ COMMANDS = {
 }
 
 
+PURPOSE = (
+    "Compute how a rigid punch of concentric rings wears on an elastic half-space, by finite "
+    "elements, dimensionality reduction, boundary elements and direct integration, and say how far "
+    "these methods agree."
+)
 EXAMPLES = """examples:
-  ringwear run                             compute the bundled scene five_rings
-  ringwear scenes sphere > mine.toml       start a scene of your own from a bundled one
-  ringwear run mine.toml --rtol 1e-3       compute it to another accuracy
-  ringwear check mine.toml abaqus.csv      compare results of another program with ours
-  ringwear study convergence --quick       see the orders of convergence beside theory
+  ringwear run                          compute the scene five_rings
+  ringwear scenes sphere > mine.toml    start a scene of your own
+  ringwear run mine.toml --rtol 1e-3    compute it to another accuracy
+  ringwear check mine.toml abaqus.csv   check another program's results
+  ringwear study convergence --quick    see orders beside theory
 """
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="ringwear",
-        description="Compute how a rigid punch of concentric rings wears on an elastic half-space, "
-        "by finite elements, dimensionality reduction, boundary elements and direct integration, "
-        "and say how far these methods agree.",
+        description=textwrap.fill(PURPOSE, shutil.get_terminal_size().columns - 2),
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -12,6 +12,9 @@ It is computed by finite elements, dimensionality reduction and direct integrati
 `check`
     results of another program against ours: ``check("five_rings", {"abaqus": "abaqus.csv"})``, then
     ``result.verdicts``, ``result.diagnoses`` and all that a run has
+`compare`
+    two results beside each other: ``compare("five_rings", "results/mine")``, then ``found.table``,
+    ``found.verdict``, ``found.figures``
 `load`
     read results that were saved
 `plan`
@@ -21,8 +24,8 @@ It is computed by finite elements, dimensionality reduction and direct integrati
     then ``found.table``, ``found.orders``, ``found.conclusions``, ``found.figures``
 `sweep`
     scenes over axes of scene keys, in one labelled dataset
-`Result`, `Study`
-    what `run` and `study` return
+`Result`, `Study`, `Comparison`
+    what `run`, `study` and `compare` return
 `SceneError`, `RingwearError`
     what they raise: of a scene that cannot be computed, with the remedy; of anything that fails
 
@@ -41,6 +44,7 @@ from ringwear.studies.problem.scene import Scene
 
 if TYPE_CHECKING:
     from ringwear.meshes.errors import RingwearError, SceneError
+    from ringwear.studies.comparison import Comparison, compare
     from ringwear.studies.predictions.plan import plan
     from ringwear.studies.results import Result, check, load, run
     from ringwear.studies.study.conduct import study
@@ -50,6 +54,7 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
+    "Comparison",
     "Result",
     "RingwearError",
     "Scene",
@@ -57,6 +62,7 @@ __all__ = [
     "Study",
     "__version__",
     "check",
+    "compare",
     "load",
     "plan",
     "run",
@@ -66,6 +72,8 @@ __all__ = [
 
 # a scene alone does not need the numerics that these bring in
 _LATER = {
+    "Comparison": "ringwear.studies.comparison",
+    "compare": "ringwear.studies.comparison",
     "Result": "ringwear.studies.results",
     "Study": "ringwear.studies.study.study",
     "run": "ringwear.studies.results",
@@ -88,6 +96,24 @@ def __getattr__(name: str) -> object:
         return _import_module("ringwear.studies.versions").versions()["ringwear"]
     if name in _LATER:
         return getattr(_import_module(_LATER[name]), name)
-    raise AttributeError(
-        f"module 'ringwear' has no attribute {name!r}; it has {', '.join(__all__)}"
-    )
+    raise AttributeError(_has_no(name))
+
+
+# what to write in place of names that other packages have
+_OTHER_NAMES = {
+    **dict.fromkeys(("solve", "simulate", "compute", "Run", "main"), "ringwear.run"),
+    **dict.fromkeys(("open", "read", "Results"), "ringwear.load"),
+    **dict.fromkeys(("Problem", "Punch", "Model", "Simulation"), "ringwear.Scene"),
+    **dict.fromkeys(("scenes", "examples", "bundled"), "`ringwear scenes` on the command line"),
+    "mesh": "`ringwear mesh SCENE` on the command line",
+    "plot": "ringwear.run(scene).plot()",
+}
+
+
+def _has_no(name: str) -> str:
+    """Return what to write in place of a name that the package does not have."""
+    from ringwear.studies.problem.explain import nearest
+
+    near = _OTHER_NAMES.get(name) or nearest(name, __all__)
+    meant = f"write {near}; " if name in _OTHER_NAMES else f"did you mean {near}? " if near else ""
+    return f"module 'ringwear' has no attribute {name!r}: {meant}it has {', '.join(__all__)}"

@@ -46,8 +46,7 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
     for _ in range(4):
         if rtol <= least or error <= allowed:
             break
-        # sizes and degrees are whole numbers of layers: less than that may hardly change them
-        rtol = max(least, rtol * max(0.25 * allowed / error, 0.1))
+        rtol = finer_rtol(rtol, error, allowed, least)
         numbers = method.name, error, allowed
         LOG.info("%8s  its estimate %.1e is above %.1e: refining ...", *numbers)
         try:
@@ -66,6 +65,19 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
         if after > LITTLE_GAIN * before:
             break
     return solution
+
+
+def finer_rtol(rtol: float, error: float, allowed: float, least: float) -> float:
+    """Return the accuracy that the next refinement asks for, if an error is above the allowed one.
+
+    Parameters
+    ----------
+    rtol : that sizes followed
+    error, allowed : the greatest estimate, and what it may be
+    least : the least accuracy that sizes follow
+    """
+    # sizes and degrees are whole numbers of layers: less than that may hardly change them
+    return max(least, rtol * max(0.25 * allowed / error, 0.1))
 
 
 def error_of_sizes(problem: Problem, solution: Solution) -> float:

@@ -4,8 +4,6 @@ from matplotlib.figure import Figure
 
 from ...meshes.errors import SceneError
 from ..outcome.outcome import Outcome
-from ..sampling.field_differences import FieldComparison
-from .difference import draw_difference
 from .scale import Scale
 from .style import PAGE, complete, curve, new_panels, show_values
 
@@ -35,15 +33,10 @@ def draw_comparison(a: Outcome, b: Outcome) -> Figure:
     if not figure.axes:
         raise SceneError("neither has a history or a steady state: nothing can be compared")
     panels[0, 0].invert_yaxis()
-    return complete(figure, _titles(a, b), figure.axes, down=0.5)
+    return complete(figure, titles(a, b), figure.axes, down=0.5)
 
 
-def draw_field_difference(a: Outcome, b: Outcome, comparison: FieldComparison) -> Figure:
-    """Draw B minus A in the fields along the radius, in the units of A."""
-    return draw_difference(Scale(a.scene), ": ".join(_titles(a, b)), (comparison,))
-
-
-def _titles(a: Outcome, b: Outcome) -> tuple[str, str]:
+def titles(a: Outcome, b: Outcome) -> tuple[str, str]:
     """Return the titles of both scenes, for the title of a figure."""
     first, second = (result.scene.title or "untitled" for result in (a, b))
     return "A", f"{first}; B: {second}"

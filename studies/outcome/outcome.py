@@ -204,9 +204,9 @@ class Outcome:
     @cached_property
     def dataset(self) -> "xarray.Dataset":
         """The table as an xarray Dataset."""
-        import xarray
+        from .labelled import Dataset
 
-        return xarray.Dataset(*self.table)
+        return Dataset(*self.table)
 
     @cached_property
     def coordinates(self) -> dict[str, Array]:

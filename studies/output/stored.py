@@ -100,6 +100,8 @@ def load(folder: str | Path, kind: type[Kind]) -> Kind:
     """
     import xarray
 
+    if not isinstance(folder, str | Path):
+        raise SceneError(f"{folder!r} is no folder: give one that `ringwear run` has written")
     path = Path(folder)
     try:
         told = json.loads((path / "summary.json").read_text("utf-8"))

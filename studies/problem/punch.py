@@ -37,6 +37,8 @@ NARROWEST_HOLE, NARROWEST_FACE = 1e-9, 1e-9
 class PunchSection(Section):
     """The table `punch` of the scene: radii, rings, wear coefficients and the unworn face."""
 
+    prefix = "punch."
+
     radius: Annotated[Positive, Unit("length")] = Field(
         description="the punch radius, a positive length"
     )

@@ -13,7 +13,6 @@ from .fields import (
     OverTime,
     Positive,
     Section,
-    Times,
     Unit,
     optional,
     over_time,
@@ -39,6 +38,8 @@ RUNNING_IN = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5,
 
 class HalfSpaceSection(Section):
     """The table `half_space` of the scene: elastic constants of the half-space and the punch."""
+
+    prefix = "half_space."
 
     plane_strain_modulus: Annotated[Positive, Unit("pressure")] | None = optional(
         "E* = E/(1 - nu^2), a positive pressure"
@@ -97,6 +98,8 @@ Varying = Annotated[
 class LoadSection(Section):
     """The table `load` of the scene: force, mean pressure or indentation, and sliding speed."""
 
+    prefix = "load."
+
     normal_force: Annotated[Varying, Unit("force")] | None = optional(
         "the normal force F, positive, or { times = [...], values = [...] }"
     )
@@ -136,7 +139,9 @@ class LoadSection(Section):
 class WearSection(Section):
     """The table `wear` of the scene: times of the history, the march, and the steady state."""
 
-    times: Annotated[Times, Unit("time")] = Field(
+    prefix = "wear."
+
+    times: Annotated[Increasing, Unit("time")] = Field(
         default=[],
         description="increasing times, 0 or later, none for no history; or 'running-in'; or counts "
         "of the slowest relaxation time, { tau = [0.1, 1.0, 5.0] }",
@@ -195,6 +200,8 @@ class Sizes(Section):
 class FemAccuracy(Sizes):
     """The table `accuracy.fem` of the scene: mesh and far field of the finite elements."""
 
+    prefix = "accuracy.fem."
+
     mesher: Literal["quads", "gmsh", "bisection"] | None = optional(
         "quads (quadrilaterals), gmsh or bisection (triangles of degree 1 to 4)"
     )
@@ -224,6 +231,8 @@ class FemAccuracy(Sizes):
 class MdrAccuracy(Sizes):
     """The table `accuracy.mdr` of the scene: elements, and the uniform grid of `mdr-grid`."""
 
+    prefix = "accuracy.mdr."
+
     degree: int | None = optional("highest degree of the pressure, 1 to 20", ge=1, le=20)
     grading: float | None = optional("ratio of neighbouring sizes, 0.05 to 0.8", ge=0.05, le=0.8)
     grid: int = Field(
@@ -240,6 +249,8 @@ class MdrAccuracy(Sizes):
 class AccuracySection(Section):
     """The table `accuracy` of the scene: the relative accuracy, and sizes by method."""
 
+    prefix = "accuracy."
+
     rtol: float = Field(
         default=1e-4, ge=1e-9, le=0.1, description="the relative accuracy wanted, 1e-9 to 0.1"
     )
@@ -249,6 +260,8 @@ class AccuracySection(Section):
 
 class OutputSection(Section):
     """The table `output` of the scene: the quantities, radii and times that are written."""
+
+    prefix = "output."
 
     radii: Annotated[Increasing, Unit("length")] | None = optional(
         "radii from 0 to punch.radius, increasing", min_length=1

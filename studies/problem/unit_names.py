@@ -7,6 +7,7 @@ by default. pint knows the units, and is loaded only where some are written that
 The unit of each key is declared beside its type (`Unit`), in the models of the scene's tables.
 """
 
+import difflib
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -156,7 +157,16 @@ class UnitNames:
 
     def size(self, kind: str) -> float:
         """Return the unit that a kind of quantity is stored in, in SI units."""
-        return 1.0 if self.base in (None, BASE) else _size_in_si(self.name(kind), kind)
+        if self.base in (None, BASE):
+            return 1.0
+        if (size := _size_in_si(self.name(kind), kind)) is None:
+            unit = self.name(kind)
+            raise SceneError(
+                f"units: {unit!r} is no unit of {kind.replace('_', ' ')}: "
+                f"{nearest_unit(unit, kind)}give 'SI', or units of length, force, pressure and "
+                "time that are consistent, such as 'mm, N, MPa, s'"
+            )
+        return size
 
     def name(self, kind: str) -> str:
         """Return the unit that a kind of quantity is stored in; 1 if it has none."""
@@ -222,7 +232,10 @@ def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> T
     def convert(value: object, path: str, declared: Key) -> object:
         if isinstance(value, Mapping):
             return convert_all(value, f"{path}.", declared)
-        if isinstance(value, list | tuple):
+        # numbers and arrays of numpy and pandas
+        if callable(as_list := getattr(value, "tolist", None)):
+            value = as_list()
+        if isinstance(value, list | tuple | range):
             return [convert(of, path, declared) for of in value]
         # 'running-in' is a text
         if isinstance(value, str) and declared.kind in SI and re.match(r"[-+.\s]*\d", value):
@@ -236,21 +249,46 @@ def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> T
 
 def _number(quantity: str, key: str, kind: str, names: UnitNames) -> float:
     """Return a quantity of a kind in the units of a scene."""
-    if names.base is None:
+    number, unit = _split(quantity)
+    if names.base is None and unit:
         raise SceneError(
             f"{key} = {quantity!r} has a unit, and the scene says that its numbers have none: give "
             "units = 'SI', or leave units out"
         )
+    if not unit:
+        raise SceneError(f"{key} = {quantity!r} has no unit: leave out the quotes, or add a unit")
+    # pint would take 1,5 for fifteen
+    if "," in number:
+        point = number.replace(",", ".")
+        raise SceneError(f"{key} = {quantity!r}: give '{point} {unit}', with a decimal point")
     try:
         value = _registry().Quantity(quantity).to(UnitNames(BASE).name(kind)).magnitude
     # text that is no expression fails in many ways
-    except Exception as error:
-        reason = str(error).splitlines()[0] if str(error) else "it is no quantity"
+    except Exception:
         raise SceneError(
-            f"{key} = {quantity!r}: {reason}; give a number and a unit of "
-            f"{kind.replace('_', ' ')}, such as {', '.join(list(SI[kind])[-3:])}, or a number alone"
+            f"{key} = {quantity!r} is no {kind.replace('_', ' ')}: {nearest_unit(unit, kind)}give "
+            f"a number and a unit of {kind.replace('_', ' ')}, such as "
+            f"{', '.join(list(SI[kind])[-3:])}, or a number alone"
         ) from None
     return float(value) / names.size(kind)
+
+
+def _split(quantity: str) -> tuple[str, str]:
+    """Return the number that a quantity begins with, and what comes after it."""
+    number = re.match(r"[-+.,\s\d]*(?:[eE][-+]?\d+)?", quantity)
+    end = number.end() if number else 0
+    return quantity[:end].strip(), quantity[end:].strip()
+
+
+def nearest_unit(unit: str, kind: str) -> str:
+    """Return the question whether a like unit of a kind is meant; empty if none is like it."""
+    known = {name.lower(): name for name in SI[kind]}
+    near = known.get(unit.lower())
+    if near is None and _size_in_si(unit.lower(), kind) is not None:
+        near = unit.lower()
+    if near is None:
+        near = next(iter(difflib.get_close_matches(unit, SI[kind], 1)), None)
+    return f"did you mean '{near}'? Else " if near else ""
 
 
 def size_of_unit(unit: str, kind: str, place: str) -> float:
@@ -261,30 +299,32 @@ def size_of_unit(unit: str, kind: str, place: str) -> float:
     SceneError
         if it is no unit of that kind, naming the place where it stands
     """
-    try:
-        return _size_in_si(unit, kind)
-    except SceneError:
+    if (size := _size_in_si(unit, kind)) is None:
         raise SceneError(
-            f"{place}: {unit!r} is no unit of {kind.replace('_', ' ')}: give one such as "
-            f"{', '.join(list(SI[kind])[-3:])}"
-        ) from None
+            f"{place}: {unit!r} is no unit of {kind.replace('_', ' ')}: "
+            f"{nearest_unit(unit, kind)}give one such as {', '.join(list(SI[kind])[-3:])}"
+        )
+    return size
 
 
 @lru_cache(maxsize=64)
-def _size_in_si(unit: str, kind: str) -> float:
-    """Return how much of the SI unit of a kind a unit is."""
+def _size_in_si(unit: str, kind: str) -> float | None:
+    """Return how much of the SI unit of a kind a unit is; None if it is none of that kind."""
     try:
         return float(_registry().Quantity(1.0, unit).to(UnitNames(BASE).name(kind)).magnitude)
     # text that is no unit fails in many ways
     except Exception:
-        raise SceneError(
-            f"units: {unit!r} is no unit of {kind}; give 'SI', or units of length, force, pressure "
-            "and time that are consistent, such as 'mm, N, MPa, s'"
-        ) from None
+        return None
 
 
 @lru_cache(maxsize=1)
 def _registry() -> "UnitRegistry":
     from pint import UnitRegistry
 
-    return UnitRegistry()
+    # as they are written in papers: mm3 and mm3/Nm
+    return UnitRegistry(
+        preprocessors=[
+            lambda text: re.sub(r"(?<![\d.])([a-zµμ])([23])\b", r"\1^\2", text),
+            lambda text: re.sub(r"\bNm\b", "(N m)", text),
+        ]
+    )

@@ -1,6 +1,5 @@
 """A run in words: the same lines and tables on the terminal and on the page."""
 
-import textwrap
 from collections.abc import Sequence
 from functools import cached_property
 
@@ -56,11 +55,7 @@ class Account:
     @property
     def brief(self) -> list[str]:
         """The answer in up to six lines, and the verdict in a sentence."""
-        first = [
-            (what, value, textwrap.shorten(meaning, 76, placeholder=" ..."))
-            for what, value, meaning in self.answers[:6]
-        ]
-        return [self.title, *columns(first), self.verdict_line]
+        return [self.title, *columns(self.answers[:6]), self.verdict_line]
 
     @cached_property
     def rings(self) -> Rows:

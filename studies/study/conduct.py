@@ -5,7 +5,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ...meshes.errors import SceneError
+from ..calls import naming_arguments
 from ..figures.style import in_style
+from ..problem.explain import nearest
 from ..problem.scene import Scene, Source
 from .levels import Record
 from .listing import STUDIES
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     from skfem import Element, Mesh
 
 
+@naming_arguments
 def study(
     name: str,
     scene: Source | None = None,
@@ -70,7 +73,9 @@ def study(
     [1.0, 5.0, 9.0, 13.0]
     """
     if name not in STUDIES:
-        raise SceneError(f"there is no study {name!r}: give one of {', '.join(STUDIES)}")
+        near = nearest(str(name), STUDIES)
+        meant = f"did you mean {near}? Else " if near else ""
+        raise SceneError(f"there is no study {name!r}: {meant}give one of {', '.join(STUDIES)}")
     if quantities is not None and not isinstance(quantities, Mapping):
         quantities = {function.__name__: function for function in quantities}
     options = Options(
