@@ -13,6 +13,7 @@ ROOT = Path(__file__).parents[2]
 # the rooms from the ground up; what stands in one line may not import each other
 ROOMS = (
     {"meshes"},
+    {"ground"},
     {"mdr", "fem"},
     {"studies.registry", "studies.progress", "studies.versions"},
     {"studies.tables", "studies.problem"},
@@ -32,7 +33,7 @@ ROOMS = (
 )
 FILES = {
     file.relative_to(ROOT).with_suffix("").as_posix().replace("/", "."): file
-    for floor in ("meshes", "mdr", "fem", "studies")
+    for floor in ("meshes", "ground", "mdr", "fem", "studies")
     for file in sorted((ROOT / floor).rglob("*.py"))
     if file.name != "__init__.py"
 }
