@@ -262,7 +262,9 @@ def declaration(
             section = KINDS[part]
             continue
         names = {info.alias or name: info for name, info in section.model_fields.items()}
-        if part not in names:  # such as the number of a value in a list
+        if part.isdigit():  # one of a list of tables, or of values
+            continue
+        if part not in names:
             break
         field = names[part]
         # a table that may be left out has `None` beside its own type

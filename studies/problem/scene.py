@@ -148,6 +148,11 @@ class Scene(Section, metaclass=SceneType):
         if len(set(self.methods)) < len(self.methods):
             raise ValueError(f"methods = {self.methods} names a method twice")
         radii, punch = self.output.radii, self.punch
+        if punch.inner_radius and self.half_space.layers:
+            raise ValueError(
+                "punch.inner_radius does not go with half_space.layers, on which the start of a "
+                "hollow punch is not solved: leave out either"
+            )
         if radii is not None and radii[-1] > punch.radius:
             raise ValueError(
                 f"output.radii ends at {radii[-1]}, outside the punch of radius {punch.radius}"
@@ -389,7 +394,16 @@ def set_key(table: TomlTable, path: Sequence[str], value: object) -> None:
     """Set a key of nested dictionaries by its path; tables on the way are made."""
     *sections, key = path
     for section in sections:
-        table = table.setdefault(section, {})
+        if isinstance(table, list):
+            # one of a list of tables, by its number
+            if not section.isdigit() or int(section) >= len(table):
+                raise SceneError(
+                    f"{'.'.join(path)}: the scene has no such table; there are {len(table)}, "
+                    "numbered from 0 on"
+                )
+            table = table[int(section)]
+        else:
+            table = table.setdefault(section, {})
     table[key] = value
 
 

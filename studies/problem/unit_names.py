@@ -109,7 +109,8 @@ def _parts(annotation: object) -> Iterator[Unit | type[BaseModel]]:
 def kind_of(key: str, scene: type[BaseModel]) -> str:
     """Return the kind of unit that a key of a scene has, such as ``punch.radius``."""
     declared = Key(tables=(scene,))
-    for name in key.split("."):
+    # of a list of tables each has a number
+    for name in filter(lambda part: not part.isdigit(), key.split(".")):
         declared = keys_in(declared).get(name, Key())
     return declared.kind
 
@@ -225,8 +226,10 @@ def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> T
 
     def convert_all(values: Mapping[str, object], path: str, declared: Key) -> TomlTable:
         keys = keys_in(declared)
+        # one of a list of tables, by its number, is declared as the list is
         return {
-            name: convert(of, path + name, keys.get(name, Key())) for name, of in values.items()
+            name: convert(of, path + name, keys.get(name, declared if name.isdigit() else Key()))
+            for name, of in values.items()
         }
 
     def convert(value: object, path: str, declared: Key) -> object:

@@ -48,8 +48,11 @@ class Account:
             value, quantity = float(self.result.first(key)), (ANSWER | QUANTITIES)[key]
             if np.isfinite(value):
                 what = key.replace("_", " ").replace("rms", "RMS")
-                written = self.names.write(value, quantity.unit)
-                lines.append((what, written, quantity.definition))
+                written, meaning = self.names.write(value, quantity.unit), quantity.definition
+                if key == "indentation_start" and self.scene.half_space.layers:
+                    # F / (2 a E*) is that of a homogeneous half-space
+                    meaning = meaning.partition(";")[0]
+                lines.append((what, written, meaning))
         return lines
 
     @property
@@ -201,9 +204,13 @@ def beyond_the_model(scene: Scene) -> list[str]:
 def defaults_taken(scene: Scene) -> list[str]:
     """Tell which keys that bear on the numbers a scene leaves out."""
     lines = []
-    if "poisson_ratio" not in scene.half_space.model_fields_set:
+    if not (scene.half_space.rigid or "poisson_ratio" in scene.half_space.model_fields_set):
         taken = scene.half_space.poisson_ratio
         lines.append(f"half_space.poisson_ratio is not given: {taken} is taken")
+    for number, layer in enumerate(scene.half_space.layers):
+        if "poisson_ratio" not in layer.model_fields_set:
+            key = f"half_space.layers.{number}.poisson_ratio"
+            lines.append(f"{key} is not given: {layer.poisson_ratio} is taken")
     if "sliding_speed" not in scene.load_.model_fields_set:
         lines.append(
             f"load.sliding_speed is not given: {scene.load_.sliding_speed:g} is taken, so that "

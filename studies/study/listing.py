@@ -30,6 +30,7 @@ class ListedStudy:
     takes : names of the options that it knows besides `quick` (`studies/study/conduct.py`)
     of_any_punch : whether it takes any punch
     along_radius : whether it takes wear that varies along the radius
+    of_layers : whether it takes layered ground
     """
 
     module: str
@@ -39,6 +40,7 @@ class ListedStudy:
     takes: tuple[str, ...] = ()
     of_any_punch: bool = False
     along_radius: bool = False
+    of_layers: bool = False
 
     @property
     def conduct(self) -> "Callable[[Scene, Options, Record], Study]":
@@ -100,5 +102,6 @@ STUDIES: dict[str, ListedStudy] = {
         takes=("quantities", "methods"),
         of_any_punch=True,
         along_radius=True,
+        of_layers=True,
     ),
 }

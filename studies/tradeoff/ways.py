@@ -138,9 +138,9 @@ class Ways:
 
         Their nodes stick to the whole face, so they know no contact that opens and spreads.
         """
-        # of a given indentation there is no error
+        # of a given indentation there is no error, and they know no layers
         given = {"pressure", alone.load_regime.response} - {"normal_force"}
-        solvable = TOLERANCES[alone.contact].knows_others
+        solvable = TOLERANCES[alone.contact].knows_others and alone.ground is None
         if not solvable or not any(map(alone.wants, given)):
             return {}
         reference = self.references[other_theory(NAIVE)]
