@@ -40,7 +40,7 @@ def write_check(result: CheckedOutcome, directory: Path) -> None:
     }
     if curves:
         with in_style():
-            figure = draw_errors({"size": curves}, "error, relative to ours")
+            figure = draw_errors({"size": curves}, "error, relative to ours", result.scene.title)
             figure.savefig(directory / "refinement.png")
 
 

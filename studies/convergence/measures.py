@@ -22,6 +22,8 @@ from ..study.orders import FieldLevels
 
 FLAT_INDENTATION, FLAT_PRESSURE, STRESSES = "flat indentation", "flat pressure", "stresses"
 """Measures that no run has, by their names among results."""
+PRESSURE_PART = "d0 by the pressures alone"
+"""Column of the error that the pressures of a level make on the exact half-space."""
 
 
 class Measure(NamedTuple):

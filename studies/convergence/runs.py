@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...mdr import direct, ring_kernel
+from ...mdr import direct, energy, ring_kernel
 from ...mdr.flat_punch import flat_punch
 from ...meshes.compliance import Compliance
 from ...meshes.errors import RingwearError, SceneError
@@ -23,6 +23,7 @@ from ..methods.mdr import METHOD as MDR
 from ..methods.moving_evaluation import MovingContact
 from ..methods.pipeline import fitted_starts
 from ..methods.spaces import first_contact
+from ..numerics.core import flat_d0_error
 from ..outcome.outcome import Outcome
 from ..problem.problem import Problem
 from ..problem.quantities import FINEST
@@ -35,7 +36,15 @@ from ..study.options import Quantity
 from ..tables import Row
 from ..wear.flat_contact import FittedPress, press_flat
 from .axis_stresses import MOST_UNKNOWNS, by_boussinesq, by_elements
-from .measures import FLAT_INDENTATION, FLAT_PRESSURE, STRESSES, Measure, error, measures_of
+from .measures import (
+    FLAT_INDENTATION,
+    FLAT_PRESSURE,
+    PRESSURE_PART,
+    STRESSES,
+    Measure,
+    error,
+    measures_of,
+)
 from .theories import OWN_QUANTITY
 from .way import Way
 
@@ -174,6 +183,9 @@ class Studied:
         for measure in self.measures:
             if self._has(way, measure):
                 row[measure.name] = error(measure, values, self.exact, face)
+        if PRESSURE_PART in way.parts:
+            exact = energy.compliance(compliance.space)
+            row[PRESSURE_PART] = flat_d0_error(exact)
         if self.quantities:
             result = result_of(self.scene, way.method, evaluation, discretised, stages)
             for name, quantity in self.quantities.items():

@@ -27,7 +27,7 @@ from .axis_stresses import MOST_UNKNOWNS, QUICK_MOST_UNKNOWNS
 from .cell_ways import FINER, QUICK_FINER, ways_of_cells
 from .figures import LABELS, Curve, Panel, draw
 from .flat_start import flat_families
-from .measures import MeasuredLevels
+from .measures import PRESSURE_PART, MeasuredLevels
 from .own_ways import own_ways
 from .runs import STAGES, Studied
 from .scene_ways import ways_of_scene
@@ -35,6 +35,7 @@ from .way import Way
 
 FLAT_PUNCH = "flat punch of one ring"
 """The group of families that have no rings."""
+FIRST_COLUMNS = ("family", "setting", "size", "unknowns")
 OF_CELLS = (
     "The reference has cells half as large as the finest, so that orders between the last levels "
     "look high. Cells of the face are refined, and the elements below them only beside it: degrees "
@@ -79,7 +80,7 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
     own = chain.from_iterable((name, f"value of {name}") for name in options.quantities)
     theory = chain.from_iterable(each.family.theory for each in drawn)
     columns = dict.fromkeys(
-        ["family", "setting", "size", "unknowns", *measured, *own, *theory, *STAGES.values()]
+        [*FIRST_COLUMNS, *measured, PRESSURE_PART, *own, *theory, *STAGES.values()]
     )
     table = record.solve("convergence", [each.family for each in drawn], list(columns))
     curves = list(curves_of(studied, drawn, table, options.against))
@@ -89,7 +90,11 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
         scene,
         table,
         orders=pd.DataFrame(sequence.summary() for sequence in sequences),
-        conclusions=(*conclude(sequences, studied.problem), *record.conclusions),
+        conclusions=(
+            *conclude(sequences, studied.problem),
+            *say_of_parts(sequences, table),
+            *record.conclusions,
+        ),
         figures={name: draw(title, panels) for name, title, panels in figures(scene, curves)},
     )
 
@@ -228,6 +233,28 @@ def conclude(sequences: list[Sequence], problem: Problem) -> list[str]:
             f"{quantity}: the finest level of {best.name} errs by {best.errors[-1]:.1e}{others}."
         )
     return told
+
+
+def say_of_parts(sequences: list[Sequence], table: pd.DataFrame) -> Iterator[str]:
+    """Yield why d0 on uniform meshes is of another order than theory's: its parts cancel.
+
+    Pressures that are too smooth at the rim press in too deep, displacements that are too stiff
+    too little. Both parts are of the order of theory, but their sum changes more slowly while they
+    are alike.
+    """
+    for sequence in sequences:
+        rows = table[(table.family == sequence.name) & table[PRESSURE_PART].notna()]
+        if sequence.verdict != "no" or sequence.quantity != "d0" or len(rows) < 2:
+            continue
+        sizes, errors, by_pressures = rows[["size", "d0", PRESSURE_PART]].to_numpy(float).T
+        parts = []
+        for name, part in (("pressures", by_pressures), ("displacements", errors - by_pressures)):
+            order = Sequence(sequence.name, name, sequence.theory, sizes, part).last_order
+            parts.append(f"the {name} alone err by {part[-1]:+.1e} with the order {order:.2f}")
+        yield (
+            f"{sequence.name}, d0: the order differs, because its parts have opposite signs: on "
+            f"the finest level {' and '.join(parts)}, between the last two levels."
+        )
 
 
 def _say_of_index(sequences: list[Sequence]) -> Iterator[str]:

@@ -62,9 +62,9 @@ def _seconds_of_shaped(name: str, tolerance: float) -> float:
 TOLERANCES = {
     FULL_CONTACT: Tolerances(
         in_full=tuple(10.0**-digits for digits in range(1, 9)),
-        quick=tuple(10.0**-digits for digits in range(1, 5)),
+        quick=tuple(10.0**-digits for digits in range(1, 4)),
         reference=1e-9,
-        quick_reference=1e-7,
+        quick_reference=1e-6,
         seconds=_seconds_of_flat,
         knows_others=True,
     ),
