@@ -94,17 +94,19 @@ def compute_blocks(
         blocks are not yielded
     """
     if scheduler is None and memory is None:
-        left, seconds = dict(blocks), list[float]()
+        remaining, seconds = dict(blocks), list[float]()
         for number, block in blocks.items():
-            if workers > 1 and not (_fits_here(block) and _too_short(seconds, len(left), workers)):
+            if workers > 1 and not (
+                _fits_here(block) and _too_short(seconds, len(remaining), workers)
+            ):
                 break
             began = time.process_time()
-            values = compute_block(left.pop(number), blank)
+            values = compute_block(remaining.pop(number), blank)
             seconds.append(time.process_time() - began)
             if (values["code"] != stamp()).any():
                 raise SolverError(f"this process has loaded files that were edited; {RESUME}")
             yield number, values
-        blocks = left
+        blocks = remaining
     if not blocks:
         return
     workers = min(workers, len(blocks))
