@@ -93,6 +93,7 @@ def compute_blocks(
         if the scheduler is lost, has no workers, or has one with another ringwear or none, whose
         blocks are not yielded
     """
+    workers = min(workers, len(blocks))
     if scheduler is None and memory is None:
         remaining, seconds = dict(blocks), list[float]()
         for number, block in blocks.items():
