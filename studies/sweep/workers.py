@@ -93,18 +93,21 @@ def compute_blocks(
         if the scheduler is lost, has no workers, or has one with another ringwear or none, whose
         blocks are not yielded
     """
+    workers = min(workers, len(blocks))
     if scheduler is None and memory is None:
-        left, seconds = dict(blocks), list[float]()
+        remaining, seconds = dict(blocks), list[float]()
         for number, block in blocks.items():
-            if workers > 1 and not (_fits_here(block) and _too_short(seconds, len(left), workers)):
+            if workers > 1 and not (
+                _fits_here(block) and _too_short(seconds, len(remaining), workers)
+            ):
                 break
             began = time.process_time()
-            values = compute_block(left.pop(number), blank)
+            values = compute_block(remaining.pop(number), blank)
             seconds.append(time.process_time() - began)
             if (values["code"] != stamp()).any():
                 raise SolverError(f"this process has loaded files that were edited; {RESUME}")
             yield number, values
-        blocks = left
+        blocks = remaining
     if not blocks:
         return
     workers = min(workers, len(blocks))
