@@ -130,7 +130,10 @@ def predict_cost(method: Method, problem: Problem, probe: Problem) -> Cost:
     Else by a probe, which is the same problem at a coarse accuracy.
     """
     _solve(method, _small_problem(problem))  # libraries are loaded, and not timed
+    start = time.process_time()
     work = predict_work(method, problem, method.system_size(problem))
+    # where contact begins is located for that, and kept
+    locating = time.process_time() - start
     if work > LITTLE_WORK:
         seconds, solution = _solve(method, probe)
         seconds *= work / predict_work(method, probe, method.system_size(probe))
@@ -139,7 +142,7 @@ def predict_cost(method: Method, problem: Problem, probe: Problem) -> Cost:
             known = method.sizes_given(problem) or (problem.full_contact and ratio < FAR_BELOW)
             return Cost(seconds, known=known, notes=solution.notes)
     first, solution = _solve(method, problem)
-    return _with_refinement(method, problem, solution, first)
+    return _with_refinement(method, problem, solution, locating + first)
 
 
 def _small_problem(problem: Problem) -> Problem:
