@@ -14,7 +14,7 @@ from scipy.sparse.linalg import splu
 from skfem import Element, ElementQuadP, Mesh
 from skfem.assembly import Dofs
 
-from ..ground.ground import Ground
+from ..meshes.ground.ground import Ground
 from ..meshes.half_space import DEEP, LOWER, facet_ends, radial_ranks, segments
 from ..meshes.radial import Array, Indices
 from ..meshes.sizes import LOWEST

@@ -21,9 +21,9 @@ from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix, diags
 from scipy.sparse.linalg import splu
 from skfem import Mesh, MeshQuad
 
-from ..ground.line_energy import flat_series
 from ..meshes.compliance import Compliance
 from ..meshes.errors import SolverError
+from ..meshes.ground.line_energy import flat_series
 from ..meshes.half_space import (
     contact_facets,
     contact_vertices,

@@ -2,7 +2,7 @@
 
 An axisymmetric load is seen from afar as the sum of a few simple ones. On a homogeneous half-space
 those are poles at the origin (`far_field.py`), whose Hankel transforms grow with the wave number s.
-Here they are the pressures whose line densities (`ringwear.ground.line_energy`) are Legendre's
+Here they are the pressures whose line densities (`meshes.ground.line_energy`) are Legendre's
 ``P_2j(x)``, whose transforms do not grow. A line density q(x) has the transform ``int_0^1 q(x)
 cos(s x) dx``; so the field of a homogeneous half-space is an integral over point loads at imaginary
 depths ``i x``, in closed form, and what layers add is an integral over s that decays as ``exp(-s
@@ -14,8 +14,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import j0, j1
 
-from ..ground.ground import Ground, interfaces, loaded_waves, travel, wave_numbers, waves
-from ..ground.line_energy import even_legendre
+from ..meshes.ground.ground import Ground, interfaces, loaded_waves, travel, wave_numbers, waves
+from ..meshes.ground.line_energy import even_legendre
 from ..meshes.radial import Array, unit_gauss
 
 # a depth, over the wave length, at which nothing is left of a wave

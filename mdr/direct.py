@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from scipy.special import ellipe, ellipkm1, elliprd
 
-from ..ground.ground import Ground
+from ..meshes.ground.ground import Ground
 from ..meshes.radial import Array, cut_evenly, graded_breakpoints, ring_areas, unit_gauss
 from .layers import added_displacement, added_slope
 

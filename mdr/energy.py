@@ -1,15 +1,15 @@
 """The compliance by the MDR energy, ``int u p dA = (2/E*) int_0^a q^2 dx``: a Gram matrix.
 
-On layers the energy of a line density q is ``(2/E1*) <q, (I + K) q>`` (`ringwear.ground`). K is
+On layers the energy of a line density q is ``(2/E1*) <q, (I + K) q>`` (`meshes.ground`). K is
 nothing beyond some Legendre polynomials, so that the root of I + K changes the factor on these
 alone, and no matrix of the size of the pressures is factorised.
 """
 
 import numpy as np
 
-from ..ground.ground import Ground
-from ..ground.line_energy import even_legendre, flat_series, line_energy_modes
 from ..meshes.compliance import Compliance
+from ..meshes.ground.ground import Ground
+from ..meshes.ground.line_energy import even_legendre, flat_series, line_energy_modes
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array
 from .transforms import line_density, panel_quadrature

@@ -16,8 +16,8 @@ from numpy.polynomial.legendre import (
     legvander,
 )
 
-from ..ground.ground import Ground
-from ..ground.line_energy import flat_series, relative_stiffness
+from ..meshes.ground.ground import Ground
+from ..meshes.ground.line_energy import flat_series, relative_stiffness
 from ..meshes.radial import Array
 from .annulus import flat_annulus
 

@@ -18,10 +18,10 @@ import numpy as np
 from scipy.linalg import cholesky
 from scipy.special import ellipkm1
 
-from ..ground.ground import Ground
-from ..ground.line_energy import flat_series
 from ..meshes.compliance import Compliance
 from ..meshes.errors import SolverError
+from ..meshes.ground.ground import Ground
+from ..meshes.ground.line_energy import flat_series
 from ..meshes.pressure_space import PressureSpace, shapes
 from ..meshes.radial import Array, Indices, unit_gauss
 from .layers import added_by_layers

@@ -14,7 +14,7 @@ from pathlib import Path
 from . import STARTED
 
 # parts of the package whose files are hashed
-PACKAGES = ("meshes", "ground", "mdr", "fem", "studies")
+PACKAGES = ("meshes", "mdr", "fem", "studies")
 
 
 @cache

@@ -10,8 +10,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...ground.ground import Ground
 from ...mdr.flat_punch import flat_punch
+from ...meshes.ground.ground import Ground
 from ...meshes.radial import Array
 from ..problem.fields import TomlTable
 from ..problem.quantities import Units

@@ -20,11 +20,11 @@ from functools import lru_cache
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from ...ground.ground import Ground
 from ...mdr import energy
 from ...meshes.compliance import Compliance
 from ...meshes.contact_cells import fitted_space
 from ...meshes.errors import SolverError
+from ...meshes.ground.ground import Ground
 from ..problem.profile import InitialProfile
 from ..wear.flat_contact import FittedPress
 from ..wear.unilateral import Interval, Load

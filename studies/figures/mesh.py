@@ -10,7 +10,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from ...ground.ground import Ground
+from ...meshes.ground.ground import Ground
 from ...meshes.radial import Array
 from ..inside.interior import NEAR
 from ..outcome.outcome import Outcome

@@ -3,9 +3,9 @@
 The method uses no identity of the MDR.
 """
 
-from ...ground.ground import Ground
 from ...mdr import ring_kernel
 from ...meshes.compliance import Compliance
+from ...meshes.ground.ground import Ground
 from ...meshes.pressure_space import PressureSpace
 from .pipeline import AnySpaceMethod
 

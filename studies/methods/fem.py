@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from skfem import Mesh
 
     from ...fem.half_space import HalfSpace
-    from ...ground.ground import Ground
     from ...meshes.compliance import Compliance
+    from ...meshes.ground.ground import Ground
     from ...meshes.sizes import SizeField
 
 LOCKING = 0.49

@@ -1,8 +1,8 @@
 """The method of dimensionality reduction: its energy on a graded radial mesh."""
 
-from ...ground.ground import Ground
 from ...mdr import energy
 from ...meshes.compliance import Compliance
+from ...meshes.ground.ground import Ground
 from ...meshes.pressure_space import PressureSpace
 from .pipeline import AnySpaceMethod
 

@@ -16,10 +16,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...ground.ground import Ground
 from ...meshes.compliance import Compliance
 from ...meshes.contact_cells import fitted_space
 from ...meshes.errors import RingwearError, SolverError
+from ...meshes.ground.ground import Ground
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
 from ..contact.fitted_press import fit_presses

@@ -11,9 +11,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ...ground.ground import Ground
 from ...mdr.flat_punch import flat_punch, presses_everywhere
 from ...meshes.errors import SceneError
+from ...meshes.ground.ground import Ground
 from ...meshes.radial import (
     Array,
     Indices,

@@ -9,8 +9,8 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
-from ...ground.ground import Ground
 from ...meshes.errors import SceneError
+from ...meshes.ground.ground import Ground
 from .fields import (
     Increasing,
     OverTime,

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...ground.ground import relative_compliance
+from ...meshes.ground.ground import relative_compliance
 from ...meshes.radial import Array
 from ...meshes.sizes import convergence
 from ..problem.problem import Problem

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from ...ground.ground import Ground
+from ...meshes.ground.ground import Ground
 from ...meshes.pressure_space import PressureSpace
 from ..problem.problem import Problem
 from ..problem.sections import LAYERED

@@ -9,9 +9,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...ground.ground import Ground
 from ...mdr.energy import compliance
 from ...meshes.compliance import Compliance
+from ...meshes.ground.ground import Ground
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, graded_breakpoints
 from ..problem.problem import Problem, Rings

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ringwear import run
-from ringwear.ground.ground import Ground
-from ringwear.ground.line_energy import relative_stiffness
 from ringwear.mdr import energy, ring_kernel
+from ringwear.meshes.ground.ground import Ground
+from ringwear.meshes.ground.line_energy import relative_stiffness
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.studies.methods.base import method
 from ringwear.studies.problem.scene import Scene

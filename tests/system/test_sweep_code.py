@@ -29,7 +29,7 @@ import sys
 from importlib.util import spec_from_file_location
 from pathlib import Path
 FOLDERS = {"ringwear": "studies/api"}
-FOLDERS |= {f"ringwear.{name}": name for name in ("meshes", "ground", "mdr", "fem", "studies")}
+FOLDERS |= {f"ringwear.{name}": name for name in ("meshes", "mdr", "fem", "studies")}
 class Copy:
     @staticmethod
     def find_spec(name, path=None, target=None):
@@ -50,7 +50,7 @@ SWEEP = {
 
 def copy_package(folder):
     """A copy of ringwear, and the code that lets a process load it."""
-    for name in ("meshes", "ground", "mdr", "fem", "studies"):
+    for name in ("meshes", "mdr", "fem", "studies"):
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(ROOT / name, folder / name, ignore=ignored)
     return FINDER % str(folder)
