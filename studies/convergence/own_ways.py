@@ -20,6 +20,7 @@ from ..study.levels import Theory
 from ..study.options import Options
 from ..study.own_mesh import named_meshes, own_mesh
 from . import theories
+from .contact_kinds import KINDS
 from .scene_ways import (
     GRADED_LEVELS,
     QUAD_GRADED_LEVELS,
@@ -73,11 +74,8 @@ def ways_of_meshes(problem: Problem, options: Options) -> Iterator[Way]:
     SceneError
         if a mesh is none of the scene's half-space, or an element does not go with it
     """
-    if not problem.full_contact:
-        raise SceneError(
-            "study convergence takes meshes of your own for flat punches under a force that never "
-            "falls: cells of a face follow its contact; leave them out"
-        )
+    if refused := KINDS[problem.contact].refuses_elements:
+        raise SceneError(refused)
     meshes = {
         name: mesh_of_option(problem, each) for name, each in named_meshes(options.meshes).items()
     }
@@ -149,7 +147,7 @@ def way_of_steps(problem: Problem, steps: Sequence[float]) -> Way:
         return replace(problem, march="implicit", step=setting / problem.units.time)
 
     short = max(steps) / problem.units.time <= SHORT_STEP * problem.earliest
-    theory = partial(theories.of_steps, problem.full_contact, short)
+    theory = KINDS[problem.contact].theory_of_steps(short)
     sizes = {step: step for step in steps}
     name = "MDR, implicit march"
     return Way(

@@ -16,15 +16,16 @@ from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import SceneError
 from ..problem.problem import Problem
+from ..problem.regimes import MOVING_CONTACT
 from ..problem.scene import Scene
 from ..registry import METHODS
 from ..study.levels import SECONDS, Family, Record
 from ..study.options import Options
 from ..study.orders import WITHIN, Sequence
 from ..study.study import Study
-from . import theories
 from .axis_stresses import MOST_UNKNOWNS, QUICK_MOST_UNKNOWNS
 from .cell_ways import FINER, QUICK_FINER, ways_of_cells
+from .contact_kinds import KINDS
 from .figures import LABELS, Curve, Panel, draw
 from .flat_start import flat_families
 from .measures import PRESSURE_PART, MeasuredLevels
@@ -45,6 +46,8 @@ LEFT_OUT = (
     "Higher degrees of the pressure are left out, because its sign is asked for at nodes, and an "
     "edge within an element spoils them."
 )
+REMARKS = {MOVING_CONTACT: (OF_CELLS, LEFT_OUT)}
+"""What is told besides of some kinds of contact."""
 
 
 @dataclass(frozen=True)
@@ -117,13 +120,11 @@ def refuse_unknown_methods(options: Options) -> None:
 def families(studied: Studied, options: Options) -> Iterator[Drawn]:
     """Yield the families of the study, or those that the user has asked for in their place."""
     problem, quick = studied.problem, options.quick
+    kind = KINDS[problem.contact]
     ways: Iterable[Way]
     if options.meshes or options.elements or options.steps:
-        if options.elements and not problem.full_contact:
-            raise SceneError(
-                "study convergence takes elements of your own for flat punches under a force that "
-                "never falls: leave them out"
-            )
+        if options.elements and kind.refuses_elements:
+            raise SceneError(kind.refuses_elements)
         ways = own_ways(problem, options)
     elif problem.full_contact:
         for family in flat_families(problem, quick):
@@ -205,6 +206,7 @@ def how(curve: Curve) -> str:
 
 def conclude(sequences: list[Sequence], problem: Problem) -> list[str]:
     """Return what the orders say, a sentence each."""
+    kind = KINDS[problem.contact]
     judged = [sequence for sequence in sequences if sequence.verdict in ("yes", "no")]
     right = [sequence for sequence in judged if sequence.verdict == "yes"]
     told = [
@@ -212,10 +214,8 @@ def conclude(sequences: list[Sequence], problem: Problem) -> list[str]:
         "and between the last levels."
     ]
     if not judged:
-        reason = theories.MOVING_EDGES if not problem.full_contact else theories.OWN_MESH
-        told = [f"No order is judged. {reason}"]
-    if not problem.full_contact:
-        told += [OF_CELLS, LEFT_OUT]
+        told = [f"No order is judged. {kind.no_order}"]
+    told += REMARKS.get(problem.contact, ())
     told += [
         f"{sequence.name}, {sequence.quantity}: the observed order is {sequence.order:.2f}, and "
         f"{sequence.last_order:.2f} between the last levels, where theory has "
