@@ -142,7 +142,8 @@ def predict_cost(method: Method, problem: Problem, probe: Problem) -> Cost:
             known = method.sizes_given(problem) or (problem.full_contact and ratio < FAR_BELOW)
             return Cost(seconds, known=known, notes=solution.notes)
     first, solution = _solve(method, problem)
-    return _with_refinement(method, problem, solution, locating + first)
+    cost = _with_refinement(method, problem, solution, first)
+    return cost._replace(first=locating + first)
 
 
 def _small_problem(problem: Problem) -> Problem:
