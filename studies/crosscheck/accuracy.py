@@ -9,7 +9,6 @@ from dataclasses import replace
 from ...meshes.errors import RingwearError
 from ..methods.base import Method, Solution
 from ..problem.problem import Problem
-from ..problem.quantities import ENERGIES
 from ..progress import LOG, Stages
 from ..sizes.defaults import tolerance_range
 from .promise import BY_CELLS, allowed_error, unresolved
@@ -90,8 +89,7 @@ def error_of_sizes(problem: Problem, solution: Solution) -> float:
     names = [
         name
         for name in solution.errors
-        if name in BY_CELLS or not unresolved(problem, name, solutions)
+        if name not in solution.limited_by_degree
+        and (name in BY_CELLS or not unresolved(problem, name, solutions))
     ]
-    if problem.full_contact and solution.highest_degree:
-        names = [name for name in names if name in ENERGIES]
     return max(map(solution.greatest_error, names), default=0.0)

@@ -46,8 +46,8 @@ class Solution:
     answers : the numbers of the answer
     steady_part : the steady state of a shaped punch, which is solved by itself, if it has one
     remedy : what would make it more accurate, if that is not a smaller `rtol`
-    highest_degree : whether its elements have the highest degree that there is, so that fields
-        become no more accurate by a smaller `rtol`
+    limited_by_degree : quantities that become no more accurate by a smaller `rtol`, because its
+        elements have the highest degree that there is
     """
 
     results: Results
@@ -65,7 +65,7 @@ class Solution:
     answers: Results = field(default_factory=dict)
     steady_part: "Solution | None" = None
     remedy: str = ""
-    highest_degree: bool = False
+    limited_by_degree: frozenset[str] = frozenset()
 
     @property
     def error_estimate(self) -> float:
@@ -130,8 +130,9 @@ class Discretised:
         What the difference to the coarser one is multiplied by, of flat punches.
     smallest : float
         Least size of the elements that the method can have beside a ring edge, in punch radii.
-    highest_degree : bool
-        Whether its elements have the highest degree that there is.
+    limited_by_degree : frozenset of str
+        Quantities that become no more accurate by a smaller `rtol`, because its elements have the
+        highest degree that there is.
     """
 
     compliance: Compliance
@@ -143,7 +144,7 @@ class Discretised:
     fitted: tuple[CompliancesOn, CompliancesOn] | None = None
     safety: float = error_factor("flat punch")
     smallest: float = 0.0
-    highest_degree: bool = False
+    limited_by_degree: frozenset[str] = frozenset()
 
 
 class SystemSize(NamedTuple):

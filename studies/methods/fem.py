@@ -14,6 +14,7 @@ from ...fem.condensation import solver
 from ...meshes.errors import MeshError, SceneError
 from ...meshes.sizes import NARROWEST
 from ..problem.problem import Problem
+from ..problem.quantities import DESCRIBED, ENERGIES, IN_LAYERS
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..problem.sections import DEGREES, LAYERED
 from ..progress import Stages
@@ -300,10 +301,21 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
         # on triangles, whose degree is low, solutions of two sizes or degrees may miss the same
         safety=error_factor(_kind_of_difference(chosen)),
         smallest=_smallest(problem, chosen),
-        # fields follow the accuracy neither on triangles, whose degree is low, nor beyond the
-        # highest degree of quadrilaterals, where more layers bring roundoff
-        highest_degree=half_space.solid.degree >= DEGREES[chosen.mesher][-1],
+        limited_by_degree=_limited_by_degree(half_space.solid.degree, chosen.mesher),
     )
+
+
+def _limited_by_degree(degree: int, mesher: str) -> frozenset[str]:
+    """Return the quantities that elements of a degree know no better on a finer mesh.
+
+    These are fields, if the degree is the highest that there is. Layers of quadrilaterals become
+    thinner all the same, and with them the errors of what is felt in layers; energies converge by
+    the size of triangles, too.
+    """
+    if degree < DEGREES[mesher][-1]:
+        return frozenset()
+    followed = {*ENERGIES, *(IN_LAYERS if mesher == "quads" else ())}
+    return frozenset(DESCRIBED.keys() - followed)
 
 
 def _kind_of_difference(chosen: ChosenMesh) -> str:

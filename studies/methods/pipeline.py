@@ -349,7 +349,7 @@ def _solution(remedy: str, made: Discretised, fine: Evaluation, coarse: Evaluati
         smallest=made.smallest,
         answers=fine.answers,
         remedy=remedy,
-        highest_degree=made.highest_degree,
+        limited_by_degree=made.limited_by_degree,
     )
 
 
