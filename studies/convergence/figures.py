@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from ...meshes.radial import Array
-from ..figures.style import LINES, complete, new_panels, power_of_ten
+from ..figures.style import LINES, complete, new_panels
+from ..figures.ticks import power_of_ten
 from ..study.orders import Sequence
 
 if TYPE_CHECKING:

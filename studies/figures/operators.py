@@ -22,7 +22,7 @@ def draw_operators(result: Result) -> Figure:
         axes.axhline(pair.rings, linewidth=0.8, color=look["color"], linestyle="--", label=label)
     shortest = 2 * float(result.scene.problem.rings.widths.min())
     axes.axvline(shortest, color="0.4", linestyle=":", label="two of the narrowest rings")
-    set_logarithmic(axes, "x", "y")
+    set_logarithmic(axes, "x", "y", most=8)
     finest = min(pair.shortest_resolved for pair in result.operators) / radius
     left, unresolved = axes.get_xlim()[0], "waves finer than the elements"
     axes.axvspan(left, finest, color="0.88", linewidth=0, zorder=0, label=unresolved)

@@ -1,9 +1,9 @@
 """What a scene's figures are drawn in, and its quantities over the radius or over time.
 
-Numbers are those of the scene and of `results.nc`, in SI units with their prefixes if it has units.
+Numbers are those of the scene and of `results.nc`. Of a scene in SI units they have prefixes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,10 +11,20 @@ from matplotlib.axes import Axes
 
 from ...mdr.flat_punch import D0, P0
 from ...meshes.radial import Array, Indices
+from ..crosscheck.dataset import Result
 from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
-from .style import broken_at, method_curve, power_of_ten, set_logarithmic, shade_rings
+from .style import (
+    Look,
+    broken_at,
+    looks_of,
+    method_curve,
+    set_linear,
+    set_logarithmic,
+    shade_rings,
+)
+from .ticks import power_of_ten
 
 LABELS = {
     "radius": ("radius r", "length"),
@@ -34,8 +44,10 @@ LABELS = {
     "von_mises": ("von Mises stress σ", "pressure"),
 }
 """What is drawn: its name with its symbol, and its kind of unit."""
-# numbers without a unit that are drawn as they are
-SHORTEST, LONGEST = 1e-3, 1e5
+# numbers, in their unit, that are drawn as they are
+SHORTEST, LONGEST = 1e-2, 1e4
+# ratio from which on parts of the face that are further back than those that wear are cut off
+CUT_BEYOND = 3.0
 
 
 class Scale:
@@ -45,22 +57,25 @@ class Scale:
     ----------
     axes : dict of (float, str)
         By the kind of quantity: the unit that it is drawn in, in the units of the scene, and its
-        name.
+        name. It suits a scene's typical numbers, or what is drawn (`suit`).
+    looks : dict of Look
+        How the curve of each method is drawn.
     logarithmic : bool
         Whether times span so much that they are drawn from the first after the start.
     many_rings : bool
         Whether there are so many rings that panels are wide, and curves thin and without marks.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, looks: Mapping[str, Look] | None = None) -> None:
         self.names, self.problem = UnitNames.of(scene.units), scene.problem
+        self.looks = looks or looks_of(scene.methods)
         units, times = self.problem.units, [time for time in scene.wear.times if time] or [0.0]
         # a face is higher than it is pressed in, and units of volume are far apart
         highest = max(self.problem.profile(self.problem.radii).max(), 1.0)
         slid = max(self.problem.distances, default=0.0) or 1.0
         sizes = {
             "length": units.length,
-            "time": float(np.sqrt(times[0] * times[-1])),
+            "time": times[-1],
             "displacement": D0 * units.displacement,
             "height": D0 * units.displacement * highest,
             "pressure": P0 * units.pressure,
@@ -68,21 +83,40 @@ class Scale:
             "force": units.force,
             "volume": 100 * slid * units.volume,
         }
-        self.axes = {kind: self._unit(size, kind) for kind, size in sizes.items()}
+        self.axes = {kind: self.unit(size, kind) for kind, size in sizes.items()}
         self.logarithmic = times[-1] > 30 * times[0] and self.problem.load_regime.logarithmic_times
+        if self.logarithmic:
+            # ticks are powers of ten already
+            self.axes["time"] = self.names.readable(float(np.sqrt(times[0] * times[-1])), "time")
         self.many_rings = len(self.problem.wear_coefficients) > 24
 
-    def _unit(self, size: float, kind: str) -> tuple[float, str]:
+    @classmethod
+    def of(cls, result: Result) -> "Scale":
+        """Return the axes of a result, with a look for each of its methods."""
+        return cls(result.scene, looks_of(result.coordinates["solver"], result.of_others))
+
+    def suit(self, name: str, values: Any) -> None:
+        """Choose the unit of a quantity by the greatest of the values that are drawn of it."""
+        sizes = np.abs(values)[np.isfinite(values)]
+        if sizes.max(initial=0.0) > 0:
+            kind = LABELS[name][1]
+            self.axes[kind] = self.unit(float(sizes.max()), kind)
+
+    def look(self, method: str, points: int = 0) -> Look:
+        """Return how the curve of a method is drawn."""
+        return method_curve(method, points, self.looks[method])
+
+    def unit(self, size: float, kind: str) -> tuple[float, str]:
         """Return the unit that numbers of this size are drawn in, and its name.
 
-        Small or large numbers without a unit are drawn in a power of ten, so that numbers at an
-        axis stay short.
+        Numbers that are small or large in their unit are drawn in a power of ten of it, so that
+        numbers at an axis stay short.
         """
         unit, name = self.names.readable(size, "displacement" if kind == "height" else kind)
-        if name or not np.isfinite(size) or size <= 0 or SHORTEST <= size < LONGEST:
+        if not np.isfinite(size) or size <= 0 or SHORTEST <= size / unit < LONGEST:
             return unit, name
-        power = 10.0 ** np.floor(np.log10(size))
-        return float(power), power_of_ten(power)
+        power = float(10.0 ** np.floor(np.log10(size / unit)))
+        return power * unit, f"{power_of_ten(power)} {name}".rstrip()
 
     def shown(self, name: str, values: Any) -> Any:
         """Return values of a quantity, in the units of the scene, as they are drawn."""
@@ -102,8 +136,7 @@ class Scale:
             set_logarithmic(axes, "x")
             places, heights = places[places > 0], heights[places > 0]
         elif over == "time":
-            # without a factor beside the axis
-            axes.xaxis.set_major_formatter("{x:g}")
+            set_linear(axes, "x")
         if "pressure" in name:
             edges = self.problem.merged.ring_edges * self.problem.units.length
             places, heights = broken_at(edges, places, heights)
@@ -114,7 +147,7 @@ class Scale:
         """Draw a quantity over the radius by every method that gives it, and shade the rings."""
         for method, curve in values.items():
             given = ~np.isnan(curve)
-            look = method_curve(method, int(given.sum()))
+            look = self.look(method, int(given.sum()))
             if self.many_rings:
                 look |= {"marker": "", "linewidth": 0.5 * look["linewidth"]}
             self.plot(axes, name, "radius", radii[given], curve[given], **look)
@@ -123,6 +156,15 @@ class Scale:
     def when(self, time: float) -> str:
         """Return a time, for people."""
         return f"t = {self.names.write(time, 'time', 3)}"
+
+    @property
+    def steady_state(self) -> str:
+        """What the steady state is called: with its load where loads vary, that of their last."""
+        loading = self.problem.loading
+        if not np.ptp(loading.forces):
+            return "steady state"
+        last = float(loading.forces[-1]) * self.problem.units.force
+        return f"steady state at F = {self.names.write(last, 'force', 3)}"
 
 
 def least_wear(problem: Problem, profiles: Array) -> Any:
@@ -133,6 +175,18 @@ def least_wear(problem: Problem, profiles: Array) -> Any:
     """
     unworn = problem.profile(problem.radii) * problem.units.displacement
     return np.nanmin(profiles - unworn, axis=-1)
+
+
+def face_depth(heights: Array, unworn: Array, touching: Array) -> float:
+    """Return the height down to which a (R,) face is drawn, in the units of the heights.
+
+    It is the greatest height where the face touches or has worn. Where other parts are further
+    back, some of that is shown, unless it is so much that it would hide the wear.
+    """
+    used = touching | (heights - unworn > 0.1 * np.ptp(heights - unworn))
+    needed = float(np.nanmax(heights[used], initial=0.0))
+    deepest = float(np.nanmax(heights))
+    return needed if 0 < CUT_BEYOND * needed < deepest else deepest
 
 
 def high_pressure(pressure: Array) -> float:

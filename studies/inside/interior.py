@@ -60,6 +60,7 @@ class Interior:
     labels : of the states, `t=...` and `steady`
     degree : of the displacement
     reach : (states,) radius of the contact; 1 where nothing touches
+    parts : inner and outer radius (n, 2) of the parts of the contact in each state
     errors : of each field, by its name, in each state (states,): estimate of its greatest error
         further than `NEAR` from edges of contact and rings; of displacements over the indentation
         of a flat punch as wide as the contact, of stresses over the mean pressure
@@ -72,6 +73,7 @@ class Interior:
     labels: tuple[str, ...]
     degree: int
     reach: Array
+    parts: tuple[Array, ...]
     errors: dict[str, Array]
 
     @cached_property
@@ -198,10 +200,12 @@ def held_against(
     modelled = 2 * max(0.0, problem.poisson_ratio - solid.highest_ratio)
     factor = error_factor("inside of the half-space")
     middles, reaches = space.on_elements(np.zeros(1)), np.ones(len(labels))
+    parts = list[Array]()
     errors = {name: np.zeros(len(labels)) for name in ("displacement", "stress", "von_mises")}
     for state, pressure in enumerate(pressures[0]):
         carried = middles @ pressure > 0
         ends = space.breakpoints[np.diff(carried, prepend=False, append=False)]
+        parts.append(ends.reshape(-1, 2))
         edges = np.union1d(problem.merged.ring_edges, ends)[1:]
         reaches[state] = reach = float(ends.max(initial=0.0)) or 1.0
         force = float(space.weights @ pressure) or 1.0
@@ -212,7 +216,7 @@ def held_against(
         differences = moved * reach / (D0 * force), stress / mean, von_mises(stress) / mean
         for stated, difference in zip(errors.values(), differences, strict=True):
             stated[state] = factor * np.abs(difference).max() + modelled
-    return Interior(*fine, labels, solid.degree, reaches, errors)
+    return Interior(*fine, labels, solid.degree, reaches, tuple(parts), errors)
 
 
 def extended(inside: Interior, half_space: "HalfSpace", pressures: Array, depth: float) -> Interior:

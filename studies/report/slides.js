@@ -25,7 +25,7 @@
     const svg = document.getElementById(id);
     let top = 1;
     const upright = (value) => {
-      const part = Math.min(9, value / top);
+      const part = Math.max(-9, Math.min(9, value / top));
       return down ? box.top + part * (box.bottom - box.top) : box.bottom - part * (box.bottom - box.top);
     };
     data.shade.forEach((shade, ring) => {
@@ -59,13 +59,15 @@
         make(scaled, "line", { x1: box.left - 4, x2: box.left, y1: upright(tick), y2: upright(tick), stroke: "#1b1f24" });
         make(scaled, "text", { x: box.left - 7, y: upright(tick) + 4, "text-anchor": "end" }, tick);
       }
-      if (last > 0) ghost.setAttribute("d", line(beside));
+      if (last > 0) ghost.setAttribute("d", line(beside(state)));
       curve.setAttribute("d", line(values[state]));
     };
   };
   const deep = data.labels.map(() => 1.08 * data.deepest);
-  const drawProfile = plot("profile", data.profile, data.beside, deep, true, data.axes.profile);
-  const drawPressure = plot("pressure", data.pressure, data.pressure[last], data.highest, false, data.axes.pressure);
+  // the unworn face is above by what all of the face has worn off
+  const unworn = (state) => data.beside.map((height) => height - data.above[state]);
+  const drawProfile = plot("profile", data.profile, unworn, deep, true, data.axes.profile);
+  const drawPressure = plot("pressure", data.pressure, () => data.pressure[last], data.highest, false, data.axes.pressure);
 
   // the worn face as a surface of revolution, cut open: painted from the back to the front
   const canvas = document.getElementById("solid"), pen = canvas.getContext("2d");
@@ -84,7 +86,7 @@
     return `rgb(${mix(96, 224)},${mix(120, 208)},${mix(146, 170)})`;
   };
   const drawSolid = (state) => {
-    const height = (index) => -data.drawn * data.profile[state][index] / data.deepest;
+    const height = (index) => -data.drawn * Math.min(1, data.profile[state][index] / data.deepest);
     const sin = Math.sin(TILT), cos = Math.cos(TILT), size = canvas.width * 0.34;
     const place = (r, angle, z) => {
       const x = r / radius * Math.cos(angle + turn), y = r / radius * Math.sin(angle + turn);
