@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 
 from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
-from ..inside.interior import NEAR
+from ..inside.interior import NEAR, Interior
 from ..problem.scene import Scene
-from .scale import Scale
+from .scale import FAR_APART, Scale, panel_tops
 from .style import PAGE, RED, complete, new_panels, save, set_linear
 from .ticks import short_number
 
@@ -21,36 +21,43 @@ from .ticks import short_number
 def draw_stress(result: Result) -> Figure:
     """Draw the von Mises stress under the rings in up to four states in which the punch presses.
 
-    States have one scale, unless their stresses differ by orders of magnitude.
+    States have one scale of colours, and one of lengths, unless they differ by orders of magnitude.
     """
     fields, scale, problem = result.inside, Scale.of(result), result.scene.problem
     pressing = [number for number, parts in enumerate(fields.parts) if len(parts)]
     states = [pressing[at] for at in np.unique(np.linspace(0, len(pressing) - 1, 4).astype(int))]
     radius = scale.shown("radius", problem.units.length)
     r, z = fields.points * radius
-    depth = float(fields.reach[states].max()) * radius
-    beneath = (r < 1.3 * depth) & (z > 0.04 * depth) & (z < depth)
+    depths = panel_tops(fields.reach[states] * radius)
     stress = fields.von_mises[states] * problem.units.pressure
-    highest = stress[:, beneath].max(axis=1)
-    own_scales = highest.max() > 10 * highest.min()
-    scale.suit("von_mises", highest)
-    stress, highest = scale.shown("von_mises", stress), scale.shown("von_mises", highest)
-    shared = _levels(highest.min(), highest.max())
+    highest = np.array(
+        [
+            values[(r < 1.3 * depth) & (z > 0.04 * depth) & (z < depth)].max()
+            for values, depth in zip(stress, depths, strict=True)
+        ]
+    )
+    own_colours = highest.max() > FAR_APART * highest.min()
+    own_lengths = bool(np.ptp(depths))
     count = len(states)
-    # a scale beside each panel takes as much as its labels
-    width, beside = min(PAGE, 1.4 + 2.7 * count), 0.55 if own_scales else 0.0
-    height = 0.78 * (width - 1.6 - beside * (count - 1)) / count + 1.4
-    figure, panels = new_panels(width, height, columns=count)
+    # a bar of colours and its labels, and the labels of an axis, in inches
+    across = 0.25 + 0.62 * own_colours + 0.2 * own_lengths
+    bars = 0.62 * (count if own_colours else 1)
+    width = min(PAGE, 1.4 + 2.7 * count)
+    panel = (width - 0.7 - bars - across * (count - 1) + 0.62 * own_colours * (count - 1)) / count
+    figure, panels = new_panels(width, 0.83 * panel + 1.45, columns=count)
     filled = []
-    for axes, state, values, top in zip(panels[0], states, stress, highest, strict=True):
-        levels = _levels(top, top) if own_scales else shared
-        filled.append(
-            axes.tricontourf(
-                *(r, z, fields.triangles.T, np.maximum(values, 0.1 * levels[0]), levels),
-                norm=LogNorm(),
-                extend="both",
-            )
+    for axes, state, values, top, depth in zip(
+        panels[0], states, stress, highest, depths, strict=True
+    ):
+        unit, name = scale.unit(float(top if own_colours else highest.max()), "pressure")
+        levels = _levels(top / unit, top / unit)
+        if not own_colours:
+            levels = _levels(highest.min() / unit, highest.max() / unit)
+        shown = np.maximum(values / unit, 0.1 * levels[0])
+        image = axes.tricontourf(
+            *(r, z, fields.triangles.T, shown, levels), norm=LogNorm(), extend="both"
         )
+        filled.append((image, f"von Mises stress σ ({name})" if name else "von Mises stress σ"))
         _draw_punch(axes, depth, fields.parts[state] * radius, problem.ring_edges * radius)
         axes.set(xlim=(0, 1.3 * depth), ylim=(depth, -0.08 * depth), aspect="equal")
         axes.set(xlabel=scale.label("radius"), ylabel=scale.label("depth"))
@@ -62,26 +69,47 @@ def draw_stress(result: Result) -> Figure:
             when = scale.when(float(label.removeprefix("t=")))
         error = short_number(float(f"{100 * fields.errors['von_mises'][state]:.1g}"))
         axes.set_title(f"{when}\nerrors up to {error} % of pₘ")
-        axes.label_outer()
+        if own_lengths:
+            axes.set_ylabel(scale.label("depth") if axes is panels[0, 0] else "")
+        else:
+            axes.label_outer()
+    titles = result.scene.title, "von Mises stress under the rings"
+    complete(figure, titles, note=_note(fields, count), across=across, right=0.7)
+    # a bar for each panel, or one for all beside the last
+    for axes, (image, label) in zip(panels[0], filled, strict=True):
+        if own_colours or axes is panels[0, -1]:
+            _draw_bar(axes, image, label)
+    return figure
+
+
+def _note(fields: Interior, count: int) -> str:
+    """Say what errors are, what is red, and which states are not among the `count` drawn."""
+    pressing = sum(len(parts) > 0 for parts in fields.parts)
     note = (
         f"errors: estimates, over pₘ = F/(πc²), c the radius of the contact, beyond {NEAR:g} c "
         "of its edges and of ring edges\nred: parts of the punch that touch, and ring edges"
     )
-    if left := len(fields.labels) - len(pressing):
+    if left := len(fields.labels) - pressing:
         note += f"; nothing presses in {left} more of the states asked for"
-    if len(pressing) > count:
-        note += f"; {len(pressing) - count} more states are in half_space.vtu"
-    titles = result.scene.title, "von Mises stress under the rings"
-    complete(figure, titles, note=note, across=0.25)
-    groups = [[axes] for axes in panels[0]] if own_scales else [list(panels[0])]
-    for image, group in zip(filled, groups, strict=False):
-        # levels are ten to a decade: these are 1, 2 and 5 times a power of ten
-        ticks = [level for level in image.levels if round(10 * np.log10(level)) % 10 in (0, 3, 7)]
-        bar = figure.colorbar(image, ax=group, ticks=ticks, fraction=0.1, pad=0.02)
-        bar.ax.set_yticks(ticks, [short_number(float(f"{tick:.1g}")) for tick in ticks])
-        bar.minorticks_off()
-    bar.set_label(scale.label("von_mises"))
-    return figure
+    if pressing > count:
+        note += f"; {pressing - count} more states are in half_space.vtu"
+    return note
+
+
+def _draw_bar(axes: Axes, image: Any, label: str) -> None:
+    """Draw the bar of colours of a panel beside it, with ticks at 1, 2 and 5 and powers of ten."""
+    # levels are ten to a decade
+    ticks = [level for level in image.levels if round(10 * np.log10(level)) % 10 in (0, 3, 7)]
+    figure = axes.get_figure()
+    assert isinstance(figure, Figure)
+    axes.apply_aspect()
+    place = axes.get_position()
+    inch = 1 / figure.get_figwidth()
+    beside = figure.add_axes((place.x1 + 0.07 * inch, place.y0, 0.09 * inch, place.height))
+    bar = figure.colorbar(image, cax=beside, ticks=ticks)
+    bar.ax.set_yticks(ticks, [short_number(float(f"{tick:.1g}")) for tick in ticks])
+    bar.minorticks_off()
+    bar.set_label(label)
 
 
 def _levels(least: float, greatest: float) -> Array:

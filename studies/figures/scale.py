@@ -24,7 +24,7 @@ from .style import (
     set_logarithmic,
     shade_rings,
 )
-from .ticks import power_of_ten
+from .ticks import power_of_ten, short_number
 
 LABELS = {
     "radius": ("radius r", "length"),
@@ -46,6 +46,8 @@ LABELS = {
 """What is drawn: its name with its symbol, and its kind of unit."""
 # numbers, in their unit, that are drawn as they are
 SHORTEST, LONGEST = 1e-2, 1e4
+# ratio of heights from which on panels have scales of their own
+FAR_APART = 10.0
 # ratio from which on parts of the face that are further back than those that wear are cut off
 CUT_BEYOND = 3.0
 
@@ -157,6 +159,11 @@ class Scale:
         """Return a time, for people."""
         return f"t = {self.names.write(time, 'time', 3)}"
 
+    def height(self, value: float) -> str:
+        """Return a height of the face, for people."""
+        unit, name = self.names.readable(value, "displacement")
+        return f"{short_number(float(f'{value / unit:.2g}'))} {name}".rstrip()
+
     @property
     def steady_state(self) -> str:
         """What the steady state is called: with its load where loads vary, that of their last."""
@@ -177,16 +184,24 @@ def least_wear(problem: Problem, profiles: Array) -> Any:
     return np.nanmin(profiles - unworn, axis=-1)
 
 
-def face_depth(heights: Array, unworn: Array, touching: Array) -> float:
-    """Return the height down to which a (R,) face is drawn, in the units of the heights.
+def face_depths(heights: Array, unworn: Array, touching: Array) -> Array:
+    """Return the height down to which each of (S, R) faces is drawn, in the units of the heights.
 
-    It is the greatest height where the face touches or has worn. Where other parts are further
-    back, some of that is shown, unless it is so much that it would hide the wear.
+    It is the greatest height, unless parts of the face are so far behind those that touch or have
+    worn that they would hide the wear. Then it is the greatest height of the latter. A face that
+    has not worn is drawn as the others.
+
+    Parameters
+    ----------
+    unworn : (S, R) heights of the unworn face
+    touching : (S, R) whether the face touches
     """
-    used = touching | (heights - unworn > 0.1 * np.ptp(heights - unworn))
-    needed = float(np.nanmax(heights[used], initial=0.0))
-    deepest = float(np.nanmax(heights))
-    return needed if 0 < CUT_BEYOND * needed < deepest else deepest
+    worn = heights - unworn
+    used = touching | (worn > 0.1 * np.ptp(worn, axis=1, keepdims=True))
+    deepest = np.nanmax(heights, axis=1)
+    needed = np.nanmax(np.where(used, heights, 0.0), axis=1, initial=0.0)
+    needed[needed <= 1e-6 * deepest] = needed.max()
+    return np.where((needed > 0) & (CUT_BEYOND * needed < deepest), needed, deepest)
 
 
 def high_pressure(pressure: Array) -> float:
@@ -194,14 +209,14 @@ def high_pressure(pressure: Array) -> float:
     return float(np.quantile([0.0, *pressure[pressure > 0]], 0.9))
 
 
-def panel_tops(heights: Sequence[float]) -> Array:
+def panel_tops(heights: Sequence[float] | Array) -> Array:
     """Return the height that each panel is scaled to.
 
-    It is the greatest height for all panels, unless heights differ by more than a factor of ten;
-    then each panel is scaled to its own height.
+    It is the greatest height for all panels, unless heights differ by more than `FAR_APART`; then
+    each panel is scaled to its own height.
     """
     tops = np.where(np.array(heights) > 0, heights, max(heights) or 1.0)
-    return np.where(tops.max() > 10 * tops.min(), tops, tops.max())
+    return np.where(tops.max() > FAR_APART * tops.min(), tops, tops.max())
 
 
 def shown_times(times: Array, most: int) -> Indices:

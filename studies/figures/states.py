@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
-from .scale import Scale, face_depth, high_pressure, least_wear, panel_tops, shown_times
+from .scale import Scale, face_depths, high_pressure, least_wear, panel_tops, shown_times
 from .style import FAINT, PAGE, RED, complete, new_panels, rings_differ, set_linear
 
 
@@ -27,8 +27,8 @@ class State:
     worn : height by which all of the face has worn at least
     unworn : (R,) heights of the unworn face, less `worn`, like all profiles
     profiles, pressures : (R,) by method
+    touching : (R,) whether it touches, by any method
     reach : radius up to which it is drawn
-    depth, deepest : greatest height that is drawn, and greatest of all, up to that radius
     high : pressure that panels are scaled to
     """
 
@@ -37,9 +37,8 @@ class State:
     unworn: Array
     profiles: dict[str, Array]
     pressures: dict[str, Array]
+    touching: Array
     reach: float
-    depth: float
-    deepest: float
     high: float
 
     @classmethod
@@ -55,17 +54,14 @@ class State:
         touching = np.array([values > 0 for values in pressures.values()]).any(axis=0)
         length = problem.units.length
         reach = min(1.25 * radii[touching].max(initial=0.0), length) or length
-        near = radii <= reach
-        heights = np.fmax.reduce([*profiles.values()])[near]
         return cls(
             float(result.coordinates["time"][number]),
             worn,
             unworn,
             profiles,
             pressures,
+            touching,
             reach,
-            face_depth(heights, unworn[near], touching[near]),
-            float(np.nanmax(heights)),
             max(high_pressure(values) for values in pressures.values()),
         )
 
@@ -80,9 +76,19 @@ def draw_states(result: Result) -> Figure:
     chosen = shown_times(problem.times, 2 if scale.many_rings else 5)
     states = [State.of(result, number) for number in chosen]
     figure, panels = new_panels(PAGE, 4.0, 2, len(states))
-    depths, highs = (
-        panel_tops([getattr(state, name) for state in states]) for name in ("depth", "high")
+    # of a face of which only a part is drawn, heights beyond are those of its first radius
+    radii = result.coordinates["radius"]
+    near = np.array([radii <= state.reach for state in states])
+    heights, unworn, touching = (
+        np.where(near, values, np.array(values)[:, :1])
+        for values in (
+            [np.fmax.reduce(list(state.profiles.values())) for state in states],
+            [state.unworn for state in states],
+            [state.touching for state in states],
+        )
     )
+    deepest, depths = heights.max(axis=1), panel_tops(face_depths(heights, unworn, touching))
+    highs = panel_tops([state.high for state in states])
     scale.suit("profile", depths)
     scale.suit("pressure", highs)
     for state, depth, (upper, lower) in zip(states, depths, panels.T, strict=True):
@@ -90,7 +96,7 @@ def draw_states(result: Result) -> Figure:
         scale.plot_radial(lower, "pressure", result.coordinates["radius"], state.pressures)
         for axes in (upper, lower):
             axes.set_xlim(0, scale.shown("radius", state.reach))
-        less = f" − {scale.names.write(state.worn, 'displacement', 2)}" if state.worn else ""
+        less = f" − {scale.height(state.worn)}" if state.worn else ""
         upper.set_title(f"{scale.when(state.time)}\nΔf = f{less}")
         upper.xaxis.set_visible(False)
     for row, name, heights in zip(panels, ("profile", "pressure"), (depths, highs), strict=True):
@@ -103,7 +109,7 @@ def draw_states(result: Result) -> Figure:
                 axes.label_outer()
             if axes is not row[0]:
                 axes.set_ylabel("")
-    notes = _shaded(scale), *_hidden(states, depths, scale)
+    notes = _shaded(scale), *_hidden(states, depths, deepest, scale)
     titles = result.scene.title, "profiles and pressures"
     # labels of an axis of its own need place beside each panel
     across = 0.5 if np.ptp(depths) or np.ptp(highs) else 0.4
@@ -125,17 +131,16 @@ def _draw_profile(axes: Axes, result: Result, state: State, depth: float, scale:
     axes.fill_between(places, *faces, color=RED, alpha=0.15, linewidth=0, label="worn off")
 
 
-def _hidden(states: list[State], depths: Array, scale: Scale) -> list[str]:
+def _hidden(states: list[State], depths: Array, deepest: Array, scale: Scale) -> list[str]:
     """Say what is outside of the panels."""
     lines = []
     if any(state.unworn.max() < -0.06 * depth for state, depth in zip(states, depths, strict=True)):
         lines.append(
             "Where all of the face has worn by more than a panel shows, the unworn punch is above."
         )
-    cut = [state.deepest for state, depth in zip(states, depths, strict=True)]
-    if max(cut) > 1.08 * depths.max():
-        deepest = scale.names.write(max(cut), "displacement", 2)
-        lines.append(f"Panels are cut off below: the face goes back as far as Δf = {deepest}.")
+    if (cut := deepest > 1.1 * depths).any():
+        furthest = scale.height(float(deepest[cut].max()))
+        lines.append(f"Panels are cut off below: the face goes back as far as Δf = {furthest}.")
     return lines
 
 

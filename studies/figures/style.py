@@ -117,11 +117,12 @@ def complete(
     note: str = "",
     across: float = 0.6,
     down: float = 0.1,
+    right: float = 0.13,
 ) -> Figure:
     """Add a title in plain text above, one legend of some axes and a note below; return the figure.
 
     Every label is shown once. A scene may have no title. Panels are as far apart across and down,
-    in inches, as what is written there needs.
+    and from the right end, in inches, as what is written there needs.
     """
     width, height = figure.get_size_inches()
     title = textwrap.shorten(": ".join(filter(None, titles)), int(16 * width), placeholder=" ...")
@@ -131,7 +132,7 @@ def complete(
     # lines of text are an eighth of an inch; ticks and labels take half an inch left of panels, and
     # a third below them
     top = 0.31 + 0.125 * len(figure.axes[0].get_title().splitlines())
-    left, right, bottom = 0.56, 0.13, 0.36 + legend_of(figure, axes, note)
+    left, bottom = 0.56, 0.36 + legend_of(figure, axes, note)
     panel_width = (width - left - right - (columns - 1) * across) / columns
     panel_height = (height - top - bottom - (rows - 1) * down) / rows
     figure.subplots_adjust(
@@ -197,7 +198,7 @@ def set_logarithmic(axes: Axes, *directions: str, most: int = 5) -> None:
         axis.set_minor_locator(NullLocator())
 
 
-def set_linear(axes: Axes, direction: str, most: int = 5) -> None:
+def set_linear(axes: Axes, direction: str, most: int = 6) -> None:
     """Give a linear axis up to `most` intervals between ticks, with labels of up to three digits.
 
     Nothing is written beside the axis: an offset such as ``1e-5+6.2475e1`` is easily overlooked.

@@ -64,7 +64,8 @@ def round_ticks(low: float, high: float, most: int) -> Array:
     step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= rough * (1 - 1e-9))
     step = max(step, smallest_step(low, high))
     first, last = np.ceil(low / step - 1e-6), np.floor(high / step + 1e-6)
-    return np.asarray(np.arange(first, last + 1) * step)
+    # 0, not -0
+    return np.asarray(np.arange(first, last + 1) * step + 0.0)
 
 
 def smallest_step(low: float, high: float) -> float:
@@ -85,7 +86,7 @@ def decades(low: float, high: float, most: int) -> Array:
 
 def short_number(value: float) -> str:
     """Return a number of up to three digits as text: 0.25, 12000, 2·10⁻⁵."""
-    rounded = float(f"{value:.{DIGITS}g}")
+    rounded = float(f"{value:.{DIGITS}g}") + 0.0
     if not rounded or SMALLEST <= abs(rounded) < LARGEST:
         return f"{rounded:g}".replace("-", "−")
     mantissa, _, exponent = f"{rounded:e}".partition("e")

@@ -11,7 +11,7 @@ from ...meshes.radial import Array, ring_of
 from ..crosscheck.dataset import Result
 from ..figures.scale import (
     Scale,
-    face_depth,
+    face_depths,
     high_pressure,
     least_wear,
     panel_tops,
@@ -45,16 +45,12 @@ def slides(result: Result) -> dict[str, Any] | None:
     worn = least_wear(problem, profiles)
     heights = profiles - worn[:, None]
     unworn = problem.profile(problem.radii) * problem.units.displacement
-    touching = pressures > 0
     tops = panel_tops([high_pressure(pressure) for pressure in pressures])
     # so that a page of hundreds of rings stays small
     some = slice(None, None, 1 + len(radii) // 1100)
     # parts of the face that are further back than those that wear are cut off
-    depths = [
-        face_depth(height, unworn - least, touches)
-        for height, least, touches in zip(heights, worn, touching, strict=True)
-    ]
-    deepest = max(depths) or 1.0
+    depths = face_depths(heights, unworn - worn[:, None], pressures > 0)
+    deepest = float(depths.max()) or 1.0
     # part of the radius that the greatest difference of heights is drawn as, in 3-D
     drawn, edges = 0.3, problem.ring_edges * result.scene.punch.radius
     order = np.log(problem.wear_coefficients) * rings_differ(problem.wear_coefficients)
