@@ -153,6 +153,8 @@ def _draw_map(
     cells = np.linspace(inner, outer, CELLS + 1)
     image = _greatest_in_cells(field.relative, radii, cells)
     rows = cell_edges(heights)
+    if not ticks:
+        rows = rows.clip(heights[0], heights[-1])
     shown = np.ma.masked_invalid(np.maximum(image, limits[0]))
     drawn = axes.pcolormesh(cells, rows, shown, norm=LogNorm(*limits), cmap="magma_r")
     if contact_edges.shape[1] and len(contact_edges) == len(heights):

@@ -22,21 +22,28 @@ def draw_stress(result: Result) -> Figure:
     """Draw the von Mises stress under the rings in up to four states in which the punch presses.
 
     States have one scale of colours, and one of lengths, unless they differ by orders of magnitude.
+    Then there are up to three.
     """
     fields, scale, problem = result.inside, Scale.of(result), result.scene.problem
     pressing = [number for number, parts in enumerate(fields.parts) if len(parts)]
-    states = [pressing[at] for at in np.unique(np.linspace(0, len(pressing) - 1, 4).astype(int))]
     radius = scale.shown("radius", problem.units.length)
     r, z = fields.points * radius
-    depths = panel_tops(fields.reach[states] * radius)
-    stress = fields.von_mises[states] * problem.units.pressure
-    highest = np.array(
-        [
-            values[(r < 1.3 * depth) & (z > 0.04 * depth) & (z < depth)].max()
-            for values, depth in zip(stress, depths, strict=True)
+    for most in (4, 3):
+        states = [
+            pressing[at]
+            for at in np.linspace(0, len(pressing) - 1, min(most, len(pressing))).astype(int)
         ]
-    )
-    own_colours = highest.max() > FAR_APART * highest.min()
+        depths = panel_tops(fields.reach[states] * radius)
+        stress = fields.von_mises[states] * problem.units.pressure
+        highest = np.array(
+            [
+                values[(r < 1.3 * depth) & (z > 0.04 * depth) & (z < depth)].max()
+                for values, depth in zip(stress, depths, strict=True)
+            ]
+        )
+        own_colours = highest.max() > FAR_APART * highest.min()
+        if not own_colours:
+            break
     own_lengths = bool(np.ptp(depths))
     count = len(states)
     # a bar of colours and its labels, and the labels of an axis, in inches
@@ -57,7 +64,8 @@ def draw_stress(result: Result) -> Figure:
         image = axes.tricontourf(
             *(r, z, fields.triangles.T, shown, levels), norm=LogNorm(), extend="both"
         )
-        filled.append((image, f"von Mises stress σ ({name})" if name else "von Mises stress σ"))
+        symbol = "σ" if own_colours else "von Mises stress σ"
+        filled.append((image, f"{symbol} ({name})" if name else symbol))
         _draw_punch(axes, depth, fields.parts[state] * radius, problem.ring_edges * radius)
         axes.set(xlim=(0, 1.3 * depth), ylim=(depth, -0.08 * depth), aspect="equal")
         axes.set(xlabel=scale.label("radius"), ylabel=scale.label("depth"))
@@ -90,9 +98,9 @@ def _note(fields: Interior, count: int) -> str:
         "of its edges and of ring edges\nred: parts of the punch that touch, and ring edges"
     )
     if left := len(fields.labels) - pressing:
-        note += f"; nothing presses in {left} more of the states asked for"
+        note += f"; states in which nothing presses, not drawn: {left}"
     if pressing > count:
-        note += f"; {pressing - count} more states are in half_space.vtu"
+        note += f"; more states in half_space.vtu: {pressing - count}"
     return note
 
 

@@ -4,19 +4,19 @@ Numbers are those of the scene and of `results.nc`. Of a scene in SI units they 
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from ...mdr.flat_punch import D0, P0
 from ...meshes.radial import Array, Indices
-from ..crosscheck.dataset import Result
 from ..problem.problem import Problem
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
 from .style import (
     Look,
+    axis_start,
     broken_at,
     looks_of,
     method_curve,
@@ -50,6 +50,19 @@ SHORTEST, LONGEST = 1e-2, 1e4
 FAR_APART = 10.0
 # ratio from which on parts of the face that are further back than those that wear are cut off
 CUT_BEYOND = 3.0
+
+
+class Drawn(Protocol):
+    """A result, as far as its figures need it: a scene, methods, and other programs among them."""
+
+    @property
+    def scene(self) -> Scene: ...
+
+    @property
+    def coordinates(self) -> dict[str, Array]: ...
+
+    @property
+    def of_others(self) -> tuple[str, ...]: ...
 
 
 class Scale:
@@ -93,7 +106,7 @@ class Scale:
         self.many_rings = len(self.problem.wear_coefficients) > 24
 
     @classmethod
-    def of(cls, result: Result) -> "Scale":
+    def of(cls, result: Drawn) -> "Scale":
         """Return the axes of a result, with a look for each of its methods."""
         return cls(result.scene, looks_of(result.coordinates["solver"], result.of_others))
 
@@ -154,6 +167,11 @@ class Scale:
                 look |= {"marker": "", "linewidth": 0.5 * look["linewidth"]}
             self.plot(axes, name, "radius", radii[given], curve[given], **look)
         shade_rings(axes, *self.problem.rings, self.shown("radius", self.problem.units.length))
+
+    def first_radius(self, last: float) -> float:
+        """Return where the axis of the radius begins that ends at a radius of the scene."""
+        hole = float(self.problem.ring_edges[0]) * self.problem.units.length
+        return float(self.shown("radius", axis_start(hole, last)))
 
     def when(self, time: float) -> str:
         """Return a time, for people."""

@@ -95,7 +95,7 @@ def draw_states(result: Result) -> Figure:
         _draw_profile(upper, result, state, float(depth), scale)
         scale.plot_radial(lower, "pressure", result.coordinates["radius"], state.pressures)
         for axes in (upper, lower):
-            axes.set_xlim(0, scale.shown("radius", state.reach))
+            axes.set_xlim(scale.first_radius(state.reach), scale.shown("radius", state.reach))
         less = f" − {scale.height(state.worn)}" if state.worn else ""
         upper.set_title(f"{scale.when(state.time)}\nΔf = f{less}")
         upper.xaxis.set_visible(False)

@@ -274,14 +274,19 @@ def shade_rings(
 ) -> None:
     """Draw grey bands over the rings that wear fastest, if they wear visibly faster.
 
-    The axis of the radius is set to run from 0 to the punch radius.
+    The axis of the radius is set to run to the punch radius, from 0 unless the hole is wide.
     """
     if rings_differ(wear_coefficients):
         fast = wear_coefficients > np.sqrt(wear_coefficients.min() * wear_coefficients.max())
         for inner, outer in zip(ring_edges[:-1][fast], ring_edges[1:][fast], strict=True):
             axes.axvspan(inner * radius, outer * radius, color="0.9", linewidth=0, zorder=0)
-    axes.set_xlim(0, radius)
+    axes.set_xlim(axis_start(float(ring_edges[0]) * radius, radius), radius)
     set_linear(axes, "x", most=3)
+
+
+def axis_start(hole: float, last: float) -> float:
+    """Return where an axis of the radius begins: a little within a hole that takes half of it."""
+    return hole - 0.05 * (last - hole) if last / 2 < hole < last else 0.0
 
 
 def broken_at(ring_edges: Array, radii: Array, values: Array) -> tuple[Array, Array]:

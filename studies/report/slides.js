@@ -3,7 +3,7 @@
   const data = JSON.parse(document.getElementById("slides").textContent);
   const last = data.labels.length - 1, radius = data.edges[data.edges.length - 1];
   const slider = document.getElementById("state"), play = document.getElementById("play");
-  const box = { left: 52, right: 448, top: 10, bottom: 218 };
+  const box = { left: 66, right: 448, top: 10, bottom: 218 };
 
   const make = (parent, name, attributes, text) => {
     const node = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -12,12 +12,15 @@
     parent.appendChild(node);
     return node;
   };
-  const ticks = (top) => {
-    const raw = top / 4, power = 10 ** Math.floor(Math.log10(raw));
+  const ticks = (top, bottom = 0) => {
+    const raw = (top - bottom) / 4, power = 10 ** Math.floor(Math.log10(raw));
     const step = [1, 2, 5, 10].find((one) => one * power >= raw) * power;
-    return Array.from({ length: Math.floor(top / step + 1e-9) + 1 }, (_, index) => +(index * step).toPrecision(6));
+    const first = Math.ceil(bottom / step - 1e-9), count = Math.floor(top / step + 1e-9) - first + 1;
+    return Array.from({ length: count }, (_, index) => +((first + index) * step).toPrecision(3));
   };
-  const across = (r) => box.left + (r / radius) * (box.right - box.left);
+  // a wide hole is not shown
+  const hole = data.edges[0] > radius / 2 ? data.edges[0] : 0;
+  const across = (r) => box.left + ((r - hole) / (radius - hole)) * (box.right - box.left);
   const rings = data.ring;
 
   // axes once; heights, the curve and what it is seen against again for each state
@@ -32,7 +35,7 @@
       const x = across(data.edges[ring]), width = across(data.edges[ring + 1]) - x;
       if (shade > 0.5) make(svg, "rect", { x, width, y: box.top, height: box.bottom - box.top, fill: "#e8e8e8" });
     });
-    for (const tick of ticks(radius)) {
+    for (const tick of ticks(radius, hole)) {
       make(svg, "line", { x1: across(tick), x2: across(tick), y1: box.bottom, y2: box.bottom + 4, stroke: "#1b1f24" });
       make(svg, "text", { x: across(tick), y: box.bottom + 17, "text-anchor": "middle" }, tick);
     }
