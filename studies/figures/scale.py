@@ -56,13 +56,19 @@ class Drawn(Protocol):
     """A result, as far as its figures need it: a scene, methods, and other programs among them."""
 
     @property
-    def scene(self) -> Scene: ...
+    def scene(self) -> Scene:
+        """What was asked for."""
+        ...
 
     @property
-    def coordinates(self) -> dict[str, Array]: ...
+    def coordinates(self) -> dict[str, Array]:
+        """Names of methods, times and radii, by their names in the table."""
+        ...
 
     @property
-    def of_others(self) -> tuple[str, ...]: ...
+    def of_others(self) -> tuple[str, ...]:
+        """Names of other programs."""
+        ...
 
 
 class Scale:

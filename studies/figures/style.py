@@ -216,7 +216,9 @@ def show_values(axes: Axes) -> None:
     """
     low, high = axes.get_ylim()
     largest = max(abs(low), abs(high))
-    least = max(LEAST_SPAN * largest, 2 * smallest_step(low, high))
+    # as the axis will end
+    largest *= 1 + LEAST_SPAN
+    least = max(LEAST_SPAN * largest, 2 * smallest_step(0.0, largest))
     if abs(high - low) < least:
         middle, half = (low + high) / 2, np.copysign(least / 2, high - low)
         axes.set_ylim(middle - half, middle + half)

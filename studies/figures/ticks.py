@@ -56,14 +56,20 @@ class Decades(Locator):
 
 
 def round_ticks(low: float, high: float, most: int) -> Array:
-    """Return ticks from `low` to `high` that differ in their first three digits."""
+    """Return ticks from `low` to `high` that differ in their first three digits.
+
+    There are up to `most` intervals between them, or more if there were less than two ticks.
+    """
     if not high > low:
         return np.array([low])
     rough = (high - low) / most
     power = 10.0 ** np.floor(np.log10(rough))
     step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= rough * (1 - 1e-9))
-    step = max(step, smallest_step(low, high))
+    smallest = smallest_step(low, high)
+    step = max(step, smallest)
     first, last = np.ceil(low / step - 1e-6), np.floor(high / step + 1e-6)
+    if last <= first and step > smallest:
+        return round_ticks(low, high, most + 1)
     # 0, not -0
     return np.asarray(np.arange(first, last + 1) * step + 0.0)
 

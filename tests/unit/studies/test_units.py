@@ -115,7 +115,7 @@ def test_units_that_are_not_consistent_are_refused(units):
         ("mm, N, MPa, s", 2.5e-5, "displacement", "2.5e-05 mm"),
         ("mm, N, MPa, s", 5000.0, "volume", "5000 mm³"),
         ("mm, N, MPa, s", 1e-8, "wear_rate", "3.6e-05 mm/h"),
-        ("mm, N, MPa, s", 0.5, "wear_rate", "0.5 mm/s"),
+        ("mm, N, MPa, s", 2.0, "wear_rate", "2 mm/s"),
         ("mm, N, MPa, s", 7200.0, "time", "2 h"),
         ("mm, N, MPa, s", 0.005, "time", "0.005 s"),
         ("um, uN, MPa, s", 3.927e8, "volume", "3.927e+08 um³"),
