@@ -34,7 +34,7 @@ LABELS = {
     "pressure": ("pressure p", "pressure"),
     "steady_profile": ("limiting profile fₛₜₐₜ", "height"),
     "steady_pressure": ("steady pressure p", "pressure"),
-    "displacement_max": ("greatest displacement uₘₐₓ", "displacement"),
+    "displacement_max": ("displacement uₘₐₓ", "displacement"),
     "indentation": ("indentation d", "displacement"),
     "rms_slope": ("RMS slope s", "slope"),
     "contact_edge": ("contact (shaded), its edges r", "length"),

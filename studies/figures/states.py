@@ -155,7 +155,7 @@ def draw_steady(result: Result) -> Figure:
         set_linear(axes, "x")
         set_linear(axes, "y")
     panels[0, 0].invert_yaxis()
-    panels[0, 1].set_ylim(bottom=0)
+    panels[0, 1].set_ylim(0, 1.08 * panels[0, 1].dataLim.y1)
     titles = result.scene.title, scale.steady_state
     return complete(figure, titles, panels[0, :1], _shaded(scale))
 

@@ -209,9 +209,26 @@ class UnitNames:
         unit, name = self.readable(value, kind)
         # 190, not 1.9e+02
         number = float(f"{value / unit:.{digits}g}")
-        if number == 1 and kind == "time":
-            name = SINGULAR.get(name, name)
+        if kind == "time":
+            number, name = self._rounder_time(value, number, name, digits)
         return f"{number:g} {name}".rstrip()
+
+    def _rounder_time(
+        self, value: float, number: float, name: str, digits: int
+    ) -> tuple[float, str]:
+        """Return a time in the next smaller unit if it has fewer digits there: 30 h, not 1.25 days.
+
+        So times of a scene that speaks of hours are in hours.
+        """
+        choices = list(self._choices("time").items())
+        at = [choice for choice, _ in choices].index(name) if name in dict(choices) else 0
+        if at:
+            smaller, its_size = choices[at - 1]
+            in_smaller = float(f"{value * self.size('time') / its_size:.{digits}g}")
+            exact = abs(in_smaller * its_size / self.size("time") / value - 1) < 1e-9
+            if exact and in_smaller <= 1000 and _digits(in_smaller) < _digits(number):
+                return in_smaller, smaller
+        return number, SINGULAR.get(name, name) if number == 1 else name
 
 
 def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> TomlTable:
@@ -268,6 +285,11 @@ def _number(quantity: str, key: str, kind: str, names: UnitNames) -> float:
             f"{kind.replace('_', ' ')}, such as {', '.join(list(SI[kind])[-3:])}, or a number alone"
         ) from None
     return float(value) / names.size(kind)
+
+
+def _digits(number: float) -> int:
+    """Return how many significant digits a number has."""
+    return len(f"{number:.15g}".replace(".", "").strip("0"))
 
 
 def size_of_unit(unit: str, kind: str, place: str) -> float:
