@@ -222,7 +222,7 @@ class UnitNames:
         """
         choices = list(self._choices("time").items())
         at = [choice for choice, _ in choices].index(name) if name in dict(choices) else 0
-        if at:
+        if at and value:
             smaller, its_size = choices[at - 1]
             in_smaller = float(f"{value * self.size('time') / its_size:.{digits}g}")
             exact = abs(in_smaller * its_size / self.size("time") / value - 1) < 1e-9

@@ -155,6 +155,7 @@ def test_a_scene_without_units_takes_no_quantities():
         (np.inf, "pressure", "infinite"),
         (np.nan, "time", "not computed"),
         (0.0, "length", "0 m"),
+        (0.0, "time", "0 s"),
         (1e-20, "length", "1e-20 m"),
     ],
 )
