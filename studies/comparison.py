@@ -128,7 +128,7 @@ class Comparison:
     @cached_property
     def figures(self) -> "Mapping[str, Figure]":
         """Figures by name: `comparison`, and `difference` where there are fields of both."""
-        from .figures.comparison import draw_comparison, titles
+        from .figures.comparison import COMPARED_LOOKS, draw_comparison, titles
         from .figures.difference import draw_difference
         from .figures.scale import Scale
         from .figures.style import in_style
@@ -137,7 +137,9 @@ class Comparison:
             drawn = {"comparison": draw_comparison(self.a, self.b)}
             if self.fields is not None:
                 title = ": ".join(titles(self.a, self.b))
-                drawn["difference"] = draw_difference(Scale(self.a.scene), title, (self.fields,))
+                drawn["difference"] = draw_difference(
+                    Scale(self.a.scene, COMPARED_LOOKS), title, (self.fields,)
+                )
         return drawn
 
     def plot(self, kind: str = "comparison") -> "Figure":

@@ -44,6 +44,11 @@ class CheckedOutcome(Outcome):
         )
 
     @property
+    def of_others(self) -> tuple[str, ...]:
+        """Names of the programs whose results are checked."""
+        return self.given
+
+    @property
     def passes(self) -> bool:
         """Whether theirs is within what is allowed, by methods of ours that do not disagree."""
         judged = all(row.within for row in self.verdicts if row.solver in self.judged)

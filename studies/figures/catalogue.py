@@ -61,9 +61,9 @@ PICTURES = (
     ),
     Picture(
         "stress.png",
-        "Von Mises stress in the half-space.",
+        "Von Mises stress in the half-space, where the punch presses on it.",
         draw_stress,
-        lambda result: result.has_inside,
+        lambda result: result.has_inside and any(map(len, result.inside.parts)),
     ),
     Picture(
         "mesh.png",

@@ -1,11 +1,14 @@
 """Two results drawn together: steady profiles and pressures, displacement and slope over time."""
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from ...meshes.errors import SceneError
 from ..outcome.outcome import Outcome
 from .scale import Scale
-from .style import PAGE, complete, curve, new_panels, show_values
+from .style import PAGE, complete, curve, new_panels, set_linear, show_values
+
+COMPARED_LOOKS = {name: curve(number) for number, name in enumerate("AB")}
 
 
 def draw_comparison(a: Outcome, b: Outcome) -> Figure:
@@ -16,12 +19,13 @@ def draw_comparison(a: Outcome, b: Outcome) -> Figure:
     SceneError
         if there is nothing to draw
     """
-    scale, other = Scale(a.scene), Scale(b.scene)
+    scale, other = Scale.of(a), Scale.of(b)
     other.axes, other.logarithmic = scale.axes, scale.logarithmic
     figure, panels = new_panels(PAGE, 4.6, 2, 2)
     names = ("steady_profile", "steady_pressure", "displacement_max", "rms_slope")
     for name, axes in zip(names, panels.flat, strict=True):
         over, marks = ("radius", {"marker": ""}) if "steady" in name else ("time", {})
+        scale.suit(name, np.hstack([side.first(name).ravel() for side in (a, b)]))
         for number, (drawn, result) in enumerate(((scale, a), (other, b))):
             if result.by_method(name):
                 look = curve(number) | marks | {"label": "AB"[number]}
@@ -30,6 +34,9 @@ def draw_comparison(a: Outcome, b: Outcome) -> Figure:
             figure.delaxes(axes)
         elif over == "time":
             show_values(axes)
+        else:
+            set_linear(axes, "x")
+            set_linear(axes, "y")
     if not figure.axes:
         raise SceneError("neither has a history or a steady state: nothing can be compared")
     panels[0, 0].invert_yaxis()

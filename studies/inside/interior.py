@@ -60,6 +60,7 @@ class Interior:
     labels : of the states, `t=...` and `steady`
     degree : of the displacement
     reach : (states,) radius of the contact; 1 where nothing touches
+    parts : inner and outer radius (n, 2) of the parts of the contact in each state
     errors : of each field, by its name, in each state (states,): estimate of its greatest error
         further than `NEAR` from edges of contact and rings; of displacements over the indentation
         of a flat punch as wide as the contact, of stresses over the mean pressure
@@ -73,6 +74,7 @@ class Interior:
     labels: tuple[str, ...]
     degree: int
     reach: Array
+    parts: tuple[Array, ...]
     errors: dict[str, Array]
     layers: Indices
 
@@ -202,10 +204,12 @@ def held_against(
     modelled = 2 * max(0.0, problem.poisson_ratio - solid.highest_ratio)
     factor = error_factor("inside of the half-space")
     middles, reaches = space.on_elements(np.zeros(1)), np.ones(len(labels))
+    parts = list[Array]()
     errors = {name: np.zeros(len(labels)) for name in ("displacement", "stress", "von_mises")}
     for state, pressure in enumerate(pressures[0]):
         carried = middles @ pressure > 0
         ends = space.breakpoints[np.diff(carried, prepend=False, append=False)]
+        parts.append(ends.reshape(-1, 2))
         edges = np.union1d(problem.merged.ring_edges, ends)[1:]
         reaches[state] = reach = float(ends.max(initial=0.0)) or 1.0
         force = float(space.weights @ pressure) or 1.0
@@ -217,7 +221,7 @@ def held_against(
         for stated, difference in zip(errors.values(), differences, strict=True):
             stated[state] = factor * np.abs(difference).max() + modelled
     layers = np.repeat(solid.layers, len(r) // solid.mesh.nelements)
-    return Interior(*fine, labels, solid.degree, reaches, errors, layers)
+    return Interior(*fine, labels, solid.degree, reaches, tuple(parts), errors, layers)
 
 
 def extended(inside: Interior, half_space: "HalfSpace", pressures: Array, depth: float) -> Interior:

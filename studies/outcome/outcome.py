@@ -228,6 +228,11 @@ class Outcome:
         return {name: values for name, values in chosen.items() if not np.isnan(values).all()}
 
     @property
+    def of_others(self) -> tuple[str, ...]:
+        """Names of other programs whose results stand beside those of the methods."""
+        return ()
+
+    @property
     def compared_in_fields(self) -> tuple[str, ...]:
         """Methods that give the same fields: the reference, the one drawn against it, and others.
 

@@ -50,6 +50,11 @@ class StoredOutcome(Outcome):
         return self.told
 
     @property
+    def of_others(self) -> tuple[str, ...]:
+        """Names of the programs whose results were checked."""
+        return tuple(dict.fromkeys(row["solver"] for row in self.told.get("verdicts", [])))
+
+    @property
     def verdict(self) -> str:
         """The verdict that was written: `agree`, `disagree` or `undecided`."""
         return str(self.told["verdict"])

@@ -52,6 +52,8 @@ SI: dict[str, dict[str, float]] = {
 }
 SI["displacement"] = SI["length"]
 BASE = ("m", "N", "Pa", "s")
+# names of units of which there is one
+SINGULAR = {"days": "day", "years": "year"}
 # of numbers without units
 NO_UNIT = "1"
 # kind of a scene key without a unit
@@ -181,22 +183,35 @@ class UnitNames:
     def readable(self, size: float, kind: str) -> tuple[float, str]:
         """Return a unit that numbers of this size are best read in.
 
-        How much of the stored unit it is, and its name.
+        How much of the stored unit it is, and its name. Numbers of a scene in SI units have
+        prefixes. Those of a scene in other units stay in these.
         """
-        choices = SI.get(kind) if self.base else None
-        if choices is None or not np.isfinite(size) or size == 0:
+        choices = self._choices(kind)
+        if not choices or not np.isfinite(size) or size == 0:
             name = self.name(kind)
             return 1.0, "" if name == NO_UNIT else name.replace("^3", "³")
         stored = self.size(kind)
         name, unit = next(iter(choices.items()))
         # so much smaller than the smallest that a power of ten is plainer
-        if abs(size) * stored < 1e-3 * unit and len(choices) > 1:
+        if self.base == BASE and abs(size) * stored < 1e-3 * unit and len(choices) > 1:
             return 1.0, self.name(kind)
         for larger, its_size in choices.items():
             # 0.39 mm³, not 3.9e8 µm³
             if abs(size) * stored >= 0.9995 * min(its_size, 1e6 * unit):
                 name, unit = larger, its_size
         return unit / stored, name
+
+    def _choices(self, kind: str) -> dict[str, float]:
+        """Return the units that a kind of quantity may be read in, with their sizes in SI units."""
+        if self.base in (None, BASE) or kind == "wear_coefficient":
+            return SI.get(kind, {}) if self.base else {}
+        length, _, _, time = self.base
+        if kind == "time" and time == "s":
+            return {name: size for name, size in SI["time"].items() if size >= 1}
+        if kind == "wear_rate" and time == "s":
+            metres = self.size("length")
+            return {f"{length}/h": metres / 3600, f"{length}/s": metres}
+        return {}
 
     def write(self, value: float, kind: str, digits: int = 4) -> str:
         """Return a value with its unit, for people."""
@@ -205,7 +220,26 @@ class UnitNames:
         unit, name = self.readable(value, kind)
         # 190, not 1.9e+02
         number = float(f"{value / unit:.{digits}g}")
+        if kind == "time":
+            number, name = self._rounder_time(value, number, name, digits)
         return f"{number:g} {name}".rstrip()
+
+    def _rounder_time(
+        self, value: float, number: float, name: str, digits: int
+    ) -> tuple[float, str]:
+        """Return a time in the next smaller unit if it has fewer digits there: 30 h, not 1.25 days.
+
+        So times of a scene that speaks of hours are in hours.
+        """
+        choices = list(self._choices("time").items())
+        at = [choice for choice, _ in choices].index(name) if name in dict(choices) else 0
+        if at and value:
+            smaller, its_size = choices[at - 1]
+            in_smaller = float(f"{value * self.size('time') / its_size:.{digits}g}")
+            exact = abs(in_smaller * its_size / self.size("time") / value - 1) < 1e-9
+            if exact and in_smaller <= 1000 and _digits(in_smaller) < _digits(number):
+                return in_smaller, smaller
+        return number, SINGULAR.get(name, name) if number == 1 else name
 
 
 def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> TomlTable:
@@ -292,6 +326,11 @@ def nearest_unit(unit: str, kind: str) -> str:
     if near is None:
         near = next(iter(difflib.get_close_matches(unit, SI[kind], 1)), None)
     return f"did you mean '{near}'? Else " if near else ""
+
+
+def _digits(number: float) -> int:
+    """Return how many significant digits a number has."""
+    return len(f"{number:.15g}".replace(".", "").strip("0"))
 
 
 def size_of_unit(unit: str, kind: str, place: str) -> float:

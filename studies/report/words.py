@@ -71,8 +71,10 @@ class Account:
         units, edges = problem.units, problem.ring_edges * problem.units.length
         columns = {"ring": [str(ring + 1) for ring in range(len(edges) - 1)]}
 
-        def add(what: str, kind: str, least: Array, most: Array, typical: float = 0.0) -> None:
-            unit, name = self.names.readable(typical or float(most.max()), kind)
+        def add(what: str, kind: str, least: Array, most: Array) -> None:
+            # pressures at the edges of a flat punch are infinite
+            greatest = float(max(ends[np.isfinite(ends)].max(initial=0) for ends in (least, most)))
+            unit, name = self.names.readable(greatest, kind)
             ends = zip(least / unit, most / unit, strict=True)
             columns[f"{what}, {name}" if name else what] = [_write_range(*pair) for pair in ends]
 
@@ -83,7 +85,7 @@ class Account:
             least, most = result.first("pressure_min"), result.first("pressure_max")
             for state, when in enumerate(STATES):
                 if np.isfinite(least[state]).all():
-                    add(f"p {when}", "pressure", least[state], most[state], units.pressure / np.pi)
+                    add(f"p {when}", "pressure", least[state], most[state])
                     forces = result.first("force_share")[state]
                     columns[f"force {when}"] = [f"{100 * part:.3g} %" for part in forces]
         if result.by_method("worn_volume"):

@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from ...meshes.radial import Array
-from ..figures.style import LOOKS, complete, curve, new_panels, power_of_ten
+from ..figures.style import LOOKS, complete, curve, new_panels
+from ..figures.ticks import power_of_ten
 from .orders import Sequence
 
 if TYPE_CHECKING:
