@@ -1,4 +1,4 @@
-"""The command line: `ringwear run | check | plan | mesh | compare | study | sweep | scenes`.
+"""The command line: `ringwear run | check | plan | mesh | compare | study | sweep | ...`.
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree,
 or one cannot reach the accuracy asked for, or results that are checked are off by more than they
@@ -12,32 +12,24 @@ import gc
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..meshes.errors import RingwearError, SceneError
 from .arguments import ARGUMENTS, OF_STUDIES
+from .exchange import COMMANDS as EXCHANGE
 from .output.folder import Folder, output_folder
 from .output.signals import ending_on_signals
 from .problem.scene import Scene, bundled, text_of
 from .progress import show_progress
 from .registry import INTERRUPTED
+from .status import Status
 from .study.listing import STUDIES
 from .versions import versions
 
 if TYPE_CHECKING:
     from .figures.style import Picture
     from .study.options import Options
-
-
-class Status(IntEnum):
-    """What the command line returns."""
-
-    DONE = 0
-    FAILED = 1
-    BAD_INPUT = 2
-    DISAGREE = 3
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -293,12 +285,13 @@ def _scenes(options: argparse.Namespace) -> Status:
 
 
 class Command(NamedTuple):
-    """A command: what it does in a line, what does it, what it takes, and its scene by default."""
+    """A command: its line of help, what does it, what it takes, scene by default, examples."""
 
     help: str
     conduct: Callable[[argparse.Namespace], Status]
     arguments: tuple[str, ...] = ()
     scene: str | None = None
+    examples: str | None = None
 
 
 COMMANDS = {
@@ -346,6 +339,7 @@ COMMANDS = {
     "scenes": Command(
         "list the bundled scenes, or print one, to start your own from", _scenes, ("name",)
     ),
+    **{name: Command(*row) for name, row in EXCHANGE.items()},
 }
 
 
@@ -353,6 +347,7 @@ EXAMPLES = """examples:
   ringwear run                             compute the bundled scene five_rings
   ringwear scenes sphere > mine.toml       start a scene of your own from a bundled one
   ringwear run mine.toml --rtol 1e-3       compute it to another accuracy
+  ringwear deck mine.toml --for calculix   write input files for another program
   ringwear check mine.toml abaqus.csv      compare results of another program with ours
   ringwear study convergence --quick       see the orders of convergence beside theory
 """
@@ -370,7 +365,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"ringwear {versions()['ringwear']}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
     for name, command in COMMANDS.items():
-        taker = commands.add_parser(name, help=command.help)
+        form = argparse.RawDescriptionHelpFormatter
+        how = {"help": command.help, "epilog": command.examples}
+        taker = commands.add_parser(name, formatter_class=form, **how)
         _add(taker, command.arguments, command.scene)
         if name == "study":
             names = taker.add_subparsers(required=True, metavar="NAME", dest="study")

@@ -12,6 +12,8 @@ It is computed by finite elements, dimensionality reduction and direct integrati
 `check`
     results of another program against ours: ``check("five_rings", {"abaqus": "abaqus.csv"})``, then
     ``result.verdicts``, ``result.diagnoses`` and all that a run has
+`deck`
+    input files of a scene for CalculiX or Abaqus: ``deck("five_rings", "calculix", "folder")``
 `load`
     read results that were saved
 `plan`
@@ -42,6 +44,7 @@ from ringwear.studies.problem.scene import Scene
 if TYPE_CHECKING:
     from ringwear.meshes.errors import RingwearError, SceneError
     from ringwear.studies.crosscheck.plan import plan
+    from ringwear.studies.decks.deck import deck
     from ringwear.studies.results import Result, check, load, run
     from ringwear.studies.study.conduct import study
     from ringwear.studies.study.study import Study
@@ -57,6 +60,7 @@ __all__ = [
     "Study",
     "__version__",
     "check",
+    "deck",
     "load",
     "plan",
     "run",
@@ -71,6 +75,7 @@ _LATER = {
     "run": "ringwear.studies.results",
     "check": "ringwear.studies.results",
     "load": "ringwear.studies.results",
+    "deck": "ringwear.studies.decks.deck",
     "plan": "ringwear.studies.crosscheck.plan",
     "study": "ringwear.studies.study.conduct",
     "sweep": "ringwear.studies.sweep.conduct",

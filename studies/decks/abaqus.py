@@ -25,7 +25,7 @@ NOT_RUN = ["** not run: keywords were compared with documented examples"]
 def prescribed(model: Model, states: Sequence[State]) -> list[str]:
     """Return a linear deck, a step for each state: contact nodes have the face's displacement."""
     lines = heading(model, "displacements of the contact nodes are given") + NOT_RUN
-    lines += [*notes(model, states, 1.0), *half_space(model)]
+    lines += [*notes(model, states, 1.0, 0.0), *half_space(model)]
     for number, state in enumerate(states, 1):
         lines += [
             *(f"*STEP, NAME=STEP-{number}, NLGEOM=NO", "*STATIC", *pressed_nodes(model, state)),
@@ -43,7 +43,7 @@ def contact(model: Model, state: State, scale: float) -> list[str]:
     """
     number = len(model.mesh.points) + 1
     # from the rim inwards, so that the normal of the surface points down
-    face = list(zip(model.radii, state.heights / scale, strict=True))[::-1]
+    face = list(zip(model.radii, (state.heights - state.lowest) / scale, strict=True))[::-1]
     outputs = [
         *("*CONTACT PRINT", "CSTRESS, CDISP", f"*NODE PRINT, NSET={REFERENCE}", "U2, RF2"),
         *("*OUTPUT, FIELD", "*NODE OUTPUT", "U, RF", "*CONTACT OUTPUT", "CSTRESS, CDISP"),
@@ -51,7 +51,7 @@ def contact(model: Model, state: State, scale: float) -> list[str]:
     ]
     if model.scene.punch.inner_radius:
         face.append((model.radii[0], PUNCH_HEIGHT * model.radius))
-    moving = [f"{REFERENCE}, 2, 2, {-state.indentation / scale:.12g}"]
+    moving = [f"{REFERENCE}, 2, 2, {-state.pressing_depth / scale:.12g}"]
     fixed = [f"{REFERENCE}, 1, 1", f"{REFERENCE}, 6, 6"]
     steps = ["*STEP, NAME=STEP-1, NLGEOM=NO, INC=200", "*STATIC", "0.1, 1."]
     steps += ["*BOUNDARY", *fixed, *moving, *outputs]
@@ -63,7 +63,7 @@ def contact(model: Model, state: State, scale: float) -> list[str]:
     return [
         *heading(model, "a rigid punch is pressed on"),
         *NOT_RUN,
-        *notes(model, [state], scale),
+        *notes(model, [state], scale, state.lowest),
         *half_space(model, scale),
         *surface("SLAVE", model.mesh.faces),
         *(f"*NODE, NSET={REFERENCE}", f"{number}, 0., {PUNCH_HEIGHT * model.radius:.12g}"),

@@ -6,7 +6,7 @@ time.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,6 @@ import numpy as np
 from ...meshes.errors import SceneError
 from ..output.folder import output_folder
 from ..problem.scene import Scene, Source
-from ..problem.unit_names import UnitNames
 from . import abaqus, calculix
 from .keywords import Model
 from .mesh import deck_mesh
@@ -119,11 +118,13 @@ def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
     mesh = deck_mesh(problem.merged.ring_edges, hole, choice.size, choice.reach, quadratic)
     model = Model(scene, mesh, hybrid=problem.poisson_ratio > LOCKING)
     found = states(scene, _times(scene, choice.times), model.radii)
-    scales = [max(1.0, state.indentation / (SMALL * model.radius)) for state in found]
-    files = {
-        f"contact_{number}.inp": writer.contact(model, state, scale)
-        for number, (state, scale) in enumerate(zip(found, scales, strict=True), 1)
-    }
+    # contact is that of linear elements, whose nodes are the corners alone
+    corners = replace(model, mesh=replace(mesh, quadratic=False))
+    files = dict[str, list[str]]()
+    for number, state in enumerate(found, 1):
+        scale = max(1.0, state.pressing_depth / (SMALL * model.radius))
+        at_corners = replace(state, heights=state.heights[:: 1 + quadratic])
+        files[f"contact_{number}.inp"] = writer.contact(corners, at_corners, scale)
     if problem.full_contact:
         files["prescribed.inp"] = writer.prescribed(model, found)
     lines = read_me(model, choice.program, choice.reach, found, problem.full_contact)
@@ -160,7 +161,7 @@ def _times(scene: Scene, asked: tuple[float, ...] | None) -> list[float]:
     for time in times:
         if not 0 <= time < np.inf:
             raise SceneError(
-                f"--time {time:g}: give times since sliding began, 0 or later, in "
-                f"{UnitNames.of(scene.units).name('time')}"
+                f"--time {time:g}: give times since sliding began, 0 or later, in the units of "
+                "the scene"
             )
     return sorted({0.0, *times})

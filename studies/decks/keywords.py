@@ -57,12 +57,13 @@ def heading(model: Model, what: str) -> list[str]:
     return ["*HEADING", f"{title[:70]}: {what}", f"** units: {units}"]
 
 
-def notes(model: Model, states: Sequence[State], scale: float) -> list[str]:
+def notes(model: Model, states: Sequence[State], scale: float, lowest: float) -> list[str]:
     """Return comments that the reader of results needs: times, rings and the scale.
 
     Parameters
     ----------
     scale : by which displacements of the deck are to be multiplied
+    lowest : what is then to be added for the indentation
     """
     rings = model.scene.problem.graded or model.scene.problem.rings
     inner, outer = rings.ends
@@ -72,6 +73,7 @@ def notes(model: Model, states: Sequence[State], scale: float) -> list[str]:
         "wear at inner edges": inner,
         "wear at outer edges": outer,
         "displacements times": [scale],
+        "lowest height": [lowest],
     }
     return [f"** {name}: {line}" for name, values in named.items() for line in numbers(values)]
 

@@ -31,7 +31,11 @@ def read_me(
         return names.write(value, kind, 6)
 
     by_force = scene.load_.indentation is None
-    pressed = "the force of the scene" if by_force else "the indentation of the scene"
+    pressed = "pressed to the indentation of the table"
+    if by_force and program == "abaqus":
+        pressed = "pressed to the indentation of the table, and then by its force"
+    elif by_force:
+        pressed += " (a flat face: by its force; a worn one does not converge under it)"
     rows = [
         f"| `contact_{number}.inp` | {f'{number} of prescribed.inp' if prescribed else '-'} | "
         f"{written(state.time, 'time')} | {written(state.indentation, 'displacement')} | "
@@ -68,8 +72,8 @@ def read_me(
             "which nodes touch is not known before."
         ]
     lines += [
-        f"- `contact_1.inp`, ...: contact with a rigid punch, a file for each time, under "
-        f"{pressed}. The half-space is made stiffer, and the heights of the face smaller, so that "
+        f"- `contact_1.inp`, ...: contact with a rigid punch on linear elements, a file for each "
+        f"time, {pressed}. The half-space is made stiffer, and the heights of the face smaller, so that "
         "the indentation is at most a/1000: forces and pressures are those of the scene, and "
         "displacements are smaller by the number in the comment `displacements times`.",
         "",
@@ -83,7 +87,7 @@ def read_me(
         f"{CLAMPED / reach:.2g} (Poisson's ratio 0.3). At a given indentation the force is too "
         "large by that, under a given force the indentation too small. Twice the reach has half "
         "this error, and few more elements.",
-        "- At the start the pressure is infinite at the rim: compare it inside 0.95 a.",
+        "- At the start the pressure is infinite at the rim: the check compares it inside 0.95 a.",
         "",
         "## Run it, and read it back",
         "",

@@ -19,6 +19,9 @@ from .pressures import pressures_of
 
 WEDGE = 180.0
 """The circumference over the wedge of 2 degrees that CalculiX makes of an axisymmetric model."""
+NEAR_RIM = 0.05
+"""Part of the face beside the rim in which pressures of the start, infinite at the rim, are left
+out: polynomials swing about them."""
 DAT_TITLE = re.compile(
     r"(?P<what>displacements|forces) .*for set (?P<set>\w+) and time\s+(?P<time>\S+)"
 )
@@ -97,6 +100,11 @@ class Deck:
         """By which displacements are to be multiplied."""
         return float(self.notes["displacements times"][0])
 
+    @property
+    def lowest(self) -> float:
+        """What is to be added to the displacement of the punch for the indentation."""
+        return float(self.notes["lowest height"][0])
+
     @cached_property
     def contact_radii(self) -> Array:
         """(k,) radii of the contact nodes."""
@@ -117,7 +125,15 @@ class Deck:
             apart = np.abs(radii[:, None] - jumps) > 1e-9 * edges[-1]
             return np.where(apart.all(axis=1), values, np.nan)
 
-        return pressures_of(self.contact_radii, forces, self.quadratic, wear)
+        found = pressures_of(self.contact_radii, forces, self.quadratic, wear)
+        return np.where(self._near_infinite if time == 0 else False, np.nan, found)
+
+    @property
+    def _near_infinite(self) -> Array:
+        """(k,) whether a node is beside the rim or a hole, where first pressures are infinite."""
+        inner, rim = self.notes["ring edges"][[0, -1]]
+        margin, radii = NEAR_RIM * (rim - inner), self.contact_radii
+        return (radii > rim - margin) | ((radii < inner + margin) & (inner > 0))
 
     def rows(self, time: float, found: dict[str, Array]) -> pd.DataFrame:
         """Return a table of what was found at a time, of fields by the contact nodes."""
@@ -130,6 +146,7 @@ NOTES = {
     "wear at inner edges",
     "wear at outer edges",
     "displacements times",
+    "lowest height",
 }
 
 
@@ -139,13 +156,12 @@ def read_dat(path: Path) -> pd.DataFrame:
     Raises
     ------
     SceneError
-        if the deck is not beside it, if a step is not there or not finished, or if the forces are
+        if the deck is not beside it, or if a step or its forces are not there
     """
     deck, tables = Deck.beside(path), []
     blocks = {(what, name, time): values for what, name, time, values in _blocks(path)}
-    ends = [max((t for *_, t in blocks if step < t <= step + 1 + 1e-6), default=0.0) for step in
-            range(len(deck.times))]
-    for step, (time, end) in enumerate(zip(deck.times, ends, strict=True)):
+    for step, time in enumerate(deck.times):
+        end = max((when for *_, when in blocks if when <= step + 1 + 1e-6), default=0.0)
         if abs(end - step - 1) > 1e-6:
             raise SceneError(
                 f"{path}: step {step + 1} of {len(deck.times)} is not there, or not finished: did "
@@ -166,7 +182,7 @@ def read_dat(path: Path) -> pd.DataFrame:
         if ("forces", "FACE") in found:
             results["displacement"] = -deck.scale * found["displacements", "CONTACT"]
             if ("displacements", "REF") in found:
-                depth = -deck.scale * found["displacements", "REF"][0]
+                depth = deck.lowest - deck.scale * found["displacements", "REF"][0]
                 results["indentation"] = np.full(len(pressed), depth)
         tables.append(deck.rows(float(time), results))
     return pd.concat(tables, ignore_index=True)

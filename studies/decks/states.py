@@ -29,6 +29,16 @@ class State:
     force: float
     heights: Array
 
+    @property
+    def lowest(self) -> float:
+        """The least height, of the part of the face that is foremost."""
+        return float(self.heights.min())
+
+    @property
+    def pressing_depth(self) -> float:
+        """The depth of the foremost part of the face."""
+        return self.indentation - self.lowest
+
 
 def states(scene: Scene, times: Sequence[float], radii: Array) -> list[State]:
     """Return the punch at some times, to the accuracy of the scene.
