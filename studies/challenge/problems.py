@@ -33,10 +33,10 @@ def problem_named(name: str) -> Path:
         if there is none, with the names of all
     """
     for path in problems():
-        if name in (path.stem, path.stem[3:]) or name.isdigit() and int(name) == number_of(path):
+        if name in (path.stem, path.stem[3:]) or (name.isdigit() and int(name) == number_of(path)):
             return path
     names = ", ".join(path.stem for path in problems())
-    raise SceneError(f"{name} is neither a file nor a problem of the challenge: give one of {names}")
+    raise SceneError(f"{name} is no file and no problem of the challenge: give one of {names}")
 
 
 def problem_of_file(file: Path) -> Path:

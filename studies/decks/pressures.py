@@ -12,8 +12,8 @@ def pressures_of(
 ) -> Array:
     """Return pressures (k,) at nodes, by the consistent mass matrix of the contact line.
 
-    A nodal force is ``int N p 2 pi r dr``. Once there is wear, it is ``wear * p`` that is continuous
-    across ring edges, and that has the functions of the elements.
+    A nodal force is ``int N p 2 pi r dr``. Once there is wear, ``wear * p`` is continuous across
+    ring edges, because the face is, and it has the functions of the elements.
 
     Parameters
     ----------

@@ -13,8 +13,6 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from ringwear import deck
-
 PROBLEM, WEDGE = Path(__file__).parents[1] / "03_five_rings.toml", 180
 
 
@@ -31,7 +29,9 @@ for size, step in (0.4, 0.01), (0.3, 0.005), (0.25, 0.005):
     start = sum(os.times()[:4])
     with TemporaryDirectory() as name:
         folder = Path(name)
-        deck(PROBLEM, "calculix", folder, elements="linear", size=size, reach=50, times=[])
+        how = ["--elements", "linear", "--size", f"{size}", "--reach", "50", "--time", "0"]
+        command = ["ringwear", "deck", str(PROBLEM), "--for", "calculix", *how, "--out", name]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         model = (folder / "prescribed.inp").read_text().partition("*STEP")[0]
         listed = re.search(r"NSET=CONTACT\n([^*]*)", model)[1]
         contact = [int(number) for number in listed.replace(",", " ").split()]
