@@ -365,9 +365,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"ringwear {versions()['ringwear']}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
     for name, command in COMMANDS.items():
-        form = argparse.RawDescriptionHelpFormatter
-        how = {"help": command.help, "epilog": command.examples}
-        taker = commands.add_parser(name, formatter_class=form, **how)
+        form, examples = argparse.RawDescriptionHelpFormatter, command.examples
+        taker = commands.add_parser(name, help=command.help, epilog=examples, formatter_class=form)
         _add(taker, command.arguments, command.scene)
         if name == "study":
             names = taker.add_subparsers(required=True, metavar="NAME", dest="study")

@@ -12,6 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from ...meshes.errors import SceneError
+from ...meshes.radial import Array
+from ..crosscheck.run import run
 from ..output.folder import output_folder
 from ..problem.scene import Scene, Source
 from . import abaqus, calculix
@@ -29,6 +31,8 @@ SMALL = 1e-3
 """Greatest indentation of contact decks, in punch radii: programs follow the nodes that move."""
 LOCKING = 0.49
 """Poisson's ratio above which elements of displacements alone lock."""
+METHOD = "mdr"
+"""The method whose faces are written: one suffices, and it is exact in time where that can be."""
 
 
 @dataclass(frozen=True)
@@ -165,3 +169,36 @@ def _times(scene: Scene, asked: tuple[float, ...] | None) -> list[float]:
                 "the scene"
             )
     return sorted({0.0, *times})
+
+
+def states(scene: Scene, times: Sequence[float], radii: Array) -> list[State]:
+    """Return the punch at some times, to the accuracy of the scene.
+
+    Parameters
+    ----------
+    times : increasing, in the units of the scene
+    radii : (n,) increasing, in the units of the scene
+
+    Raises
+    ------
+    SceneError
+        if nothing presses at one of the times
+    """
+    wanted = ["profile", "indentation", "normal_force"]
+    asked = scene.changed(
+        wear={"times": list(times), "steady": False},
+        output={"radii": radii.tolist(), "quantities": wanted},
+    )
+    table = run(asked, [METHOD]).table.variables
+    if "normal_force" in table:
+        forces = table["normal_force"][1][0]
+    else:
+        problem = asked.problem
+        forces = problem.loading.at(problem.times).force * problem.units.force
+    for time, force in zip(times, forces, strict=True):
+        if not force > 0:
+            raise SceneError(f"--time {time:g}: nothing presses then; give other times")
+    rows = zip(times, table["indentation"][1][0], forces, table["profile"][1][0], strict=True)
+    return [
+        State(time, float(depth), float(force), heights) for time, depth, force, heights in rows
+    ]

@@ -166,7 +166,7 @@ def _radii(ring_edges: Array, size: float) -> Array:
         inner, outer = (
             graded(half, of, largest, GROWTH * size) for of in edge_sizes[number : number + 2]
         )
-        lines += [start + inner[1:-1], [start + half], (end - outer[::-1])[1:]]
+        lines += [start + inner[1:], (end - outer[::-1])[1:]]
     beside = graded(SQUARE - 1, edge_sizes[-1], size, GROWTH * size)
     radii = np.concatenate([*lines, 1 + beside[1:]])
     # ring edges and the ends without roundoff

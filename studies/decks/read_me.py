@@ -89,7 +89,8 @@ def read_me(
         "that wear fast are small, and this excess is a larger part of them. Twice the reach has "
         "half this error, and few more elements.",
         "- Beside edges of rings, where pressures jump, those of the nearest elements err by about "
-        "10 to 20 %, whatever their size; smaller elements have this error in a smaller part of the face.",
+        "10 to 20 %, whatever their size; smaller elements have this error in a smaller part of "
+        "the face.",
         "- At the start the pressure is infinite at the rim: the check compares it inside 0.95 a.",
         "",
         "## Run it, and read it back",

@@ -34,7 +34,7 @@ def run_calculix(folder, job):
 def test_decks_for_calculix_run_and_are_read_back(tmp_path, capsys):
     """The flat start of Boussinesq: F = 2 a E* d, less what the clamped arc takes."""
     call = ["deck", "flat_punch", "--for", "calculix", "--out", str(tmp_path), "--time", "0"]
-    assert main([*call, "--size", "0.15", "--reach", "400"]) == 0
+    assert main([*call, "--size", "0.08", "--reach", "400"]) == 0
     assert "ringwear check scene.toml prescribed.dat" in capsys.readouterr().out
     scene = Scene.load(tmp_path / "scene.toml")
     force, modulus = scene.load_.normal_force, scene.half_space.modulus
