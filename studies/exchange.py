@@ -1,6 +1,7 @@
 """Commands that exchange problems and results with other programs: `deck` and `challenge`."""
 
 import argparse
+from importlib import import_module
 from pathlib import Path
 
 from .output.folder import output_folder
@@ -46,10 +47,10 @@ def challenge(options: argparse.Namespace) -> Status:
         case [word] if not Path(word).is_file():
             print(problem_named(word).read_text("utf-8"), end="")
         case [*names, file] if len(names) < 2:
-            from .challenge.rows import submission
-
             path = problem_named(names[0]) if names else problem_of_file(Path(file))
-            print(*submission(path, Path(file)), sep="\n")
+            # by its name, as studies are
+            measuring = import_module("ringwear.studies.challenge.draw")
+            print(*measuring.submission(path, Path(file)), sep="\n")
         case _:
             from ..meshes.errors import SceneError
 

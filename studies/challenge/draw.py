@@ -6,36 +6,80 @@ and the tables of both READMEs. With ``--tables`` it writes these tables alone, 
 Seconds of ours are the processor's.
 """
 
+import re
 import sys
 from collections.abc import Iterator
 from itertools import dropwhile
 from pathlib import Path
 from time import process_time
+from typing import TYPE_CHECKING
 
 import pandas as pd
-from matplotlib.figure import Figure
+import xarray
 
+from ..check.check import check
+from ..check.tables import read
 from ..crosscheck.run import run
-from ..figures.style import LOOKS
 from ..problem.scene import Scene
-from .problems import FOLDER, OTHERS, problem_named
+from .problems import FOLDER, OTHERS, number_of, problem_named
 from .rows import (
     ERRORS,
     PROGRAMS,
     QUANTITIES,
     errors_table,
-    measure,
+    head_rows,
     problems_table,
-    results_of,
+    row_of,
     written_error,
 )
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+INSIDE = 0.95
+"""Radii, in punch radii, inside which pressures are compared."""
 SOLVED = ("01", "03", "07")
 """Problems that programs of others have solved."""
 DIGITS = (1, 3, 6)
 """Accuracies of ours in the table, as powers of a tenth; the figure has all from 1 to 6."""
 KNOWN = {"indentation": 2e-11, "pressure": 1e-5}
 """Errors below which ours and what it is compared with cannot be told apart: they are bounds."""
+
+
+def measure(
+    scene: Scene, program: str, seconds: float, results: pd.DataFrame | xarray.Dataset
+) -> pd.DataFrame:
+    """Return a row: a program, its seconds, and its greatest errors over the times.
+
+    Results are compared with boundary elements at an accuracy of 1e-7. What is not given is NaN.
+    """
+    exact = scene.changed(accuracy__rtol=1e-7)
+    verdicts = pd.DataFrame(check(exact, {"theirs": results}, methods=["bem"]).verdicts)
+    errors = verdicts["error"].abs().groupby(verdicts["quantity"]).max().reindex([*QUANTITIES])
+    return pd.DataFrame({"program": [program], "seconds": seconds, **errors})
+
+
+def results_of(path: Path, scene: Scene) -> tuple[pd.DataFrame, float]:
+    """Return results of a program inside the radii that are compared, and its seconds.
+
+    The seconds are those of a first line such as ``# 0.25 s``; NaN if there is none.
+    """
+    table = read(path, path.name, scene, {}, "")
+    if "radius" in table:
+        inside = table["radius"].isna() | (table["radius"] < INSIDE * scene.punch.radius)
+        table = table[inside].drop(columns="normal_force", errors="ignore")
+    told = re.match(r"#\s*([\d.]+)\s*s\b", path.open(encoding="utf-8").readline())
+    return table, float(told[1]) if told else float("nan")
+
+
+def submission(problem: Path, file: Path) -> list[str]:
+    """Compare a file with a problem: return the head of the table and its row."""
+    scene = Scene.load(problem)
+    table, seconds = results_of(file, scene)
+    row = measure(scene, file.stem, seconds, table).iloc[0]
+    numbers = [written_error(row[name]) for name in QUANTITIES]
+    time = f"{seconds:.2g}" if seconds == seconds else "not told"
+    return [*head_rows(), row_of([str(number_of(problem)), file.stem, *numbers, time])]
 
 
 def measure_all(scene: Scene, files: list[Path]) -> pd.DataFrame:
@@ -87,8 +131,12 @@ def write_tables() -> None:
         path.write_text("\n".join([*lines[:start], *table, *rest]) + "\n", "utf-8")
 
 
-def draw(measured: dict[str, pd.DataFrame]) -> Figure:
+def draw(measured: dict[str, pd.DataFrame]) -> "Figure":
     """Draw errors over seconds, a column for each problem."""
+    from matplotlib.figure import Figure
+
+    from ..figures.style import LOOKS
+
     figure = Figure((9, 6), layout="constrained")
     axes = figure.subplots(2, len(measured), sharex=True, sharey="row")
     for column, (number, table) in zip(axes.T, measured.items(), strict=True):

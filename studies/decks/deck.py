@@ -20,7 +20,7 @@ from . import abaqus, calculix
 from .keywords import Model
 from .mesh import deck_mesh
 from .read_me import read_me
-from .states import states
+from .states import State
 
 PROGRAMS = {"calculix": calculix, "abaqus": abaqus}
 """What writes the decks of a program, by its name."""
