@@ -23,14 +23,14 @@ CHALLENGE_EXAMPLES = """examples:
 
 def deck(options: argparse.Namespace) -> Status:
     """Write the decks of a scene."""
-    from .decks.deck import Choice, write_decks
-
+    # by its name, as studies are
+    decks = import_module("ringwear.studies.decks.deck")
     scene = Scene.load(options.scene)
     times = tuple(options.times) if options.times else None
-    choice = Choice(options.program, options.elements, options.size, options.reach, times)
+    choice = decks.Choice(options.program, options.elements, options.size, options.reach, times)
     out = options.out or Path("results") / f"deck_{Path(options.scene).stem}"
     with output_folder(out, "deck", ["README.md"]) as folder:
-        lines = write_decks(scene, choice, folder.hidden)
+        lines = decks.write_decks(scene, choice, folder.hidden)
     print(*lines, sep="\n")
     print(f"\n{len(folder.written)} files in {out}: {', '.join(folder.written)}")
     return Status.DONE
@@ -48,7 +48,6 @@ def challenge(options: argparse.Namespace) -> Status:
             print(problem_named(word).read_text("utf-8"), end="")
         case [*names, file] if len(names) < 2:
             path = problem_named(names[0]) if names else problem_of_file(Path(file))
-            # by its name, as studies are
             measuring = import_module("ringwear.studies.challenge.draw")
             print(*measuring.submission(path, Path(file)), sep="\n")
         case _:

@@ -2,7 +2,7 @@
 
 ``python -m ringwear.studies.challenge.draw`` reads the files in `others`, whose names tell problem
 and program, and whose first lines the seconds; it writes `others/errors.csv`, `others/errors.png`,
-and the tables of both READMEs. With ``--tables`` it writes these tables alone, from `errors.csv`.
+and the tables of both READMEs. With ``--tables`` it measures nothing, and goes by `errors.csv`.
 Seconds of ours are the processor's.
 """
 
@@ -41,7 +41,7 @@ INSIDE = 0.95
 SOLVED = ("01", "03", "07")
 """Problems that programs of others have solved."""
 DIGITS = (1, 3, 6)
-"""Accuracies of ours in the table, as powers of a tenth; the figure has all from 1 to 6."""
+"""Accuracies of ours, as powers of a tenth."""
 KNOWN = {"indentation": 2e-11, "pressure": 1e-5}
 """Errors below which ours and what it is compared with cannot be told apart: they are bounds."""
 
@@ -96,7 +96,7 @@ def measure_all(scene: Scene, files: list[Path]) -> pd.DataFrame:
     # what is loaded once is not counted
     measure(scene, "", 0.0, run(scene, methods).dataset)
     for method in methods:
-        for digits in range(1, 7):
+        for digits in DIGITS:
             start = process_time()
             dataset = run(scene.changed(accuracy__rtol=10.0**-digits), [method]).dataset
             row = measure(scene, method, process_time() - start, dataset)
@@ -105,10 +105,8 @@ def measure_all(scene: Scene, files: list[Path]) -> pd.DataFrame:
 
 
 def told(problem: int, measured: pd.DataFrame) -> Iterator[dict[str, object]]:
-    """Yield rows of `errors.csv`: all of others, and ours at some accuracies."""
-    for program, rows in measured.groupby("program", sort=False):
-        ours = rows["setting"].str.startswith("rtol")
-        chosen = rows[~ours | rows["setting"].isin([f"rtol 1e-{of}" for of in DIGITS])]
+    """Yield rows of `errors.csv`: one bound in place of errors that are too small to be told."""
+    for program, chosen in measured.groupby("program", sort=False):
         below = (chosen[[*KNOWN]] <= pd.Series(KNOWN)).all(axis=None)
         for row in chosen[: 1 if below else None].to_dict("records"):
             errors = {column: written_error(row[name]) for name, column in QUANTITIES.items()}
@@ -131,19 +129,24 @@ def write_tables() -> None:
         path.write_text("\n".join([*lines[:start], *table, *rest]) + "\n", "utf-8")
 
 
-def draw(measured: dict[str, pd.DataFrame]) -> "Figure":
-    """Draw errors over seconds, a column for each problem."""
+def draw() -> "Figure":
+    """Draw the errors of `errors.csv` over seconds, a column for each problem."""
     from matplotlib.figure import Figure
 
     from ..figures.style import LOOKS
 
+    table = pd.read_csv(ERRORS)
     figure = Figure((9, 6), layout="constrained")
-    axes = figure.subplots(2, len(measured), sharex=True, sharey="row")
-    for column, (number, table) in zip(axes.T, measured.items(), strict=True):
-        for program, rows in table.groupby("program", sort=False):
-            looks = {"marker": ".", "label": program} | LOOKS.get(str(program), {})
-            for quantity, panel in zip(QUANTITIES, column, strict=True):
-                panel.loglog(rows["seconds"], rows[quantity], **looks)
+    axes = figure.subplots(2, len(SOLVED), sharex=True, sharey="row")
+    for column, (number, told) in zip(axes.T, table.groupby("problem"), strict=True):
+        for program, rows in told.groupby("program", sort=False):
+            bound = rows["bound"].notna().any()
+            looks = {"marker": "."} | LOOKS.get(str(program), {})
+            looks |= (
+                {"label": f"{program} (at most)", "marker": "v"} if bound else {"label": program}
+            )
+            for (quantity, name), panel in zip(QUANTITIES.items(), column, strict=True):
+                panel.loglog(rows["seconds"], rows[name], **looks)
                 panel.set(xlabel="seconds", ylabel=f"error of {quantity}")
         column[0].legend(title=f"problem {number}", loc=(0.2, 1.02))
     return figure
@@ -151,13 +154,16 @@ def draw(measured: dict[str, pd.DataFrame]) -> "Figure":
 
 if __name__ == "__main__":
     if "--tables" not in sys.argv:
-        measured = {
-            number: measure_all(
-                Scene.load(problem_named(number)), sorted(OTHERS.glob(f"{number}*.csv"))
-            )
+        rows = [
+            row
             for number in SOLVED
-        }
-        rows = [row for number, table in measured.items() for row in told(int(number), table)]
+            for row in told(
+                int(number),
+                measure_all(
+                    Scene.load(problem_named(number)), sorted(OTHERS.glob(f"{number}*.csv"))
+                ),
+            )
+        ]
         pd.DataFrame(rows).to_csv(ERRORS, index=False)
-        draw(measured).savefig(OTHERS / "errors.png", dpi=110)
+    draw().savefig(OTHERS / "errors.png", dpi=110)
     write_tables()
