@@ -104,6 +104,45 @@ ARGUMENTS: dict[str, Told] = {
         "help": "CSV (columns time, radius, pressure, displacement, profile, or time, indentation, "
         "normal_force), netCDF, or VTU of a half-space, of another program",
     },
+    "words": {
+        "nargs": "*",
+        "metavar": "[NAME] FILE",
+        "help": "the problem (its name or number; that in the file's name if not given) and a file "
+        "as `ringwear check` reads it; NAME alone prints the problem, nothing lists all",
+    },
+    "--for": {
+        "dest": "program",
+        "required": True,
+        "choices": ("calculix", "abaqus"),
+        "help": "the program",
+    },
+    "--elements": {
+        "choices": ("linear", "quadratic"),
+        "default": "quadratic",
+        "help": "CAX4 or CAX8 in the deck of prescribed displacements; contact is linear "
+        "(default: quadratic)",
+    },
+    "--size": {
+        "type": float,
+        "metavar": "H",
+        "default": 0.1,
+        "help": "size of the elements below the punch, in punch radii; they are smaller at ring "
+        "edges and at the rim (default: 0.1)",
+    },
+    "--reach": {
+        "type": float,
+        "metavar": "R",
+        "default": 200.0,
+        "help": "radius of the half-space that is modelled, in punch radii (default: 200)",
+    },
+    "--time": {
+        "type": float,
+        "action": "append",
+        "dest": "times",
+        "metavar": "T",
+        "help": "a time of a worn face, in the units of the scene; may be repeated (default: the "
+        "last time of the scene); the start is always written",
+    },
     "--within": {
         "type": _positive,
         "metavar": "X",

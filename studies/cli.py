@@ -1,4 +1,4 @@
-"""The command line: `ringwear run | check | plan | mesh | compare | study | sweep | scenes`.
+"""The command line: `ringwear run | check | plan | mesh | compare | study | sweep | ...`.
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree,
 or one cannot reach the accuracy asked for, or results that are checked are off by more than they
@@ -15,33 +15,25 @@ import sys
 import textwrap
 from collections.abc import Callable
 from contextlib import suppress
-from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..meshes.errors import RingwearError, SceneError
 from .arguments import ARGUMENTS, OF_STUDIES, Parser
+from .exchange import COMMANDS as EXCHANGE
 from .output.folder import Folder, output_folder
 from .output.signals import ending_on_signals
 from .problem.scene import Scene, bundled, text_of
 from .progress import show_progress
 from .registry import INTERRUPTED
 from .report.terminal import print_lines
+from .status import Status
 from .study.listing import STUDIES
 from .versions import versions
 
 if TYPE_CHECKING:
     from .figures.style import Picture
     from .study.options import Options
-
-
-class Status(IntEnum):
-    """What the command line returns."""
-
-    DONE = 0
-    FAILED = 1
-    BAD_INPUT = 2
-    DISAGREE = 3
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -281,12 +273,13 @@ def _scenes(options: argparse.Namespace) -> Status:
 
 
 class Command(NamedTuple):
-    """A command: what it does in a line, what does it, what it takes, and its scene by default."""
+    """A command: its line of help, what does it, what it takes, scene by default, examples."""
 
     help: str
     conduct: Callable[[argparse.Namespace], Status]
     arguments: tuple[str, ...] = ()
     scene: str | None = None
+    examples: str | None = None
 
 
 COMMANDS = {
@@ -334,6 +327,7 @@ COMMANDS = {
     "scenes": Command(
         "list the bundled scenes, or print one, to start your own from", _scenes, ("name",)
     ),
+    **{name: Command(*row) for name, row in EXCHANGE.items()},
 }
 
 
@@ -346,6 +340,7 @@ EXAMPLES = """examples:
   ringwear run                          compute the scene five_rings
   ringwear scenes sphere > mine.toml    start a scene of your own
   ringwear run mine.toml --rtol 1e-3    compute it to another accuracy
+  ringwear deck mine.toml --for abaqus  write input files for another program
   ringwear check mine.toml abaqus.csv   check another program's results
   ringwear study convergence --quick    see orders beside theory
 """
@@ -361,7 +356,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"ringwear {versions()['ringwear']}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
     for name, command in COMMANDS.items():
-        taker = commands.add_parser(name, help=command.help)
+        form, examples = argparse.RawDescriptionHelpFormatter, command.examples
+        taker = commands.add_parser(name, help=command.help, epilog=examples, formatter_class=form)
         _add(taker, command.arguments, command.scene)
         if name == "study":
             names = taker.add_subparsers(required=True, metavar="NAME", dest="study")

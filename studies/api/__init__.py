@@ -15,6 +15,8 @@ It is computed by finite elements, dimensionality reduction and direct integrati
 `compare`
     two results beside each other: ``compare("five_rings", "results/mine")``, then ``found.table``,
     ``found.verdict``, ``found.figures``
+`deck`
+    input files of a scene for CalculiX or Abaqus: ``deck("five_rings", "calculix", "folder")``
 `load`
     read results that were saved
 `plan`
@@ -45,6 +47,7 @@ from ringwear.studies.problem.scene import Scene
 if TYPE_CHECKING:
     from ringwear.meshes.errors import RingwearError, SceneError
     from ringwear.studies.comparison import Comparison, compare
+    from ringwear.studies.decks.deck import deck
     from ringwear.studies.predictions.plan import plan
     from ringwear.studies.results import Result, check, load, run
     from ringwear.studies.study.conduct import study
@@ -63,6 +66,7 @@ __all__ = [
     "__version__",
     "check",
     "compare",
+    "deck",
     "load",
     "plan",
     "run",
@@ -80,6 +84,7 @@ _LATER = {
     "check": "ringwear.studies.results",
     "load": "ringwear.studies.results",
     "plan": "ringwear.studies.predictions.plan",
+    "deck": "ringwear.studies.decks.deck",
     "study": "ringwear.studies.study.conduct",
     "sweep": "ringwear.studies.sweep.conduct",
     "RingwearError": "ringwear.meshes.errors",

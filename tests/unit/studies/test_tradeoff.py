@@ -160,6 +160,7 @@ def test_the_seconds_of_the_challenge_are_those_of_its_files():
         "ContactMechanics": "contact_mechanics",
         "Tamaas": "tamaas",
         "scikit-fem": "scikit_fem",
+        "CalculiX": "calculix",
     }
     others = read_challenge().query("program in @prefix")
     for row in others.itertuples():
