@@ -33,13 +33,13 @@ from ...meshes.pressure_space import PressureSpace
 from ...meshes.quads import graded
 from ...meshes.radial import Array, graded_breakpoints
 from ...meshes.sizes import SizeField
+from ..methods.evaluation import FullContact
 from ..numerics.core import FLAT, Discretised, condense, flat_d0_error
 from ..numerics.subdivision import subdivided, triangulated
 from ..problem.problem import Problem
 from ..sizes.defaults import FACTOR, GROWTH
 from ..study.levels import Family, Theory
 from ..tables import Row
-from .runs import evaluate
 from .theories import (
     ANALYTIC,
     ENERGY_OF_ELEMENTS,
@@ -196,7 +196,7 @@ def by_quads(
 def ring_quantities(problem: Problem, compliance: Compliance) -> dict[str, float]:
     """Return the approach, the slowest relaxation time and the steady gradient of the rings."""
     worn = replace(problem, times=np.array([1.0]), steady=True, gradient_average="line")
-    results = evaluate(worn, compliance).results
+    results = FullContact(worn, compliance).results
     return {
         "d(1)": float(results["indentation"][0]),
         "slowest relaxation time": float(results["relaxation_time"][0]),
