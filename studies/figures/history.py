@@ -79,11 +79,13 @@ def _mark_running_in(axes: Axes, result: Outcome, scale: Scale) -> None:
         if not start < time < end:
             continue
         axes.axvline(time, color="0.6", linewidth=0.6, zorder=0)
-        curves = [line for line in axes.lines if len(line.get_xdata()) > 2]
-        nearest = [np.abs(np.asarray(line.get_xdata()) - time).argmin() for line in curves]
+        drawn = [
+            (np.asarray(line.get_xdata()), np.asarray(line.get_ydata())) for line in axes.lines
+        ]
         heights = [
-            float(place.transform((time, line.get_ydata()[at]))[1])
-            for line, at in zip(curves, nearest, strict=True)
+            float(place.transform((time, values[np.abs(times - time).argmin()]))[1])
+            for times, values in drawn
+            if len(times) > 2
         ]
         low = np.mean(heights) > 0.5 if heights else True
         across = float(place.transform((time, axes.get_ylim()[0]))[0])

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 from ...mdr.flat_punch import D0, P0
 from ...meshes.radial import Array, Indices
@@ -208,7 +209,7 @@ def least_wear(problem: Problem, profiles: Array) -> Any:
     return np.nanmin(profiles - unworn, axis=-1)
 
 
-def face_depths(heights: Array, unworn: Array, touching: Array) -> Array:
+def face_depths(heights: Array, unworn: Array, touching: NDArray[np.bool_]) -> Array:
     """Return the height down to which each of (S, R) faces is drawn, in the units of the heights.
 
     It is the greatest height, unless parts of the face are so far behind those that touch or have

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from ...meshes.radial import Array
 from ..outcome.outcome import Outcome
@@ -37,7 +38,7 @@ class State:
     unworn: Array
     profiles: dict[str, Array]
     pressures: dict[str, Array]
-    touching: Array
+    touching: NDArray[np.bool_]
     reach: float
     high: float
 
@@ -51,7 +52,7 @@ class State:
             worn = 0.0
         unworn = problem.profile(problem.radii) * problem.units.displacement - worn
         profiles = {method: heights - worn for method, heights in profiles.items()}
-        touching = np.array([values > 0 for values in pressures.values()]).any(axis=0)
+        touching = np.logical_or.reduce([values > 0 for values in pressures.values()])
         length = problem.units.length
         reach = min(1.25 * radii[touching].max(initial=0.0), length) or length
         return cls(

@@ -31,7 +31,8 @@ class RoundTicks(Locator):
 
     def tick_values(self, vmin: float, vmax: float) -> Any:
         """Return the ticks between two ends."""
-        return round_ticks(*sorted((vmin, vmax)), self.most)
+        low, high = sorted((vmin, vmax))
+        return round_ticks(low, high, self.most)
 
 
 class Decades(Locator):
