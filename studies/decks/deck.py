@@ -141,6 +141,11 @@ def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
 def refusal(scene: Scene, program: str) -> str:
     """Return why a scene has no deck, with the remedy; empty if it has one."""
     problem = scene.problem
+    if problem.ground is not None:
+        return (
+            "half_space.layers: decks model a homogeneous half-space; leave out the layers and "
+            "half_space.rigid"
+        )
     if np.ptp(problem.profile.recess):
         return (
             "punch.recess: the face has steps, and a node at a ring edge cannot have two heights; "
