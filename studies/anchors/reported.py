@@ -11,7 +11,7 @@ from ...mdr.flat_punch import FlatPunch, flat_punch
 from ...meshes.radial import Array
 from ..methods.base import Solution
 from ..problem.quantities import DESCRIBED, STEADY
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from .reading import Reading
 
 # tolerance of sums and closed forms that hold to roundoff, whatever accuracy is asked for

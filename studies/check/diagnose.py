@@ -14,9 +14,9 @@ import numpy as np
 from ...meshes.radial import Array
 from ..methods.base import method
 from ..problem.quantities import QUANTITIES
-from ..problem.scene import Scene
 from ..progress import Stages
 from ..sampling.norms import Results
+from ..scene.scene import Scene
 
 
 @dataclass(frozen=True)
