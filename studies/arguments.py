@@ -1,7 +1,7 @@
 """What the commands take: flags and arguments, as `argparse` is told of them."""
 
 import os
-from argparse import ArgumentTypeError
+from argparse import ArgumentParser, ArgumentTypeError
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +36,10 @@ def _names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(","))
 
 
+def _noise(text: str) -> str | dict[str, str]:
+    return _pairs(text) if "=" in text else text
+
+
 def _steps(text: str) -> tuple[float, ...]:
     return tuple(_sizes(text))
 
@@ -49,6 +53,7 @@ FLAGS = {
     "--check": "also condense the finite elements, and report how stable their multipliers are",
     "--refinement": "take the files as one program's, from coarse to fine, each half as coarse as "
     "the one before",
+    "--design": "also say which further measurement would narrow the widest interval most",
     "--quick": "conduct a smaller version of the study; it says first how long that takes",
     "--dry-run": "only say what the sweep will take",
     "--resume": "continue the sweep that is in the directory",
@@ -73,6 +78,27 @@ ARGUMENTS: dict[str, Told] = {
         "help": "CSV (columns time, radius, pressure, displacement, profile, or time, indentation, "
         "normal_force), netCDF, or VTU of a half-space, of another program",
     },
+    "data": {
+        "nargs": "+",
+        "metavar": "DATA",
+        "help": "measurements: CSV with columns time, indentation, normal_force; time, radius, "
+        "profile; worn_volume or lost_mass, worn_volume_1 that of the first ring from the centre",
+    },
+    "--for": {
+        "type": _names,
+        "required": True,
+        "metavar": "NAME,...",
+        "dest": "parameters",
+        "help": "what is unknown: keys of the scene, such as punch.wear_coefficients (each of "
+        "them) or punch.wear_coefficients[1], or start_time, sensor_offset, machine_compliance",
+    },
+    "--noise": {
+        "type": _noise,
+        "metavar": "X",
+        "help": "standard deviation of the data, such as 2e-7, '0.2 um', '1 %%' of each value, or "
+        "indentation=2e-7,profile=1e-6 (default: from the residuals)",
+    },
+    "--density": {"help": "of the punch, if mass was lost, such as '7.8 g/cm^3'"},
     "--within": {
         "type": float,
         "default": 0.01,
@@ -190,3 +216,24 @@ OF_STUDIES: dict[str, tuple[str, Told]] = {
     ),
 }
 """Options of studies by the name of the option: the flag, and what `argparse` is told of it."""
+
+
+EXAMPLES = """examples:
+  ringwear run                             compute the bundled scene five_rings
+  ringwear scenes sphere > mine.toml       start a scene of your own from a bundled one
+  ringwear run mine.toml --rtol 1e-3       compute it to another accuracy
+  ringwear check mine.toml abaqus.csv      compare results of another program with ours
+  ringwear fit mine.toml data.csv --for punch.wear_coefficient
+                                           find a wear coefficient from measurements
+  ringwear study convergence --quick       see the orders of convergence beside theory
+"""
+
+
+def add_arguments(parser: ArgumentParser, names: tuple[str, ...], scene: str | None) -> None:
+    """Add arguments to a command; the scene may be left out where there is one by default."""
+    for name in names:
+        settings = ARGUMENTS[name]
+        if name == "scene" and scene:
+            help = f"{settings['help']} (default: {scene})"
+            settings = {"nargs": "?", "default": scene, "help": help}
+        parser.add_argument(name, **settings)

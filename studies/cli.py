@@ -1,8 +1,8 @@
-"""The command line: `ringwear run | check | plan | mesh | compare | study | sweep | scenes`.
+"""The command line: `ringwear run | check | fit | plan | mesh | compare | study | sweep | scenes`.
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree,
 or one cannot reach the accuracy asked for, or results that are checked are off by more than they
-may; 2 bad input; 1 anything else, such as a figure that could not be drawn or scenes of a sweep
+may, or a law does not fit measurements; 2 bad input; 1 anything else, such as a figure that could not be drawn or scenes of a sweep
 that failed, and when stopped by Ctrl-C or SIGTERM (finished rows of a study and scenes of a sweep
 are kept).
 """
@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..meshes.errors import RingwearError, SceneError
-from .arguments import ARGUMENTS, OF_STUDIES
+from .arguments import EXAMPLES, OF_STUDIES, add_arguments
 from .output.folder import Folder, output_folder
 from .output.signals import ending_on_signals
 from .problem.scene import Scene, bundled, text_of
@@ -150,6 +150,16 @@ def _check(options: argparse.Namespace) -> Status:
     if failures:
         return Status.FAILED
     return Status.DONE if result.passes else Status.DISAGREE
+
+
+def _fit(options: argparse.Namespace) -> Status:
+    from .fit.command import conduct
+
+    folder, failures, fits = conduct(options, _out(options, f"fit_{Path(options.scene).stem}"))
+    _print_files(folder, failures)
+    if failures:
+        return Status.FAILED
+    return Status.DONE if fits else Status.DISAGREE
 
 
 def _plan(options: argparse.Namespace) -> Status:
@@ -319,6 +329,14 @@ COMMANDS = {
             *("--sizes", "--template"),
         ),
     ),
+    "fit": Command(
+        "fit parameters of a scene to measurements: how well these tell them, and what they cannot",
+        _fit,
+        (
+            *("scene", "data", "--for", "--noise", "--density", "--design", "--columns"),
+            *("--units", "--out"),
+        ),
+    ),
     "plan": Command(
         "say what a scene models and what it will cost, without computing it",
         _plan,
@@ -349,15 +367,6 @@ COMMANDS = {
 }
 
 
-EXAMPLES = """examples:
-  ringwear run                             compute the bundled scene five_rings
-  ringwear scenes sphere > mine.toml       start a scene of your own from a bundled one
-  ringwear run mine.toml --rtol 1e-3       compute it to another accuracy
-  ringwear check mine.toml abaqus.csv      compare results of another program with ours
-  ringwear study convergence --quick       see the orders of convergence beside theory
-"""
-
-
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="ringwear",
@@ -371,26 +380,16 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
     for name, command in COMMANDS.items():
         taker = commands.add_parser(name, help=command.help)
-        _add(taker, command.arguments, command.scene)
+        add_arguments(taker, command.arguments, command.scene)
         if name == "study":
             names = taker.add_subparsers(required=True, metavar="NAME", dest="study")
             for study, row in STUDIES.items():
                 taker = names.add_parser(study, help=row.purpose)
-                _add(taker, ("scene", "--out", "--quick"), row.scene)
+                add_arguments(taker, ("scene", "--out", "--quick"), row.scene)
                 for option in row.takes:
                     flag, settings = OF_STUDIES[option]
                     taker.add_argument(flag, dest=option, **settings)
     return parser
-
-
-def _add(parser: argparse.ArgumentParser, names: tuple[str, ...], scene: str | None) -> None:
-    """Add arguments to a command; the scene may be left out where there is one by default."""
-    for name in names:
-        settings = ARGUMENTS[name]
-        if name == "scene" and scene:
-            help = f"{settings['help']} (default: {scene})"
-            settings = {"nargs": "?", "default": scene, "help": help}
-        parser.add_argument(name, **settings)
 
 
 if __name__ == "__main__":

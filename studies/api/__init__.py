@@ -12,6 +12,9 @@ It is computed by finite elements, dimensionality reduction and direct integrati
 `check`
     results of another program against ours: ``check("five_rings", {"abaqus": "abaqus.csv"})``, then
     ``result.verdicts``, ``result.diagnoses`` and all that a run has
+`fit`
+    wear coefficients from measurements: ``fit("mine.toml", "data.csv",
+    "punch.wear_coefficient")``, then ``found.estimates``, ``found.conclusions``, ``found.figures``
 `load`
     read results that were saved
 `plan`
@@ -42,6 +45,7 @@ from ringwear.studies.problem.scene import Scene
 if TYPE_CHECKING:
     from ringwear.meshes.errors import RingwearError, SceneError
     from ringwear.studies.crosscheck.plan import plan
+    from ringwear.studies.fit.fit import fit
     from ringwear.studies.results import Result, check, load, run
     from ringwear.studies.study.conduct import study
     from ringwear.studies.study.study import Study
@@ -57,6 +61,7 @@ __all__ = [
     "Study",
     "__version__",
     "check",
+    "fit",
     "load",
     "plan",
     "run",
@@ -70,6 +75,7 @@ _LATER = {
     "Study": "ringwear.studies.study.study",
     "run": "ringwear.studies.results",
     "check": "ringwear.studies.results",
+    "fit": "ringwear.studies.fit.fit",
     "load": "ringwear.studies.results",
     "plan": "ringwear.studies.crosscheck.plan",
     "study": "ringwear.studies.study.conduct",

@@ -40,8 +40,6 @@ RTOLS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
 NUMERICAL = 0.1
 # standard deviation of a logarithm from which on curvature is not trusted
 CURVED = 0.05
-# an interval that is wider than this factor on a side does not identify a parameter
-FACTOR = 2.0
 # new best points that profiles may find
 RESTARTS = 4
 
@@ -123,22 +121,22 @@ def _fitted(
     measurements: tuple[Measurement, ...],
     design: bool,
 ) -> Fit:
-    rtols = iter(RTOLS)
-    predictor = _predictor(scene, parameters, measurements, next(rtols))
+    rtol, *finer_rtols = RTOLS
+    predictor = _predictor(scene, parameters, measurements, rtol)
     likelihood = Likelihood(predictor, parameters, tuple(range(len(parameters))))
     likelihood, combinations = without_effect(likelihood)
     points = best_points(likelihood)
     likelihood = with_estimated_noise(likelihood, points)
     error = np.zeros(len(likelihood.noise))
-    for rtol in rtols:
+    for finer_rtol in finer_rtols:
         best = likelihood.best_from(points[0].x)
-        finer = _predictor(scene, parameters, likelihood.measurements, rtol)
+        finer = _predictor(scene, parameters, likelihood.measurements, finer_rtol)
         sharper = replace(likelihood, predictor=finer)
         error = sharper.residuals(best.x) - likelihood.residuals(best.x)
         LOG.info("     fit  numerical error %.2g of the noise", np.abs(error).max())
         if np.abs(error).max() <= NUMERICAL:
             break
-        likelihood = sharper
+        likelihood, rtol = sharper, finer_rtol
     if len(points) > 1 and likelihood.predictor is not predictor:
         points = sorted(
             (likelihood.best_from(point.x) for point in points), key=lambda point: point.chi_square
@@ -169,6 +167,8 @@ def _fitted(
         profiles=profiles,
         combinations=tuple(combinations),
         tests=residual_tests(likelihood, best.x),
+        rtol=rtol,
+        model_error=float(np.abs(error).max()),
     )
     return found.with_design() if design else found
 

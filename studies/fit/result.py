@@ -22,13 +22,15 @@ from .data import Measurement
 from .likelihood import Likelihood, Point
 from .parameters import Parameter
 from .profiles import Profiles
+from .residual_tests import LEVEL, combined
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # a parameter that is known to no better than this factor on a side is not identifiable
 FACTOR = 2.0
-FILES = ("estimates.csv", "residuals.csv", "tests.csv", "design.csv", "report.html")
+TABLES = ("estimates.csv", "residuals.csv", "tests.csv", "design.csv")
+FILES = (*TABLES, "fit.png", "likelihood.png", "design.png", "report.html")
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,8 @@ class Fit:
     profiles : of the likelihood, where curvature was not enough
     combinations : numbers of the parameters whose combination has no effect; the last is held
     tests : probabilities of the residuals, by the names of the tests
+    rtol : accuracy of the model
+    model_error : its greatest error over the noise, by the difference to a sharper one
     design : further measurements with the widest interval that they would leave, best first; empty
         if it was not asked for
     """
@@ -92,6 +96,8 @@ class Fit:
     profiles: Profiles
     combinations: tuple[tuple[int, ...], ...]
     tests: dict[str, float]
+    rtol: float
+    model_error: float
     design: pd.DataFrame = field(default_factory=pd.DataFrame)
 
     @property
@@ -141,6 +147,22 @@ class Fit:
         names = [self.likelihood.parameters[number].name for number in self.likelihood.free]
         scaled = self.covariance / np.outer(deviations, deviations)
         return pd.DataFrame(scaled, index=names, columns=names)
+
+    @property
+    def fits(self) -> bool:
+        """Whether the residuals do not speak against the model."""
+        return combined(self.tests) >= LEVEL
+
+    @cached_property
+    def bands(self) -> Array:
+        """(n,) half widths of the 95 % band of what is fitted, in the units of the data."""
+        slopes = self.likelihood.slopes(self.best.x)
+        variances = np.einsum("ni,ij,nj->n", slopes, self.covariance, slopes)
+        return np.asarray(np.sqrt(variances * self.profiles.threshold) * self.likelihood.noise)
+
+    def own_point(self, number: int) -> tuple[float, float]:
+        """Return the best value of a parameter with its chi-square, as profiles have them."""
+        return float(self.best.x[number]), self.best.chi_square
 
     @cached_property
     def residuals(self) -> pd.DataFrame:
