@@ -1,6 +1,6 @@
 """Fit parameters of a scene to measurements: what they are, how well, and what is not known."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -40,6 +40,10 @@ RTOLS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
 NUMERICAL = 0.1
 # standard deviation of a logarithm from which on curvature is not trusted
 CURVED = 0.05
+# what yields a predictor of measurements at an accuracy
+Model = Callable[
+    [Scene, tuple[Parameter, ...], tuple[Measurement, ...], float], Predictor
+]
 # new best points that profiles may find
 RESTARTS = 4
 
@@ -109,20 +113,28 @@ def fit(
         raise SceneError("the data has no time after the start: give some")
     scene = scene.changed(wear__times=times.tolist(), wear__march="modal", wear__step=None)
     scene, sought = find_parameters(scene, [name.strip() for name in names if name.strip()])
-    sought = _scaled(sought, measurements)
     # the matrices are small: threads would wait on each other
     with threadpool_limits(1):
-        return _fitted(scene, sought, measurements, design)
+        found = fit_measurements(scene, _scaled(sought, measurements), measurements)
+        return found.with_design() if design else found
 
 
-def _fitted(
+def fit_measurements(
     scene: Scene,
     parameters: tuple[Parameter, ...],
     measurements: tuple[Measurement, ...],
-    design: bool,
+    model: Model | None = None,
 ) -> Fit:
+    """Fit parameters to measurements that have been read.
+
+    Parameters
+    ----------
+    scene : with the times of the data
+    model : yields the predictor by an accuracy; by default that which suits the punch
+    """
+    model = model or suitable_model(scene)
     rtol, *finer_rtols = RTOLS
-    predictor = _predictor(scene, parameters, measurements, rtol)
+    predictor = model(scene, parameters, measurements, rtol)
     likelihood = Likelihood(predictor, parameters, tuple(range(len(parameters))))
     likelihood, combinations = without_effect(likelihood)
     points = best_points(likelihood)
@@ -130,7 +142,7 @@ def _fitted(
     error = np.zeros(len(likelihood.noise))
     for finer_rtol in finer_rtols:
         best = likelihood.best_from(points[0].x)
-        finer = _predictor(scene, parameters, likelihood.measurements, finer_rtol)
+        finer = model(scene, parameters, likelihood.measurements, finer_rtol)
         sharper = replace(likelihood, predictor=finer)
         error = sharper.residuals(best.x) - likelihood.residuals(best.x)
         LOG.info("     fit  numerical error %.2g of the noise", np.abs(error).max())
@@ -159,7 +171,7 @@ def _fitted(
                 number in profiles.traces,
             )
         )
-    found = Fit(
+    return Fit(
         scene=scene,
         likelihood=likelihood,
         best=best,
@@ -170,18 +182,11 @@ def _fitted(
         rtol=rtol,
         model_error=float(np.abs(error).max()),
     )
-    return found.with_design() if design else found
 
 
-def _predictor(
-    scene: Scene,
-    parameters: tuple[Parameter, ...],
-    measurements: tuple[Measurement, ...],
-    rtol: float,
-) -> Predictor:
-    """Return the model that suits the punch: modes where all of it carries, else a march."""
-    model = flat_predictor if scene.problem.full_contact else marched_predictor
-    return model(scene, parameters, measurements, rtol)
+def suitable_model(scene: Scene) -> Model:
+    """Return the model that suits a punch: modes where all of it carries, else a march."""
+    return flat_predictor if scene.problem.full_contact else marched_predictor
 
 
 def _scaled(
