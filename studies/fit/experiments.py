@@ -18,7 +18,6 @@ from ...meshes.radial import Array
 from ..problem.scene import Scene
 from .data import Measurement
 from .fit import fit_measurements, suitable_model
-from .flat_predictor import flat_predictor
 from .parameters import Parameter, find_parameters
 from .predictor import Predictor
 from .result import Fit
@@ -26,7 +25,7 @@ from .result import Fit
 # scatter of the logarithms of wear coefficients and of the modulus about those of the scene
 SCATTER = {"punch": 0.3, "half_space": 0.1}
 # accuracy of the model that data come from
-SHARP = 1e-4
+SHARP, SHARP_MARCH = 1e-4, 1e-2
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,10 +68,10 @@ class Experiments:
     @cached_property
     def _sharp(self) -> Predictor:
         scene, parameters, empty = self._prepared
-        model = flat_predictor if scene.problem.full_contact else suitable_model(scene)
         if self.law is not None:
             empty = tuple(replace(each, times=self.law(each.times)) for each in empty)
-        return model(scene, parameters, empty, SHARP if scene.problem.full_contact else 1e-2)
+        rtol = SHARP if scene.problem.full_contact else SHARP_MARCH
+        return suitable_model(scene)(scene, parameters, empty, rtol, np.zeros(len(parameters)))
 
     @cached_property
     def _models(self) -> dict[float, Any]:
@@ -84,10 +83,13 @@ class Experiments:
         parameters: tuple[Parameter, ...],
         measurements: tuple[Measurement, ...],
         rtol: float,
+        origin: Array,
     ) -> Predictor:
-        """Return a model whose discretisation all experiments share."""
+        """Return a model whose discretisation, or marches, all experiments share."""
         if rtol not in self._models:
-            self._models[rtol] = suitable_model(scene)(scene, parameters, measurements, rtol)
+            nothing = np.zeros(len(parameters))
+            model = suitable_model(scene)
+            self._models[rtol] = model(scene, parameters, measurements, rtol, nothing)
         found: Predictor = self._models[rtol].measuring(measurements)
         return found
 
@@ -146,6 +148,11 @@ def cases() -> dict[str, Experiments]:
     two = Scene.load("five_rings")
     five = two.changed({WEAR: [1.0, 10.0, 1.0, 10.0, 1.0]})
     modulus = "half_space.plane_strain_modulus"
+    ball = Scene.load("sphere").changed({WEAR: [1.0]})
+    halves = Scene.load("sphere").table()
+    halves["punch"] |= {"ring_edges": [0.4, 1.0], WEAR.rpartition(".")[2]: [1.0, 3.0]}
+    del halves["punch"]["rings"]
+    weighings, late = np.array([0.1, 0.3, 1.0, 3.0, 10.0]), np.array([5.0, 10.0, 20.0])
     return {
         "two": Experiments(two, (WEAR,), (INDENTATION,)),
         "two, noise unknown": Experiments(two, (WEAR,), (INDENTATION,), noise_known=False),
@@ -157,6 +164,15 @@ def cases() -> dict[str, Experiments]:
         ),
         "five": Experiments(five, (WEAR,), (INDENTATION, EARLY_PROFILE)),
         "five, d(t) alone": Experiments(five, (WEAR,), (INDENTATION,)),
+        "ball": Experiments(ball, (WEAR,), (("worn_volume", weighings, None, 0.02, None),)),
+        "ball of two materials": Experiments(
+            Scene.from_table(halves),
+            (WEAR,),
+            (
+                ("worn_volume", weighings, None, 0.02, 0),
+                ("worn_volume", late, None, 0.02, 1),
+            ),
+        ),
         "k falls": Experiments(two, (WEAR,), (INDENTATION,), law=falls_by_30_percent),
         "k falls, noise unknown": Experiments(
             two, (WEAR,), (INDENTATION,), noise_known=False, law=falls_by_30_percent

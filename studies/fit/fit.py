@@ -42,7 +42,7 @@ NUMERICAL = 0.1
 CURVED = 0.05
 # what yields a predictor of measurements at an accuracy
 Model = Callable[
-    [Scene, tuple[Parameter, ...], tuple[Measurement, ...], float], Predictor
+    [Scene, tuple[Parameter, ...], tuple[Measurement, ...], float, Array], Predictor
 ]
 # new best points that profiles may find
 RESTARTS = 4
@@ -130,11 +130,12 @@ def fit_measurements(
     Parameters
     ----------
     scene : with the times of the data
-    model : yields the predictor by an accuracy; by default that which suits the punch
+    model : yields the predictor by an accuracy and by the coordinates about which it is to be best;
+        by default that which suits the punch
     """
     model = model or suitable_model(scene)
     rtol, *finer_rtols = RTOLS
-    predictor = model(scene, parameters, measurements, rtol)
+    predictor = model(scene, parameters, measurements, rtol, np.zeros(len(parameters)))
     likelihood = Likelihood(predictor, parameters, tuple(range(len(parameters))))
     likelihood, combinations = without_effect(likelihood)
     points = best_points(likelihood)
@@ -142,13 +143,13 @@ def fit_measurements(
     error = np.zeros(len(likelihood.noise))
     for finer_rtol in finer_rtols:
         best = likelihood.best_from(points[0].x)
-        finer = model(scene, parameters, likelihood.measurements, finer_rtol)
+        finer = model(scene, parameters, likelihood.measurements, finer_rtol, best.x)
         sharper = replace(likelihood, predictor=finer)
         error = sharper.residuals(best.x) - likelihood.residuals(best.x)
         LOG.info("     fit  numerical error %.2g of the noise", np.abs(error).max())
         if np.abs(error).max() <= NUMERICAL:
             break
-        likelihood, rtol = sharper, finer_rtol
+        likelihood = sharper
     if len(points) > 1 and likelihood.predictor is not predictor:
         points = sorted(
             (likelihood.best_from(point.x) for point in points), key=lambda point: point.chi_square
@@ -179,14 +180,17 @@ def fit_measurements(
         profiles=profiles,
         combinations=tuple(combinations),
         tests=residual_tests(likelihood, best.x),
-        rtol=rtol,
+        rtol=likelihood.predictor.rtol,
         model_error=float(np.abs(error).max()),
     )
 
 
 def suitable_model(scene: Scene) -> Model:
     """Return the model that suits a punch: modes where all of it carries, else a march."""
-    return flat_predictor if scene.problem.full_contact else marched_predictor
+    if scene.problem.full_contact:
+        return flat_predictor
+    LOG.info("     fit  contact changes: this takes some ten marches or more, a second each")
+    return marched_predictor
 
 
 def _scaled(

@@ -67,12 +67,14 @@ class FlatPredictor:
     parameters : of the fit
     measurements : to predict
     punch : discretised
+    rtol : accuracy that it was discretised to
     """
 
     scene: Scene
     parameters: tuple[Parameter, ...]
     measurements: tuple[Measurement, ...]
     punch: FlatHistories
+    rtol: float
     _kept: dict[bytes, At] = field(default_factory=dict)
 
     def measuring(self, measurements: tuple[Measurement, ...]) -> "FlatPredictor":
@@ -186,8 +188,12 @@ def flat_predictor(
     parameters: tuple[Parameter, ...],
     measurements: tuple[Measurement, ...],
     rtol: float,
+    origin: Array,
 ) -> Predictor:
-    """Return the model of a flat punch at an accuracy, which serves the times of the data."""
+    """Return the model of a flat punch at an accuracy, which serves the times of the data.
+
+    The origin, coordinates (m,) about which it is best, is of no concern to it.
+    """
     problem = replace(scene.problem, rtol=rtol)
     times = np.concatenate([each.times for each in measurements]) / problem.units.time
     distances = problem.loading.at(times).distance
@@ -197,7 +203,7 @@ def flat_predictor(
     radii = np.array(table.radii) / problem.units.length if table else None
     ends = float(distances.min()), float(distances.max())
     punch = FlatHistories.discretise(problem, *ends, fields, radii)
-    return FlatPredictor(scene, parameters, measurements, punch)
+    return FlatPredictor(scene, parameters, measurements, punch, rtol)
 
 
 def wear_coefficients(scene: Scene) -> Array:

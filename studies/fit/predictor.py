@@ -17,6 +17,10 @@ class Predictor(Protocol):
     def measurements(self) -> tuple[Measurement, ...]:
         """What is predicted."""
 
+    @property
+    def rtol(self) -> float:
+        """The accuracy of the model."""
+
     def predict(self, x: Array) -> list[Array]:
         """Return the values (n,) of each measurement at coordinates (m,) of the parameters."""
 
