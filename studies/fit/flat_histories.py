@@ -166,9 +166,11 @@ class FlatHistory:
 
     def states(self, times: Array) -> tuple[Array, Array, Array]:
         """Return pressures (T, n), indentations (T,) and forces (T,) at times."""
-        state = self.problem.loading.at(times)
-        knots = self.modes.at_knots(self.problem.loading)
-        excited = self.modes.excite(knots[state.knot], state)
+        state, modes = self.problem.loading.at(times), self.modes
+        if self.problem.loading.varies:
+            excited = modes.excite(modes.at_knots(self.problem.loading)[state.knot], state)
+        else:
+            excited = modes.amplitudes * np.exp(-state.distance[:, None] / modes.relaxation)
         pressures = excited @ self.modes.shapes.T
         if self.problem.indentation is not None:
             given = np.full(len(times), self.problem.indentation)
