@@ -58,8 +58,14 @@ class Experiments:
         )
         empty = tuple(
             Measurement(
-                quantity, quantity, times, np.ones(len(times)), np.ones(len(times)),
-                self.noise_known, radii, ring,
+                quantity,
+                quantity,
+                times,
+                np.ones(len(times)),
+                np.ones(len(times)),
+                self.noise_known,
+                radii,
+                ring,
             )
             for quantity, times, radii, _, ring in self.columns
         )
@@ -117,7 +123,9 @@ def report(name: str, experiments: Experiments, count: int, first: int = 0) -> s
     inside, known, alarms, widths, began = [], [], [], [], time.process_time()
     for seed in range(first, first + count):
         truth, found = experiments.conduct(seed)
-        inside.append([each.low <= true <= each.high for each, true in zip(found.found, truth, strict=True)])
+        inside.append(
+            [each.low <= true <= each.high for each, true in zip(found.found, truth, strict=True)]
+        )
         known.append([each.identifiable for each in found.found])
         widths.append([(each.high - each.low) / 2 for each in found.found])
         alarms.append(not found.fits)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.interpolate import PchipInterpolator
 from scipy.stats import norm
 
 from ...meshes.radial import Array
@@ -62,8 +63,13 @@ def draw_fit(fit: "Fit") -> Figure:
             order = np.argsort(places)
             measured, fitted = table["measured"][part], table["fitted"][part]
             upper.plot(
-                places, measured / unit, look["marker"], color=look["color"], markersize=3,
-                fillstyle="none", label=_label(each, names, len(of_it)),
+                places,
+                measured / unit,
+                look["marker"],
+                color=look["color"],
+                markersize=3,
+                fillstyle="none",
+                label=_label(each, names, len(of_it)),
             )
             upper.plot(places[order], (fitted / unit).to_numpy()[order], color="#c0392b")
             band = bands[part]
@@ -71,11 +77,17 @@ def draw_fit(fit: "Fit") -> Figure:
                 places[order],
                 ((fitted - band) / unit).to_numpy()[order],
                 ((fitted + band) / unit).to_numpy()[order],
-                color="#c0392b", alpha=0.25, linewidth=0,
+                color="#c0392b",
+                alpha=0.25,
+                linewidth=0,
             )
             lower.plot(
-                places, table["residual"][part], look["marker"], color=look["color"],
-                markersize=3, fillstyle="none",
+                places,
+                table["residual"][part],
+                look["marker"],
+                color=look["color"],
+                markersize=3,
+                fillstyle="none",
             )
             relative = (band / each.noise)[order]
             lower.fill_between(
@@ -106,18 +118,31 @@ def draw_profiles(fit: "Fit") -> Figure:
     names = UnitNames.of(fit.scene.units)
     for axes, number in zip(panels, numbers, strict=False):
         each = fit.found[number]
-        places, rises = np.array(sorted([*fit.profiles.traces[number], fit.own_point(number)])).T
+        traced = dict([*fit.profiles.traces[number], fit.own_point(number)])
+        places, rises = np.array(sorted(traced.items())).T
         rises = rises - fit.chi_square
         near = rises <= HIGHEST
         values = np.array([each.parameter.at(place) for place in places])
-        axes.plot(values[near], rises[near], "o-", color="black", markersize=2.5, linewidth=1)
+        axes.plot(values[near], rises[near], "o", color="black", markersize=2.5)
+        dense = np.linspace(places[near].min(), places[near].max(), 200)
+        # the root of the rise is nearly straight between points
+        signed = np.sign(places - each.best) * np.sqrt(np.maximum(rises, 0.0))
+        axes.plot(
+            [each.parameter.at(x) for x in dense],
+            PchipInterpolator(places, signed)(dense) ** 2,
+            color="black",
+            linewidth=1,
+        )
         place = fit.likelihood.free.index(number)
         deviation = np.sqrt(fit.covariance[place, place])
         along = np.linspace(places[near].min(), places[near].max(), 200)
         parabola = ((along - each.best) / deviation) ** 2
         low = parabola <= HIGHEST
         axes.plot(
-            [each.parameter.at(x) for x in along[low]], parabola[low], "--", color="0.5",
+            [each.parameter.at(x) for x in along[low]],
+            parabola[low],
+            "--",
+            color="0.5",
             linewidth=0.8,
         )
         axes.axhline(fit.profiles.threshold, **FAINT)
@@ -142,7 +167,11 @@ def draw_design(fit: "Fit") -> Figure:
     table = fit.design
     figure = new_figure(PAGE, 1.2 + 0.2 * len(table))
     axes = figure.subplots()
-    names = [name for name in table.columns if name.startswith("half width of ")]
+    names = [
+        f"half width of {each.parameter.name}"
+        for number, each in enumerate(fit.found)
+        if each.parameter.logarithmic and number in fit.likelihood.free
+    ]
     heights = np.arange(1, len(table) + 1)
     before = table.attrs["before"]
     for number, name in enumerate(names):

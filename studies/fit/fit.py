@@ -41,9 +41,7 @@ NUMERICAL = 0.1
 # standard deviation of a logarithm from which on curvature is not trusted
 CURVED = 0.05
 # what yields a predictor of measurements at an accuracy
-Model = Callable[
-    [Scene, tuple[Parameter, ...], tuple[Measurement, ...], float, Array], Predictor
-]
+Model = Callable[[Scene, tuple[Parameter, ...], tuple[Measurement, ...], float, Array], Predictor]
 # new best points that profiles may find
 RESTARTS = 4
 

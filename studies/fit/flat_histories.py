@@ -20,7 +20,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from ...meshes.compliance import Compliance
-from ...meshes.radial import Array, ring_of
+from ...meshes.radial import Array, Indices, ring_of
 from ..methods.mdr import METHOD
 from ..problem.face import Rings
 from ..problem.problem import Problem
@@ -45,13 +45,13 @@ class FlatHistories:
     ----------
     compliance : of the half-space
     parts : J arrays (2, N) of ring values of the pressure space: what each coefficient brings
-    scene_rings : (N,) number of the ring of the scene that each ring of that space lies on; -1 of
+    scene_rings : (N,) int array, number of the ring of the scene that each ring of that space lies on; -1 of
         a hole
     """
 
     compliance: Compliance
     parts: tuple[Array, ...]
-    scene_rings: Array
+    scene_rings: Indices
 
     @classmethod
     def discretise(
@@ -253,9 +253,9 @@ class FlatHistory:
         """
         punch, space = self.punch, self.punch.compliance.space
         pressure = self.mass.backward(integral)
-        moved = [c * (mass @ pressure) for c, mass in zip(
-            self.coefficients, punch.masses, strict=True
-        )]
+        moved = [
+            c * (mass @ pressure) for c, mass in zip(self.coefficients, punch.masses, strict=True)
+        ]
         changes = self.integral_slopes(time) - self.mass.forward(np.array(moved).T).T
         changes = self.mass.backward(changes.T)
         if radii is None:

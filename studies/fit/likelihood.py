@@ -100,12 +100,19 @@ class Likelihood:
         """Return the derivatives (n, f) by the parameters that are sought."""
         return self.all_slopes(x)[:, self.free]
 
-    def best_from(self, start: Array, held: int | None = None, value: float = 0.0) -> Point:
+    def best_from(
+        self,
+        start: Array,
+        held: int | None = None,
+        value: float = 0.0,
+        tolerance: float = TOLERANCE,
+    ) -> Point:
         """Return the nearest best point from a start (m,), if wanted with one parameter held.
 
         Parameters
         ----------
         held : number of the parameter that is held at a value
+        tolerance : relative change of chi-square at which the search ends
         """
         x, moving = start.copy(), [number for number in self.free if number != held]
         if held is not None:
@@ -125,9 +132,9 @@ class Likelihood:
             lambda coordinates: self.all_slopes(placed(coordinates))[:, moving],
             bounds=(-reach * (1 + 1e-9), reach * (1 + 1e-9)),
             x_scale="jac",
-            ftol=TOLERANCE,
-            xtol=TOLERANCE,
-            gtol=TOLERANCE,
+            ftol=tolerance,
+            xtol=tolerance,
+            gtol=tolerance,
             max_nfev=MOST_EVALUATIONS,
         )
         return Point(placed(found.x), float(2 * found.cost))

@@ -87,12 +87,10 @@ class MarchedPredictor:
         places = [(each.quantity, each.ring, each.radii is None) for each in measurements]
         own = [(each.quantity, each.ring, each.radii is None) for each in self.measurements]
         same = places == own and all(
-            each.radii is None or np.array_equal(each.radii, other.radii)
+            each.radii is None or other.radii is None or np.array_equal(each.radii, other.radii)
             for each, other in zip(measurements, self.measurements, strict=True)
         )
-        return replace(
-            self, measurements=measurements, _marches=self._marches if same else {}
-        )
+        return replace(self, measurements=measurements, _marches=self._marches if same else {})
 
     @cached_property
     def _rig(self) -> Rig:

@@ -16,10 +16,14 @@ from .likelihood import Likelihood, Point
 
 # how often all searches are repeated from points that others have found since
 ROUNDS = 4
-# steps of one search, and the part of the threshold's root, or of the way, to which it finds it
-MOST_STEPS, CLOSE = 40, 0.01
+# steps of one search, and the part of the threshold's root, or of the way, to which it finds it;
+# from a way of this length on, where the interval is too wide for a parameter to be identifiable,
+# the larger part
+MOST_STEPS, CLOSE, WIDE, CLOSE_IF_WIDE = 40, 0.02, 1.0, 0.1
+# relative change of chi-square at which a search for a constrained minimum ends
+TOLERANCE = 1e-5
 # part by which a point must lie beyond an interval for it to be sought anew
-FURTHER = 0.02
+FURTHER = 0.05
 # a point that is better by this than the best is a new best
 BETTER = 1e-2
 # greatest first step, in coordinates
@@ -107,9 +111,10 @@ class Profiles:
                     return float(np.inf)
             else:
                 high, high_rise = step, rise
-            if abs(rise / goal - 1) < CLOSE:
+            close = CLOSE_IF_WIDE if low > WIDE else CLOSE
+            if abs(rise / goal - 1) < close:
                 return float(step)
-            if high - low < CLOSE * high:
+            if high - low < close * high:
                 return float(high)
             if np.isinf(high):
                 ahead = np.clip(1.05 * goal / max(low_rise, 1e-9) - 1, 0.3, 2.0)
@@ -128,11 +133,13 @@ class Profiles:
         along[list(likelihood.free)] = self.covariance[place] / self.covariance[place, place]
         shift = along * (value - near.x[number])
         start = near.x + shift if np.abs(shift).max() < 1 else near.x
-        point = likelihood.best_from(start, number, value)
+        point = likelihood.best_from(start, number, value, TOLERANCE)
         if point.chi_square > self.best.chi_square + self.threshold:
             # a narrow valley that bends: look again before it is said to end
             closest = min([self.best, *self.seen], key=lambda of: abs(of.x[number] - value))
-            others = [likelihood.best_from(of.x, number, value) for of in (near, closest)]
+            others = [
+                likelihood.best_from(of.x, number, value, TOLERANCE) for of in (near, closest)
+            ]
             point = min([point, *others], key=lambda of: of.chi_square)
         if point.chi_square < self.best.chi_square - BETTER:
             raise BetterPointError(point)

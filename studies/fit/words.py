@@ -113,18 +113,23 @@ def _inseparable_since(fit: "Fit", first: int, second: int, names: UnitNames) ->
 def _harmonic(fit: "Fit") -> str:
     """Return how well the harmonic mean of the wear coefficients is known, if that is known best."""
     likelihood = fit.likelihood
-    wear = [place for place, number in enumerate(likelihood.free)
-            if likelihood.parameters[number].name.startswith("punch.wear_coefficients[")]
+    wear = [
+        place
+        for place, number in enumerate(likelihood.free)
+        if likelihood.parameters[number].name.startswith("punch.wear_coefficients[")
+    ]
     punch = fit.scene.punch
     if len(wear) < 2 or punch.table:
         return ""
     covariance = fit.covariance[np.ix_(wear, wear)]
-    spreads, axes = np.linalg.eigh(covariance)
+    best_known = np.linalg.eigh(covariance)[1][:, 0]
     weights = _steady_weights(fit, wear)
-    if abs(axes[:, 0] @ weights) < ALIKE * np.linalg.norm(weights):
+    if abs(best_known @ weights) < ALIKE * np.linalg.norm(weights):
         return ""
     known = float(np.sqrt(weights @ covariance @ weights) / weights.sum())
-    return f"; their harmonic mean, which sets the steady wear rate, is known to {196 * known:.2g} %"
+    return (
+        f"; their harmonic mean, which sets the steady wear rate, is known to {196 * known:.2g} %"
+    )
 
 
 def _steady_weights(fit: "Fit", wear: list[int]) -> Array:
@@ -174,5 +179,5 @@ def _quality(fit: "Fit", names: UnitNames) -> Iterator[str]:
         yield (
             f"the next measurement that narrows the widest interval, of {row['parameter']}, most: "
             f"{row['measurement']}; its half width falls from {row['before']:.2g} to "
-            f"{row['after']:.2g} (of the logarithm)"
+            f"{row['after']:.2g} of the logarithm"
         )
