@@ -2,9 +2,9 @@
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree,
 or one cannot reach the accuracy asked for, or results that are checked are off by more than they
-may, or a law does not fit measurements; 2 bad input; 1 anything else, such as a figure that could not be drawn or scenes of a sweep
-that failed, and when stopped by Ctrl-C or SIGTERM (finished rows of a study and scenes of a sweep
-are kept).
+may, or a model does not fit measurements; 2 bad input; 1 anything else, such as a figure that could
+not be drawn or scenes of a sweep that failed, and when stopped by Ctrl-C or SIGTERM (finished rows
+of a study and scenes of a sweep are kept).
 """
 
 import argparse

@@ -13,11 +13,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 from ...meshes.radial import Array
 from ..problem.scene import Scene
 from .data import Measurement
 from .fit import fit_measurements, suitable_model
+from .flat_histories import FlatHistories
 from .parameters import Parameter, find_parameters
 from .predictor import Predictor
 from .result import Fit
@@ -40,6 +42,7 @@ class Experiments:
         range of a profile, and the ring or None
     noise_known : whether fits are given the noise
     law : the times that wear corresponds to, by the times of the clock: another law than Archard's
+    depths : indentations (T,) of a scene at times (T,), by another law, in place of a model
     """
 
     scene: Scene
@@ -47,6 +50,7 @@ class Experiments:
     columns: tuple[tuple[str, Array, Array | None, float, int | None], ...]
     noise_known: bool = True
     law: Callable[[Array], Array] | None = None
+    depths: Callable[[Scene, Array], Array] | None = None
 
     @cached_property
     def _prepared(self) -> tuple[Scene, tuple[Parameter, ...], tuple[Measurement, ...]]:
@@ -80,6 +84,11 @@ class Experiments:
         return suitable_model(scene)(scene, parameters, empty, rtol, np.zeros(len(parameters)))
 
     @cached_property
+    def _by_other_law(self) -> list[Array]:
+        scene, _, empty = self._prepared
+        return [self.depths(scene, each.times) for each in empty] if self.depths else []
+
+    @cached_property
     def _models(self) -> dict[float, Any]:
         return {}
 
@@ -107,9 +116,8 @@ class Experiments:
         truth = random.normal(0.0, scatter)
         truth += np.array([0.0 if each.logarithmic else 0.2 for each in parameters])
         measurements = []
-        for column, each, exact in zip(
-            self.columns, empty, self._sharp.predict(truth), strict=True
-        ):
+        exactly = self._by_other_law if self.depths else self._sharp.predict(truth)
+        for column, each, exact in zip(self.columns, empty, exactly, strict=True):
             spread = np.ptp(exact) if each.quantity == "profile" else np.abs(exact)
             noise = column[3] * (spread if each.quantity != "indentation" else 1.0)
             noise = noise * np.ones(len(exact))
@@ -151,6 +159,43 @@ def falls_by_30_percent(times: Array) -> Array:
     return np.asarray(times - 0.15 * times**2 / times.max())
 
 
+def depths_if_wear_goes_as_pressure_squared(scene: Scene, times: Array) -> Array:
+    """Return the indentations of a flat punch whose k is proportional to p.
+
+    It is that of the scene at the mean pressure. ``A p' = d' b - int k p^2 phi dA / p_mean`` is
+    integrated by an implicit Runge-Kutta method from the flat start.
+    """
+    problem = scene.problem
+    units = problem.units
+    ends = float(times[0]) / units.time, float(times[-1]) / units.time
+    punch = FlatHistories.discretise(replace(problem, rtol=0.1), *ends, fields=False)
+    space, matrix = punch.compliance.space, punch.compliance.matrix
+    radii, lengths, local = space.quadrature
+    basis = space.on_elements(local)
+    areas = (2 * np.pi * radii * lengths * problem.wear_coefficients[space.ring][:, None]).ravel()
+    solved = np.linalg.solve(matrix, np.column_stack([space.weights, basis.T.toarray()]))
+    by_weights, by_points = solved[:, 0], solved[:, 1:]
+    stiffness = float(space.weights @ by_weights)
+
+    def rates(_: float, state: Array) -> Array:
+        worn = by_points @ (np.pi * areas * (basis @ state[:-1]) ** 2)
+        approach = float(space.weights @ worn) / stiffness
+        return np.append(approach * by_weights - worn, approach)
+
+    def jacobian(_: float, state: Array) -> Array:
+        pressed = 2 * np.pi * areas * (basis @ state[:-1])
+        worn = by_points @ basis.multiply(pressed[:, None]).toarray()
+        approach = space.weights @ worn / stiffness
+        rows = np.vstack([np.outer(by_weights, approach) - worn, approach])
+        return np.column_stack([rows, np.zeros(len(rows))])
+
+    start = np.append(by_weights, 1.0) / stiffness
+    span = (0.0, ends[1])
+    steps = {"rtol": 1e-5, "atol": 1e-7, "first_step": 1e-9, "jac": jacobian}
+    found = solve_ivp(rates, span, start, "BDF", times / units.time, **steps)
+    return np.asarray(found.y[-1] * units.displacement)
+
+
 def cases() -> dict[str, Experiments]:
     """Return the kinds of experiments that the README tells the coverage of."""
     two = Scene.load("five_rings")
@@ -182,6 +227,9 @@ def cases() -> dict[str, Experiments]:
             ),
         ),
         "k falls": Experiments(two, (WEAR,), (INDENTATION,), law=falls_by_30_percent),
+        "k goes as p": Experiments(
+            two, (WEAR,), (INDENTATION,), depths=depths_if_wear_goes_as_pressure_squared
+        ),
         "k falls, noise unknown": Experiments(
             two, (WEAR,), (INDENTATION,), noise_known=False, law=falls_by_30_percent
         ),

@@ -45,8 +45,8 @@ class FlatHistories:
     ----------
     compliance : of the half-space
     parts : J arrays (2, N) of ring values of the pressure space: what each coefficient brings
-    scene_rings : (N,) int array, number of the ring of the scene that each ring of that space lies on; -1 of
-        a hole
+    scene_rings : (N,) number of the ring of the scene that each ring of that space lies on; -1 of a
+        hole
     """
 
     compliance: Compliance
@@ -182,7 +182,7 @@ class FlatHistory:
         return pressures, depth, state.force
 
     def pressure_integrals(self, pressures: Array, depths: Array) -> Array:
-        """Return the integral of the pressure over the sliding distance, (T, n): K P = d b - A p."""
+        """Return integrals (T, n) of the pressure over the sliding distance: K P = d b - A p."""
         return np.outer(depths, self.weights) - pressures @ self.energy
 
     def profiles(self, integrals: Array, radii: Array) -> Array:

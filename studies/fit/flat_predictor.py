@@ -150,10 +150,8 @@ class FlatPredictor:
             values, integrals = _worn(history, each, pressures, depths, units.length)
             unit = units.displacement if each.radii is not None else units.volume
             wear = _worn_slopes(history, each, times, integrals, units.length)
-        if each.quantity == "normal_force":
-            power = 1.0 if held else 0.0
-        else:
-            power = 0.0 if held else -1.0
+        # of the modulus that the unit has
+        power = (0.0 if held else -1.0) + (each.quantity == "normal_force")
         rates = wear.sum(axis=1)
         whole = np.column_stack([wear, power * values + rates, values, rates])
         slopes = unit * (whole @ by_logs)
@@ -188,11 +186,11 @@ def flat_predictor(
     parameters: tuple[Parameter, ...],
     measurements: tuple[Measurement, ...],
     rtol: float,
-    origin: Array,
+    _origin: Array,
 ) -> Predictor:
     """Return the model of a flat punch at an accuracy, which serves the times of the data.
 
-    The origin, coordinates (m,) about which it is best, is of no concern to it.
+    It is as good at all coordinates (m,) as at the last argument.
     """
     problem = replace(scene.problem, rtol=rtol)
     times = np.concatenate([each.times for each in measurements]) / problem.units.time

@@ -24,7 +24,7 @@ ALIKE = 0.98
 
 
 def conclusions(fit: "Fit") -> tuple[str, ...]:
-    """Return what measurements say of each parameter, what they cannot tell, and whether it fits."""
+    """Return what data say of each parameter, what they cannot tell, and whether the model fits."""
     names = UnitNames.of(fit.scene.units)
     parts = (_values(fit, names), _combinations(fit), _correlated(fit, names), _quality(fit, names))
     return tuple(line for part in parts for line in part)
@@ -111,7 +111,7 @@ def _inseparable_since(fit: "Fit", first: int, second: int, names: UnitNames) ->
 
 
 def _harmonic(fit: "Fit") -> str:
-    """Return how well the harmonic mean of the wear coefficients is known, if that is known best."""
+    """Return how well the harmonic mean of wear coefficients is known, if that is known best."""
     likelihood = fit.likelihood
     wear = [
         place
