@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ from ..check.tables import OthersResults, read
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames, number_of
 from ..progress import LOG
+from .measurement import Measurement
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,47 +34,6 @@ KINDS = {
 FIRST_NOISE = 0.01
 # numbers that a column must have for its residuals to tell its noise
 FEWEST = 5
-
-
-@dataclass(frozen=True, eq=False)
-class Measurement:
-    """One column of a table; of profiles, one for each time.
-
-    Parameters
-    ----------
-    column : its name, without the number of a ring
-    quantity : what a model predicts for it: indentation, normal_force, profile or worn_volume
-    times : (n,) in the units of the scene
-    values : (n,) in the units of the scene
-    noise : (n,) standard deviations
-    noise_known : whether these were given; else only their ratios are meant
-    radii : (n,) of a profile; None of anything else
-    ring : number of the ring that a volume is of, from 0; None of all rings together
-    """
-
-    column: str
-    quantity: str
-    times: Array
-    values: Array
-    noise: Array
-    noise_known: bool
-    radii: Array | None = None
-    ring: int | None = None
-
-    @property
-    def has_offset(self) -> bool:
-        """Whether a constant is unknown, as heights of a profilometer have it."""
-        return self.quantity == "profile"
-
-    @property
-    def label(self) -> str:
-        """What figures call it."""
-        words = self.quantity.replace("_", " ")
-        return words if self.ring is None else f"{words} of ring {self.ring + 1}"
-
-    def scaled(self, factor: float) -> "Measurement":
-        """Return it with its noise times a factor."""
-        return replace(self, noise=self.noise * factor)
 
 
 def read_measurements(

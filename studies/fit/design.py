@@ -7,19 +7,16 @@ over points that the likelihood allows. Its noise is that of the data, or what i
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
 from ...meshes.radial import Array
 from ..problem.unit_names import UnitNames
-from .data import Measurement
-from .likelihood import Likelihood
+from .measurement import Measurement
+from .outcome import Outcome
 from .parameters import REACH
-
-if TYPE_CHECKING:
-    from .result import Fit
+from .statistics.likelihood import Likelihood
 
 # numbers of a further series in time, of a profile, and times that either may be taken at
 COUNT, RADII, WHEN = 40, 60, 4
@@ -30,7 +27,7 @@ PROFILE_NOISE, VOLUME_NOISE, DEPTH_NOISE = 0.01, 0.01, 1e-3
 MOST_POINTS, MOST_TOLD, MOST_RINGS = 5, 12, 8
 
 
-def design_table(fit: "Fit") -> pd.DataFrame:
+def design_table(fit: Outcome) -> pd.DataFrame:
     """Return further measurements with the half widths of intervals that they would leave.
 
     Returns
@@ -71,7 +68,7 @@ def design_table(fit: "Fit") -> pd.DataFrame:
     return table
 
 
-def _places(fit: "Fit") -> list[Array]:
+def _places(fit: Outcome) -> list[Array]:
     """Return the most likely point, and some others if not all is identifiable."""
     if all(each.identifiable for each in fit.found):
         return [fit.best.x]
@@ -93,7 +90,7 @@ def _of_free(slopes: Array, measurement: Measurement, likelihood: Likelihood) ->
     return slopes[:, likelihood.free] / measurement.noise[:, None]
 
 
-def _with_noise(fit: "Fit", measurements: list[Measurement]) -> list[Measurement]:
+def _with_noise(fit: Outcome, measurements: list[Measurement]) -> list[Measurement]:
     """Return measurements with their noise, by what is predicted for them.
 
     Of profiles it is that of the data, or a part of the greatest range; of volumes a part of each.
@@ -112,7 +109,7 @@ def _with_noise(fit: "Fit", measurements: list[Measurement]) -> list[Measurement
     return found
 
 
-def _candidates(fit: "Fit") -> Iterator[tuple[str, Measurement]]:
+def _candidates(fit: Outcome) -> Iterator[tuple[str, Measurement]]:
     """Yield further measurements, with what they are, within the times of the data."""
     names, scene = UnitNames.of(fit.scene.units), fit.scene
     times = np.concatenate([each.times for each in fit.measurements])
@@ -150,7 +147,7 @@ def _made(quantity: str, times: Array, noise: float) -> Measurement:
     return Measurement(quantity, quantity, times, ones, noise * ones, True)
 
 
-def _noise_of(fit: "Fit", quantity: str) -> float:
+def _noise_of(fit: Outcome, quantity: str) -> float:
     """Return the noise of a quantity in the data, or what is usual for it."""
     for each in fit.measurements:
         if each.quantity == quantity:

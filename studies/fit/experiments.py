@@ -17,11 +17,10 @@ from scipy.integrate import solve_ivp
 
 from ...meshes.radial import Array
 from ..problem.scene import Scene
-from .data import Measurement
 from .fit import fit_measurements, suitable_model
-from .flat_histories import FlatHistories
+from .measurement import Measurement, Predictor
+from .models.flat_histories import FlatHistories
 from .parameters import Parameter, find_parameters
-from .predictor import Predictor
 from .result import Fit
 
 # scatter of the logarithms of wear coefficients and of the modulus about those of the scene
@@ -76,7 +75,8 @@ class Experiments:
         return scene, parameters, empty
 
     @cached_property
-    def _sharp(self) -> Predictor:
+    def sharp(self) -> Predictor:
+        """The model that data come from."""
         scene, parameters, empty = self._prepared
         if self.law is not None:
             empty = tuple(replace(each, times=self.law(each.times)) for each in empty)
@@ -116,7 +116,7 @@ class Experiments:
         truth = random.normal(0.0, scatter)
         truth += np.array([0.0 if each.logarithmic else 0.2 for each in parameters])
         measurements = []
-        exactly = self._by_other_law if self.depths else self._sharp.predict(truth)
+        exactly = self._by_other_law if self.depths else self.sharp.predict(truth)
         for column, each, exact in zip(self.columns, empty, exactly, strict=True):
             spread = np.ptp(exact) if each.quantity == "profile" else np.abs(exact)
             noise = column[3] * (spread if each.quantity != "indentation" else 1.0)

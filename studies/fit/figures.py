@@ -1,7 +1,5 @@
 """Figures of a fit: data and residuals, profiles of the likelihood, and the next measurement."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -11,10 +9,8 @@ from scipy.stats import norm
 from ...meshes.radial import Array
 from ..figures.style import FAINT, PAGE, curve, new_figure, set_logarithmic
 from ..problem.unit_names import UnitNames
-from .data import Measurement
-
-if TYPE_CHECKING:
-    from .result import Fit
+from .measurement import Measurement
+from .outcome import Outcome
 
 UNITS = {
     "indentation": "displacement",
@@ -31,7 +27,7 @@ WIDE = 30.0
 HIGHEST = 9.0
 
 
-def draw_all(fit: "Fit") -> dict[str, Figure]:
+def draw_all(fit: Outcome) -> dict[str, Figure]:
     """Return the figures that a fit has, by name."""
     figures = {"fit": draw_fit(fit)}
     if fit.profiles.traces:
@@ -41,7 +37,7 @@ def draw_all(fit: "Fit") -> dict[str, Figure]:
     return figures
 
 
-def draw_fit(fit: "Fit") -> Figure:
+def draw_fit(fit: Outcome) -> Figure:
     """Draw data with the fit and its 95 % band, above their residuals, by quantity."""
     quantities = list(dict.fromkeys(each.quantity for each in fit.measurements))
     figure = new_figure(PAGE, 4.2)
@@ -106,7 +102,7 @@ def draw_fit(fit: "Fit") -> Figure:
     return figure
 
 
-def draw_profiles(fit: "Fit") -> Figure:
+def draw_profiles(fit: Outcome) -> Figure:
     """Draw the least chi-square by each parameter whose interval it gives, beside the parabola."""
     numbers = sorted(fit.profiles.traces)
     columns = min(len(numbers), 4)
@@ -162,7 +158,7 @@ def draw_profiles(fit: "Fit") -> Figure:
     return figure
 
 
-def draw_design(fit: "Fit") -> Figure:
+def draw_design(fit: Outcome) -> Figure:
     """Draw the half widths of all intervals before and after each further measurement."""
     table = fit.design
     figure = new_figure(PAGE, 1.2 + 0.2 * len(table))

@@ -13,9 +13,14 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.scene import Scene, Source
 from ..progress import LOG
-from .data import Measurement, NoiseGiven, read_measurements
-from .flat_predictor import flat_predictor
-from .likelihood import (
+from .data import NoiseGiven, read_measurements
+from .measurement import Measurement, Predictor
+from .models.flat_predictor import flat_predictor
+from .models.marched_predictor import marched_predictor
+from .outcome import Estimate
+from .parameters import Parameter, find_parameters
+from .result import Fit
+from .statistics.likelihood import (
     Likelihood,
     Point,
     best_points,
@@ -23,12 +28,8 @@ from .likelihood import (
     with_estimated_noise,
     without_effect,
 )
-from .marched_predictor import marched_predictor
-from .parameters import Parameter, find_parameters
-from .predictor import Predictor
-from .profiles import BetterPointError, Profiles
-from .residual_tests import residual_tests
-from .result import Estimate, Fit
+from .statistics.profiles import BetterPointError, Profiles
+from .statistics.residual_tests import residual_tests
 
 if TYPE_CHECKING:
     from ..check.tables import OthersResults

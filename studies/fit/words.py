@@ -1,19 +1,16 @@
 """What a fit says, in sentences."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...meshes.radial import Array, ring_areas
 from ..problem.unit_names import UnitNames
 from ..wear.time_scale import running_in
-from .likelihood import inverse_of
+from .outcome import Estimate, Outcome
 from .parameters import REACH
-from .residual_tests import LEVEL, combined
-
-if TYPE_CHECKING:
-    from .result import Estimate, Fit
+from .statistics.likelihood import inverse_of
+from .statistics.residual_tests import LEVEL, combined
 
 # correlation from which on two parameters are named
 CORRELATED = 0.9
@@ -23,14 +20,14 @@ INSEPARABLE = 0.5 * np.log(2.0)
 ALIKE = 0.98
 
 
-def conclusions(fit: "Fit") -> tuple[str, ...]:
+def conclude(fit: Outcome) -> tuple[str, ...]:
     """Return what data say of each parameter, what they cannot tell, and whether the model fits."""
     names = UnitNames.of(fit.scene.units)
     parts = (_values(fit, names), _combinations(fit), _correlated(fit, names), _quality(fit, names))
     return tuple(line for part in parts for line in part)
 
 
-def _values(fit: "Fit", names: UnitNames) -> Iterator[str]:
+def _values(fit: Outcome, names: UnitNames) -> Iterator[str]:
     held = {number for combination in fit.combinations for number in combination}
     for number, each in enumerate(fit.found):
         name, parameter = each.parameter.name, each.parameter
@@ -44,14 +41,14 @@ def _values(fit: "Fit", names: UnitNames) -> Iterator[str]:
             yield f"{name} is not identifiable: {_bounds(each, low, high)}"
 
 
-def _relative(each: "Estimate") -> str:
+def _relative(each: Estimate) -> str:
     """Return half the width of an interval of what is positive, in per cent."""
     if not each.parameter.logarithmic:
         return ""
     return f", known to {50 * (np.exp(each.high - each.best) - np.exp(each.low - each.best)):.2g} %"
 
 
-def _bounds(each: "Estimate", low: str, high: str) -> str:
+def _bounds(each: Estimate, low: str, high: str) -> str:
     if np.isfinite([each.low, each.high]).all():
         return f"it lies between {low} and {high} (95 %), wider than a factor of two"
     if np.isfinite(each.low):
@@ -61,7 +58,7 @@ def _bounds(each: "Estimate", low: str, high: str) -> str:
     return f"the data allows every value within a factor of {REACH:g}"
 
 
-def _combinations(fit: "Fit") -> Iterator[str]:
+def _combinations(fit: Outcome) -> Iterator[str]:
     for combination in fit.combinations:
         named = [fit.found[number].parameter.name for number in combination]
         if len(named) == 1:
@@ -77,7 +74,7 @@ def _combinations(fit: "Fit") -> Iterator[str]:
         )
 
 
-def _correlated(fit: "Fit", names: UnitNames) -> Iterator[str]:
+def _correlated(fit: Outcome, names: UnitNames) -> Iterator[str]:
     """Yield the correlation that matters most, what is known all the same, and from when on."""
     table = np.abs(np.triu(fit.correlations.to_numpy(), 1))
     if not table.size or table.max() < CORRELATED:
@@ -92,7 +89,7 @@ def _correlated(fit: "Fit", names: UnitNames) -> Iterator[str]:
     yield line + _harmonic(fit)
 
 
-def _inseparable_since(fit: "Fit", first: int, second: int, names: UnitNames) -> str:
+def _inseparable_since(fit: Outcome, first: int, second: int, names: UnitNames) -> str:
     """Return from when on data alone would not tell two parameters apart; empty if they would."""
     likelihood = fit.likelihood
     slopes = likelihood.slopes(fit.best.x)
@@ -110,7 +107,7 @@ def _inseparable_since(fit: "Fit", first: int, second: int, names: UnitNames) ->
     return ""
 
 
-def _harmonic(fit: "Fit") -> str:
+def _harmonic(fit: Outcome) -> str:
     """Return how well the harmonic mean of wear coefficients is known, if that is known best."""
     likelihood = fit.likelihood
     wear = [
@@ -132,7 +129,7 @@ def _harmonic(fit: "Fit") -> str:
     )
 
 
-def _steady_weights(fit: "Fit", wear: list[int]) -> Array:
+def _steady_weights(fit: Outcome, wear: list[int]) -> Array:
     """Return the share of each wear coefficient in the harmonic mean, ``(A/k) / sum A/k``."""
     likelihood = fit.likelihood
     problem = fit.scene.problem
@@ -145,7 +142,7 @@ def _steady_weights(fit: "Fit", wear: list[int]) -> Array:
     return np.asarray(shares / shares.sum())
 
 
-def _quality(fit: "Fit", names: UnitNames) -> Iterator[str]:
+def _quality(fit: Outcome, names: UnitNames) -> Iterator[str]:
     for column in dict.fromkeys(each.column for each in fit.measurements):
         first = next(each for each in fit.measurements if each.column == column)
         if not first.noise_known:

@@ -8,10 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from ...meshes.radial import Array
-from .data import Measurement
-from .parameters import Parameter
-from .predictor import Predictor
+from ....meshes.radial import Array
+from ..measurement import Measurement, Predictor
+from ..parameters import Parameter
 
 # the search may leave the reach of a parameter by this, so that what lies on it is seen
 BEYOND = 1.02

@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...meshes.radial import Array
-from ..problem.problem import Problem
-from ..problem.scene import Scene
-from .data import Measurement
+from ....meshes.radial import Array
+from ...problem.problem import Problem
+from ...problem.scene import Scene
+from ..measurement import Measurement, Predictor
+from ..parameters import Parameter, scene_at
 from .flat_histories import FlatHistories, FlatHistory
-from .parameters import Parameter, scene_at
-from .predictor import Predictor, Rig, differences, first_time, of_ring
+from .rig import Rig, differences, first_time, of_ring
 
 # step of coordinates for derivatives of a history under a load that varies, which is smooth
 STEP = 1e-4

@@ -17,16 +17,17 @@ from typing import TypeAlias
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from ...meshes.errors import SceneError
-from ...meshes.radial import Array
-from ..methods.mdr import METHOD
-from ..methods.moving_evaluation import MovingContact
-from ..problem.scene import Scene
-from ..progress import LOG, Stages
-from .data import Measurement
+from ....mdr import energy
+from ....meshes.errors import SceneError
+from ....meshes.radial import Array
+from ...methods.moving_evaluation import MovingContact
+from ...methods.spaces import choose_spaces
+from ...problem.scene import Scene
+from ...progress import LOG
+from ..measurement import Measurement, Predictor
+from ..parameters import Parameter, scene_at
 from .flat_predictor import Logs
-from .parameters import Parameter, scene_at
-from .predictor import Predictor, Rig, differences, of_ring
+from .rig import Rig, differences, of_ring
 
 # spacing of the lattice in logarithms
 SPACING = 0.4
@@ -215,7 +216,7 @@ class MarchedPredictor:
             rtol=self.rtol,
             quantities=None,
         )
-        compliance = METHOD.discretise(problem, Stages("mdr")).compliance
+        compliance = energy.compliance(choose_spaces(problem).fine)
         history = MovingContact(problem, compliance).history
         space, worn = compliance.space, dict[int, Curve]()
         volumes = history.profile @ space.ring_forces(problem.ring_edges).T

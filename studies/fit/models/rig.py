@@ -1,34 +1,12 @@
-"""What models of the punch have in common when they predict measurements: the rig around it."""
+"""The rig around the punch, and what models of the punch have in common when they predict."""
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
-from ...meshes.radial import Array
-from .data import Measurement
-from .parameters import Parameter
-
-
-class Predictor(Protocol):
-    """A model of what is measured."""
-
-    @property
-    def measurements(self) -> tuple[Measurement, ...]:
-        """What is predicted."""
-
-    @property
-    def rtol(self) -> float:
-        """The accuracy of the model."""
-
-    def predict(self, x: Array) -> list[Array]:
-        """Return the values (n,) of each measurement at coordinates (m,) of the parameters."""
-
-    def slopes(self, x: Array) -> list[Array]:
-        """Return the derivatives (n, m) of each measurement by these coordinates."""
-
-    def measuring(self, measurements: tuple[Measurement, ...]) -> "Predictor":
-        """Return the model of other measurements."""
+from ....meshes.radial import Array
+from ..measurement import Measurement, Predictor
+from ..parameters import Parameter
 
 
 @dataclass(frozen=True)

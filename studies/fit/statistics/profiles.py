@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...meshes.radial import Array
+from ....meshes.radial import Array
 from .likelihood import Likelihood, Point
 
 # how often all searches are repeated from points that others have found since

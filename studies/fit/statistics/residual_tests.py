@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2, norm
 
-from ...meshes.radial import Array
+from ....meshes.radial import Array
 from .likelihood import Likelihood
 
 # probability below which a law is called wrong
@@ -70,8 +70,8 @@ def small_differences(series: Array) -> float:
     """Return the probability of such small successive differences (von Neumann)."""
     ratio = np.sum(np.diff(series) ** 2) / max(float(series @ series), 1e-300)
     count = len(series)
-    variance = 4 * (count - 2) / (count**2 - 1)
-    return float(norm.cdf((ratio - 2 * count / (count - 1)) / np.sqrt(variance)))
+    # the mean is known to be zero
+    return float(norm.cdf((ratio - 2 * (count - 1) / count) / np.sqrt(4 / count)))
 
 
 def _drift_scores(

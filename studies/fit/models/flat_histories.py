@@ -19,14 +19,14 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from ...meshes.compliance import Compliance
-from ...meshes.radial import Array, Indices, ring_of
-from ..methods.mdr import METHOD
-from ..problem.face import Rings
-from ..problem.problem import Problem
-from ..progress import Stages
-from ..sizes.shared import Shared
-from ..wear.modes import BandedCholesky, Modes, every_mode
+from ....mdr import energy
+from ....meshes.compliance import Compliance
+from ....meshes.radial import Array, Indices, ring_of
+from ...methods.spaces import choose_spaces
+from ...problem.face import Rings
+from ...problem.problem import Problem
+from ...sizes.shared import Shared
+from ...wear.modes import BandedCholesky, Modes, every_mode
 
 # times that a discretisation serves before the first and after the last of the data, as wear
 # coefficients that are so much larger or smaller need it
@@ -87,7 +87,7 @@ class FlatHistories:
         if problem.inner_radius:
             scene_rings = np.append(-1, scene_rings)
             parts = [np.insert(part, 0, 0.0, axis=1) for part in parts]
-        compliance = METHOD.discretise(shared, Stages("mdr")).compliance
+        compliance = energy.compliance(choose_spaces(shared).fine)
         return cls(compliance, tuple(parts), scene_rings)
 
     @cached_property
