@@ -100,7 +100,7 @@ def fit(
     >>> depth = ringwear.run(scene.changed(wear__times=times.tolist()), methods=["mdr"]).dataset
     >>> shown = depth.indentation.values[0] + np.random.default_rng(1).normal(0, 1e-3, 40)
     >>> data = pd.DataFrame({"time": times, "indentation": shown})
-    >>> found = ringwear.fit(scene, data, "punch.wear_coefficient", noise=1e-3)
+    >>> found = ringwear.fit(scene, data, "punch.wear_coefficients", noise=1e-3)
     >>> bool(found.estimates.identifiable.all())
     True
     """

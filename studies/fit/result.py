@@ -93,6 +93,7 @@ class Fit(Outcome):
         for name, figure in self.figures.items():
             with in_style():
                 figure.savefig(folder / f"{name}.png")
+        title = f"Fit of {self.scene.title or 'an untitled scene'}"
         purpose = "What measurements say of wear coefficients, and what they cannot tell."
-        write = partial(write_study, "fit", purpose, self.scene, self.conclusions)
+        write = partial(write_study, title, purpose, self.scene, self.conclusions)
         return make(folder / "report.html", write)
