@@ -10,7 +10,7 @@ from .template import write_page
 def write_study(
     title: str, purpose: str, scene: Scene, conclusions: Iterable[str], path: Path
 ) -> None:
-    """Write the page of a study, or of a fit; its figures and tables are those that stand beside it."""
+    """Write the page of a study, or of a fit; its figures and tables stand beside it."""
     import pandas as pd  # runs do without
 
     tables = {
