@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ringwear import Scene, fit
+from ringwear import Scene, fit, run
 from ringwear.meshes.radial import ring_areas
 from ringwear.studies.fit.experiments import WEAR, Experiments, cases
 from ringwear.studies.fit.models.rig import differences
@@ -145,3 +145,19 @@ def test_a_wrong_law_is_noticed(name):
         _, found = case.conduct(seed)
         assert not found.fits
         assert any("THE MODEL DOES NOT FIT" in line for line in found.conclusions)
+
+
+@pytest.mark.slow
+def test_a_brake_that_is_applied_and_released_is_fitted():
+    """The load bends and falls between the times of the data, which come from a whole run."""
+    scene = Scene.load("duty_cycle")
+    times = np.array(scene.wear.times[1:])
+    truth = scene.changed({WEAR: [1.3e-15, 5e-15], "accuracy.rtol": 1e-3})
+    result = run(truth.changed(output__quantities=["indentation"]), methods=["mdr"])
+    depths = result.dataset.indentation.sel(time=times).values[0]
+    noise = 2e-3 * float(depths.max())
+    data = pd.DataFrame({"time": times, "indentation": depths})
+    found = fit(scene, data, f"{WEAR}[0]", noise=noise)
+    assert found.chi_square < 1.0
+    row = found.estimates.iloc[0]
+    assert row.low < 1.3e-15 < row.high

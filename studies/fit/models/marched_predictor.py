@@ -39,6 +39,8 @@ PER_DECADE, SPAN = 12, 4.0
 STEP = 1e-3
 # accuracy of a march over that which is asked for: it is not as smooth as modes are
 SHARPER = 0.1
+# part of a time that is roundoff
+ROUNDOFF = 1e-9
 # values by time
 Curve: TypeAlias = Callable[[Array], Array]
 # points of the lattice that a cubic goes through, from the one below
@@ -207,7 +209,11 @@ class MarchedPredictor:
         times = np.geomspace(earliest, latest, int(np.ceil(PER_DECADE * decades)) + 2)
         if self._varies:
             knots = scene.problem.loading.times[1:] * scene.problem.units.time
-            times = np.union1d(times, knots[(knots > earliest) & (knots < latest)])
+            # what is measured while the load changes is not interpolated in time
+            exact = np.concatenate([knots, *(each.times for each in self.measurements)])
+            times = np.union1d(times, exact[(exact > earliest) & (exact < latest)])
+            # knots that units have moved by roundoff are one time
+            times = times[np.diff(times, prepend=0.0) > ROUNDOFF * times]
         times = np.append(0.0, times)
         problem = replace(
             scene.problem,
