@@ -67,6 +67,10 @@ def _names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(","))
 
 
+def _noise(text: str) -> str | dict[str, str]:
+    return _pairs(text) if "=" in text else text
+
+
 def _steps(text: str) -> tuple[float, ...]:
     return tuple(_sizes(text))
 
@@ -80,6 +84,7 @@ FLAGS = {
     "--check": "also condense the finite elements, and report how stable their multipliers are",
     "--refinement": "take the files as one program's, from coarse to fine, each half as coarse as "
     "the one before",
+    "--design": "also say which further measurement would narrow the widest interval most",
     "--quick": "conduct a smaller version of the study; it says first how long that takes",
     "--dry-run": "only say what the sweep will take",
     "--resume": "continue the sweep that is in the directory",
@@ -110,7 +115,7 @@ ARGUMENTS: dict[str, Told] = {
         "help": "the problem (its name or number; that in the file's name if not given) and a file "
         "as `ringwear check` reads it; NAME alone prints the problem, nothing lists all",
     },
-    "--for": {
+    "--for PROGRAM": {
         "dest": "program",
         "required": True,
         "choices": ("calculix", "abaqus"),
@@ -122,6 +127,27 @@ ARGUMENTS: dict[str, Told] = {
         "help": "CAX4 or CAX8 in the deck of prescribed displacements; contact is linear "
         "(default: quadratic)",
     },
+    "data": {
+        "nargs": "+",
+        "metavar": "DATA",
+        "help": "measurements: CSV with columns time, indentation, normal_force; time, radius, "
+        "profile; worn_volume or lost_mass, worn_volume_1 that of the first ring from the centre",
+    },
+    "--for": {
+        "type": _names,
+        "required": True,
+        "metavar": "NAME,...",
+        "dest": "parameters",
+        "help": "what is unknown: keys of the scene, such as punch.wear_coefficients (each of "
+        "them) or punch.wear_coefficients[1], or start_time, sensor_offset, machine_compliance",
+    },
+    "--noise": {
+        "type": _noise,
+        "metavar": "X",
+        "help": "standard deviation of the data, such as 2e-7, '0.2 um', '1 %%' of each value, or "
+        "indentation=2e-7,profile=1e-6 (default: from the residuals)",
+    },
+    "--density": {"help": "of the punch, if mass was lost, such as '7.8 g/cm^3'"},
     "--size": {
         "type": float,
         "metavar": "H",
@@ -285,3 +311,26 @@ class Parser(ArgumentParser):
             bare = {re.sub(r"\W", "", flag): flag for flag in flags}
             near = bare.get(nearest(re.sub(r"\W", "", unknown[1]), bare), "")
         super().error(f"{message}; did you mean {near}?" if near else message)
+
+
+EXAMPLES = """examples:
+  ringwear run                          compute the scene five_rings
+  ringwear scenes sphere > mine.toml    start a scene of your own
+  ringwear run mine.toml --rtol 1e-3    compute it to another accuracy
+  ringwear deck mine.toml --for abaqus  write input files for another program
+  ringwear check mine.toml abaqus.csv   check another program's results
+  ringwear fit mine.toml data.csv --for punch.wear_coefficient
+                                        find a wear coefficient from measurements
+  ringwear study convergence --quick    see orders beside theory
+"""
+
+
+def add_arguments(parser: ArgumentParser, names: tuple[str, ...], scene: str | None) -> None:
+    """Add arguments to a command; the scene may be left out where there is one by default."""
+    for name in names:
+        settings = ARGUMENTS[name]
+        if name == "scene" and scene:
+            help = f"{settings['help']} (default: {scene})"
+            settings = {"nargs": "?", "default": scene, "help": help}
+        # two commands have a flag of the same name: what it takes tells them apart
+        parser.add_argument(name.split()[0], **settings)

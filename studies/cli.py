@@ -2,9 +2,9 @@
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree,
 or one cannot reach the accuracy asked for, or results that are checked are off by more than they
-may; 2 bad input; 1 anything else, such as a figure that could not be drawn or scenes of a sweep
-that failed, and when stopped by Ctrl-C or SIGTERM (finished rows of a study and scenes of a sweep
-are kept).
+may, or a model does not fit measurements; 2 bad input; 1 anything else, such as a figure that could
+not be drawn or scenes of a sweep that failed, and when stopped by Ctrl-C or SIGTERM (finished rows
+of a study and scenes of a sweep are kept).
 """
 
 import argparse
@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..meshes.errors import RingwearError, SceneError
-from .arguments import ARGUMENTS, OF_STUDIES, Parser
+from .arguments import EXAMPLES, OF_STUDIES, Parser, add_arguments
 from .exchange import COMMANDS as EXCHANGE
 from .output.folder import Folder, output_folder
 from .output.signals import ending_on_signals
@@ -150,6 +150,16 @@ def _check(options: argparse.Namespace) -> Status:
     if failures:
         return Status.FAILED
     return Status.DONE if result.passes else Status.DISAGREE
+
+
+def _fit(options: argparse.Namespace) -> Status:
+    from .fit.command import conduct
+
+    folder, failures, fits = conduct(options, _out(options, f"fit_{Path(options.scene).stem}"))
+    _print_files(folder, failures)
+    if failures:
+        return Status.FAILED
+    return Status.DONE if fits else Status.DISAGREE
 
 
 def _plan(options: argparse.Namespace) -> Status:
@@ -301,6 +311,14 @@ COMMANDS = {
             *("--sizes", "--template"),
         ),
     ),
+    "fit": Command(
+        "fit parameters of a scene to measurements: how well these tell them, and what they cannot",
+        _fit,
+        (
+            *("scene", "data", "--for", "--noise", "--density", "--design", "--columns"),
+            *("--units", "--out"),
+        ),
+    ),
     "plan": Command(
         "say what a scene models and what it will cost",
         _plan,
@@ -337,14 +355,6 @@ PURPOSE = (
     "elements, dimensionality reduction, boundary elements and direct integration, and say how far "
     "these methods agree."
 )
-EXAMPLES = """examples:
-  ringwear run                          compute the scene five_rings
-  ringwear scenes sphere > mine.toml    start a scene of your own
-  ringwear run mine.toml --rtol 1e-3    compute it to another accuracy
-  ringwear deck mine.toml --for abaqus  write input files for another program
-  ringwear check mine.toml abaqus.csv   check another program's results
-  ringwear study convergence --quick    see orders beside theory
-"""
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -359,26 +369,16 @@ def _parser() -> argparse.ArgumentParser:
     for name, command in COMMANDS.items():
         form, examples = argparse.RawDescriptionHelpFormatter, command.examples
         taker = commands.add_parser(name, help=command.help, epilog=examples, formatter_class=form)
-        _add(taker, command.arguments, command.scene)
+        add_arguments(taker, command.arguments, command.scene)
         if name == "study":
             names = taker.add_subparsers(required=True, metavar="NAME", dest="study")
             for study, row in STUDIES.items():
                 taker = names.add_parser(study, help=row.purpose)
-                _add(taker, ("scene", "--out", "--quick"), row.scene)
+                add_arguments(taker, ("scene", "--out", "--quick"), row.scene)
                 for option in row.takes:
                     flag, settings = OF_STUDIES[option]
                     taker.add_argument(flag, dest=option, **settings)
     return parser
-
-
-def _add(parser: argparse.ArgumentParser, names: tuple[str, ...], scene: str | None) -> None:
-    """Add arguments to a command; the scene may be left out where there is one by default."""
-    for name in names:
-        settings = ARGUMENTS[name]
-        if name == "scene" and scene:
-            help = f"{settings['help']} (default: {scene})"
-            settings = {"nargs": "?", "default": scene, "help": help}
-        parser.add_argument(name, **settings)
 
 
 if __name__ == "__main__":

@@ -61,7 +61,7 @@ COMMANDS = {
     "deck": (
         "write input files of a scene for CalculiX or Abaqus, and a README that explains them",
         deck,
-        ("scene", "--for", "--elements", "--size", "--reach", "--time", "--out"),
+        ("scene", "--for PROGRAM", "--elements", "--size", "--reach", "--time", "--out"),
         None,
         DECK_EXAMPLES,
     ),

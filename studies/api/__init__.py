@@ -17,6 +17,9 @@ It is computed by finite elements, dimensionality reduction and direct integrati
     ``found.verdict``, ``found.figures``
 `deck`
     input files of a scene for CalculiX or Abaqus: ``deck("five_rings", "calculix", "folder")``
+`fit`
+    wear coefficients from measurements: ``fit("mine.toml", "data.csv",
+    "punch.wear_coefficient")``, then ``found.estimates``, ``found.conclusions``, ``found.figures``
 `load`
     read results that were saved
 `plan`
@@ -48,6 +51,7 @@ if TYPE_CHECKING:
     from ringwear.meshes.errors import RingwearError, SceneError
     from ringwear.studies.comparison import Comparison, compare
     from ringwear.studies.decks.deck import deck
+    from ringwear.studies.fit.fit import fit
     from ringwear.studies.predictions.plan import plan
     from ringwear.studies.results import Result, check, load, run
     from ringwear.studies.study.conduct import study
@@ -67,6 +71,7 @@ __all__ = [
     "check",
     "compare",
     "deck",
+    "fit",
     "load",
     "plan",
     "run",
@@ -82,6 +87,7 @@ _LATER = {
     "Study": "ringwear.studies.study.study",
     "run": "ringwear.studies.results",
     "check": "ringwear.studies.results",
+    "fit": "ringwear.studies.fit.fit",
     "load": "ringwear.studies.results",
     "plan": "ringwear.studies.predictions.plan",
     "deck": "ringwear.studies.decks.deck",

@@ -35,7 +35,12 @@ LARGE = 200_000
 
 
 def read(
-    source: Any, name: str, scene: Scene, columns: Mapping[str, str], units: str
+    source: Any,
+    name: str,
+    scene: Scene,
+    columns: Mapping[str, str],
+    units: str,
+    more: Mapping[str, str] | None = None,
 ) -> pd.DataFrame:
     """Return results of another program, checked and in the units of a scene.
 
@@ -46,6 +51,7 @@ def read(
     name : what messages call a table that is no file
     columns : names of ours by theirs
     units : of theirs, as a scene states them; those of the scene if empty
+    more : further columns that go by time alone, each with the kind of its unit
 
     Raises
     ------
@@ -59,6 +65,7 @@ def read(
         for key, of in QUANTITIES.items()
         if {"time"} <= {*of.dims} <= {"time", "radius"} and key != "contact"
     }
+    kinds |= more or {}
     if isinstance(source, str | Path):
         name, place = str(source), "line"
         if Path(source).suffix == ".vtu":

@@ -49,6 +49,8 @@ SI: dict[str, dict[str, float]] = {
     },
     "volume": {"µm³": 1e-18, "mm³": 1e-9, "cm³": 1e-6, "m³": 1.0},
     "wear_coefficient": {"mm³/(N m)": 1e-9},
+    "mass": {"µg": 1e-9, "mg": 1e-6, "g": 1e-3, "kg": 1.0},
+    "density": {"kg/m³": 1.0, "g/cm³": 1e3},
 }
 SI["displacement"] = SI["length"]
 BASE = ("m", "N", "Pa", "s")
@@ -178,7 +180,8 @@ class UnitNames:
         length, force, pressure, time = self.base
         names = {"length": length, "displacement": length, "force": force, "pressure": pressure}
         names |= {"time": time, "wear_rate": f"{length}/{time}", "volume": f"{length}^3"}
-        return (names | {"wear_coefficient": f"1/{pressure}"})[kind]
+        names |= {"mass": f"{force}*{time}^2/{length}", "wear_coefficient": f"1/{pressure}"}
+        return (names | {"density": f"{names['mass']}/{length}^3"})[kind]
 
     def readable(self, size: float, kind: str) -> tuple[float, str]:
         """Return a unit that numbers of this size are best read in.
@@ -277,15 +280,21 @@ def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> T
         # 'running-in' is a text
         if isinstance(value, str) and declared.kind in SI and re.match(r"[-+.\s]*\d", value):
             written.append(path)
-            return _number(value, path, declared.kind, names)
+            return number_of(value, path, declared.kind, names)
         return value
 
     converted = convert_all(table, "", Key(tables=(scene,)))
     return {"units": "SI"} | converted if written else converted
 
 
-def _number(quantity: str, key: str, kind: str, names: UnitNames) -> float:
-    """Return a quantity of a kind in the units of a scene."""
+def number_of(quantity: str, key: str, kind: str, names: UnitNames) -> float:
+    """Return a quantity of a kind in the units of a scene.
+
+    Raises
+    ------
+    SceneError
+        if it is no quantity of that kind, or if the scene has no units, naming the key
+    """
     number, unit = _split(quantity)
     if names.base is None and unit:
         raise SceneError(

@@ -8,9 +8,9 @@ from .template import write_page
 
 
 def write_study(
-    name: str, purpose: str, scene: Scene, conclusions: Iterable[str], path: Path
+    title: str, purpose: str, scene: Scene, conclusions: Iterable[str], path: Path
 ) -> None:
-    """Write the page of a study; its figures and tables are those that stand beside it."""
+    """Write the page of a study, or of a fit; its figures and tables stand beside it."""
     import pandas as pd  # runs do without
 
     tables = {
@@ -20,7 +20,7 @@ def write_study(
     rows = {name: table.to_dict("records") for name, table in tables.items()}
     # tables stand below
     told = [line for line in conclusions if not line.startswith("|")]
-    about = {"title": f"Study: {name}", "purpose": purpose, "conclusions": told, "tables": rows}
+    about = {"title": title, "purpose": purpose, "conclusions": told, "tables": rows}
     captions = {file.name: _plain(file) for file in sorted(path.parent.glob("*.png"))}
     write_page(path, "study.html.j2", scene, captions, **about)
 

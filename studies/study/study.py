@@ -119,7 +119,8 @@ class Study:
                 figure.savefig(folder / f"{name}.png")
         from ..report.study_page import write_study
 
-        write = partial(write_study, self.name, self.purpose, self.scene, self.conclusions)
+        title = f"Study: {self.name}"
+        write = partial(write_study, title, self.purpose, self.scene, self.conclusions)
         return failures + make(folder / "report.html", write)
 
     def _named(self, table: str) -> pd.DataFrame:

@@ -1,0 +1,1 @@
+"""Wear coefficients from measurements, with their uncertainty."""

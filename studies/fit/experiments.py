@@ -1,0 +1,241 @@
+"""Synthetic experiments: how often intervals hold the truth, and wrong laws are noticed.
+
+``python -m ringwear.studies.fit.experiments CASE COUNT [FIRST]`` prints a line on experiments whose
+random numbers begin with the seeds FIRST, FIRST + 1, ... The truth is drawn about the values of the
+scene, and data come from a sharper model than those that fits use.
+"""
+
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from ...meshes.radial import Array
+from ..scene.scene import Scene
+from .fit import fit_measurements, suitable_model
+from .measurement import Measurement, Predictor
+from .models.flat_histories import FlatHistories
+from .parameters import Parameter, find_parameters
+from .result import Fit
+
+# scatter of the logarithms of wear coefficients and of the modulus about those of the scene
+SCATTER = {"punch": 0.3, "half_space": 0.1}
+# accuracy of the model that data come from
+SHARP, SHARP_MARCH = 1e-4, 1e-2
+
+
+@dataclass(frozen=True, eq=False)
+class Experiments:
+    """Experiments of one kind.
+
+    Parameters
+    ----------
+    scene : with the values that truths are drawn about
+    names : of the parameters that are fitted
+    columns : what is measured: quantity, times, radii or None, noise, part of the values or of the
+        range of a profile, and the ring or None
+    noise_known : whether fits are given the noise
+    law : the times that wear corresponds to, by the times of the clock: another law than Archard's
+    depths : indentations (T,) of a scene at times (T,), by another law, in place of a model
+    """
+
+    scene: Scene
+    names: tuple[str, ...]
+    columns: tuple[tuple[str, Array, Array | None, float, int | None], ...]
+    noise_known: bool = True
+    law: Callable[[Array], Array] | None = None
+    depths: Callable[[Scene, Array], Array] | None = None
+
+    @cached_property
+    def _prepared(self) -> tuple[Scene, tuple[Parameter, ...], tuple[Measurement, ...]]:
+        times = np.unique(np.concatenate([column[1] for column in self.columns]))
+        scene = self.scene.changed(wear__times=times.tolist())
+        scene, parameters = find_parameters(scene, self.names)
+        parameters = tuple(
+            each if each.logarithmic else replace(each, scale=0.1) for each in parameters
+        )
+        empty = tuple(
+            Measurement(
+                quantity,
+                quantity,
+                times,
+                np.ones(len(times)),
+                np.ones(len(times)),
+                self.noise_known,
+                radii,
+                ring,
+            )
+            for quantity, times, radii, _, ring in self.columns
+        )
+        return scene, parameters, empty
+
+    @cached_property
+    def sharp(self) -> Predictor:
+        """The model that data come from."""
+        scene, parameters, empty = self._prepared
+        if self.law is not None:
+            empty = tuple(replace(each, times=self.law(each.times)) for each in empty)
+        rtol = SHARP if scene.problem.full_contact else SHARP_MARCH
+        return suitable_model(scene)(scene, parameters, empty, rtol, np.zeros(len(parameters)))
+
+    @cached_property
+    def _by_other_law(self) -> list[Array]:
+        scene, _, empty = self._prepared
+        return [self.depths(scene, each.times) for each in empty] if self.depths else []
+
+    @cached_property
+    def _models(self) -> dict[float, Any]:
+        return {}
+
+    def _model(
+        self,
+        scene: Scene,
+        parameters: tuple[Parameter, ...],
+        measurements: tuple[Measurement, ...],
+        rtol: float,
+        origin: Array,
+    ) -> Predictor:
+        """Return a model whose discretisation, or marches, all experiments share."""
+        if rtol not in self._models:
+            nothing = np.zeros(len(parameters))
+            model = suitable_model(scene)
+            self._models[rtol] = model(scene, parameters, measurements, rtol, nothing)
+        found: Predictor = self._models[rtol].measuring(measurements)
+        return found
+
+    def conduct(self, seed: int) -> tuple[Array, Fit]:
+        """Return the truth (m,) of one experiment, in coordinates, and its fit."""
+        scene, parameters, empty = self._prepared
+        random = np.random.default_rng(seed)
+        scatter = [SCATTER.get(each.name.partition(".")[0], 0.0) for each in parameters]
+        truth = random.normal(0.0, scatter)
+        truth += np.array([0.0 if each.logarithmic else 0.2 for each in parameters])
+        measurements = []
+        exactly = self._by_other_law if self.depths else self.sharp.predict(truth)
+        for column, each, exact in zip(self.columns, empty, exactly, strict=True):
+            spread = np.ptp(exact) if each.quantity == "profile" else np.abs(exact)
+            noise = column[3] * (spread if each.quantity != "indentation" else 1.0)
+            noise = noise * np.ones(len(exact))
+            values = exact + noise * random.normal(size=len(exact))
+            measurements.append(replace(each, values=values, noise=noise))
+        return truth, fit_measurements(scene, parameters, tuple(measurements), self._model)
+
+
+def report(name: str, experiments: Experiments, count: int, first: int = 0) -> str:
+    """Return a line on some experiments: coverage, what was called identifiable, and alarms."""
+    inside, known, alarms, widths, began = [], [], [], [], time.process_time()
+    for seed in range(first, first + count):
+        truth, found = experiments.conduct(seed)
+        inside.append(
+            [each.low <= true <= each.high for each, true in zip(found.found, truth, strict=True)]
+        )
+        known.append([each.identifiable for each in found.found])
+        widths.append([(each.high - each.low) / 2 for each in found.found])
+        alarms.append(not found.fits)
+    seconds = (time.process_time() - began) / count
+    held, told = np.array(inside), np.array(known)
+    wrong = [int((told & ~held)[:, number].sum()) for number in range(told.shape[1])]
+    return (
+        f"{name} {count} from seed {first}: covered {held.sum(axis=0).tolist()}, identifiable "
+        f"{told.sum(axis=0).tolist()} (wrong {wrong}), half widths "
+        f"{np.median(widths, axis=0).round(4).tolist()}, alarms {sum(alarms)}, {seconds:.2f} s each"
+    )
+
+
+TIMES = np.geomspace(1e-3, 5.0, 40)
+RADII = np.linspace(0.005, 0.995, 60)
+INDENTATION = ("indentation", TIMES, None, 1e-3, None)
+EARLY_PROFILE = ("profile", np.full(60, 0.1), RADII, 0.01, None)
+WEAR = "punch.wear_coefficients"
+
+
+def falls_by_30_percent(times: Array) -> Array:
+    """Return the times that wear corresponds to if k falls by 30 % in a straight line."""
+    return np.asarray(times - 0.15 * times**2 / times.max())
+
+
+def depths_if_wear_goes_as_pressure_squared(scene: Scene, times: Array) -> Array:
+    """Return the indentations of a flat punch whose k is proportional to p.
+
+    It is that of the scene at the mean pressure. ``A p' = d' b - int k p^2 phi dA / p_mean`` is
+    integrated by an implicit Runge-Kutta method from the flat start.
+    """
+    problem = scene.problem
+    units = problem.units
+    ends = float(times[0]) / units.time, float(times[-1]) / units.time
+    punch = FlatHistories.discretise(replace(problem, rtol=0.1), *ends, fields=False)
+    space, matrix = punch.compliance.space, punch.compliance.matrix
+    radii, lengths, local = space.quadrature
+    basis = space.on_elements(local)
+    areas = (2 * np.pi * radii * lengths * problem.wear_coefficients[space.ring][:, None]).ravel()
+    solved = np.linalg.solve(matrix, np.column_stack([space.weights, basis.T.toarray()]))
+    by_weights, by_points = solved[:, 0], solved[:, 1:]
+    stiffness = float(space.weights @ by_weights)
+
+    def rates(_: float, state: Array) -> Array:
+        worn = by_points @ (np.pi * areas * (basis @ state[:-1]) ** 2)
+        approach = float(space.weights @ worn) / stiffness
+        return np.append(approach * by_weights - worn, approach)
+
+    def jacobian(_: float, state: Array) -> Array:
+        pressed = 2 * np.pi * areas * (basis @ state[:-1])
+        worn = by_points @ basis.multiply(pressed[:, None]).toarray()
+        approach = space.weights @ worn / stiffness
+        rows = np.vstack([np.outer(by_weights, approach) - worn, approach])
+        return np.column_stack([rows, np.zeros(len(rows))])
+
+    start = np.append(by_weights, 1.0) / stiffness
+    span = (0.0, ends[1])
+    steps = {"rtol": 1e-5, "atol": 1e-7, "first_step": 1e-9, "jac": jacobian}
+    found = solve_ivp(rates, span, start, "BDF", times / units.time, **steps)
+    return np.asarray(found.y[-1] * units.displacement)
+
+
+def cases() -> dict[str, Experiments]:
+    """Return the kinds of experiments that the README tells the coverage of."""
+    two = Scene.load("five_rings")
+    five = two.changed({WEAR: [1.0, 10.0, 1.0, 10.0, 1.0]})
+    modulus = "half_space.plane_strain_modulus"
+    ball = Scene.load("sphere").changed({WEAR: [1.0]})
+    halves = Scene.load("sphere").table()
+    halves["punch"] |= {"ring_edges": [0.4, 1.0], WEAR.rpartition(".")[2]: [1.0, 3.0]}
+    del halves["punch"]["rings"]
+    weighings, late = np.array([0.1, 0.3, 1.0, 3.0, 10.0]), np.array([5.0, 10.0, 20.0])
+    return {
+        "two": Experiments(two, (WEAR,), (INDENTATION,)),
+        "two, noise unknown": Experiments(two, (WEAR,), (INDENTATION,), noise_known=False),
+        "two, offset and modulus": Experiments(
+            two, (WEAR, modulus, "sensor_offset"), (INDENTATION,)
+        ),
+        "two, offset and compliance": Experiments(
+            two, (WEAR, "sensor_offset", "machine_compliance"), (INDENTATION,)
+        ),
+        "five": Experiments(five, (WEAR,), (INDENTATION, EARLY_PROFILE)),
+        "five, d(t) alone": Experiments(five, (WEAR,), (INDENTATION,)),
+        "ball": Experiments(ball, (WEAR,), (("worn_volume", weighings, None, 0.02, None),)),
+        "ball of two materials": Experiments(
+            Scene.from_table(halves),
+            (WEAR,),
+            (
+                ("worn_volume", weighings, None, 0.02, 0),
+                ("worn_volume", late, None, 0.02, 1),
+            ),
+        ),
+        "k falls": Experiments(two, (WEAR,), (INDENTATION,), law=falls_by_30_percent),
+        "k goes as p": Experiments(
+            two, (WEAR,), (INDENTATION,), depths=depths_if_wear_goes_as_pressure_squared
+        ),
+        "k falls, noise unknown": Experiments(
+            two, (WEAR,), (INDENTATION,), noise_known=False, law=falls_by_30_percent
+        ),
+    }
+
+
+if __name__ == "__main__":
+    case, how_many, *begin = sys.argv[1:]
+    print(report(case, cases()[case], int(how_many), *map(int, begin)))

@@ -1,0 +1,259 @@
+"""Fit parameters of a scene to measurements: what they are, how well, and what is not known."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.stats import norm
+from scipy.stats import t as student
+from threadpoolctl import threadpool_limits
+
+from ...meshes.errors import SceneError
+from ...meshes.radial import Array
+from ..progress import LOG
+from ..scene.scene import Scene, Source
+from .data import NoiseGiven, read_measurements
+from .measurement import Measurement, Predictor
+from .models.flat_predictor import flat_predictor
+from .models.marched_predictor import marched_predictor
+from .outcome import Estimate
+from .parameters import Parameter, find_parameters
+from .result import Fit
+from .statistics.likelihood import (
+    Likelihood,
+    Point,
+    best_points,
+    inverse_of,
+    with_estimated_noise,
+    without_effect,
+)
+from .statistics.profiles import BetterPointError, Profiles
+from .statistics.residual_tests import residual_tests
+
+if TYPE_CHECKING:
+    from ..check.tables import OthersResults
+
+CONFIDENCE = 0.95
+# accuracies that are tried, until the data cannot tell one from the next
+RTOLS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
+# greatest numerical error, over the noise
+NUMERICAL = 0.1
+# standard deviation of a logarithm from which on curvature is not trusted
+CURVED = 0.05
+# what yields a predictor of measurements at an accuracy
+Model = Callable[[Scene, tuple[Parameter, ...], tuple[Measurement, ...], float, Array], Predictor]
+# new best points that profiles may find
+RESTARTS = 4
+
+
+def fit(
+    scene: Source,
+    data: "Mapping[str, OthersResults] | Sequence[OthersResults] | OthersResults",
+    parameters: Sequence[str] | str,
+    noise: NoiseGiven = None,
+    density: float | str | None = None,
+    design: bool = False,
+    columns: Mapping[str, str] | None = None,
+    units: str = "",
+) -> Fit:
+    """Fit parameters of a scene to measurements, and say how well the measurements tell them.
+
+    Maximum likelihood for Gaussian noise, with intervals of 95 % by the curvature of the likelihood
+    where that is enough, and by its profile elsewhere. The accuracy of the model follows from the
+    noise: its error is at most a tenth of that.
+
+    Parameters
+    ----------
+    scene : a Scene, the name of a bundled one, a file, or nested dictionaries; its values are those
+        to start from, and parameters are sought up to a factor of 1000 from them. Its times are
+        those of the data
+    data : files or tables with columns time, indentation, normal_force; time, radius, profile;
+        worn_volume or lost_mass, of ring N worn_volume_N or lost_mass_N, counted from the centre;
+        one, several, or by name
+    parameters : keys of the scene, such as ``punch.wear_coefficients[1]``, counted from 0; a key of
+        a list stands for all of its values; or unknowns of the rig: ``start_time``,
+        ``sensor_offset``, ``machine_compliance``
+    noise : standard deviation of the data, or those of its columns by name: numbers in the units of
+        the scene, or texts such as ``"0.2 um"`` or, of each value, ``"2 %"``; taken from the
+        residuals where none is given
+    density : of the punch, for lost mass, such as ``"7.8 g/cm^3"``
+    design : whether to say which measurement would narrow the widest interval most
+    columns : names of ours by theirs, ``{"depth": "indentation"}``
+    units : of the data, such as ``"mm, N, MPa, s"``, if not those of the scene
+
+    Returns
+    -------
+    fit : with `estimates` (value, low, high and identifiable by parameter), `correlations`,
+        `conclusions`, `chi_square`, `tests`, `design`, `figures` and `save(folder)`
+
+    Raises
+    ------
+    SceneError
+        if scene, data or parameters cannot be read, or do not fit together, with the remedy
+
+    Examples
+    --------
+    >>> import numpy as np, pandas as pd, ringwear
+    >>> scene = ringwear.Scene.load("flat_punch")
+    >>> times = np.geomspace(0.01, 5.0, 40)
+    >>> depth = ringwear.run(scene.changed(wear__times=times.tolist()), methods=["mdr"]).dataset
+    >>> shown = depth.indentation.values[0] + np.random.default_rng(1).normal(0, 1e-3, 40)
+    >>> data = pd.DataFrame({"time": times, "indentation": shown})
+    >>> found = ringwear.fit(scene, data, "punch.wear_coefficients", noise=1e-3)
+    >>> bool(found.estimates.identifiable.all())
+    True
+    """
+    scene = Scene.of(scene)
+    names = parameters.split(",") if isinstance(parameters, str) else parameters
+    measurements = read_measurements(scene, data, noise, density, columns, units)
+    times = np.unique(np.concatenate([each.times for each in measurements]))
+    if not (times > 0).any():
+        raise SceneError("the data has no time after the start: give some")
+    scene = scene.changed(wear__times=times.tolist(), wear__march="modal", wear__step=None)
+    scene, sought = find_parameters(scene, [name.strip() for name in names if name.strip()])
+    # the matrices are small: threads would wait on each other
+    with threadpool_limits(1):
+        found = fit_measurements(scene, _scaled(sought, measurements), measurements)
+        return found.with_design() if design else found
+
+
+def fit_measurements(
+    scene: Scene,
+    parameters: tuple[Parameter, ...],
+    measurements: tuple[Measurement, ...],
+    model: Model | None = None,
+) -> Fit:
+    """Fit parameters to measurements that have been read.
+
+    Parameters
+    ----------
+    scene : with the times of the data
+    model : yields the predictor by an accuracy and by the coordinates about which it is to be best;
+        by default that which suits the punch
+    """
+    model = model or suitable_model(scene)
+    rtol, *finer_rtols = RTOLS
+    predictor = model(scene, parameters, measurements, rtol, np.zeros(len(parameters)))
+    likelihood = Likelihood(predictor, parameters, tuple(range(len(parameters))))
+    likelihood, combinations = without_effect(likelihood)
+    points = best_points(likelihood)
+    likelihood = with_estimated_noise(likelihood, points)
+    error = np.zeros(len(likelihood.noise))
+    for finer_rtol in finer_rtols:
+        best = likelihood.best_from(points[0].x)
+        finer = model(scene, parameters, likelihood.measurements, finer_rtol, best.x)
+        sharper = replace(likelihood, predictor=finer)
+        error = sharper.residuals(best.x) - likelihood.residuals(best.x)
+        LOG.info("     fit  numerical error %.2g of the noise", np.abs(error).max())
+        if np.abs(error).max() <= NUMERICAL:
+            break
+        likelihood = sharper
+    if len(points) > 1 and likelihood.predictor is not predictor:
+        points = sorted(
+            (likelihood.best_from(point.x) for point in points), key=lambda point: point.chi_square
+        )
+    best, profiles, intervals = _intervals(likelihood, points)
+    slopes = likelihood.slopes(best.x)
+    numerical = inverse_of(slopes) @ (slopes.T @ error)
+    held = {number for combination in combinations for number in combination}
+    estimates = []
+    for number, parameter in enumerate(parameters):
+        place = likelihood.free.index(number) if number in likelihood.free else None
+        low, high = (-np.inf, np.inf) if number in held else intervals[number]
+        estimates.append(
+            Estimate(
+                parameter,
+                float(best.x[number]),
+                low,
+                high,
+                0.0 if place is None else float(abs(numerical[place])),
+                number in profiles.traces,
+            )
+        )
+    return Fit(
+        scene=scene,
+        likelihood=likelihood,
+        best=best,
+        found=tuple(estimates),
+        profiles=profiles,
+        combinations=tuple(combinations),
+        tests=residual_tests(likelihood, best.x),
+        rtol=likelihood.predictor.rtol,
+        model_error=float(np.abs(error).max()),
+    )
+
+
+def suitable_model(scene: Scene) -> Model:
+    """Return the model that suits a punch: modes where all of it carries, else a march."""
+    if scene.problem.full_contact:
+        return flat_predictor
+    LOG.info("     fit  contact changes: this takes some ten marches or more, a second each")
+    return marched_predictor
+
+
+def _scaled(
+    parameters: tuple[Parameter, ...], measurements: tuple[Measurement, ...]
+) -> tuple[Parameter, ...]:
+    """Return the parameters with the scales of those that are not sought by logarithms."""
+    times = np.concatenate([each.times for each in measurements])
+    depths = [np.ptp(each.values) for each in measurements if each.quantity == "indentation"]
+    depth = max(depths, default=0.0) or 1.0
+    # sought up to the last of the times, and up to a hundred times what the sensor has shown
+    scales = {"start_time": times.max() / 1e3, "sensor_offset": 0.1 * depth}
+    return tuple(
+        replace(each, scale=float(scales.get(each.name, 0.1 * depth)))
+        if not each.logarithmic
+        else each
+        for each in parameters
+    )
+
+
+def threshold(likelihood: Likelihood) -> float:
+    """Return the rise of chi-square at the ends of an interval of one parameter.
+
+    Where noises are taken from the residuals, it is the square of Student's quantile.
+    """
+    level = (1 + CONFIDENCE) / 2
+    if all(each.noise_known for each in likelihood.measurements):
+        return float(norm.ppf(level) ** 2)
+    return float(student.ppf(level, max(likelihood.degrees_of_freedom, 1)) ** 2)
+
+
+def _intervals(
+    likelihood: Likelihood, points: list[Point]
+) -> tuple[Point, Profiles, dict[int, tuple[float, float]]]:
+    """Return the best point, profiles about it, and the intervals of what is sought, by number."""
+    for _ in range(RESTARTS):
+        best, covariance = points[0], likelihood.covariance(points[0].x)
+        rise = threshold(likelihood)
+        seen = [point for point in points[1:] if point.chi_square < best.chi_square + rise]
+        profiles = Profiles(likelihood, best, covariance, rise, seen)
+        half = np.sqrt(np.diag(covariance) * rise)
+        intervals = {
+            number: (float(best.x[number] - width), float(best.x[number] + width))
+            for number, width in zip(likelihood.free, half, strict=True)
+        }
+        try:
+            intervals |= profiles.intervals(_not_quadratic(likelihood, best, seen, covariance))
+        except BetterPointError as found:
+            better = likelihood.best_from(found.point.x)
+            points = [better, *(point for point in points if point is not better)]
+            continue
+        break
+    return best, profiles, intervals
+
+
+def _not_quadratic(
+    likelihood: Likelihood, best: Point, seen: list[Point], covariance: Array
+) -> list[int]:
+    """Return the numbers of the parameters whose intervals curvature cannot be trusted to give."""
+    deviations = np.sqrt(np.diag(covariance))
+    steps = [np.abs(point.x - best.x)[list(likelihood.free)] / deviations for point in seen]
+    if any((step > 0.1).any() for step in steps):
+        return list(likelihood.free)
+    return [
+        number
+        for number, deviation in zip(likelihood.free, deviations, strict=True)
+        if likelihood.parameters[number].logarithmic and deviation > CURVED
+    ]

@@ -1,0 +1,1 @@
+"""Models of the punch that predict measurements."""

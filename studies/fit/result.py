@@ -1,0 +1,99 @@
+"""The value that a fit returns, which shows and saves itself."""
+
+from base64 import b64encode
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from html import escape
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from ...meshes.errors import RingwearError
+from ..figures.style import in_style
+from ..output.folder import output_folder
+from ..output.one_file import make
+from ..report.study_page import write_study
+from ..tables import write_csv
+from .design import design_table
+from .figures import draw_all
+from .outcome import Outcome
+from .words import conclude
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+TABLES = ("estimates.csv", "residuals.csv", "tests.csv", "design.csv")
+FILES = (*TABLES, "fit.png", "likelihood.png", "design.png", "report.html")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(Outcome):
+    """What measurements say of parameters of a scene; it shows itself in print and in notebooks."""
+
+    @cached_property
+    def conclusions(self) -> tuple[str, ...]:
+        """What the measurements say, a sentence each."""
+        return conclude(self)
+
+    @cached_property
+    def figures(self) -> "dict[str, Figure]":
+        """The figures, by the name of their file without its ending."""
+        with in_style():
+            return draw_all(self)
+
+    def with_design(self) -> "Fit":
+        """Return it with further measurements, by how much they would narrow the intervals."""
+        return replace(self, design=design_table(self))
+
+    def __repr__(self) -> str:
+        """Return the conclusions."""
+        title = f"Fit of {self.scene.title or 'an untitled scene'}"
+        return "\n".join([title, *(f"  {line}" for line in self.conclusions)])
+
+    def _repr_html_(self) -> str:
+        """Return conclusions, estimates and figures as HTML, for notebooks."""
+        parts = [f"<pre>{escape(repr(self))}</pre>"]
+        parts.append(self.estimates.to_html(float_format="{:.4g}".format))
+        for figure in self.figures.values():
+            image = BytesIO()
+            with in_style():
+                figure.savefig(image, dpi=100)
+            picture = b64encode(image.getvalue()).decode()
+            parts.append(f'<img src="data:image/png;base64,{picture}">')
+        return "".join(parts)
+
+    def save(self, folder: str | Path) -> list[str]:
+        """Write what ``ringwear fit --out folder`` does; return the names of the files.
+
+        Raises
+        ------
+        SceneError
+            if the folder cannot be written to, or holds files of others with these names
+        RingwearError
+            if a figure or the page cannot be made
+        """
+        with output_folder(Path(folder), "fit", FILES) as out:
+            if failures := self.write(out.hidden):
+                raise RingwearError("; ".join(failures))
+        return out.written
+
+    def write(self, folder: Path) -> list[str]:
+        """Write tables, figures and the page to a folder; return what could not be made."""
+        tables = {
+            "estimates": self.estimates.rename_axis("parameter").reset_index(),
+            "residuals": self.residuals,
+            "tests": pd.DataFrame({"test": self.tests.keys(), "probability": self.tests.values()}),
+            "design": self.design,
+        }
+        for name, table in tables.items():
+            if len(table):
+                write_csv(table, folder / f"{name}.csv")
+        for name, figure in self.figures.items():
+            with in_style():
+                figure.savefig(folder / f"{name}.png")
+        title = f"Fit of {self.scene.title or 'an untitled scene'}"
+        purpose = "What measurements say of wear coefficients, and what they cannot tell."
+        write = partial(write_study, title, purpose, self.scene, self.conclusions)
+        return make(folder / "report.html", write)

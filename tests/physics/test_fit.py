@@ -1,0 +1,163 @@
+"""Wear coefficients from measurements: against closed forms, an independent history, and truths."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from ringwear import Scene, fit, run
+from ringwear.meshes.radial import ring_areas
+from ringwear.studies.fit.experiments import WEAR, Experiments, cases
+from ringwear.studies.fit.models.rig import differences
+from ringwear.studies.fit.parameters import find_parameters, scene_at
+from ringwear.studies.fit.statistics.likelihood import Likelihood, without_effect
+
+BALL = Scene.load("sphere").changed({WEAR: [1.0]})
+WEIGHINGS = np.array([0.1, 0.3, 1.0, 3.0, 10.0])
+
+
+def test_wear_coefficients_of_an_independent_history_are_found(reference):
+    """The independent history of the five rings has k = 1 and 10; fits begin at 1.5 and 6."""
+    states = reference["states"]
+    times = [state["time"] for state in states if state["time"] > 0]
+    depths = [state["indentation"] for state in states if state["time"] > 0]
+    data = pd.DataFrame({"time": times, "indentation": depths})
+    scene = Scene.load("five_rings").changed({WEAR: [1.5, 6.0]})
+    found = fit(scene, data, WEAR, noise=1e-6)
+    assert found.estimates.value.tolist() == pytest.approx([1.0, 10.0], rel=1e-4)
+    # and the numerical part of the uncertainty is as small as the rule says
+    assert found.model_error <= 0.1
+    assert found.degrees_of_freedom == len(times) - 2
+
+
+def test_a_ball_of_one_material_has_the_interval_of_its_closed_form():
+    """Its worn volume is k F s, whatever the half-space, and so ln k is a mean of logarithms."""
+    noise = 0.02 * np.array([1.0, -0.5, 0.3, 0.8, -1.2])
+    volumes = 1.3 * 0.01 * WEIGHINGS * (1 + noise)
+    data = pd.DataFrame({"time": WEIGHINGS, "worn_volume": volumes})
+    found = fit(BALL, data, WEAR, noise="2 %").estimates.iloc[0]
+    weights = (WEIGHINGS * 0.01 / volumes) ** 2
+    exact = np.average(volumes / (0.01 * WEIGHINGS), weights=weights)
+    assert found.value == pytest.approx(exact, rel=1e-5)
+    half = 1.96 * 0.02 / np.sqrt((weights * exact**2).sum())
+    assert np.log(found.high / found.low) / 2 == pytest.approx(half, rel=1e-3)
+
+
+def test_worn_volumes_over_k_sum_to_the_work_of_the_load():
+    """``sum V_i / k_i = int F ds``, also where the force rises and wherever the parameters are."""
+    load = {"normal_force": {"times": [0.0, 0.5, 1.0], "values": [1.0, 1.0, 2.0]}}
+    table = Scene.load("five_rings").table() | {"load": load}
+    case = Experiments(
+        Scene.from_table(table),
+        (WEAR,),
+        tuple(("worn_volume", np.array([0.4, 2.0]), None, 0.01, ring) for ring in range(5)),
+    )
+    x = np.array([0.3, -0.5])
+    volumes = np.array(case.sharp.predict(x))
+    wear = np.resize(np.exp(x) * [1.0, 10.0], 5)
+    assert volumes.T @ (1 / wear) == pytest.approx([0.4, 0.5 + 0.75 + 2.0], rel=1e-9)
+
+
+def test_late_depths_tell_the_harmonic_mean_alone():
+    """``w = F / sum(A / k)`` is all that a steady state shows of the wear coefficients."""
+    case = cases()["two"]
+    late = np.linspace(3.0, 5.0, 20)
+    rates = replace(case, columns=(("indentation", late, None, 1e-3, None),))
+    (slopes,) = rates.sharp.slopes(np.zeros(2))
+    growth = slopes[-1] - slopes[0]
+    areas = ring_areas(Scene.load("five_rings").problem.ring_edges)
+    shares = np.array([areas[::2].sum() / 1.0, areas[1::2].sum() / 10.0])
+    rate = 2.0 / shares.sum()
+    assert growth / 2.0 == pytest.approx(rate * shares / shares.sum(), rel=1e-3)
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_derivatives_are_exact(held):
+    """Of depths, forces, profiles and volumes by wear, modulus, load, speed and the rig."""
+    case = cases()["five"]
+    names = [WEAR, "half_space.plane_strain_modulus", "load.sliding_speed", "start_time"]
+    columns = list(case.columns)
+    scene = case.scene
+    if held:
+        scene = scene.changed(load={"indentation": 1.0, "sliding_speed": 1.0})
+        columns[0] = ("normal_force", columns[0][1], None, 1e-3, None)
+    names += ["load.indentation"] if held else ["load.normal_force", "sensor_offset"]
+    columns.append(("worn_volume", np.array([0.2, 2.0]), None, 0.01, 3))
+    model = replace(case, scene=scene, names=tuple(names), columns=tuple(columns)).sharp
+    x = np.linspace(-0.2, 0.3, len(model.parameters))
+    x[[each.name == "start_time" for each in model.parameters]] = 2e-3
+    pairs = zip(model.slopes(x), differences(model, x, np.full(len(x), 1e-4)), strict=True)
+    for exact, difference in pairs:
+        assert np.abs(exact - difference).max() <= 1e-4 * np.abs(exact).max()
+
+
+def test_an_offset_and_a_compliance_are_one_number_under_one_force():
+    names = (WEAR, "sensor_offset", "machine_compliance")
+    rising = {"times": [0.3, 0.4], "values": [1.0, 2.0]}
+    for force, combinations in ((2.0, [(2, 3)]), (rising, [])):
+        scene = Scene.load("five_rings").changed({"load.normal_force": force})
+        times = np.geomspace(0.001, 5.0, 12)
+        case = Experiments(scene, names, (("indentation", times, None, 1e-3, None),))
+        likelihood = Likelihood(case.sharp, case.sharp.parameters, (0, 1, 2, 3))
+        assert without_effect(likelihood)[1] == combinations
+
+
+def test_a_table_of_wear_along_the_radius_is_fitted():
+    table = {"radii": [0.0, 0.5, 1.0], "values": [1.0, 2.0, 4.0]}
+    scene = Scene.load("flat_punch").table() | {"punch": {"radius": 1.0, "wear_coefficient": table}}
+    radii = np.linspace(0.05, 0.95, 40)
+    case = Experiments(
+        Scene.from_table(scene),
+        ("punch.wear_coefficient",),
+        (
+            ("indentation", np.geomspace(0.01, 5.0, 30), None, 1e-3, None),
+            ("profile", np.full(40, 0.3), radii, 0.01, None),
+        ),
+    )
+    truth, found = case.conduct(3)
+    assert found.fits
+    for each, true in zip(found.found, truth, strict=True):
+        assert abs(each.best - true) < 1.5 * max(each.high - each.best, each.best - each.low)
+    moved = scene_at(found.scene, find_parameters(found.scene, case.names)[1], found.best.x)
+    assert moved.punch.table.values == pytest.approx(found.estimates.value.tolist())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "count", "least"), [("two", 25, 20), ("ball", 30, 25)])
+def test_intervals_hold_the_truth(name, count, least):
+    """Seeds are fixed; of intervals of 95 % fewer than the least hold it once in 100 times."""
+    case, held = cases()[name], 0
+    for seed in range(count):
+        truth, found = case.conduct(seed)
+        pairs = zip(found.found, truth, strict=True)
+        held = held + np.array([each.low <= true <= each.high for each, true in pairs])
+    assert min(held) >= least
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["k falls", "k goes as p"])
+def test_a_wrong_law_is_noticed(name):
+    case = cases()[name]
+    for seed in range(5):
+        _, found = case.conduct(seed)
+        assert not found.fits
+        assert any("THE MODEL DOES NOT FIT" in line for line in found.conclusions)
+
+
+@pytest.mark.slow
+def test_a_brake_that_is_applied_and_released_is_fitted():
+    """The load bends and falls between the times of the data, which come from a whole run."""
+    scene = Scene.load("duty_cycle")
+    times = np.array(scene.wear.times[1:])
+    truth = scene.changed({WEAR: [1.3e-15, 5e-15], "accuracy.rtol": 1e-3})
+    result = run(truth.changed(output__quantities=["indentation"]), methods=["mdr"])
+    depths = result.dataset.indentation.sel(time=times).values[0]
+    noise = 2e-3 * float(depths.max())
+    data = pd.DataFrame({"time": times, "indentation": depths})
+    found = fit(scene, data, f"{WEAR}[0]", noise=noise)
+    assert found.chi_square < 1.0
+    row = found.estimates.iloc[0]
+    assert row.low < 1.3e-15 < row.high

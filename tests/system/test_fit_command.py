@@ -1,0 +1,99 @@
+"""The command `ringwear fit`, and the call: what they print, write and refuse."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import ringwear
+from ringwear import Scene
+from ringwear.studies.cli import main
+
+SCENE = Scene(
+    title="a pin",
+    units="SI",
+    methods=["mdr"],
+    punch={"radius": 0.005, "wear_coefficient": "1e-6 mm^3/(N m)"},
+    half_space={"youngs_modulus": "2 GPa"},
+    load={"normal_force": 100.0, "sliding_speed": 0.1},
+    wear={"times": "running-in"},
+)
+TRUTH = 1.4e-15
+NOISE = 1e-8
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory):
+    """A scene, and what a sensor shows of a pin that wears 1.4 times as fast, in hours and um."""
+    folder = tmp_path_factory.mktemp("measured")
+    (folder / "pin.toml").write_text(SCENE.to_toml(), "utf-8")
+    times = np.geomspace(60.0, 40_000.0, 30)
+    wears = SCENE.changed(punch__wear_coefficient=TRUTH, wear__times=times.tolist())
+    wears = wears.changed(output__quantities=["indentation"])
+    depths = ringwear.run(wears).dataset.indentation.values[0]
+    shown = depths + np.random.default_rng(2).normal(0.0, NOISE, len(times))
+    table = pd.DataFrame({"time [h]": times / 3600, "Depth [um]": 1e6 * shown})
+    table.to_csv(folder / "data.csv", index=False)
+    return folder
+
+
+def test_the_command_finds_a_wear_coefficient(measured, tmp_path, capsys):
+    command = ["fit", str(measured / "pin.toml"), str(measured / "data.csv")]
+    command += ["--for", "punch.wear_coefficient,sensor_offset,machine_compliance"]
+    assert main([*command, "--noise", "0.01 um", "--design", "--out", str(tmp_path / "out")]) == 0
+    printed = capsys.readouterr().out
+    assert "punch.wear_coefficient = 1." in printed
+    assert "mm³/(N m) (95 %: " in printed
+    assert "sensor_offset and machine_compliance cannot be separated" in printed
+    assert "the residuals do not speak against Archard's law" in printed
+    assert "the next measurement" in printed
+    files = {"estimates.csv", "residuals.csv", "tests.csv", "design.csv"}
+    files |= {"fit.png", "design.png", "report.html"}
+    assert files <= {file.name for file in (tmp_path / "out").iterdir()}
+    estimates = pd.read_csv(tmp_path / "out" / "estimates.csv", index_col="parameter")
+    row = estimates.loc["punch.wear_coefficient"]
+    assert row.low < TRUTH < row.high
+    assert row.identifiable
+    assert not estimates.identifiable["sensor_offset"]
+    assert np.isinf(estimates.high["machine_compliance"])
+
+
+def test_the_call_shows_itself_in_print_and_in_a_notebook(measured, tmp_path):
+    found = ringwear.fit(measured / "pin.toml", measured / "data.csv", "punch.wear_coefficient")
+    # the noise, which nobody has given, is that of the data
+    noise = found.measurements[0].noise[0]
+    assert noise == pytest.approx(NOISE, rel=0.4)
+    assert repr(found).startswith("Fit of a pin\n")
+    assert "taken from the residuals" in repr(found)
+    page = found._repr_html_()
+    assert "<table" in page
+    assert "data:image/png;base64," in page
+    assert "report.html" in found.save(tmp_path / "saved")
+
+
+def test_a_law_that_does_not_fit_ends_with_3(measured, tmp_path, capsys):
+    table = pd.read_csv(measured / "data.csv")
+    table["Depth [um]"] *= 1 + 0.2 * table["time [h]"] / table["time [h]"].max()
+    table.to_csv(tmp_path / "wrong.csv", index=False)
+    command = ["fit", str(measured / "pin.toml"), str(tmp_path / "wrong.csv"), "--noise", "1e-8"]
+    assert main([*command, "--for", "punch.wear_coefficient", "--out", str(tmp_path / "out")]) == 3
+    assert "THE MODEL DOES NOT FIT" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("data", "options", "told"),
+    [
+        ("time,indentation\n1,1e-6\n2,2e-6\n", [], "do not tell their noise"),
+        ("time,lost_mass\n1,1e-6\n2,2e-6\n", ["--noise", "1 mg"], "give --density"),
+        ("time,radius,pressure\n1,0,1e6\n", [], "nothing to fit"),
+        ("time,indentation\n1,1e-6\n2,2e-6\n", ["--noise", "profile=1"], "no such column"),
+    ],
+)
+def test_what_is_wrong_is_refused_in_a_line(measured, tmp_path, capsys, data, options, told):
+    (tmp_path / "data.csv").write_text(data, "utf-8")
+    command = ["fit", str(measured / "pin.toml"), str(tmp_path / "data.csv")]
+    command += ["--for", "punch.wear_coefficient", "--out", str(tmp_path / "out"), *options]
+    assert main(command) == 2
+    assert told in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

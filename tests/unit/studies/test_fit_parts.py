@@ -1,0 +1,187 @@
+"""The parts of a fit: parameters, measurements, likelihood, profiles, tests of residuals."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.integrate import quad
+
+from ringwear import Scene
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.fit.data import read_measurements
+from ringwear.studies.fit.measurement import Measurement
+from ringwear.studies.fit.models.flat_histories import divided_difference
+from ringwear.studies.fit.models.marched_predictor import STENCIL, cubic_weights
+from ringwear.studies.fit.parameters import Parameter, find_parameters, scene_at
+from ringwear.studies.fit.statistics.likelihood import Likelihood, best_points, without_effect
+from ringwear.studies.fit.statistics.profiles import Profiles
+from ringwear.studies.fit.statistics.residual_tests import few_runs, small_differences
+
+SCENE = Scene(
+    units="SI",
+    punch={"radius": 0.01, "rings": 3, "wear_coefficient": 1e-15, "wear_ratio": 5.0},
+    half_space={"youngs_modulus": 2e9},
+    load={"normal_force": {"times": [0.0, 10.0], "values": [50.0, 100.0]}},
+    wear={"times": [0.0, 10.0]},
+)
+
+
+class Formula:
+    """A model whose values are a formula of the coordinates."""
+
+    rtol = 0.0
+
+    def __init__(self, formula, slopes, values, noise=0.1):
+        self.formula, self.derivatives = formula, slopes
+        count = len(values)
+        given = np.arange(1.0, count + 1), np.asarray(values, dtype=float), np.full(count, noise)
+        self.measurements = (Measurement("indentation", "indentation", *given, True),)
+
+    def predict(self, x):
+        return [np.asarray(self.formula(x), dtype=float)]
+
+    def slopes(self, x):
+        return [np.asarray(self.derivatives(x), dtype=float)]
+
+
+def likelihood_of(model, count):
+    free = tuple(Parameter(f"punch.wear_coefficients[{n}]", 1.0, 1.0, "") for n in range(count))
+    return Likelihood(model, free, tuple(range(count)))
+
+
+def test_a_key_of_a_list_stands_for_all_of_its_values():
+    scene, found = find_parameters(SCENE, ["punch.wear_coefficients", "load.normal_force"])
+    names = [each.name for each in found]
+    assert names == [
+        "punch.wear_coefficients[0]",
+        "punch.wear_coefficients[1]",
+        "load.normal_force.values[0]",
+        "load.normal_force.values[1]",
+    ]
+    moved = scene_at(scene, found, np.array([0.0, np.log(2.0), 0.0, np.log(3.0)]))
+    assert moved.punch.wear_coefficients == pytest.approx([1e-15, 1e-14])
+    assert moved.load_.pressing.values == pytest.approx([50.0, 300.0])
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("punch.wear_coeficient", "did you mean punch.wear_coefficient?"),
+        ("punch.wear_coefficients[2]", "has 2 values, counted from 0"),
+        ("punch.radius", "cannot be fitted"),
+        ("start_time,start_time", "asked for twice"),
+    ],
+)
+def test_what_cannot_be_fitted_is_refused(name, told):
+    with pytest.raises(SceneError, match=told.replace("?", r"\?")):
+        find_parameters(SCENE, name.split(","))
+
+
+def test_lost_mass_is_volume_times_density():
+    table = pd.DataFrame({"time [s]": [0.0, 5.0, 10.0], "lost_mass_2 [mg]": [0.0, 1.0, 3.0]})
+    (found,) = read_measurements(SCENE, table, {"lost_mass": "0.1 mg"}, "8 g/cm^3")
+    assert (found.quantity, found.ring) == ("worn_volume", 1)
+    # 1 mg of 8 mg/mm^3
+    assert found.values == pytest.approx([0.125e-9, 0.375e-9])
+    assert found.noise == pytest.approx(0.0125e-9)
+    assert found.times.tolist() == [5.0, 10.0]
+
+
+@pytest.mark.parametrize(
+    ("noise", "density", "told"),
+    [
+        (None, None, "needs? a density|takes a density"),
+        ("1 mg", "8", "give a noise for each"),
+        ({"profile": 1.0}, "8", "no such column"),
+        ({"lost_mass": "0 %"}, "8", "above 0"),
+    ],
+)
+def test_what_measurements_lack_is_told(noise, density, told):
+    table = pd.DataFrame({"time": np.arange(9.0), "lost_mass": 1e-9, "indentation": np.arange(9.0)})
+    with pytest.raises(SceneError, match=told):
+        read_measurements(SCENE, table, noise, density)
+
+
+def test_divided_differences_are_integrals():
+    for first, second in ((0.0, 0.0), (1.0, 1.0 + 1e-14), (0.3, 2.0), (40.0, 0.0)):
+        exact, _ = quad(lambda s, a=first, b=second: np.exp(-a * (0.7 - s) - b * s), 0.0, 0.7)
+        found = divided_difference(np.array(first), np.array(second), 0.7)
+        assert float(found) == pytest.approx(exact, rel=1e-10)
+
+
+def test_a_cubic_is_interpolated_exactly():
+    cubic = np.polynomial.Polynomial([1.0, -2.0, 0.5, 3.0])
+    for place in (0.0, 0.37, 1.0):
+        assert np.dot(cubic_weights(place), cubic(STENCIL)) == pytest.approx(cubic(place))
+
+
+def test_a_straight_model_has_the_intervals_of_linear_regression():
+    design = np.column_stack([np.ones(6), np.arange(6.0)])
+    values = np.array([0.1, 1.2, 1.9, 3.1, 3.9, 5.2])
+    likelihood = likelihood_of(Formula(lambda x: design @ x, lambda _: design, values), 2)
+    best = best_points(likelihood, 1)[0]
+    exact = np.linalg.lstsq(design, values, rcond=None)[0]
+    assert best.x == pytest.approx(exact, abs=1e-7)
+    covariance = 0.01 * np.linalg.inv(design.T @ design)
+    assert likelihood.covariance(best.x) == pytest.approx(covariance)
+    profiles = Profiles(likelihood, best, covariance, 1.96**2)
+    for number, (low, high) in profiles.intervals([0, 1]).items():
+        half = 1.96 * np.sqrt(covariance[number, number])
+        assert (high - low) / 2 == pytest.approx(half, rel=0.02)
+
+
+def test_an_interval_holds_every_valley():
+    """Of x^2 = 1 +- 0.1 / sqrt(4), which both signs of x explain."""
+    model = Formula(
+        lambda x: x[0] ** 2 * np.ones(4), lambda x: 2 * x[0] * np.ones((4, 1)), [1.0] * 4
+    )
+    likelihood = likelihood_of(model, 1)
+    ends = [likelihood.best_from(np.array([start])) for start in (0.5, -0.5)]
+    best, other = ends
+    profiles = Profiles(likelihood, best, likelihood.covariance(best.x), 1.96**2, [other])
+    low, high = profiles.intervals([0])[0]
+    assert (low, high) == pytest.approx((-np.sqrt(1.098), np.sqrt(1.098)), rel=5e-3)
+
+
+def test_what_has_no_bound_is_open():
+    """Of exp(-x) = 0 +- 0.1, which any great x explains."""
+    model = Formula(lambda x: np.exp(-x), lambda x: -np.exp(-x)[:, None], [0.0])
+    likelihood = likelihood_of(model, 1)
+    best = likelihood.best_from(np.array([3.0]))
+    profiles = Profiles(likelihood, best, likelihood.covariance(best.x), 1.96**2)
+    low, high = profiles.intervals([0])[0]
+    assert np.isinf(high)
+    # ends of wide intervals are sought to a tenth of the root of the rise
+    assert low == pytest.approx(-np.log(0.196), abs=0.1)
+
+
+def test_combinations_without_effect_are_named_and_one_of_each_is_held():
+    design = np.column_stack([np.arange(5.0), np.ones(5), 2 * np.ones(5), np.zeros(5)])
+    model = Formula(lambda x: design @ x, lambda _: design, np.arange(5.0))
+    likelihood, combinations = without_effect(likelihood_of(model, 4))
+    assert sorted(map(sorted, combinations)) == [[1, 2], [3]]
+    assert likelihood.free == (0, 1)
+
+
+@pytest.mark.parametrize("test", [few_runs, small_differences])
+def test_tests_of_residuals_see_what_is_alike_and_nothing_else(test):
+    random = np.random.default_rng(5)
+    noise = random.normal(size=(400, 40))
+    alarms = np.mean([test(series) < 0.05 for series in noise])
+    # of 400, 2.5 standard deviations
+    assert 0.01 < alarms < 0.05 + 2.5 * np.sqrt(0.05 * 0.95 / 400)
+    waves = noise + 3 * np.sin(np.linspace(0, 4 * np.pi, 40))
+    assert np.mean([test(series) < 0.05 for series in waves]) > 0.9
+
+
+def test_noise_in_the_offset_of_a_profile_is_projected_out():
+    design = np.ones((5, 1))
+    model = Formula(lambda x: 0 * x[0] * np.ones(5), lambda _: 0 * design, np.full(5, 7.0))
+    (measured,) = model.measurements
+    model.measurements = (replace(measured, quantity="profile", radii=np.arange(5.0)),)
+    likelihood = likelihood_of(model, 1)
+    assert likelihood.residuals(np.zeros(1)) == pytest.approx(np.zeros(5), abs=1e-12)
+    assert likelihood.degrees_of_freedom == 3
