@@ -105,6 +105,11 @@ def fit(
     True
     """
     scene = Scene.of(scene)
+    if scene.problem.ground is not None:
+        raise SceneError(
+            "half_space.layers: measurements are fitted on a homogeneous half-space; leave out the "
+            "layers and half_space.rigid"
+        )
     names = parameters.split(",") if isinstance(parameters, str) else parameters
     measurements = read_measurements(scene, data, noise, density, columns, units)
     times = np.unique(np.concatenate([each.times for each in measurements]))

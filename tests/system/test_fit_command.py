@@ -97,3 +97,11 @@ def test_what_is_wrong_is_refused_in_a_line(measured, tmp_path, capsys, data, op
     assert main(command) == 2
     assert told in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_layers_are_refused(tmp_path, capsys):
+    """The model of the data has none: a fit on another ground would be silently wrong."""
+    (tmp_path / "data.csv").write_text("time,indentation\n0,1e-6\n10,2e-6\n")
+    arguments = [str(tmp_path / "data.csv"), "--for", "punch.wear_coefficients", "--noise", "1e-8"]
+    assert main(["fit", "polishing_pad", *arguments, "--out", str(tmp_path / "out")]) == 2
+    assert "half_space.layers" in capsys.readouterr().err

@@ -25,7 +25,7 @@ from ....meshes.radial import Array, Indices, ring_of
 from ...methods.spaces import choose_spaces
 from ...problem.face import Rings
 from ...problem.problem import Problem
-from ...sizes.shared import Shared
+from ...sizes.shared import covering
 from ...wear.modes import BandedCholesky, Modes, every_mode
 
 # times that a discretisation serves before the first and after the last of the data, as wear
@@ -80,7 +80,7 @@ class FlatHistories:
             parts = _hats(table_radii, rings)
         else:
             rings = problem.rings
-            shared = Shared.of(_with_contrasts(problem))
+            shared = covering(_with_contrasts(problem))
             parts = [np.tile(row, (2, 1)) for row in np.eye(len(rings.widths))]
         middles = (rings.ring_edges[1:] + rings.ring_edges[:-1]) / 2
         scene_rings = ring_of(problem.ring_edges, middles)
