@@ -43,6 +43,13 @@ def line_energy(ground: Ground) -> Array:
 
 
 @lru_cache(maxsize=8)
+def line_energy_modes(ground: Ground) -> tuple[Array, Array]:
+    """Return the eigenvalues (J,) of I + K and its eigenvectors (J, J) on the same functions."""
+    values, vectors = np.linalg.eigh(line_energy(ground))
+    return values, vectors
+
+
+@lru_cache(maxsize=8)
 def flat_series(ground: Ground) -> tuple[float, ...]:
     """Return the coefficients (J,) of ``P_2j(t) / t`` in the pressure of a flat punch.
 

@@ -322,6 +322,18 @@ class PressureSpace:
         parent = np.searchsorted(self.sort_keys, (breakpoints + 1j * low_parts)[1:]) - 1
         return PressureSpace(breakpoints, self.degrees[parent], self.ring_edges, low_parts)
 
+    def no_wider(self, widest: float) -> "PressureSpace":
+        """Return the space whose elements are no wider than that: wider ones are cut evenly."""
+        parts = np.ceil(self.widths / widest).astype(np.int64)
+        if (parts == 1).all():
+            return self
+        number = np.repeat(np.arange(len(parts)), parts)
+        within = np.arange(len(number)) - np.repeat(np.cumsum(parts) - parts, parts)
+        cut = self.widths[number] * within / parts[number]
+        breakpoints = np.append(self.breakpoints[number] + cut, self.breakpoints[-1])
+        low_parts = np.append(np.where(within > 0, 0.0, self._low[number]), self._low[-1])
+        return self.divided(breakpoints, low_parts)
+
     def embedding(self, coarse: "PressureSpace") -> csr_matrix:
         """Return the matrix (size, coarse size) that embeds a coarser space in this one.
 

@@ -78,7 +78,9 @@ def check_modes(report: Reported) -> Rows:
     # another theory than the method's own
     half_space = ring_kernel.compliance if report.name == "mdr" else energy.compliance
     coarse, fine = (
-        slowest_relaxation_times(report.problem.merged, report.fixed, sizes, half_space)
+        slowest_relaxation_times(
+            report.problem.merged, report.fixed, sizes, half_space, report.reading.ground
+        )
         for sizes in (COARSE, FINE)
     )
     stated = report.errors("relaxation_time")[0]

@@ -76,7 +76,7 @@ def compare_operators(
         if isinstance(other, AnySpaceMethod):
             with Stages("check")(f"{a} against {b}"):
                 first, space = wears[a], wears[a].compliance.space
-                second = replace(first, compliance=other.compliance(space))
+                second = replace(first, compliance=other.compliance(space, problem.ground))
                 if a not in anywhere:
                     check_multipliers(a, first.compliance, second.compliance)
                 if space.size <= MOST_PRESSURES:

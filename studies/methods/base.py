@@ -175,12 +175,14 @@ class Method(ABC):
     lacks : `history` or `steady state`, if it does not give that, and why
     refused : regimes of problems that it cannot solve, each with the reason and the remedy; all but
         flat punches under a force if it is None
+    knows_layers : whether it solves problems on layered ground
     """
 
     name: str
     what: str = ""
     lacks: ClassVar[dict[str, str]] = {}
     refused: ClassVar[Mapping[Regime, str] | None] = None
+    knows_layers: ClassVar[bool] = False
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Return everything that a problem asks for."""
@@ -209,6 +211,8 @@ class Method(ABC):
 
     def refusal(self, problem: Problem) -> str:
         """Return why it cannot solve the problem at all, with the remedy; empty if it can."""
+        if problem.ground is not None and not self.knows_layers:
+            return f"{self.name} does not know half_space.layers: leave it out of methods"
         refused = flat_punches_only(self.name) if self.refused is None else self.refused
         return next((refused[regime] for regime in problem.regimes if regime in refused), "")
 

@@ -150,6 +150,7 @@ class Fem(ComplianceMethod):
     """
 
     name = "fem"
+    knows_layers = True
     what = (
         "the half-space by finite elements: a graded quarter disc with Boussinesq's far field, "
         "condensed to the contact"

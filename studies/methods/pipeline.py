@@ -16,6 +16,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ...ground.ground import Ground
 from ...meshes.compliance import Compliance
 from ...meshes.contact_cells import fitted_space
 from ...meshes.errors import RingwearError
@@ -37,7 +38,13 @@ from .error_factors import error_factor
 from .estimates import estimate_errors
 from .evaluation import Evaluation, FullContact
 from .moving_evaluation import MovingContact
-from .spaces import choose_spaces, first_contact, load_at_start, pressure_spaces
+from .spaces import (
+    choose_spaces,
+    first_contact,
+    load_at_start,
+    narrow_enough,
+    pressure_spaces,
+)
 
 # dense matrices of the size of the compliance that are in memory at once
 DENSE_MATRICES = 14.0
@@ -123,8 +130,8 @@ class AnySpaceMethod(ComplianceMethod):
     """A method whose compliance can be had on any pressure space."""
 
     @abstractmethod
-    def compliance(self, space: PressureSpace) -> Compliance:
-        """Return the compliance on a space."""
+    def compliance(self, space: PressureSpace, ground: Ground | None = None) -> Compliance:
+        """Return the compliance on a space, of layered ground if there are layers."""
 
     def sizes_of_flat_punches(self, problem: Problem) -> str:
         """Return what to leave out if the user has given sizes of the radial mesh."""
@@ -139,17 +146,24 @@ class AnySpaceMethod(ComplianceMethod):
 
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:
         """Return the compliance on the space that suits a problem, and what makes a coarser one."""
-        spaces = choose_spaces(problem)
+        spaces, ground = choose_spaces(problem), problem.ground
 
-        def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> Compliance:
-            return self.compliance(fitted_space(edges, infinite, degree))
+        def fitted(
+            edges: tuple[float, ...],
+            infinite: tuple[bool, ...],
+            scaled_ground: Ground | None,
+            degree: int,
+        ) -> Compliance:
+            space = fitted_space(edges, infinite, degree)
+            return self.compliance(narrow_enough(space, scaled_ground), scaled_ground)
 
         def coarser() -> Compliance:
-            coarse = spaces.coarse
-            return compliance.restricted(coarse) if spaces.nested else self.compliance(coarse)
+            if spaces.nested:
+                return compliance.restricted(spaces.coarse)
+            return self.compliance(spaces.coarse, ground)
 
         with stages("assembling"):
-            compliance = self.compliance(spaces.fine)
+            compliance = self.compliance(spaces.fine, ground)
         return Discretised(
             compliance,
             coarser,
@@ -282,7 +296,8 @@ def fitted_starts(
     if before and before.presses:
         return before.presses, ()
     try:
-        return fit_presses(problem.profile, load_at_start(problem), intervals, made.fitted), ()
+        load, ground = load_at_start(problem), problem.ground
+        return fit_presses(problem.profile, load, intervals, made.fitted, ground), ()
     except RingwearError as error:
         note = (
             "the start is as accurate as the march, not fitted to the edges of the contact: "

@@ -7,11 +7,12 @@ linear pressures on cells.
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
 
+from ...ground.ground import Ground
 from ...mdr import energy
 from ...meshes.contact_cells import ContactCells
 from ...meshes.errors import SceneError
@@ -29,6 +30,9 @@ WEAK_KINK = 0.1
 # part of the accuracy asked for by which smaller cells may change the start; cells do not get
 # coarser than the coarsest accuracy asks for
 START_TOLERANCE, COARSEST_RTOL = 0.2, 1e-3
+# greatest width of an element over the first layer, whose thickness is the length over which
+# pressures on it vary (physics/test_layers.py)
+WIDEST_ON_LAYERS = 3.0
 
 
 class PressureSpaces(NamedTuple):
@@ -95,15 +99,13 @@ def first_contact(
     It decides on the cells only: any method's compliance will do, and this one is quick.
     """
     cells = cells_of(problem, finer)
-    load = load_at_start(problem)
-    intervals, cells = find_first_contact(energy.compliance, problem.profile, load, cells)
+    load, on_ground = load_at_start(problem), partial(energy.compliance, ground=problem.ground)
+    intervals, cells = find_first_contact(on_ground, problem.profile, load, cells)
     if not intervals:
         raise SceneError("load.indentation presses on less than cells can be made for: give more")
     if finer == 1:
         tolerance = START_TOLERANCE * min(problem.rtol, COARSEST_RTOL)
-        intervals, cells = refine_at_free_edges(
-            energy.compliance, problem.profile, load, cells, tolerance
-        )
+        intervals, cells = refine_at_free_edges(on_ground, problem.profile, load, cells, tolerance)
     else:
         # the same edges for both, so that their difference says what the size of cells costs
         edges = first_contact(problem)[1].free_edges
@@ -138,7 +140,13 @@ def radial_space(
     breakpoints, low_parts = exact_graded_breakpoints(rings.ring_edges, at_edges, at_rim, grading)
     linear = np.ones(len(breakpoints) - 1, dtype=np.int64)
     space = PressureSpace(breakpoints, linear, rings.ring_edges, low_parts)
+    space = narrow_enough(space, problem.ground)
     return replace(space, degrees=degrees(problem, space, degree, grading, degree_of_modes))
+
+
+def narrow_enough(space: PressureSpace, ground: Ground | None) -> PressureSpace:
+    """Return a space whose elements are narrow enough for the first of the layers, if there are."""
+    return space if ground is None else space.no_wider(WIDEST_ON_LAYERS * ground.first)
 
 
 def degrees(

@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ...ground.ground import Ground
 from ...mdr.flat_punch import flat_punch
 from ...meshes.errors import SceneError
 from ...meshes.radial import (
@@ -65,7 +66,8 @@ class Problem:
         to be modelled
     times : (T,) increasing; empty if no history is wanted
     steady : whether the steady state is wanted
-    poisson_ratio : of the half-space
+    poisson_ratio : of the half-space; the greatest of layers
+    ground : layers; None for a homogeneous half-space
     rtol : relative accuracy wanted
     march, step : how to go through time; `step` is None for the modal march
     gradient_average : `line` or `area`, of Eq. 18
@@ -102,6 +104,7 @@ class Problem:
     graded: Rings | None = None
     quantities: frozenset[str] | None = None
     loading: Loading = field(default_factory=Loading)
+    ground: Ground | None = None
 
     @classmethod
     def from_tables(
@@ -131,11 +134,12 @@ class Problem:
             graded = Rings.graded(np.array(punch.table.radii) / length, coefficients, ring_edges)
             face = Face(graded.ring_edges, ring_edges, graded.at)
             coefficients = ring_areas(ring_edges) / face.ring_sums(face.areas / face.wear)
-        modulus = half_space.modulus
+        modulus, ground = half_space.modulus, half_space.ground(length)
+        unit_indentation = flat_punch(hole, ground).indentation
         force = load.greatest_force(length, punch.inner_radius)
         if load.indentation is not None:
             approach = _approach(punch, load.indentation, ring_edges)
-            force = length * modulus * approach / flat_punch(hole).indentation
+            force = length * modulus * approach / unit_indentation
         time = length / modulus / fastest / load.sliding.greatest
         units = Units(length, modulus, force, time, fastest)
         profile = punch.unworn(ring_edges, units.displacement)
@@ -146,7 +150,7 @@ class Problem:
             rings=Rings(ring_edges, coefficients),
             times=np.array(wear.times) / time,
             steady=wear.steady and load.indentation is None,
-            poisson_ratio=half_space.poisson_ratio,
+            poisson_ratio=half_space.greatest_poisson_ratio,
             rtol=accuracy.rtol,
             march=wear.march,
             step=None if wear.step is None else wear.step / time,
@@ -157,8 +161,9 @@ class Problem:
             units=units,
             profile=profile,
             graded=graded,
-            indentation=None if load.indentation is None else flat_punch(hole).indentation,
+            indentation=None if load.indentation is None else unit_indentation,
             loading=Loading.over_time(load.pressing, load.sliding, time),
+            ground=ground,
         )
         if problem.why_never_steady:
             problem = replace(problem, steady=False)

@@ -286,7 +286,16 @@ def set_key(table: TomlTable, path: Sequence[str], value: object) -> None:
     """Set a key of nested dictionaries by its path; tables on the way are made."""
     *sections, key = path
     for section in sections:
-        table = table.setdefault(section, {})
+        if isinstance(table, list):
+            # one of a list of tables, by its number
+            if not section.isdigit() or int(section) >= len(table):
+                raise SceneError(
+                    f"{'.'.join(path)}: the scene has no such table; there are {len(table)}, "
+                    "numbered from 0 on"
+                )
+            table = table[int(section)]
+        else:
+            table = table.setdefault(section, {})
     table[key] = value
 
 
@@ -360,6 +369,8 @@ def declaration(location: Sequence[str]) -> tuple[type[Section], FieldInfo | Non
             section = KINDS[part]
             continue
         names = {info.alias or name: info for name, info in section.model_fields.items()}
+        if part.isdigit():  # one of a list of tables
+            continue
         if part not in names:  # such as the number of a value in a list
             break
         field = names[part]

@@ -108,7 +108,8 @@ def _parts(annotation: object) -> Iterator[Unit | type[BaseModel]]:
 def kind_of(key: str, scene: type[BaseModel]) -> str:
     """Return the kind of unit that a key of a scene has, such as ``punch.radius``."""
     declared = Key(tables=(scene,))
-    for name in key.split("."):
+    # of a list of tables each has a number
+    for name in filter(lambda part: not part.isdigit(), key.split(".")):
         declared = keys_in(declared).get(name, Key())
     return declared.kind
 

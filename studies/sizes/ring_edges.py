@@ -52,9 +52,10 @@ def edge_sizes(problem: Problem) -> Array:
 
     Notes
     -----
-    With the relative accuracy ``rtol``, the width b of the narrower ring beside an edge, and the
-    lengths l_slow and l_fast over which wear has smoothed the pressure on its two sides by the
-    first time after the start, the size is the least of three:
+    With the relative accuracy ``rtol``, the width b of the narrower ring beside an edge, or the
+    thickness of the first layer if that is less, and the lengths l_slow and l_fast over which wear
+    has smoothed the pressure on its two sides by the first time after the start, the size is the
+    least of three:
 
         SLOPE_SHARE rtol b,
         SLOPE_SHARE rtol min(l_slow, b) / s,
@@ -73,6 +74,8 @@ def edge_sizes(problem: Problem) -> Array:
     """
     rtol, narrower, worn = problem.rtol, problem.merged.narrower, problem.edge_amplitude
     narrower = np.append(narrower, problem.merged.widths[-1])
+    if problem.ground is not None:
+        narrower = np.minimum(narrower, problem.ground.first)
     at_rim = np.arange(len(narrower)) == len(narrower) - 1
     amplitude = np.where(at_rim, 1.0, np.minimum(1.0, worn.worn_length_fast / narrower))
     slope_share = np.where(at_rim, SLOPE_SHARE_AT_RIM, SLOPE_SHARE)

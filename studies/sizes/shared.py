@@ -64,7 +64,7 @@ class Shared(Problem):
 def discretised_alike(problem: Problem) -> Hashable:
     """Return what a discretisation depends on, but for the amplitudes at edges."""
     sizes = problem.fem.model_dump_json(), problem.mdr.model_dump_json()
-    numbers = problem.poisson_ratio, problem.rtol, problem.gradient_average
+    numbers = problem.poisson_ratio, problem.ground, problem.rtol, problem.gradient_average
     kinds = bool(len(problem.times)), problem.contact
     rings = problem.merged
     edges = rings.ring_edges.tobytes(), rings.smooth.tobytes(), rings.hollow
