@@ -18,7 +18,9 @@ from scipy.special import j0, j1
 from ..ground.ground import Ground
 from ..ground.kernel import interfaces, loaded_waves, travel, wave_numbers, waves
 from ..ground.line_energy import even_legendre
+from ..meshes.half_space import segments
 from ..meshes.radial import Array, unit_gauss
+from .far_field import exterior_stiffness
 
 if TYPE_CHECKING:
     from .half_space import HalfSpace
@@ -60,29 +62,24 @@ def loaded_fields(points: Array, count: int, ground: Ground, outer: float) -> tu
     return displacement, stress
 
 
-def independent_poles(half_space: "HalfSpace") -> tuple[int, ...]:
-    """Return the orders of a half-space without loads that are next to nothing, or all alike.
+def independent_count(half_space: "HalfSpace") -> int:
+    """Return how many of the first loads are neither next to nothing nor all alike.
 
     On a rigid base fields decay exponentially with the distance, and what is left of them is the
     same for all loads; on an elastic substrate they never are.
     """
-    from ..meshes.half_space import segments
-    from .far_field import exterior_energy
-
-    orders, solid = half_space.poles, half_space.solid
-    if solid.ground is None or not solid.ground.rigid or not orders:
-        return orders
+    solid = half_space.solid
     sides = segments(solid.mesh, solid.mesh.boundaries["far"])
-    energies = exterior_energy(sides, half_space.fields_beyond)
+    energies = exterior_stiffness(sides, half_space.far_fields_at)
     own, least, count = np.diag(energies), float(solid.materials[1].min()), 0
-    while count < len(orders) and own[count] > LEAST_ENERGY * least:
+    while count < len(own) and own[count] > LEAST_ENERGY * least:
         few = slice(count + 1)
         sizes = np.sqrt(np.abs(own[few]))
         scaled = energies[few, few] / np.outer(sizes, sizes)
         if np.linalg.eigvalsh(scaled)[0] < INDEPENDENT:
             break
         count += 1
-    return orders[:count]
+    return count
 
 
 def _added_waves(ground: Ground, s: Array) -> Sequence[tuple[Array, Array]]:

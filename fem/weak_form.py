@@ -60,9 +60,11 @@ def stiffness(
     functions: Indices,
     elements: Indices,
     degree: int,
-    poisson_ratio: float,
+    materials: tuple[Array, Array],
 ) -> Array:
     """Return the stiffness (m, 2, n, 2, n) of some functions on some elements, radial first.
+
+    `materials` are Lame's lambda (m,) and the shear modulus (m,) of these elements.
 
     The rule of quadrature is exact for polynomials of degree 2p + 1 on quadrilaterals. Triangles,
     which may touch the axis with a corner, need more for the hoop strain u/r: 2p + 4.
@@ -86,7 +88,7 @@ def stiffness(
     flat = slopes.reshape(m, 3 * n, q)
     products = (flat @ flat.transpose(0, 2, 1)).reshape(m, 3, n, 3, n).transpose(1, 3, 0, 2, 4)
     (rr, rh, rz), (hr, hh, hz), (zr, _, zz) = products
-    lame, shear = moduli(poisson_ratio)
+    lame, shear = (constant[:, None, None] for constant in materials)
     out = np.empty((m, 2, n, 2, n))
     out[:, 0, :, 0] = (lame + 2 * shear) * (rr + hh) + lame * (rh + hr) + shear * zz
     out[:, 1, :, 1] = (lame + 2 * shear) * zz + shear * rr

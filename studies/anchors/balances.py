@@ -38,7 +38,9 @@ def check_decay(report: Reported) -> Rows:
     force = report.take("normal_force")
     if report.full and report.starts:
         tolerance = report.tolerance("normal_force")[0]
-        name = "flat start, F of an annulus" if report.inner_radius else "flat start, F = 2 a E* d"
+        name = "flat start, F = 2 a E* d"
+        if report.inner_radius or report.reading.ground:
+            name = f"flat start, F {report.kind_of_punch}"
         yield Row(name, force[0], 1.0, tolerance)
     if report.graded:
         return

@@ -44,9 +44,8 @@ def _compare_layers(report: Reported) -> Rows:
     yield Row("layers or none, as asked", same, 1.0, 0.0)
     if solved is None or asked is None or len(solved.thicknesses) != len(asked.thicknesses):
         return
-    yield Row(
-        "thicknesses as asked", *map(np.array, (solved.thicknesses, asked.thicknesses)), COPIED
-    )
+    thicknesses = np.array(solved.thicknesses), np.array(asked.thicknesses)
+    yield Row("thicknesses of the layers as asked", *thicknesses, COPIED)
     elastic = np.isfinite(asked.shear_moduli)
     for name, value, reference in (
         ("shear moduli", solved.shear_moduli, asked.shear_moduli),

@@ -76,6 +76,11 @@ class Reported:
         """The flat punch of the force 1 with the same radii and layers."""
         return flat_punch(self.inner_radius, self.reading.ground)
 
+    @property
+    def kind_of_punch(self) -> str:
+        """Words for a flat punch whose start is not Eq. 10, after the name of a quantity."""
+        return "of an annulus" if self.inner_radius else "of a flat punch on layers"
+
     @cached_property
     def area(self) -> float:
         """Area of the face."""

@@ -37,6 +37,15 @@ LOCKING = 0.49
 At 0.499 linear triangles err by 19 per cent in d(t), and less is stated
 (tests/physics/test_low_degrees.py).
 """
+THINNEST_MESHED = 0.01
+"""Thickness, in punch radii, below which layers are not meshed."""
+HIGHEST_RATIO_OF_LAYERS = 0.5 - 1e-8
+"""Poisson's ratio that stands for 1/2 in layers.
+
+Between stiff neighbours the indentation errs by 6 to 210 times 1 - 2 nu.
+"""
+NEARLY_HALF, FINEST_INCOMPRESSIBLE = 0.4999, 1e-5
+"""Poisson's ratio of a layer above which roundoff counts, and the accuracy that it leaves."""
 DEGREE_ON_CELLS = 3
 """Degree of triangles beneath contact that opens and spreads (`ringwear study convergence`)."""
 LINEAR_HALVINGS = 2, 1
@@ -78,7 +87,8 @@ def half_space_mesh(problem: Problem) -> ChosenMesh:
     try:
         return _meshed(problem, problem.fem.meshed_by)
     except MeshError as error:
-        if problem.fem.meshed_by == "bisection":
+        # bisection knows no interfaces of layers
+        if problem.fem.meshed_by == "bisection" or problem.ground is not None:
             raise
         note = f"meshed by bisection, in triangles of degree 4 at most: {error}"
     return replace(_meshed(problem, "bisection"), notes=(note,))
@@ -134,12 +144,17 @@ def half_space_on(problem: Problem, chosen: ChosenMesh) -> "HalfSpace":
     degree = (defaults.quad_degree if quads else defaults.triangle_degree)(problem)
     # the field below is smoother: a fifth of the degree less costs nothing on the contact
     solid = AxisymmetricElasticity(
-        chosen.mesh, degree, problem.poisson_ratio, lowered_degrees=degree // 5
+        chosen.mesh,
+        degree,
+        problem.poisson_ratio,
+        lowered_degrees=degree // 5,
+        ground=problem.ground,
     )
+    if problem.ground is not None:
+        solid = replace(solid, highest_ratio=HIGHEST_RATIO_OF_LAYERS)
     poles = defaults.pole_orders(problem, truncation(chosen.mesh))
-    return HalfSpace(
-        solid, pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow), poles
-    )
+    space = pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow)
+    return HalfSpace(solid, space, poles).without_dependent_poles()
 
 
 class Fem(ComplianceMethod):
@@ -162,7 +177,7 @@ class Fem(ComplianceMethod):
         Besides what every `ComplianceMethod` refuses, rings narrower than `NARROWEST` cannot be
         meshed.
         """
-        if refused := _refused_degree(problem):
+        if refused := _refused_degree(problem) or _refused_layers(problem):
             return refused
         narrowest = float(problem.merged.widths.min())
         if narrowest < NARROWEST:
@@ -188,7 +203,8 @@ class Fem(ComplianceMethod):
     def remedy(self, problem: Problem) -> str:
         """Return what would make it more accurate, if that is not a smaller `rtol`."""
         if problem.fem.far_field == "fixed":
-            return "the clamped boundary errs by 1.1 a/R; far_field = 'boussinesq' does not"
+            errs = "errs" if problem.ground else "errs by 1.1 a/R"
+            return f"the clamped boundary {errs}; far_field = 'boussinesq' does not"
         return super().remedy(problem)
 
     def modelling_errors(self, problem: Problem) -> dict[str, str]:
@@ -196,6 +212,8 @@ class Fem(ComplianceMethod):
         if problem.fem.far_field != "fixed":
             return {}
         why = "the scene clamps the outer boundary: expect the indentation to err by 1.1 a/R"
+        if problem.ground is not None:
+            why = "the scene clamps the outer boundary, on layers: expect the indentation to err"
         return {"far field": why}
 
     def system_size(self, problem: Problem) -> SystemSize:
@@ -247,6 +265,36 @@ def _refused_degree(problem: Problem) -> str:
     return ""
 
 
+def _refused_layers(problem: Problem) -> str:
+    """Return why finite elements cannot have the layers of a problem, with the remedy."""
+    ground, fem = problem.ground, problem.fem
+    if ground is None:
+        return ""
+    if not problem.full_contact:
+        return (
+            "fem meshes half_space.layers under flat punches in full contact only: leave it out of "
+            "methods, or give bem beside mdr"
+        )
+    if fem.meshed_by != "quads":
+        return (
+            "half_space.layers are meshed in quadrilaterals only: leave out accuracy.fem.mesher, "
+            f"and give accuracy.fem.degree = {LAYERED} or more, or neither"
+        )
+    for number, thickness in enumerate(ground.thicknesses):
+        if thickness < THINNEST_MESHED:
+            return (
+                f"half_space.layers.{number}.thickness is {thickness:.2g} a, and layers thinner "
+                f"than {THINNEST_MESHED:g} a cannot be meshed: leave fem out of methods"
+            )
+    if problem.rtol < FINEST_INCOMPRESSIBLE and ground.greatest_poisson_ratio > NEARLY_HALF:
+        return (
+            f"half_space.layers with a Poisson's ratio above {NEARLY_HALF:g} are solved by fem to "
+            f"accuracy.rtol = {FINEST_INCOMPRESSIBLE:g} at best: give that, or leave fem out of "
+            "methods"
+        )
+    return ""
+
+
 def _layered(problem: Problem, stages: Stages) -> Discretised:
     """Return the half-space of a flat punch, small elements at ring edges and rim."""
     from ...meshes.half_space import truncation
@@ -262,7 +310,7 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
         if fixed:
             # the last rows of the factor belong to the poles: without them the outer boundary is
             # clamped
-            fine = replace(fine, factor=fine.factor[: -len(half_space.poles)])
+            fine = replace(fine, factor=fine.factor[: len(fine.factor) - len(half_space.poles)])
     settings = {
         "mesher": chosen.mesher,
         "elements": chosen.mesh.nelements,
@@ -353,6 +401,9 @@ def _coarser_half_space(problem: Problem, chosen: ChosenMesh, whole: "HalfSpace"
         solid = replace(whole.solid, degree=3)
     fixed = problem.fem.far_field == "fixed"
     poles = whole.poles if fixed else defaults.coarser_pole_orders(whole.poles)
+    if problem.ground is not None and problem.ground.rigid and len(whole.poles) < 2:
+        # what a rigid base leaves beyond the mesh hardly matters
+        poles = ()
     return HalfSpace(
         solid, pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow), poles
     )

@@ -7,6 +7,7 @@ degrees of the pressure in `degrees.py`. Lengths are in punch radii. Constants n
 shows them, a test under `tests/` or a study, where there is one.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, TypedDict
 
@@ -38,6 +39,8 @@ HIGHEST_DEGREE = 20
 # truncation radius of quadrilaterals with Boussinesq's far field, in a
 # (`ringwear study truncation`)
 TRUNCATION = 2.5
+# depth of the lowest interface within the mesh over the truncation radius, at most
+DEEPEST_LINE = 0.8
 # truncation radius of triangles, and of a clamped boundary, in a (`ringwear study truncation`)
 WIDER_TRUNCATION = 5.0
 # growth of quadrilaterals between the patches with the distance from them
@@ -130,6 +133,8 @@ class QuadSizes(TypedDict):
     outer: float
     edge_amplitude: EdgeAmplitude
     lacking_degrees: int
+    interfaces: tuple[float, ...]
+    rigid: bool
 
 
 def mdr_sizes(problem: Problem) -> dict[str, Any]:
@@ -189,15 +194,33 @@ def quad_sizes(problem: Problem) -> QuadSizes:
     chosen, fields = problem.fem, with_affordable_field_tolerance(problem, FACTOR)
     wanted = np.maximum(ring_sizes(problem, fields), fem_smallest(problem))
     far = TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION
+    interfaces = () if problem.ground is None else tuple(problem.ground.depths.tolist())
     return {
         "sizes": np.full(len(wanted), chosen.ring_size) if chosen.ring_size else wanted,
         "rim_size": chosen.rim_size or max(rim_size(problem, fields), fem_smallest(problem)),
         "factor": FACTOR,
         "growth": chosen.growth or GROWTH,
-        "outer": chosen.truncation or far,
+        "outer": chosen.truncation or truncation_beside(interfaces, far),
         "edge_amplitude": fields.edge_amplitude,
         "lacking_degrees": max(wanted_quad_degree(problem) - quad_degree(problem), 0),
+        "interfaces": interfaces,
+        "rigid": problem.ground is not None and problem.ground.rigid,
     }
+
+
+def truncation_beside(interfaces: Sequence[float], least: float) -> float:
+    """Return a truncation radius, at least the one given, that no interface nearly touches.
+
+    Notes
+    -----
+    A line that meets the arc near the axis would leave a sliver: depths from ``DEEPEST_LINE R`` to
+    R make R greater.
+    """
+    outer = least
+    for depth in sorted(interfaces):
+        if DEEPEST_LINE * outer < depth < outer:
+            outer = depth / DEEPEST_LINE
+    return outer
 
 
 def quad_degree(problem: Problem) -> int:

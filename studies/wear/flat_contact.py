@@ -68,7 +68,7 @@ class FlatStart:
         return self._in_closed_form.pressure_at(radii)
 
     def extremes_on(self, ring_edges: Array) -> tuple[Array, Array]:
-        """Return the least and the greatest pressure on each of the N rings between edges (N+1,)."""
+        """Return the least and the greatest pressure (N,) on each ring between edges (N+1,)."""
         return self._in_closed_form.extremes_on(ring_edges)
 
     def ring_forces(self, ring_edges: Array) -> Array:
