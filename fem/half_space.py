@@ -135,7 +135,14 @@ class HalfSpace:
             return self
         from .layered_far_field import independent_count  # homogeneous ones do not need it
 
-        return replace(self, poles=self.poles[: independent_count(self)])
+        kept = independent_count(self._energies_beyond, float(self.solid.materials[1].min()))
+        return replace(self, poles=self.poles[:kept])
+
+    @property
+    def _energies_beyond(self) -> Array:
+        """(k, k) energies of the poles beyond the outer boundary."""
+        far = segments(self.solid.mesh, self.solid.mesh.boundaries["far"])
+        return exterior_stiffness(far, self.far_fields_at)
 
     @cached_property
     def _order(self) -> Indices:
@@ -186,9 +193,7 @@ class HalfSpace:
         if not self.poles:
             return free
         border = self.solid.forces(self._far_fields)
-        sides = segments(self.solid.mesh, self.solid.mesh.boundaries["far"])
-        exterior = exterior_stiffness(sides, self.far_fields_at)
-        corner = self._far_fields.T @ border + exterior
+        corner = self._far_fields.T @ border + self._energies_beyond
         edge, end = coo_matrix(border[self._order].T), coo_matrix(np.tril((corner + corner.T) / 2))
         return bmat([[free, None], [edge, end]], format="coo")
 

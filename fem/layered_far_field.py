@@ -10,20 +10,13 @@ h)`` with the thickness h of the first layer.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.special import j0, j1
 
-from ..ground.ground import Ground
-from ..ground.kernel import interfaces, loaded_waves, travel, wave_numbers, waves
+from ..ground.ground import Ground, interfaces, loaded_waves, travel, wave_numbers, waves
 from ..ground.line_energy import even_legendre
-from ..meshes.half_space import segments
 from ..meshes.radial import Array, unit_gauss
-from .far_field import exterior_stiffness
-
-if TYPE_CHECKING:
-    from .half_space import HalfSpace
 
 # a depth, over the wave length, at which nothing is left of a wave
 FAR = 700.0
@@ -62,21 +55,22 @@ def loaded_fields(points: Array, count: int, ground: Ground, outer: float) -> tu
     return displacement, stress
 
 
-def independent_count(half_space: "HalfSpace") -> int:
+def independent_count(energies: Array, least_modulus: float) -> int:
     """Return how many of the first loads are neither next to nothing nor all alike.
 
     On a rigid base fields decay exponentially with the distance, and what is left of them is the
     same for all loads; on an elastic substrate they never are.
+
+    Parameters
+    ----------
+    energies : (k, k) of the loads beyond the outer boundary
+    least_modulus : least shear modulus of the ground
     """
-    solid = half_space.solid
-    sides = segments(solid.mesh, solid.mesh.boundaries["far"])
-    energies = exterior_stiffness(sides, half_space.far_fields_at)
-    own, least, count = np.diag(energies), float(solid.materials[1].min()), 0
-    while count < len(own) and own[count] > LEAST_ENERGY * least:
+    own, count = np.diag(energies), 0
+    while count < len(own) and own[count] > LEAST_ENERGY * least_modulus:
         few = slice(count + 1)
         sizes = np.sqrt(np.abs(own[few]))
-        scaled = energies[few, few] / np.outer(sizes, sizes)
-        if np.linalg.eigvalsh(scaled)[0] < INDEPENDENT:
+        if np.linalg.eigvalsh(energies[few, few] / np.outer(sizes, sizes))[0] < INDEPENDENT:
             break
         count += 1
     return count

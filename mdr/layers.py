@@ -11,8 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.special import j0, j1
 
-from ..ground.ground import Ground
-from ..ground.kernel import relative_compliance, wave_numbers
+from ..ground.ground import Ground, relative_compliance, wave_numbers
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array, unit_gauss
 

@@ -257,7 +257,10 @@ def _geometry(
     gmsh: ModuleType, centres: Array, widths: Array, growth: float, outline: Outline
 ) -> None:
     geometry, outer = gmsh.model.geo, outline.outer
+    # the layers from the surface down, the last as far as the arc or a rigid base
+    bottoms = outline.interfaces if np.isfinite(outline.base) else (*outline.interfaces, outer)
     origin, surface_end = (geometry.addPoint(r, 0, 0) for r in (0, outer))
+    axis_ends = [geometry.addPoint(0, depth, 0) for depth in bottoms]
     curves, previous, at_patches, end = [], origin, [], 0.0
     for centre, (inside, outside) in zip(centres, widths, strict=True):
         start = previous
@@ -272,11 +275,9 @@ def _geometry(
             geometry.mesh.setTransfiniteCurve(curves[-1], 3)
         at_patches.append((start, below, previous))
     curves.append(geometry.addLine(previous, surface_end))
-    # the layers from the surface down, each between two lines, the axis and a part of the arc
+    # each layer is bounded by two lines, the axis and a part of the arc
     on_axis, on_arc = origin, surface_end
-    bottoms = outline.interfaces if np.isfinite(outline.base) else (*outline.interfaces, outer)
-    for depth in bottoms:
-        below = geometry.addPoint(0, depth, 0)
+    for depth, below in zip(bottoms, axis_ends, strict=True):
         across, bottom = below, []
         if depth < outer:
             across = geometry.addPoint(np.sqrt((outer - depth) * (outer + depth)), depth, 0)

@@ -18,6 +18,7 @@ from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..problem.sections import DEGREES, LAYERED
 from ..progress import Stages
 from ..sizes import defaults
+from ..sizes.layers import HIGHEST_POISSON_RATIO, why_layers_are_not_meshed
 from ..sizes.low_degrees import LOW_DEGREE_HALVINGS, low_degree_quad_sizes
 from .base import Discretised, SystemSize
 from .error_factors import error_factor
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from skfem import Mesh
 
     from ...fem.half_space import HalfSpace
+    from ...ground.ground import Ground
     from ...meshes.compliance import Compliance
     from ...meshes.sizes import SizeField
 
@@ -37,15 +39,6 @@ LOCKING = 0.49
 At 0.499 linear triangles err by 19 per cent in d(t), and less is stated
 (tests/physics/test_low_degrees.py).
 """
-THINNEST_MESHED = 0.01
-"""Thickness, in punch radii, below which layers are not meshed."""
-HIGHEST_RATIO_OF_LAYERS = 0.5 - 1e-8
-"""Poisson's ratio that stands for 1/2 in layers.
-
-Between stiff neighbours the indentation errs by 6 to 210 times 1 - 2 nu.
-"""
-NEARLY_HALF, FINEST_INCOMPRESSIBLE = 0.4999, 1e-5
-"""Poisson's ratio of a layer above which roundoff counts, and the accuracy that it leaves."""
 DEGREE_ON_CELLS = 3
 """Degree of triangles beneath contact that opens and spreads (`ringwear study convergence`)."""
 LINEAR_HALVINGS = 2, 1
@@ -151,7 +144,7 @@ def half_space_on(problem: Problem, chosen: ChosenMesh) -> "HalfSpace":
         ground=problem.ground,
     )
     if problem.ground is not None:
-        solid = replace(solid, highest_ratio=HIGHEST_RATIO_OF_LAYERS)
+        solid = replace(solid, highest_ratio=HIGHEST_POISSON_RATIO)
     poles = defaults.pole_orders(problem, truncation(chosen.mesh))
     space = pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow)
     return HalfSpace(solid, space, poles).without_dependent_poles()
@@ -177,7 +170,7 @@ class Fem(ComplianceMethod):
         Besides what every `ComplianceMethod` refuses, rings narrower than `NARROWEST` cannot be
         meshed.
         """
-        if refused := _refused_degree(problem) or _refused_layers(problem):
+        if refused := _refused_degree(problem) or why_layers_are_not_meshed(problem):
             return refused
         narrowest = float(problem.merged.widths.min())
         if narrowest < NARROWEST:
@@ -265,36 +258,6 @@ def _refused_degree(problem: Problem) -> str:
     return ""
 
 
-def _refused_layers(problem: Problem) -> str:
-    """Return why finite elements cannot have the layers of a problem, with the remedy."""
-    ground, fem = problem.ground, problem.fem
-    if ground is None:
-        return ""
-    if not problem.full_contact:
-        return (
-            "fem meshes half_space.layers under flat punches in full contact only: leave it out of "
-            "methods, or give bem beside mdr"
-        )
-    if fem.meshed_by != "quads":
-        return (
-            "half_space.layers are meshed in quadrilaterals only: leave out accuracy.fem.mesher, "
-            f"and give accuracy.fem.degree = {LAYERED} or more, or neither"
-        )
-    for number, thickness in enumerate(ground.thicknesses):
-        if thickness < THINNEST_MESHED:
-            return (
-                f"half_space.layers.{number}.thickness is {thickness:.2g} a, and layers thinner "
-                f"than {THINNEST_MESHED:g} a cannot be meshed: leave fem out of methods"
-            )
-    if problem.rtol < FINEST_INCOMPRESSIBLE and ground.greatest_poisson_ratio > NEARLY_HALF:
-        return (
-            f"half_space.layers with a Poisson's ratio above {NEARLY_HALF:g} are solved by fem to "
-            f"accuracy.rtol = {FINEST_INCOMPRESSIBLE:g} at best: give that, or leave fem out of "
-            "methods"
-        )
-    return ""
-
-
 def _layered(problem: Problem, stages: Stages) -> Discretised:
     """Return the half-space of a flat punch, small elements at ring edges and rim."""
     from ...meshes.half_space import truncation
@@ -367,7 +330,9 @@ def _on_cells(problem: Problem, stages: Stages) -> Discretised:
         half_space = even_half_space(cells, ratio, degree=degree, halvings=halvings[0])
         compliance = half_space.compliance()
 
-    def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> "Compliance":
+    def fitted(
+        edges: tuple[float, ...], infinite: tuple[bool, ...], _: "Ground | None", degree: int
+    ) -> "Compliance":
         return fitted_half_space(edges, infinite, degree, ratio).compliance()
 
     return Discretised(

@@ -29,6 +29,7 @@ from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT, ContactRegime, Regim
 from ..progress import Stages
 from ..sampling.answers import joined
 from ..sizes.defaults import RADIAL_ROUNDOFF, smallest_size
+from ..sizes.layers import narrow_enough
 from ..sizes.marching import refused_steps, steps_between
 from ..sizes.shared import Shared
 from ..wear.flat_contact import FittedPress
@@ -38,13 +39,7 @@ from .error_factors import error_factor
 from .estimates import estimate_errors
 from .evaluation import Evaluation, FullContact
 from .moving_evaluation import MovingContact
-from .spaces import (
-    choose_spaces,
-    first_contact,
-    load_at_start,
-    narrow_enough,
-    pressure_spaces,
-)
+from .spaces import choose_spaces, first_contact, load_at_start, pressure_spaces
 
 # dense matrices of the size of the compliance that are in memory at once
 DENSE_MATRICES = 14.0

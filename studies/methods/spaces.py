@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...ground.ground import Ground
 from ...mdr import energy
 from ...meshes.contact_cells import ContactCells
 from ...meshes.errors import SceneError
@@ -23,6 +22,7 @@ from ..contact.edges import find_first_contact, refine_at_free_edges
 from ..problem.problem import Problem
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..sizes.defaults import cells_of, mdr_sizes, pressure_degree, with_affordable_field_tolerance
+from ..sizes.layers import narrow_enough
 from ..wear.unilateral import Interval, Load
 
 # strength of a kink of the wear coefficient (`Rings.kinks`) that asks for no layer
@@ -30,9 +30,6 @@ WEAK_KINK = 0.1
 # part of the accuracy asked for by which smaller cells may change the start; cells do not get
 # coarser than the coarsest accuracy asks for
 START_TOLERANCE, COARSEST_RTOL = 0.2, 1e-3
-# greatest width of an element over the first layer, whose thickness is the length over which
-# pressures on it vary (physics/test_layers.py)
-WIDEST_ON_LAYERS = 3.0
 
 
 class PressureSpaces(NamedTuple):
@@ -142,11 +139,6 @@ def radial_space(
     space = PressureSpace(breakpoints, linear, rings.ring_edges, low_parts)
     space = narrow_enough(space, problem.ground)
     return replace(space, degrees=degrees(problem, space, degree, grading, degree_of_modes))
-
-
-def narrow_enough(space: PressureSpace, ground: Ground | None) -> PressureSpace:
-    """Return a space whose elements are narrow enough for the first of the layers, if there are."""
-    return space if ground is None else space.no_wider(WIDEST_ON_LAYERS * ground.first)
 
 
 def degrees(

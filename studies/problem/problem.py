@@ -138,7 +138,7 @@ class Problem:
         unit_indentation = flat_punch(hole, ground).indentation
         force = load.greatest_force(length, punch.inner_radius)
         if load.indentation is not None:
-            approach = _approach(punch, load.indentation, ring_edges)
+            approach = punch.approach(load.indentation, ring_edges)
             force = length * modulus * approach / unit_indentation
         time = length / modulus / fastest / load.sliding.greatest
         units = Units(length, modulus, force, time, fastest)
@@ -345,7 +345,11 @@ class Problem:
         breakpoints = graded_breakpoints(rings.ring_edges, nearest, rim, factor=0.4)
         # the integral over each ring that the scene names, also where nothing happens at its edge
         breakpoints = np.union1d(breakpoints, self.ring_edges)
-        if cells := self.contact.cells_of_face:
+        cells = self.contact.cells_of_face
+        if self.ground is not None:
+            # fields vary over the thickness of the first layer
+            cells = max(cells, int(np.ceil(1 / self.ground.first)))
+        if cells:
             even = np.linspace(0, 1, cells + 1)
             # slopes of an element as wide as roundoff would be roundoff over that
             apart = np.abs(even[:, None] - breakpoints).min(axis=1) > 1e-9
@@ -381,21 +385,3 @@ class Problem:
             # what knots bring does not come in proportion to the time
             times.append(self.times[self.checked])
         return np.unique(np.concatenate(times))
-
-
-def _approach(punch: PunchSection, given: float, ring_edges: Array) -> float:
-    """Return by how much a given indentation is beyond the first touch, in the scene's units.
-
-    Raises
-    ------
-    SceneError
-        if nothing touches
-    """
-    least = punch.unworn(ring_edges, 1.0).standoff
-    if given <= least:
-        raise SceneError(
-            f"load.indentation = {given:.6g} is too small to touch: the punch stands {least:.6g} "
-            "from "
-            "the half-space where it is nearest; give more"
-        )
-    return given - least

@@ -211,3 +211,19 @@ class PunchSection(Section):
                 "that is missing, 0 or more and finite; add a constant to them"
             )
         return replace(profile, recess=recess - least, standoff=least)
+
+    def approach(self, given: float, ring_edges: Array) -> float:
+        """Return by how much a given indentation is beyond the first touch, in the scene's units.
+
+        Raises
+        ------
+        SceneError
+            if nothing touches
+        """
+        least = self.unworn(ring_edges, 1.0).standoff
+        if given <= least:
+            raise SceneError(
+                f"load.indentation = {given:.6g} is too small to touch: the punch stands "
+                f"{least:.6g} from the half-space where it is nearest; give more"
+            )
+        return given - least

@@ -7,7 +7,6 @@ degrees of the pressure in `degrees.py`. Lengths are in punch radii. Constants n
 shows them, a test under `tests/` or a study, where there is one.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, TypedDict
 
@@ -20,6 +19,7 @@ from ..problem.problem import Problem
 from ..problem.quantities import FINEST
 from ..problem.sections import DEGREES, LAYERED
 from .degrees import degree_of_modes, pressure_degree, with_affordable_field_tolerance
+from .layers import depths_of_interfaces, truncation_beside
 from .ring_edges import (
     FACTOR,
     RADIAL_ROUNDOFF,
@@ -39,8 +39,6 @@ HIGHEST_DEGREE = 20
 # truncation radius of quadrilaterals with Boussinesq's far field, in a
 # (`ringwear study truncation`)
 TRUNCATION = 2.5
-# depth of the lowest interface within the mesh over the truncation radius, at most
-DEEPEST_LINE = 0.8
 # truncation radius of triangles, and of a clamped boundary, in a (`ringwear study truncation`)
 WIDER_TRUNCATION = 5.0
 # growth of quadrilaterals between the patches with the distance from them
@@ -194,7 +192,7 @@ def quad_sizes(problem: Problem) -> QuadSizes:
     chosen, fields = problem.fem, with_affordable_field_tolerance(problem, FACTOR)
     wanted = np.maximum(ring_sizes(problem, fields), fem_smallest(problem))
     far = TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION
-    interfaces = () if problem.ground is None else tuple(problem.ground.depths.tolist())
+    interfaces = depths_of_interfaces(problem)
     return {
         "sizes": np.full(len(wanted), chosen.ring_size) if chosen.ring_size else wanted,
         "rim_size": chosen.rim_size or max(rim_size(problem, fields), fem_smallest(problem)),
@@ -206,21 +204,6 @@ def quad_sizes(problem: Problem) -> QuadSizes:
         "interfaces": interfaces,
         "rigid": problem.ground is not None and problem.ground.rigid,
     }
-
-
-def truncation_beside(interfaces: Sequence[float], least: float) -> float:
-    """Return a truncation radius, at least the one given, that no interface nearly touches.
-
-    Notes
-    -----
-    A line that meets the arc near the axis would leave a sliver: depths from ``DEEPEST_LINE R`` to
-    R make R greater.
-    """
-    outer = least
-    for depth in sorted(interfaces):
-        if DEEPEST_LINE * outer < depth < outer:
-            outer = depth / DEEPEST_LINE
-    return outer
 
 
 def quad_degree(problem: Problem) -> int:

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from ringwear.ground.ground import Ground
-from ringwear.ground.kernel import relative_compliance
+from ringwear.ground.ground import Ground, relative_compliance
 from ringwear.ground.line_energy import flat_series, line_energy, relative_stiffness
 
 WAVE_NUMBERS = np.geomspace(1e-4, 40, 60)
