@@ -1,6 +1,7 @@
 """The flat punch of the force 1: full (Eqs. 10 and 11) or hollow in closed form, or on layers."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -24,6 +25,8 @@ from .annulus import flat_annulus
 D0, P0 = 0.5, 1 / (2 * np.pi)
 # imaginary part of a root that is real but for roundoff
 REAL = 1e-7
+# a negative pressure, over the mean, that is roundoff
+ROUNDOFF_OF_PRESSURE = 1e-8
 
 
 class FlatPunch(Protocol):
@@ -124,6 +127,16 @@ def disc_functions(to_rim: Array, count: int) -> tuple[Array, Array]:
 def layered_disc(ground: Ground) -> DiscSeries:
     """Return the full flat punch on layers, by the energy of its line density."""
     return DiscSeries(D0 / relative_stiffness(ground), P0 * np.array(flat_series(ground)))
+
+
+@lru_cache(maxsize=8)
+def presses_everywhere(ground: Ground) -> bool:
+    """Return whether a flat punch presses on all of its face, and is pulled nowhere, on layers.
+
+    A stiff layer on soft ground bends like a plate: only the rim of a flat punch touches it.
+    """
+    least, _ = layered_disc(ground).extremes_on(np.array([0.0, 1.0]))
+    return bool(least[0] > -ROUNDOFF_OF_PRESSURE * P0)
 
 
 def flat_punch(inner_radius: float, ground: Ground | None = None) -> FlatPunch:

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from ...ground.ground import Ground
-from ...mdr.flat_punch import flat_punch
+from ...mdr.flat_punch import flat_punch, presses_everywhere
 from ...meshes.errors import SceneError
 from ...meshes.radial import (
     Array,
@@ -188,10 +188,12 @@ class Problem:
     def full_contact(self) -> bool:
         """Whether all of the face carries at all times.
 
-        A flat punch at a fixed indentation, or under a force that never falls, keeps contact; any
-        other may lose it.
+        A flat punch at a fixed indentation, or under a force that never falls, keeps contact,
+        unless stiff layers bend away from it; any other may lose it. Without a history there is the
+        steady state, in which all of the face carries.
         """
-        return self.profile.flat and self.loading.rising
+        keeps = self.ground is None or not len(self.times) or presses_everywhere(self.ground)
+        return self.profile.flat and self.loading.rising and keeps
 
     @property
     def contact(self) -> ContactRegime:
