@@ -38,6 +38,11 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
             "two elastic bodies: one half-space of their combined modulus; the punch counts as a "
             "half-space, too, so its own shape and height are not felt"
         )
+    if problem.ground is not None:
+        count, base = len(problem.ground.thicknesses), "a rigid base"
+        if not problem.ground.rigid:
+            base = "an elastic half-space"
+        lines.append(f"layers: {count}, bonded to each other and to {base}")
     if problem.inner_radius:
         lines.append(
             "hole: the surface under it is free; the flat start is sought among the flat annulus's "
@@ -96,6 +101,11 @@ def refusals(scene: Scene, methods: Methods) -> list[str]:
         refused.append(
             "output.field_times asks for the inside of the half-space under a contact that "
             "changes: give wear.times, and ask for some of its history"
+        )
+    if problem.ground is not None and scene.output.depth is not None:
+        refused.append(
+            "output.depth adds the far field of a half-space without layers: leave it out with "
+            "half_space.layers"
         )
     return [reason for reason in refused if reason]
 

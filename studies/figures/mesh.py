@@ -8,13 +8,15 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
+from ...ground.ground import Ground
 from ...meshes.radial import Array
 from ..crosscheck.dataset import Result
 from ..inside.interior import NEAR
 from ..problem.scene import Scene
 from .scale import Scale
-from .style import PAGE, RED, complete, new_panels, power_of_ten, save
+from .style import BLUE, PAGE, RED, complete, new_panels, power_of_ten, save
 
 
 def draw_stress(result: Result) -> Figure:
@@ -40,6 +42,7 @@ def draw_stress(result: Result) -> Figure:
             r, z, fields.triangles.T, values, levels, norm=LogNorm(), extend="both"
         )
         _draw_punch(axes, depth, problem.ring_edges * radius)
+        _draw_layers(axes, problem.ground, radius, 1.3 * depth)
         axes.set(xlim=(0, 1.3 * depth), ylim=(depth, -0.08 * depth), aspect="equal")
         axes.set(xlabel=scale.label("radius"), ylabel=scale.label("depth"))
         state = "steady state" if label == "steady" else scale.when(float(label.removeprefix("t=")))
@@ -62,11 +65,12 @@ def draw_result_mesh(result: Result) -> Figure:
     """Draw the mesh of the finite elements."""
     fem = result.solutions["fem"]
     assert fem.half_space is not None
-    mesh, rings = fem.half_space.solid.mesh, result.scene.problem.ring_edges
-    return draw_mesh(mesh, fem.settings.get("mesher", "bisection"), rings)
+    problem, mesh = result.scene.problem, fem.half_space.solid.mesh
+    mesher = fem.settings.get("mesher", "bisection")
+    return draw_mesh(mesh, mesher, problem.ring_edges, problem.ground)
 
 
-def draw_mesh(mesh: Any, mesher: str, ring_edges: Array) -> Figure:
+def draw_mesh(mesh: Any, mesher: str, ring_edges: Array, ground: Ground | None = None) -> Figure:
     """Draw the whole mesh, the mesh under the punch, and the mesh at the rim."""
     from ...meshes.half_space import contact_radii, truncation  # a run without fem needs no skfem
 
@@ -85,6 +89,7 @@ def draw_mesh(mesh: Any, mesher: str, ring_edges: Array) -> Figure:
         )
         depth = (high - low) / unit
         _draw_punch(axes, depth, (ring_edges - centre) / unit)
+        _draw_layers(axes, ground, 1 / unit, high / unit)
         axes.set(xlim=(low / unit, high / unit), ylim=(depth, -0.06 * depth))
         axes.set(aspect="equal", xlabel=label, title=name)
     panels[0, 0].set_ylabel("depth z/a")
@@ -92,6 +97,8 @@ def draw_mesh(mesh: Any, mesher: str, ring_edges: Array) -> Figure:
         f"half-space mesh by {mesher}, {mesh.nelements} elements; the punch is red, ring edges are "
         "marked"
     )
+    if ground is not None:
+        title += ", interfaces of layers are blue"
     return complete(figure, [title])
 
 
@@ -100,6 +107,18 @@ def _draw_punch(axes: Axes, depth: float, ring_edges: Array) -> None:
     axes.plot(ring_edges[[0, -1]], [-0.015 * depth] * 2, color=RED, linewidth=2)
     edges = ring_edges[1:-1]
     axes.plot(edges, np.full(len(edges), -0.03 * depth), "|", color=RED, markersize=3)
+
+
+def _draw_layers(axes: Axes, ground: Ground | None, unit: float, width: float) -> None:
+    """Mark the interfaces of layers, and hatch a rigid base; depths are in a unit."""
+    if ground is None:
+        return
+    depths = ground.depths * unit
+    for depth in depths:
+        axes.axhline(depth, color=BLUE, linewidth=1)
+    if ground.rigid:
+        look = {"facecolor": "none", "edgecolor": BLUE, "hatch": "///", "linewidth": 0}
+        axes.add_patch(Rectangle((0, depths[-1]), 10 * width, 10 * width, **look))
 
 
 def write_mesh(scene: Scene, mesh: Any, mesher: str, directory: Path) -> None:
@@ -116,4 +135,5 @@ def write_mesh(scene: Scene, mesh: Any, mesher: str, directory: Path) -> None:
     content = to_meshio(scaled, cell_data={"quality": [quality(mesh)]})
     content.points = np.column_stack([content.points, np.zeros(len(content.points))])
     content.write(directory / "mesh.vtu", file_format="vtu")
-    save(directory / "mesh.png", draw_mesh, mesh, mesher, scene.problem.ring_edges)
+    problem = scene.problem
+    save(directory / "mesh.png", draw_mesh, mesh, mesher, problem.ring_edges, problem.ground)

@@ -33,6 +33,8 @@ LINES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1,
 GREYS = ("0.0", "0.45", "0.2", "0.6", "0.35")
 # of the punch and its ring edges
 RED = "#c0392b"
+# interfaces of layers
+BLUE = "#2874a6"
 # of what others are seen against
 FAINT: Look = {"color": "0.4", "linewidth": 0.8, "linestyle": (0, (1, 2))}
 # least span of an axis of values over the values themselves

@@ -63,6 +63,7 @@ class Interior:
     errors : of each field, by its name, in each state (states,): estimate of its greatest error
         further than `NEAR` from edges of contact and rings; of displacements over the indentation
         of a flat punch as wide as the contact, of stresses over the mean pressure
+    layers : (n,) number of the layer that each point belongs to, 0 without layers
     """
 
     points: Array
@@ -73,6 +74,7 @@ class Interior:
     degree: int
     reach: Array
     errors: dict[str, Array]
+    layers: Indices
 
     @cached_property
     def von_mises(self) -> Array:
@@ -101,6 +103,8 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     refinements, highest, ratio = 3, 14, 0.499999
     if len(half_space.solid.mesh.t) == 3:
         refinements, highest, ratio = 2, 4, 0.49999
+    elif problem.ground is not None:
+        ratio = half_space.solid.highest_ratio
     flat, steady = problem.full_contact, problem.steady and problem.indentation is None
     if times is None:
         # a flat start is in closed form, and the end near the steady state
@@ -133,7 +137,7 @@ def interior(scene: Scene, fem: Solution) -> Interior:
                 ring_edges = problem.merged.ring_edges
                 hollow = problem.merged.hollow
                 space = pressure_space(solid, ring_edges, hollow) if flat else half_space.space
-                spaces.append(HalfSpace(solid, space, tied))
+                spaces.append(HalfSpace(solid, space, tied).without_dependent_poles())
             fine, coarse = spaces
             pressures = (
                 pressures_of(inside, fine, coarse=False),
@@ -212,7 +216,8 @@ def held_against(
         differences = moved * reach / (D0 * force), stress / mean, von_mises(stress) / mean
         for stated, difference in zip(errors.values(), differences, strict=True):
             stated[state] = factor * np.abs(difference).max() + modelled
-    return Interior(*fine, labels, solid.degree, reaches, errors)
+    layers = np.repeat(solid.layers, len(r) // solid.mesh.nelements)
+    return Interior(*fine, labels, solid.degree, reaches, errors, layers)
 
 
 def extended(inside: Interior, half_space: "HalfSpace", pressures: Array, depth: float) -> Interior:
@@ -255,4 +260,5 @@ def extended(inside: Interior, half_space: "HalfSpace", pressures: Array, depth:
         triangles=np.hstack([inside.triangles, triangles + inside.points.shape[1]]),
         displacement=np.concatenate([inside.displacement, displacement], axis=1),
         stress=np.concatenate([inside.stress, stress], axis=1),
+        layers=np.append(inside.layers, np.zeros(points.shape[1], dtype=np.int64)),
     )

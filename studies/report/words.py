@@ -206,9 +206,13 @@ def beyond_the_model(scene: Scene) -> list[str]:
 def defaults_taken(scene: Scene) -> list[str]:
     """Tell which keys that bear on the numbers a scene leaves out."""
     lines = []
-    if "poisson_ratio" not in scene.half_space.model_fields_set:
+    if not (scene.half_space.rigid or "poisson_ratio" in scene.half_space.model_fields_set):
         taken = scene.half_space.poisson_ratio
         lines.append(f"half_space.poisson_ratio is not given: {taken} is taken")
+    for number, layer in enumerate(scene.half_space.layers):
+        if "poisson_ratio" not in layer.model_fields_set:
+            key = f"half_space.layers.{number}.poisson_ratio"
+            lines.append(f"{key} is not given: {layer.poisson_ratio} is taken")
     if "sliding_speed" not in scene.load_.model_fields_set:
         lines.append(
             f"load.sliding_speed is not given: {scene.load_.sliding_speed:g} is taken, so that "
