@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...fem.condensation import solver
-from ...meshes.errors import MeshError
+from ...meshes.errors import MeshError, SceneError
 from ...meshes.sizes import NARROWEST
 from ..problem.problem import Problem
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
@@ -76,7 +76,14 @@ def half_space_mesh(problem: Problem) -> ChosenMesh:
     """Return the mesh of a problem.
 
     By the mesher asked for, or by bisection where that cannot, with a note that says why.
+
+    Raises
+    ------
+    SceneError
+        if layers cannot be meshed as asked
     """
+    if refused := why_layers_are_not_meshed(problem):
+        raise SceneError(refused)
     try:
         return _meshed(problem, problem.fem.meshed_by)
     except MeshError as error:

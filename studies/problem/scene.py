@@ -110,6 +110,11 @@ class Scene(Section):
         if len(set(self.methods)) < len(self.methods):
             raise ValueError(f"methods = {self.methods} names a method twice")
         radii, punch = self.output.radii, self.punch
+        if punch.inner_radius and self.half_space.layers:
+            raise ValueError(
+                "punch.inner_radius does not go with half_space.layers, on which the start of a "
+                "hollow punch is not solved: leave out either"
+            )
         if radii is not None and radii[-1] > punch.radius:
             raise ValueError(
                 f"output.radii ends at {radii[-1]}, outside the punch of radius {punch.radius}"

@@ -49,8 +49,11 @@ class Account:
             value, quantity = float(self.result.first(key)), (ANSWER | QUANTITIES)[key]
             if np.isfinite(value):
                 what = key.replace("_", " ").replace("rms", "RMS")
-                written = self.names.write(value, quantity.unit)
-                lines.append((what, written, quantity.definition))
+                written, meaning = self.names.write(value, quantity.unit), quantity.definition
+                if key == "indentation_start" and self.scene.half_space.layers:
+                    # F / (2 a E*) is that of a homogeneous half-space
+                    meaning = meaning.partition(";")[0]
+                lines.append((what, written, meaning))
         return lines
 
     @property

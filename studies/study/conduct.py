@@ -117,6 +117,12 @@ def refuse_what_does_not_fit(name: str, scene: Scene, options: Options) -> None:
             "punch.wear_coefficient along the radius, and give load.normal_force; study tradeoff "
             "takes any punch, and study convergence shaped ones, too"
         )
+    if problem.ground is not None and not listed.of_layers:
+        knowing = " and ".join(name for name, study in STUDIES.items() if study.of_layers)
+        raise SceneError(
+            f"study {name} is about a homogeneous half-space: leave out half_space.layers; "
+            f"{knowing} takes them"
+        )
     for option in options.given:
         if option not in listed.takes:
             which = ", ".join(listed.takes) or "none but quick"

@@ -29,6 +29,7 @@ class ListedStudy:
     scene : its scene by default
     takes : names of the options that it knows besides `quick` (`studies/study/conduct.py`)
     of_any_punch : whether it takes any punch
+    of_layers : whether it takes layered ground
     """
 
     module: str
@@ -37,6 +38,7 @@ class ListedStudy:
     scene: str = "five_rings"
     takes: tuple[str, ...] = ()
     of_any_punch: bool = False
+    of_layers: bool = False
 
     @property
     def conduct(self) -> "Callable[[Scene, Options, Record], Study]":
@@ -93,5 +95,6 @@ STUDIES: dict[str, ListedStudy] = {
         25,
         takes=("quantities", "methods"),
         of_any_punch=True,
+        of_layers=True,
     ),
 }

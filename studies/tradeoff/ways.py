@@ -160,6 +160,9 @@ class Ways:
         Their nodes stick to the whole face, so they know no contact that opens and spreads.
         """
         given = {"pressure"} if alone.indentation is not None else {"indentation", "pressure"}
+        if alone.ground is not None:
+            # they know no layers
+            return {}
         if not alone.full_contact or not any(map(alone.wants, given)):
             return {}
         reference = self.references[other_theory(NAIVE)]
