@@ -31,7 +31,7 @@ def loaded_fields(points: Array, count: int, ground: Ground, outer: float) -> tu
 
     Parameters
     ----------
-    points : (n, 2) radius and depth, at least `outer` from the origin
+    points : (n, 2) radius and depth, on or about the outer boundary
     count : number of loads; that of number j is scaled by ``outer^2j``
     ground : layers; at an interface a point belongs to what is below it, but not to a rigid base
     outer : radius of the outer boundary
@@ -45,7 +45,7 @@ def loaded_fields(points: Array, count: int, ground: Ground, outer: float) -> tu
     fields = _homogeneous(points, at, ground.poisson_ratios[0], ground.shear_moduli[0])
     in_first = (layer == 0)[:, None, None]
     displacement, stress = (np.einsum("nxc,xk->knc", field * in_first, sources) for field in fields)
-    s, lengths = wave_numbers(ground, outer, travelled=ground.first)
+    s, lengths = wave_numbers(ground, outer + 1, travelled=ground.first)
     spectrum = lengths[:, None] * (np.cos(np.outer(s, at)) @ sources)
     for number, amplitudes in enumerate(_added_waves(ground, s)):
         here = np.flatnonzero(layer == number)

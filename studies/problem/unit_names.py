@@ -216,8 +216,10 @@ def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> T
 
     def convert_all(values: Mapping[str, object], path: str, declared: Key) -> TomlTable:
         keys = keys_in(declared)
+        # one of a list of tables, by its number, is declared as the list is
         return {
-            name: convert(of, path + name, keys.get(name, Key())) for name, of in values.items()
+            name: convert(of, path + name, keys.get(name, declared if name.isdigit() else Key()))
+            for name, of in values.items()
         }
 
     def convert(value: object, path: str, declared: Key) -> object:

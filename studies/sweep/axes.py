@@ -244,8 +244,24 @@ def _changed(table: TomlTable, path: list[str], value: object) -> TomlTable:
     key, *rest = path
     if rest:
         inner = table.get(key)
-        value = _changed(inner if isinstance(inner, dict) else {}, rest, value)
+        if isinstance(inner, list):
+            value = _with_entry(inner, rest, value)
+        else:
+            value = _changed(inner if isinstance(inner, dict) else {}, rest, value)
     return table | {key: value}
+
+
+def _with_entry(tables: list[TomlTable], path: list[str], value: object) -> list[TomlTable]:
+    """Return a list of tables with another value at a path that begins with a number."""
+    number, *rest = path
+    if not number.isdigit() or int(number) >= len(tables) or not rest:
+        raise SceneError(
+            f"there is no {'.'.join(path)} in a list of {len(tables)} tables: they are numbered "
+            "from 0 on"
+        )
+    changed = [*tables]
+    changed[int(number)] = _changed(changed[int(number)], rest, value)
+    return changed
 
 
 def _profile_file(table: TomlTable) -> str:
