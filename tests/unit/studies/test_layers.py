@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ringwear import Scene, study
+from ringwear import Scene
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.half_space import areas
 from ringwear.studies.anchors.reading import Reading
@@ -13,6 +13,8 @@ from ringwear.studies.methods.fem import half_space_mesh
 from ringwear.studies.problem.unit_names import kind_of
 from ringwear.studies.sizes.layers import truncation_beside
 from ringwear.studies.sizes.shared import discretised_alike
+from ringwear.studies.study.conduct import refuse_what_does_not_fit
+from ringwear.studies.study.options import Options
 from ringwear.studies.sweep.axes import Sweep
 
 PAD = {
@@ -113,7 +115,7 @@ def test_finite_elements_tell_what_they_cannot_mesh():
 @pytest.mark.parametrize("name", ["paper", "convergence", "refinement", "elements", "extremes"])
 def test_studies_of_the_homogeneous_half_space_refuse_layers(name):
     with pytest.raises(SceneError, match=r"half_space\.layers"):
-        study(name, pad())
+        refuse_what_does_not_fit(name, pad(), Options())
 
 
 def test_a_template_of_layers_is_refused(tmp_path):
