@@ -88,11 +88,11 @@ def degree_of_modes(problem: Problem) -> float:
 
     Relaxation times of a ring are about its width b over its wear coefficient, times 1, 1/2, 1/3,
     ..., and on layers times the compliance of waves of that length: that tells which modes are
-    slowest. On thin layers, these may all be on one ring. Measured: three relaxation times err by 1e-2, 2e-4,
-    7e-7, 1e-9 in degrees 4, 6, 8, 10 if all are of one ring, by 7e-5, 1e-7, 1e-10 in degrees 4, 6,
-    8 if two are, by 2e-8 in degree 4 if each has one. So another mode on a ring asks for 1.5
-    degrees more; with eight of them on one ring all eight err by less than .02 rtol, from 1e-2 to
-    1e-6.
+    slowest. On thin layers these may all be on one ring. Measured: three relaxation times err by
+    1e-2, 2e-4, 7e-7, 1e-9 in degrees 4, 6, 8, 10 if all are of one ring, by 7e-5, 1e-7, 1e-10 in
+    degrees 4, 6, 8 if two are, by 2e-8 in degree 4 if each has one. So another mode on a ring asks
+    for 1.5 degrees more; with eight of them on one ring all eight err by less than .02 rtol, from
+    1e-2 to 1e-6.
     """
     slowest = problem.merged.widths / problem.merged.ends.mean(axis=0)
     count = COMPARED_MODES if problem.wants("relaxation_time") else MODES_OF_HISTORIES
