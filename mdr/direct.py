@@ -129,15 +129,8 @@ def _greatest_on_layers(ring_edges: Array, pressures: Array, ground: Ground) -> 
     In each step radii are taken closer together about the greatest, where the displacement is
     smooth or rises to a ring edge from both sides.
     """
-    pieces = np.ceil(np.diff(ring_edges) / ground.first).astype(int)
-    radii = np.unique(
-        np.concatenate(
-            [
-                np.linspace(*ends, 32 * count + 1)
-                for *ends, count in zip(ring_edges[:-1], ring_edges[1:], pieces, strict=True)
-            ]
-        )
-    )
+    cells = cut_evenly(ring_edges, ground.first)
+    radii = np.unique(np.linspace(cells[:-1], cells[1:], 33))
     values = displacement(ring_edges, pressures, radii, ground)
     of_states = values.reshape(len(radii), -1).T
     greatest = np.empty(len(of_states))

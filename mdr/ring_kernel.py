@@ -72,7 +72,8 @@ def compliance(space: PressureSpace, ground: Ground | None = None) -> Compliance
         place = space.dofs[first][:, :, None] * rows + space.dofs[second][:, None, :]
         np.add.at(half, place.ravel(), blocks.ravel())
     half = half.reshape(rows, rows)[:-1, :-1]
-    matrix, series = half + half.T, (1.0,)
+    matrix = half + half.T
+    series: tuple[float, ...] = (1.0,)
     if ground is not None:
         matrix, series = matrix + added_by_layers(space, ground), flat_series(ground)
     try:

@@ -117,8 +117,9 @@ def _draw_layers(axes: Axes, ground: Ground | None, unit: float, width: float) -
     for depth in depths:
         axes.axhline(depth, color=BLUE, linewidth=1)
     if ground.rigid:
-        look = {"facecolor": "none", "edgecolor": BLUE, "hatch": "///", "linewidth": 0}
-        axes.add_patch(Rectangle((0, depths[-1]), 10 * width, 10 * width, **look))
+        base = Rectangle((0, depths[-1]), 10 * width, 10 * width, hatch="///", linewidth=0)
+        base.set(facecolor="none", edgecolor=BLUE)
+        axes.add_patch(base)
 
 
 def write_mesh(scene: Scene, mesh: Any, mesher: str, directory: Path) -> None:
