@@ -67,6 +67,11 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
         **problem.contact.left_out,
         **problem.load_regime.left_out,
     }
+    if problem.ground is not None and problem.full_contact:
+        reasons |= {
+            "inequality p >= 0": "on these layers a flat punch presses everywhere at the start; a "
+            "run that would take tension later is refused"
+        }
     alone = f"output.quantities asks for {', '.join(scene.output.quantities)} alone"
     if problem.quantities is not None:
         reasons["all other quantities"] = alone

@@ -179,40 +179,43 @@ def solve_in_full_contact(
     with stages("estimating"):
         compliances = made.compliance, made.coarser()
     with stages("marching" if len(problems[0].times) else "steady state"):
-        solutions = [
-            _solution(
-                method.remedy(problem),
-                made,
-                *(FullContact(problem, each, made.safety, made.smallest) for each in compliances),
-            )
-            for problem in problems
-        ]
-    for problem, solution in zip(problems, solutions, strict=True):
-        refuse_tension(problem, solution)
-    return solutions
+        return [_in_full_contact(method, problem, made, compliances) for problem in problems]
 
 
-def refuse_tension(problem: Problem, solution: Solution) -> None:
+def _in_full_contact(
+    method: ComplianceMethod,
+    problem: Problem,
+    made: Discretised,
+    compliances: tuple[Compliance, Compliance],
+) -> Solution:
+    fine, coarse = (FullContact(problem, each, made.safety, made.smallest) for each in compliances)
+    refuse_tension(fine)
+    return _solution(method.remedy(problem), made, fine, coarse)
+
+
+def refuse_tension(evaluation: FullContact) -> None:
     """Raise where full contact on layers would take tension in the course of wear.
 
     On a homogeneous half-space pressures that are positive at the start stay so; a layer that bends
-    may part from the punch later.
+    or bulges may part from the punch later.
 
     Raises
     ------
     SolverError
         that names the remedy
     """
-    pressure = solution.checked.get("pressure")
-    if problem.ground is None or pressure is None:
+    problem = evaluation.problem
+    if problem.ground is None or not problem.earliest:
         return
+    later = problem.checked[problem.distances[problem.checked] > 0]
+    history = evaluation.history[later]
+    pressure = (evaluation.compliance.space.matrix(problem.face.radii) @ history.pressure.T).T
     allowed = MOST_TENSION * problem.rtol * np.abs(pressure).max(axis=1)
     if (parted := np.flatnonzero(pressure.min(axis=1) < -allowed)).size:
-        time = float(problem.times[problem.checked][parted[0]]) * problem.units.time
+        time = float(problem.times[later][parted[0]]) * problem.units.time
         raise SolverError(
-            f"the layers of half_space.layers part from the punch by t = {time:.3g}, though they "
-            "do not at the start, which is not modelled: leave out wear.times, or give a softer "
-            "first layer"
+            f"half_space.layers part from the punch by t = {time:.3g}, though they do not at the "
+            "start, which is not solved: end wear.times before, or leave them out"
         )
 
 
