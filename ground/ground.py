@@ -190,7 +190,7 @@ def relative_compliance(ground: Ground, s: Array) -> Array:
     Notes
     -----
     It errs by the square of the ratio of neighbouring moduli in units of roundoff: by 1e-12 at 100
-    (unit/ground/test_kernel.py).
+    (unit/ground/test_ground.py).
     """
     _, displacement = loaded_waves(ground, s, interfaces(ground, s)[1])
     half_space = (1 - ground.poisson_ratios[0]) / ground.shear_moduli[0]
