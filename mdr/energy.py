@@ -14,7 +14,7 @@ from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array
 from .transforms import line_density, panel_quadrature
 
-# greatest width of a panel of quadrature over the first layer (unit/mdr/test_layers.py)
+# greatest width of a panel of quadrature over the first layer (tests/physics/test_layers.py)
 WIDEST_PANEL = 2.0
 
 

@@ -33,12 +33,13 @@ WORDS = {
     "adhesion": "ringwear has no adhesion: contact presses, and does not pull",
     "adhesive": "ringwear has no adhesion: contact presses, and does not pull",
     "surface_energy": "ringwear has no adhesion: contact presses, and does not pull",
-    "layer": "ringwear has no layers: the ground is one homogeneous half-space; give the modulus "
-    "that an indentation as deep as yours measures",
-    "coating": "ringwear has no layers: the ground is one homogeneous half-space; give the modulus "
-    "that an indentation as deep as yours measures",
-    "substrate": "ringwear has no layers: the ground is one homogeneous half-space",
-    "thickness": "ringwear has no layers: the ground is one half-space, infinitely thick",
+    "layer": "layers are tables: [[half_space.layers]] with thickness, youngs_modulus and "
+    "poisson_ratio, from the surface down; half_space is what lies below",
+    "coating": "a coating is a layer: [[half_space.layers]] with thickness, youngs_modulus and "
+    "poisson_ratio; half_space is what lies below",
+    "substrate": "the substrate is half_space itself; what lies on it are [[half_space.layers]]",
+    "thickness": "a thickness belongs to a layer: [[half_space.layers]] with thickness, "
+    "youngs_modulus and poisson_ratio; half_space.rigid = true for a rigid base",
     "yield": "ringwear has no plasticity: compare the stresses inside, in stress.png and "
     "half_space.vtu, with the yield stress",
     "plastic": "ringwear has no plasticity: compare the stresses inside, in stress.png and "

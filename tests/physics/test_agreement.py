@@ -16,6 +16,7 @@ from ringwear.studies.methods.base import Solution
 from ringwear.studies.scene.sources import bundled
 
 FLAT = [name for name in bundled() if Scene.load(name).problem.full_contact]
+ON_LAYERS = [name for name in FLAT if Scene.load(name).half_space.layers]
 
 
 def undecided(result):
@@ -36,6 +37,8 @@ def undecided(result):
     [pytest.param(name, marks=[pytest.mark.slow] * (name == "many_rings")) for name in FLAT],
 )
 def test_bundled_scenes_agree(name, mesher):
+    if name in ON_LAYERS and mesher != "quads":
+        pytest.skip("layers are meshed in quadrilaterals")
     result = run(Scene.load(name).changed(accuracy__fem__mesher=mesher))
     assert result.verdict != "disagree"
     if mesher == "quads":
