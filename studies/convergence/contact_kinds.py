@@ -7,9 +7,9 @@ that is fitted to its edges.
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Protocol
 
 import numpy as np
 
@@ -37,11 +37,8 @@ STEP_TOLERANCE_FACTOR = 0.2
 """Where contact moves: steps in time err by less than cells (a factor on their tolerance)."""
 
 
-class TheoryOfMeasure(Protocol):
-    """Return the theory of a measure by its name."""
-
-    def __call__(self, measure: str) -> Theory:
-        """Return the theory of a measure by its name."""
+TheoryOfMeasure = Callable[[str], Theory]
+"""The theory of a measure by its name."""
 
 
 class ContactKind(ABC):

@@ -115,7 +115,7 @@ def test_a_kind_that_does_not_exist_is_answered(kind, words):
     ("key", "word"),
     [
         ("load__friction_coefficient", "no friction"),
-        ("half_space__layers", "no layers"),
+        ("half_space__coating", "half_space.layers"),
         ("half_space__yield_stress", "no plasticity"),
         ("load__adhesion_energy", "no adhesion"),
         ("half_space__temperature", "no temperature"),
