@@ -87,8 +87,8 @@ def flat_series(ground: Ground) -> tuple[float, ...]:
     number = np.arange(len(energy))
     density = np.linalg.solve(energy, np.eye(len(energy))[0]) * np.sqrt(4 * number + 1)
     ratios = np.cumprod(np.append(1.0, (1 - 2 * number[1:]) / (2 * number[1:])))
-    enough = np.flatnonzero(np.abs(density) > NEGLIGIBLE * np.abs(density).max())[-1] + 1
-    return tuple((density / ratios / density[0])[:enough].tolist())
+    count = np.flatnonzero(np.abs(density) > NEGLIGIBLE * np.abs(density).max())[-1] + 1
+    return tuple((density / ratios / density[0])[:count].tolist())
 
 
 def relative_stiffness(ground: Ground) -> float:

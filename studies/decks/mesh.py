@@ -167,8 +167,8 @@ def _radii(ring_edges: Array, size: float) -> Array:
             graded(half, of, largest, GROWTH * size) for of in edge_sizes[number : number + 2]
         )
         lines += [start + inner[1:], (end - outer[::-1])[1:]]
-    beside = graded(SQUARE - 1, edge_sizes[-1], size, GROWTH * size)
-    radii = np.concatenate([*lines, 1 + beside[1:]])
+    outside = graded(SQUARE - 1, edge_sizes[-1], size, GROWTH * size)
+    radii = np.concatenate([*lines, 1 + outside[1:]])
     # ring edges and the ends without roundoff
     for exact in (*ring_edges, SQUARE):
         radii[np.abs(radii - exact).argmin()] = exact

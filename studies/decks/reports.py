@@ -48,7 +48,7 @@ class Deck:
     notes: dict[str, Array]
 
     @classmethod
-    def beside(cls, results: Path) -> "Deck":
+    def of_results(cls, results: Path) -> "Deck":
         """Read the deck of some results: the file of the same name that ends in .inp.
 
         Raises
@@ -158,7 +158,7 @@ def read_dat(path: Path) -> pd.DataFrame:
     SceneError
         if the deck is not beside it, or if a step or its forces are not there
     """
-    deck, tables = Deck.beside(path), []
+    deck, tables = Deck.of_results(path), []
     blocks = {(what, name, time): values for what, name, time, values in _blocks(path)}
     for step, time in enumerate(deck.times):
         end = max((when for *_, when in blocks if when <= step + 1 + 1e-6), default=0.0)
@@ -213,7 +213,7 @@ def read_rpt(path: Path) -> pd.DataFrame:
     SceneError
         if the deck is not beside it, or if the report has no such columns or nodes
     """
-    deck, tables = Deck.beside(path), []
+    deck, tables = Deck.of_results(path), []
     nodes = deck.sets["CONTACT"]
     for step, table in _reported(path, len(deck.times)):
         time = float(deck.times[min(step, len(deck.times)) - 1])

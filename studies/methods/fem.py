@@ -314,8 +314,8 @@ def _limited_by_degree(degree: int, mesher: str) -> frozenset[str]:
     """
     if degree < DEGREES[mesher][-1]:
         return frozenset()
-    followed = {*ENERGIES, *(IN_LAYERS if mesher == "quads" else ())}
-    return frozenset(DESCRIBED.keys() - followed)
+    refined_by_layers = {*ENERGIES, *(IN_LAYERS if mesher == "quads" else ())}
+    return frozenset(DESCRIBED.keys() - refined_by_layers)
 
 
 def _kind_of_difference(chosen: ChosenMesh) -> str:

@@ -6,7 +6,7 @@ from .terminal import broken, print_lines, terminal_width
 from .words import Account, Rows, columns
 
 # characters that a meaning needs beside its number; on narrower terminals it stands below
-LEAST_BESIDE = 28
+LEAST_MEANING = 28
 
 
 def print_answers(answers: Sequence[tuple[str, str, str]]) -> None:
@@ -15,9 +15,9 @@ def print_answers(answers: Sequence[tuple[str, str, str]]) -> None:
     numbers = columns([answer[:2] for answer in answers])
     longest = max(map(len, numbers), default=0)
     for number, (*_, meaning) in zip(numbers, answers, strict=True):
-        beside = f"{number:<{longest}}   "
-        if not width or width - len(beside) >= LEAST_BESIDE:
-            print(broken(meaning, beside, " " * len(beside)).rstrip())
+        heading = f"{number:<{longest}}   "
+        if not width or width - len(heading) >= LEAST_MEANING:
+            print(broken(meaning, heading, " " * len(heading)).rstrip())
         else:
             print(number, broken(meaning, " " * 6, " " * 6), sep="\n")
 

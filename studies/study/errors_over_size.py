@@ -101,8 +101,8 @@ def separate(labels: Iterable["Annotation"], axes: "Axes") -> None:
     placed = list[tuple[float, float]]()
     for label in sorted(labels, key=lambda each: each.xy[1]):
         x, y = np.log10(label.xy)
-        beside = [other for at, other in placed if np.isclose(at, x, atol=0.05)]
-        moved = max([y, *(other + apart for other in beside)])
+        neighbours = [other for at, other in placed if np.isclose(at, x, atol=0.05)]
+        moved = max([y, *(other + apart for other in neighbours)])
         label.xy = (label.xy[0], 10**moved)
         placed.append((x, moved))
 
