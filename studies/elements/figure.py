@@ -1,7 +1,7 @@
 """The figure of the study: eigenvalues, errors, a pressure with checkerboards, wear and locking."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -12,7 +12,7 @@ from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 from ...mdr.flat_punch import D0, P0
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
-from ..figures.style import PAGE, in_style
+from ..figures.style import PAGE, Look, in_style
 from ..figures.ticks import power_of_ten
 from .choice import SINGULAR, UNSTABLE
 from .pairs import Pressures
@@ -34,7 +34,7 @@ COLOURS = {
 """Of pressures, by their degree against the degree k of the displacement."""
 DASHED = ("wear rate continuous", "broken at ring edges, k - 1")
 """Pressures whose curves lie on those of others."""
-LIGHT: dict[str, Any] = {"linewidth": 0.8, "markersize": 3.2, "markerfacecolor": "none"}
+LIGHT: Look = {"linewidth": 0.8, "markersize": 3.2, "markerfacecolor": "none"}
 
 
 class DrawnPressure(NamedTuple):

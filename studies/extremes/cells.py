@@ -66,7 +66,7 @@ def families(poisson_ratio: float, quick: bool) -> Iterator[Family]:
         )
 
 
-def _seconds_of(seconds: Mapping[str, float], cell: tuple[str, Any, Any]) -> float:
+def _seconds_of(seconds: Mapping[str, float], cell: Cell) -> float:
     """Return the seconds that a cell is expected to take, by its method."""
     return seconds[cell[0]]
 
@@ -77,7 +77,7 @@ def far_value(axis: Iterable[Any]) -> Any:
     return values[int(0.7 * (len(values) - 1) + 0.5)]
 
 
-def read_axis(axis: str | dict[str, Any], named: dict[str, Any]) -> dict[Any, dict[str, Any]]:
+def read_axis(axis: str | TomlTable, named: TomlTable) -> dict[Any, TomlTable]:
     """Return what each value of an axis changes: values of one scene key, or labels."""
     axis = named[axis] if isinstance(axis, str) else axis
     key, values = next(iter(axis.items()))

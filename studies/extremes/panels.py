@@ -18,6 +18,7 @@ from ...meshes.errors import RingwearError
 from ..crosscheck.accuracy import solved_to_accuracy
 from ..crosscheck.promise import allowed_error
 from ..methods.base import Solution, method
+from ..problem.fields import TomlTable
 from ..problem.problem import Problem
 from ..progress import Stages
 from ..sampling.norms import differences
@@ -70,12 +71,12 @@ class Panel:
     xlabel: str
     values: tuple[float, ...]
     quick: tuple[float, ...]
-    changes: Mapping[str, Any]
+    changes: TomlTable
     base: Scene
     naive: str
     fails_at: float
     methods: tuple[str, ...] = METHODS
-    naive_changes: Mapping[str, Any] = field(default_factory=dict)
+    naive_changes: TomlTable = field(default_factory=dict)
     reference: float = 1e-6
     seconds: Mapping[str, float] = field(default_factory=dict)
     linear: bool = False
@@ -122,7 +123,7 @@ class Panel:
         """Return a row of the table: a run, by the worst of its quantities."""
         (x, name), start = setting, time.perf_counter()
         found: list[Verdict] = []
-        row: dict[str, Any] = {"part": "panel", "method": name, "x": x}
+        row: TomlTable = {"part": "panel", "method": name, "x": x}
         if name == NAIVE:
             row |= self._judge_naive(x, reference)
         else:
@@ -216,7 +217,7 @@ def read_panels(poisson_ratio: float) -> Iterator[Panel]:
     for panel in table["panels"]:
         scene = base.changed(**panel.pop("scene", {}))
         seconds = table["seconds"] | panel.pop("seconds", {})
-        lists: dict[str, Any] = {
+        lists: TomlTable = {
             key: tuple(panel.pop(key)) for key in ("values", "quick", "methods") & panel.keys()
         }
         yield Panel(base=scene, seconds=seconds, **lists, **panel)

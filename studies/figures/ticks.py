@@ -1,7 +1,5 @@
 """Ticks of few and short labels: round numbers of up to three digits, and powers of ten."""
 
-from typing import Any
-
 import numpy as np
 from matplotlib.ticker import Locator
 
@@ -25,11 +23,11 @@ class RoundTicks(Locator):
     def __init__(self, most: int) -> None:
         self.most = most
 
-    def __call__(self) -> Any:
+    def __call__(self) -> Array:
         """Return the ticks in the view of the axis."""
         return self.tick_values(*self.axis.get_view_interval()) if self.axis else np.empty(0)
 
-    def tick_values(self, vmin: float, vmax: float) -> Any:
+    def tick_values(self, vmin: float, vmax: float) -> Array:
         """Return the ticks between two ends."""
         low, high = sorted((vmin, vmax))
         return round_ticks(low, high, self.most)
@@ -46,11 +44,11 @@ class Decades(Locator):
     def __init__(self, most: int) -> None:
         self.most = most
 
-    def __call__(self) -> Any:
+    def __call__(self) -> Array:
         """Return the ticks in the view of the axis."""
         return self.tick_values(*self.axis.get_view_interval()) if self.axis else np.empty(0)
 
-    def tick_values(self, vmin: float, vmax: float) -> Any:
+    def tick_values(self, vmin: float, vmax: float) -> Array:
         """Return the ticks between two ends."""
         low, high = sorted((vmin, vmax))
         return decades(low, high, self.most) if low > 0 else np.empty(0)

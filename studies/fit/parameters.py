@@ -10,6 +10,7 @@ import numpy as np
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
+from ..problem.fields import TomlTable
 from ..problem.unit_names import UnitNames, kind_of
 from ..scene.scene import Scene
 
@@ -115,7 +116,7 @@ def find_parameters(scene: Scene, names: Sequence[str]) -> tuple[Scene, tuple[Pa
 
 def scene_at(scene: Scene, parameters: Sequence[Parameter], x: Array) -> Scene:
     """Return the scene with its keys at coordinates (m,)."""
-    changes = dict[str, Any]()
+    changes = TomlTable()
     table = scene.table()
     for parameter, coordinate in zip(parameters, x, strict=True):
         if parameter.name in NUISANCES:
@@ -149,13 +150,13 @@ def _parts(name: str) -> tuple[str, int | None]:
     return matched[1], None if matched[2] is None else int(matched[2])
 
 
-def _lookup(table: dict[str, Any], path: str) -> Any:
+def _lookup(table: TomlTable, path: str) -> Any:
     for part in path.split("."):
         table = table[part] if isinstance(table, dict) and part in table else {}
     return table
 
 
-def _value(table: dict[str, Any], name: str) -> float:
+def _value(table: TomlTable, name: str) -> float:
     path, index = _parts(name)
     found = _lookup(table, path)
     return float(found if index is None else found[index])
@@ -165,7 +166,7 @@ def _kind(name: str) -> str:
     return kind_of(_parts(name)[0], Scene)
 
 
-def _expanded(table: dict[str, Any], name: str) -> list[str]:
+def _expanded(table: TomlTable, name: str) -> list[str]:
     """Return the names of the values that a name stands for."""
     path, index = _parts(name)
     if path in KEYS and isinstance(_lookup(table, path), dict) and _lookup(table, path):
@@ -188,6 +189,6 @@ def _expanded(table: dict[str, Any], name: str) -> list[str]:
     raise SceneError(f"{name} cannot be fitted: {meant}give some of {_choices(table)}")
 
 
-def _choices(table: dict[str, Any]) -> str:
+def _choices(table: TomlTable) -> str:
     there = [key for key in KEYS if _lookup(table, key) != {}]
     return ", ".join([*there, *NUISANCES])

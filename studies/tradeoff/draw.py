@@ -1,6 +1,5 @@
 """The figure of the tradeoff: errors over seconds, errors over tolerances, and the challenge."""
 
-from collections.abc import Mapping
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from ..figures.style import PAGE, RED
+from ..figures.style import PAGE, RED, Look
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -189,7 +188,7 @@ def _draw_challenge(figure: Figure, panels_before: int) -> None:
             axes.set_ylabel("relative error of p", fontsize=7)
 
 
-def _look(color: str, marker: Any, line: Any) -> dict[str, Any]:
+def _look(color: str, marker: Any, line: Any) -> Look:
     return {
         "color": color,
         "marker": marker,
@@ -209,7 +208,7 @@ def _handles(rows: pd.DataFrame) -> list[Line2D]:
         for name, (color, marker, line, label) in LOOKS.items()
         if name in drawn
     ]
-    stated: Mapping[str, Any] = {"color": "0.3", "linestyle": STATED, "linewidth": 0.8}
+    stated: Look = {"color": "0.3", "linestyle": STATED, "linewidth": 0.8}
     return [*handles, Line2D([], [], label="the method's own estimate", **stated)]
 
 
