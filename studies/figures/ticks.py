@@ -23,14 +23,14 @@ class RoundTicks(Locator):
     def __init__(self, most: int) -> None:
         self.most = most
 
-    def __call__(self) -> Array:
+    def __call__(self) -> list[float]:
         """Return the ticks in the view of the axis."""
-        return self.tick_values(*self.axis.get_view_interval()) if self.axis else np.empty(0)
+        return self.tick_values(*self.axis.get_view_interval()) if self.axis else []
 
-    def tick_values(self, vmin: float, vmax: float) -> Array:
+    def tick_values(self, vmin: float, vmax: float) -> list[float]:
         """Return the ticks between two ends."""
         low, high = sorted((vmin, vmax))
-        return round_ticks(low, high, self.most)
+        return round_ticks(low, high, self.most).tolist()
 
 
 class Decades(Locator):
@@ -44,14 +44,14 @@ class Decades(Locator):
     def __init__(self, most: int) -> None:
         self.most = most
 
-    def __call__(self) -> Array:
+    def __call__(self) -> list[float]:
         """Return the ticks in the view of the axis."""
-        return self.tick_values(*self.axis.get_view_interval()) if self.axis else np.empty(0)
+        return self.tick_values(*self.axis.get_view_interval()) if self.axis else []
 
-    def tick_values(self, vmin: float, vmax: float) -> Array:
+    def tick_values(self, vmin: float, vmax: float) -> list[float]:
         """Return the ticks between two ends."""
         low, high = sorted((vmin, vmax))
-        return decades(low, high, self.most) if low > 0 else np.empty(0)
+        return decades(low, high, self.most).tolist() if low > 0 else []
 
 
 def round_ticks(low: float, high: float, most: int) -> Array:
