@@ -320,7 +320,7 @@ EXAMPLES = """examples:
   ringwear deck mine.toml --for abaqus  write input files for another program
   ringwear check mine.toml abaqus.csv   check another program's results
   ringwear fit mine.toml data.csv --for punch.wear_coefficient
-                                        find a wear coefficient from measurements
+                                        find its wear from measurements
   ringwear study convergence --quick    see orders beside theory
 """
 

@@ -135,6 +135,11 @@ def _with_list(scene: Scene) -> Scene:
     punch = scene.punch
     if punch.wear_coefficients is not None or punch.table:
         return scene
+    if punch.rings is None and punch.ring_edges is None:
+        raise SceneError(
+            "punch.wear_coefficients: the punch of the scene has one material; fit "
+            "punch.wear_coefficient, or give rings"
+        )
     table = scene.table()
     for key in ("wear_coefficient", "wear_ratio"):
         table["punch"].pop(key, None)

@@ -23,7 +23,7 @@ ANNULI = {0.3: 1.992418655, 0.6: 1.930144257, 0.9: 1.642059559}
 
 
 @cache
-def compliance_on(method, degree, edges, infinite):
+def compliance_on(method, degree, edges, infinite, _):
     if method == "fem":
         return fitted_half_space(edges, infinite, degree, 0.3).compliance()
     make = energy.compliance if method == "mdr" else ring_kernel.compliance

@@ -93,7 +93,7 @@ def test_guesses_that_are_mended_in_a_line(call, told, result):
 def test_only_what_is_public_is_listed():
     assert sorted(dir(ringwear)) == [
         *("Comparison", "Result", "RingwearError", "Scene", "SceneError", "Study", "__version__"),
-        *("check", "compare", "load", "plan", "run", "study", "sweep"),
+        *("check", "compare", "deck", "fit", "load", "plan", "run", "study", "sweep"),
     ]
     assert ringwear.__version__[0].isdigit()
     assert ringwear.SceneError is SceneError

@@ -100,4 +100,4 @@ def test_the_reference_names_every_command_and_flag():
     for name, command in COMMANDS.items():
         assert f"ringwear {name}" in text
         for flag in command.arguments:
-            assert flag in text or not flag.startswith("--"), flag
+            assert flag.split()[0] in text or not flag.startswith("--"), flag

@@ -4,6 +4,7 @@ import re
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ringwear import Scene, run
@@ -46,7 +47,7 @@ def test_the_table_has_the_cases_that_people_bring():
     cases = " ".join(case for case, _ in rows())
     for word in ("ball", "elastic bodies", "rotates", "both bodies", "washer", "rounded edge"):
         assert word in cases
-    for word in ("given displacement", "start and stop", "mesh of mine", "results of mine"):
+    for word in ("given displacement", "start and stop", "mesh of mine", "results of mine", "pad"):
         assert word in cases
 
 
@@ -81,3 +82,27 @@ def test_a_mesh_of_mine(tmp_path, monkeypatch):
     mesh.scaled(0.01).save("mine.msh")
     (command,) = [keys for case, keys in rows() if case == "a mesh of mine"]
     assert main([*command.split()[1:], "--quick"]) == 0
+
+
+def test_measurements_of_mine(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = BASE.replace("wear_coefficient =", "rings = 3\nwear_ratio = 10.0\nwear_coefficient =")
+    Path("punch.toml").write_text(text)
+    data = run(Scene.from_toml(text).changed(wear__times="running-in")).dataset.isel(solver=0)
+    table = data[["indentation"]].to_dataframe().reset_index()[["time", "indentation"]]
+    table["indentation"] *= 1 + 0.01 * np.random.default_rng(1).normal(size=len(table))
+    table.to_csv("measured.csv", index=False)
+    (command,) = [keys for _, keys in rows_of("ringwear fit")]
+    assert main([*command.split()[1:], "--noise", "1 %"]) == 0
+
+
+def test_an_input_file_of_mine(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("punch.toml").write_text(BASE)
+    (command,) = [keys for _, keys in rows_of("ringwear deck")]
+    assert main([*command.split()[1:], "--size", "0.5", "--out", "deck"]) == 0
+    assert Path("deck/README.md").exists()
+
+
+def rows_of(command):
+    return [row for row in rows() if row[1].startswith(command)]
