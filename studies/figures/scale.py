@@ -107,9 +107,6 @@ class Scale:
         }
         self.axes = {kind: self.unit(size, kind) for kind, size in sizes.items()}
         self.logarithmic = times[-1] > 30 * times[0] and self.problem.load_regime.logarithmic_times
-        if self.logarithmic:
-            # ticks are powers of ten already
-            self.axes["time"] = self.names.readable(float(np.sqrt(times[0] * times[-1])), "time")
         self.many_rings = len(self.problem.wear_coefficients) > 24
 
     @classmethod
