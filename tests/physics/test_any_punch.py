@@ -314,7 +314,7 @@ DEGENERATE = {
 @pytest.mark.parametrize(
     "face",
     [
-        pytest.param(face, marks=[pytest.mark.slow] * (face in ("no width", "one point")))
+        pytest.param(face, marks=[pytest.mark.slow] * (face in ("no width", "one point", "noise")))
         for face in DEGENERATE
     ],
 )

@@ -87,6 +87,7 @@ def test_displacements_where_wear_varies_along_the_radius(method):
     assert off <= float(data.displacement_max_error) * float(data.indentation) / unit
 
 
+@pytest.mark.slow
 def test_the_force_at_a_fixed_indentation_is_decided():
     """Errors are relative to the greatest force so far: the force itself vanishes."""
     scene = RIPPLES.changed(
