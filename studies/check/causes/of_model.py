@@ -1,0 +1,288 @@
+"""Mistakes in what another program models: material, load, geometry, ground."""
+
+import math
+from dataclasses import replace
+
+from .cause import Cause, Sizes
+from .model import Model, Setting
+
+FACTORS = (0.1, 0.4, 0.8, 1.25, 2.5, 10.0)
+# how near to a number that people know a fitted one has to be, to be called by it
+NEAR = 0.06
+
+
+class WearCoefficient(Cause):
+    """Time runs faster or slower, while pressures and displacements begin and end the same."""
+
+    name = "wear coefficient"
+    group, searched = "time", True
+    prior = 0.1
+    fitted = 1
+    remedy = "k and v in the input, and their units; with all times multiplied by it the error is gone"
+
+    def applies(self, model: Model) -> bool:
+        return bool((model.times > 0).any()) and not model.problem.loading.varies
+
+    def candidates(self, model: Model) -> list[Sizes]:
+        return [(factor,) for factor in FACTORS]
+
+    def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        return replace(setting, wear=setting.wear * sizes[0])
+
+    def within(self, model: Model, sizes: Sizes) -> bool:
+        return 1e-7 < sizes[0] < 1e7
+
+    def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        return (
+            f"time runs {sizes[0]:.4g} times as fast: a wear coefficient, or a sliding speed, of "
+            f"{sizes[0]:.4g} times ours"
+        )
+
+
+class TruncatedHalfSpace(Cause):
+    """Displacements are too low by one length, and pressures and profiles are nearly right."""
+
+    name = "truncated half-space"
+    group, searched = "box", True
+    prior = 0.1
+    fitted = 1
+    remedy = "a half-space twice as large has half the error"
+
+    def applies(self, model: Model) -> bool:
+        return model.pressed_by_force and bool(
+            {"displacement", "indentation"} & {*model.comparison.names}
+        )
+
+    def candidates(self, model: Model) -> list[Sizes]:
+        return [(0.05,), (0.2,)]
+
+    def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        return replace(setting, box=sizes[0])
+
+    def within(self, model: Model, sizes: Sizes) -> bool:
+        return 1e-3 < sizes[0] < 0.5
+
+    def size(self, model: Model, sizes: Sizes) -> float:
+        return 1 / sizes[0]
+
+    def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        return (
+            "displacements are too low by one length: a half-space that is clamped at about "
+            f"{1 / sizes[0]:.4g} radii, which takes about 1.1 a/R of the indentation"
+        )
+
+
+class Load(Cause):
+    """All pressures, displacements and worn heights are the same multiple of ours."""
+
+    name = "normal force"
+    group, searched = "load", True
+    prior = 0.05
+    fitted = 1
+    remedy = "the sum of 2 pi r p dr beside the load of the scene"
+
+    def applies(self, model: Model) -> bool:
+        return model.flat and model.pressed_by_force
+
+    def candidates(self, model: Model) -> list[Sizes]:
+        return [(factor,) for factor in FACTORS]
+
+    def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        return replace(setting, force=setting.force * sizes[0])
+
+    def within(self, model: Model, sizes: Sizes) -> bool:
+        return 1e-9 < sizes[0] < 1e9
+
+    def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        return f"a load of {sizes[0]:.4g} times ours, by which all results are multiplied"
+
+
+class ForcePerLength(Load):
+    """The load counts for a length or an angle: a radian, the rim, a radius, the area."""
+
+    searched = False
+    name = "force per length"
+    fitted = 0
+    remedy = "the sum of 2 pi r p dr beside the load: what an axisymmetric load counts for"
+
+    @staticmethod
+    def known(model: Model) -> dict[float, str]:
+        """Return what a load may count for, by its factor on the force."""
+        radius = model.problem.units.length
+        lengths = {
+            2 * math.pi: "per radian: 1/(2 pi) of it",
+            2 * math.pi * radius: "per length of the rim: 1/(2 pi a) of it",
+            math.pi * radius**2: "per area: 1/(pi a^2) of it",
+            2 * radius: "per length of the diameter: 1/(2a) of it",
+            radius: "per length of the radius: 1/a of it",
+            4.0: "of a quarter of the punch",
+            2.0: "of half the punch",
+        }
+        near = {1 / factor: words for factor, words in lengths.items()}
+        over = {factor: f"{words}, the wrong way round" for factor, words in lengths.items()}
+        known = over | near
+        return {factor: words for factor, words in known.items() if abs(math.log(factor)) > NEAR}
+
+    def candidates(self, model: Model) -> list[Sizes]:
+        return [(factor,) for factor in self.known(model)]
+
+    def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        return (
+            f"a load of {sizes[0]:.4g} times ours, by which all results are multiplied: a force "
+            f"{self.known(model)[sizes[0]]}"
+        )
+
+
+class Stiffness(Cause):
+    """Displacements by pressures are a multiple of ours, and running-in is faster by it."""
+
+    name = "modulus"
+    group, searched = "modulus", True
+    prior = 0.04
+    fitted = 1
+    remedy = "the modulus in the input; F / (2 a E*) beside the first indentation"
+
+    def applies(self, model: Model) -> bool:
+        return model.flat
+
+    def candidates(self, model: Model) -> list[Sizes]:
+        return [(factor,) for factor in FACTORS]
+
+    def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        return replace(setting, stiffness=setting.stiffness * sizes[0])
+
+    def within(self, model: Model, sizes: Sizes) -> bool:
+        return 1e-9 < sizes[0] < 1e9
+
+    def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        return f"a half-space {sizes[0]:.4g} times as stiff"
+
+
+class PoissonsRatio(Stiffness):
+    """The half-space has E for E/(1 - nu^2), or the reverse."""
+
+    searched = False
+    name = "Poisson's ratio"
+    fitted = 0
+    remedy = "with a Poisson's ratio of 0 the error is gone"
+
+    def applies(self, model: Model) -> bool:
+        return abs(model.problem.poisson_ratio) > 0.1
+
+    def candidates(self, model: Model) -> list[Sizes]:
+        plane = 1 - model.problem.poisson_ratio**2
+        return [(plane,), (1 / plane,)]
+
+    def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        return (
+            f"a half-space {sizes[0]:.4g} times as stiff: E for E/(1 - nu^2), or the reverse"
+        )
+
+
+class Diameter(Cause):
+    """The model has twice or half the radius: a diameter for a radius, or the reverse."""
+
+    name = "radius for diameter"
+    group, choices = "radius", 2
+    prior = 0.06
+    remedy = "the radius in the model where pressures end"
+
+    def candidates(self, model: Model) -> list[Sizes]:
+        return [(2.0,), (0.5,)]
+
+    def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        return replace(setting, radius=sizes[0])
+
+    def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        return f"a punch of {sizes[0]:g} times the radius: a diameter for a radius, or the reverse"
+
+
+class SwappedMaterials(Cause):
+    """The wear coefficients of two materials are exchanged."""
+
+    name = "swapped materials"
+    group = "swapped"
+    prior = 0.05
+    remedy = "late pressures are greatest where wear is least"
+
+    def applies(self, model: Model) -> bool:
+        wear = (model.problem.graded or model.problem.rings).wear_coefficients
+        return bool((model.times > 0).any()) and wear.min() < wear.max()
+
+    def candidates(self, model: Model) -> list[Sizes]:
+        return [()]
+
+    def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        return replace(setting, swapped=True)
+
+    def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        return "the wear coefficients of two materials are swapped"
+
+
+class PlaneStrain(Cause):
+    """The half-space is one of plane strain under a strip, not of an axisymmetric punch."""
+
+    name = "plane strain"
+    group, searched = "ground", True
+    prior = 0.05
+    fitted = 2
+    remedy = (
+        "an axisymmetric element type, and a load for the whole circle; in plane strain the "
+        "indentation grows with the logarithm of the depth of the mesh"
+    )
+
+    def applies(self, model: Model) -> bool:
+        return model.flat and model.pressed_by_force
+
+    def candidates(self, model: Model) -> list[Sizes]:
+        # under F / 2a, under the mean pressure, and under F over one unit of length
+        unit = min(max(2 * model.problem.units.length, 1e-6), 1e6)
+        return [(1.0, 0.5), (4 / math.pi, 2.0), (unit, 0.5)]
+
+    def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        return replace(
+            setting, ground="plane strain", force=setting.force * sizes[0], depth=sizes[1]
+        )
+
+    def within(self, model: Model, sizes: Sizes) -> bool:
+        return 1e-9 < sizes[0] < 1e9
+
+    def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        force = sizes[0] / (2 * model.problem.units.length)
+        return (
+            "a strip in plane strain in place of an axisymmetric punch, under a force per length of "
+            f"{force:.3g} F (mean pressure: {sizes[0] * math.pi / 4:.3g} times ours)"
+        )
+
+
+class Layer(Cause):
+    """The half-space of the scene is covered by a layer that is softer or stiffer."""
+
+    name = "layer"
+    group = "ground"
+    prior = 0.03
+    fitted = 2
+    remedy = "the indentation and the pressures of a model that is homogeneous"
+
+    def applies(self, model: Model) -> bool:
+        return model.flat and model.pressed_by_force and model.problem.poisson_ratio < 0.5
+
+    def candidates(self, model: Model) -> list[Sizes]:
+        return [
+            (thickness, modulus)
+            for thickness in (0.1, 0.25, 0.6, 1.5)
+            for modulus in (0.03, 0.1, 0.3, 3.0, 10.0)
+        ]
+
+    def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        return replace(setting, ground="layer", layer=(sizes[0], sizes[1]))
+
+    def size(self, model: Model, sizes: Sizes) -> float:
+        return sizes[1]
+
+    def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        kind = "soft" if sizes[1] < 1 else "stiff"
+        return (
+            f"a half-space under a {kind} layer, about {sizes[0]:.2g} a thick and {sizes[1]:.2g} "
+            "times as stiff, which the scene does not have"
+        )
