@@ -10,12 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...meshes.radial import Array
 from ..problem.quantities import QUANTITIES
 from ..problem.unit_names import UnitNames
 from .causes import of_model, of_output
 from .causes.cause import Cause
 from .causes.comparison import Comparison
-from .causes.hypotheses import Hypothesis, Part, Weighing, explained, setting_of
+from .causes.hypotheses import Hypothesis, Part, Weighing, alike, explained, setting_of
 from .causes.mesh import patterns
 from .causes.model import Model
 
@@ -128,8 +129,14 @@ def _of_causes(
         for part in hypothesis.parts:
             confidence[part.cause] = confidence.get(part.cause, 0.0) + share * part_of_error
             best.setdefault(part.cause, hypothesis)
-    named = [cause for cause in confidence if confidence[cause] >= NAMED]
-    named.sort(key=lambda cause: -confidence[cause])
+    named = sorted(confidence, key=lambda cause: -confidence[cause])
+    for cause in named:
+        for other in named[named.index(cause) + 1 :]:
+            # one mistake by two names, as a modulus and the one that Poisson's ratio is missing in
+            if cause.group == other.group and alike(best[cause], best[other]):
+                confidence[cause] += confidence[other]
+                confidence[other] = 0.0
+    named = [cause for cause in named if confidence[cause] >= NAMED]
     found = []
     for cause in named:
         hypothesis = best[cause]
@@ -199,17 +206,21 @@ def _of_mesh(model: Model, hypothesis: Hypothesis) -> list[Diagnosis]:
         return []
     theirs = comparison.theirs["pressure"][comparison.rows]
     right = comparison.ours["pressure"][comparison.rows]
-    if hypothesis.parts:
-        right = right * model.pressure_ratio(hypothesis.setting)
-    with np.errstate(all="ignore"):
-        errors = theirs / right - 1
-    errors = np.where(np.isfinite(errors), errors, 0.0)
+    whole = _relative(theirs, right)
+    left = _relative(theirs, right * model.pressure_ratio(hypothesis.setting))
+    # what mistakes have explained is no error of the mesh
+    share = min(1.0, float(np.linalg.norm(left) / (np.linalg.norm(whole) or 1.0)))
     return [
-        Diagnosis(name, size, confidence, MESH[name][0].format(size), MESH[name][1])
+        Diagnosis(name, size, share * confidence, MESH[name][0].format(size), MESH[name][1])
         for name, size, confidence in patterns(
-            errors, comparison.radii, comparison.scene.punch.radius
+            left, comparison.radii, comparison.scene.punch.radius
         )
-        if confidence > SURE and size > comparison.scene.accuracy.rtol
+        if share * confidence > SURE and size > comparison.scene.accuracy.rtol
     ]
 
 
+def _relative(theirs: Array, right: Array) -> Array:
+    """Return relative errors, 0 where there is none."""
+    with np.errstate(all="ignore"):
+        errors = theirs / right - 1
+    return np.where(np.isfinite(errors), errors, 0.0)

@@ -31,6 +31,8 @@ MOST_STARTS, HELD = 2, 1e-3
 USUAL = 0.03
 # change of a quantity from which on a mistake has to explain its error
 TOUCHED = 1e-3
+# difference of predictions below which they are alike
+ALIKE = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,6 +218,11 @@ def _change(hypothesis: Hypothesis, other: Hypothesis) -> float:
     """Return by how much predictions differ, relative to them."""
     gap = np.linalg.norm(hypothesis.gaps - other.gaps)
     return float(gap / np.sqrt(max(1, np.count_nonzero(hypothesis.gaps))))
+
+
+def alike(hypothesis: Hypothesis, other: Hypothesis) -> bool:
+    """Return whether two hypotheses predict nearly the same."""
+    return _change(hypothesis, other) < ALIKE
 
 
 def explained(hypothesis: Hypothesis, none: Hypothesis, members: Array) -> float:

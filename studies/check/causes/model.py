@@ -1,8 +1,9 @@
 """What another program would print if it had modelled something else."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -21,7 +22,11 @@ ACCURACY, TIMES, OF_A_RING, RADII = 1e-3, 80, 6, 100
 # the tables reach from a part of the first time to times the last one; beyond it they are straight
 BEFORE_FIRST, AFTER_LAST = 1e-2, 4.0
 # steps in the longest time between results, by which errors of first order are measured
-STEPS = np.array([60.0, 20.0, 6.0, 2.0])
+STEPS = np.geomspace(64.0, 2.0, 8)
+# layers that are computed, by thickness over the punch radius and modulus over that below; others
+# lie between
+THICKNESSES = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
+STIFFNESSES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
 LENGTHS = ("displacement", "profile", "indentation")
 # of relative errors of the start of a clamped half-space over a/R, by Poisson's ratio (`study
 # truncation`)
@@ -143,8 +148,11 @@ class Model:
         first, last = BEFORE_FIRST * later.min(), AFTER_LAST * later.max()
         return np.unique(np.concatenate([[0.0], np.geomspace(first, last, TIMES), later]))
 
-    def solve(self, times: Array, radii: Array, **changes: object) -> Results:
-        """Return results of our own, non-dimensional, of a problem that is changed."""
+    def solve(self, times: Array, *changes: Mapping[str, Any]) -> list[Results]:
+        """Return non-dimensional results of our own, on the radii of the tables, at times.
+
+        One for each set of changes of the problem.
+        """
         problem = replace(
             self.problem,
             rtol=ACCURACY,
@@ -152,13 +160,17 @@ class Model:
             quantities=None,
             compared_on=None,
             times=times,
-            output_radii=radii,
-            **changes,  # type: ignore[arg-type]
+            output_radii=self._radii,
         )
-        results = dict(method("mdr").solve(problem, Stages("mdr")).results)
-        if "normal_force" not in results:
-            results["normal_force"] = problem.loading.at(times).force
-        return {name: np.asarray(results[name]) for name in (*LENGTHS, "pressure", "normal_force")}
+        problems = [replace(problem, **change) for change in changes]
+        force = {"normal_force": problem.loading.at(times).force}
+        return [
+            {
+                name: np.asarray((force | solution.results)[name])
+                for name in (*LENGTHS, "pressure", "normal_force")
+            }
+            for solution in method("mdr").solve_all(problems, Stages("mdr"))
+        ]
 
     def histories(self, setting: Setting) -> Results:
         """Return fields (T, R) and numbers (T,) of the tables, on the ground of a setting."""
@@ -173,8 +185,8 @@ class Model:
             wear = rings.wear_coefficients
             rings = rings._replace(wear_coefficients=wear.min() + wear.max() - wear)
         if setting.ground == "half-space":
-            changes = {"rings": rings} if setting.swapped else {}
-            return self.solve(self._grid, self._radii, **changes)
+            (results,) = self.solve(self._grid, {"rings": rings} if setting.swapped else {})
+            return results
         ground = grounds.plane_strain(rings)
         if setting.ground == "layer":
             ground = grounds.layered(rings, *setting.layer, self.problem.poisson_ratio)
@@ -214,6 +226,8 @@ class Model:
 
     def _table(self, setting: Setting) -> Table:
         """Return the numbers that are compared, and the force last, on the ground of a setting."""
+        if setting.ground == "layer" and not _computed(setting.layer):
+            return self._between_layers(setting)
         factor = setting.radii / setting.radius
         key = (setting.ground, setting.layer, setting.swapped, factor)
         if key not in self._tables:
@@ -223,6 +237,15 @@ class Model:
             growing = np.append(self._lengths, False)
             self._tables[key] = Table(self._grid, values, growing)
         return self._tables[key]
+
+    def _between_layers(self, setting: Setting) -> Table:
+        """Return what is linear in the logarithms of thickness and modulus between four layers."""
+        values = 0.0
+        for thickness, first in _neighbours(setting.layer[0], THICKNESSES):
+            for stiffness, second in _neighbours(setting.layer[1], STIFFNESSES):
+                corner = self._table(replace(setting, layer=(thickness, stiffness)))
+                values = values + first * second * corner.values
+        return Table(corner.times, values, corner.growing)
 
     @cached_property
     def _lengths(self) -> Array:
@@ -298,14 +321,9 @@ class Model:
         Steps end at each time that is given.
         """
         lengths = float(np.diff(self.times, prepend=0.0).max()) / STEPS
-        exact = self._reduced(self.solve(self.times, self._radii), 1.0)
-        errors = [
-            self._reduced(
-                self.solve(self.times, self._radii, march="implicit", step=float(length)), 1.0
-            )
-            - exact
-            for length in lengths
-        ]
+        steps = [{"march": "implicit", "step": length} for length in lengths.tolist()]
+        exact, *stepped = (self._reduced(of, 1.0) for of in self.solve(self.times, {}, *steps))
+        errors = [of - exact for of in stepped]
         units = lengths * self.problem.units.time
         return units, np.stack(errors) / units[:, None, None]
 
@@ -367,3 +385,15 @@ class Model:
         with np.errstate(all="ignore"):
             ratio = found[0] / found[1] * setting.pressure
         return np.asarray(ratio * self.factors_by_name(setting).get("pressure", 1.0))
+
+
+def _computed(layer: tuple[float, float]) -> bool:
+    """Return whether a layer is one of those that are computed."""
+    return layer[0] in THICKNESSES and layer[1] in STIFFNESSES
+
+
+def _neighbours(size: float, sizes: tuple[float, ...]) -> list[tuple[float, float]]:
+    """Return the computed sizes on both sides of a size, each with its share."""
+    place = float(np.interp(np.log(size), np.log(sizes), np.arange(len(sizes))))
+    before = min(int(place), len(sizes) - 2)
+    return [(sizes[before], 1 - place + before), (sizes[before + 1], place - before)]

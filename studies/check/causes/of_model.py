@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 from .cause import Cause, Sizes
-from .model import Model, Setting
+from .model import STIFFNESSES, THICKNESSES, Model, Setting
 
 FACTORS = (0.1, 0.4, 0.8, 1.25, 2.5, 10.0)
 # how near to a number that people know a fitted one has to be, to be called by it
@@ -16,7 +16,7 @@ class WearCoefficient(Cause):
 
     name = "wear coefficient"
     group, searched = "time", True
-    prior = 0.1
+    prior = 0.15
     fitted = 1
     remedy = "k and v in the input, and their units; with all times multiplied by it the error is gone"
 
@@ -163,6 +163,7 @@ class PoissonsRatio(Stiffness):
 
     searched = False
     name = "Poisson's ratio"
+    prior, choices = 0.03, 2
     fitted = 0
     remedy = "with a Poisson's ratio of 0 the error is gone"
 
@@ -259,7 +260,7 @@ class Layer(Cause):
     """The half-space of the scene is covered by a layer that is softer or stiffer."""
 
     name = "layer"
-    group = "ground"
+    group, searched = "ground", True
     prior = 0.03
     fitted = 2
     remedy = "the indentation and the pressures of a model that is homogeneous"
@@ -268,11 +269,11 @@ class Layer(Cause):
         return model.flat and model.pressed_by_force and model.problem.poisson_ratio < 0.5
 
     def candidates(self, model: Model) -> list[Sizes]:
-        return [
-            (thickness, modulus)
-            for thickness in (0.1, 0.25, 0.6, 1.5)
-            for modulus in (0.03, 0.1, 0.3, 3.0, 10.0)
-        ]
+        return [(thickness, modulus) for thickness in THICKNESSES for modulus in STIFFNESSES]
+
+    def within(self, model: Model, sizes: Sizes) -> bool:
+        inside = THICKNESSES[0] <= sizes[0] <= THICKNESSES[-1]
+        return inside and STIFFNESSES[0] <= sizes[1] <= STIFFNESSES[-1]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         return replace(setting, ground="layer", layer=(sizes[0], sizes[1]))
