@@ -149,7 +149,7 @@ def _of_causes(
         remedy = cause.remedy
         if rivals and confidence[cause] < SURE:
             remedy = telling(model, part, hypothesis, best[rivals[0]], rivals[0])
-        found.append(_told(model, part, hypothesis, confidence[cause], remedy))
+        found.append(_told(model, part, hypothesis, min(1.0, confidence[cause]), remedy))
     return found
 
 

@@ -21,11 +21,14 @@ from .model import Model, Setting
 NOISE, BIAS = 0.02, 0.02
 # errors by chance are not taken for less than this, nor is the common one for more than twice them
 LEAST_NOISE, MOST_BIAS = 0.002, 0.02
+# odds that there is no mistake, where values are too few to show the errors of the program: who asks
+# wants to know what a mistake would be
+NONE_OF_FEW, FEW = 0.03, 4
 # values of a program that count as independent of each other, all together, and times
 MOST_VALUES, MOST_TIMES = 24, 12
 # single mistakes that are combined with every other, and pairs
-MOST_SINGLE, MOST_PAIRS = 6, 2
-# candidates from which a search begins, and weight by which it holds sizes that nothing depends on
+MOST_SINGLE, MOST_PAIRS = 5, 2
+# candidates from which a search for one mistake begins, and weight by which it holds sizes that nothing depends on
 MOST_STARTS, HELD = 2, 1e-3
 # error that a program has in any case, and no mistake has to explain
 USUAL = 0.03
@@ -167,7 +170,10 @@ class Weighing:
         gaps = self.whitened(hypothesis, noise, bias)
         count = min(len(gaps), MOST_VALUES)
         likelihood = -count / 2 * np.log1p(np.mean(gaps**2))
-        return float(hypothesis.log_prior + likelihood - hypothesis.fitted / 2 * np.log(count))
+        prior = hypothesis.log_prior
+        if not hypothesis.parts and len(gaps) < FEW:
+            prior = np.log(NONE_OF_FEW)
+        return float(prior + likelihood - hypothesis.fitted / 2 * np.log(count))
 
     def rough_score(self, hypothesis: Hypothesis) -> float:
         """Return the logarithm of its weight before the errors of the program are known."""
@@ -180,7 +186,8 @@ class Weighing:
         ]
         tried.sort(key=lambda one: -self.rough_score(one))
         without = self.hypothesis(others)
-        fitted = [self.fit(one.parts) for one in tried[: MOST_STARTS if cause.searched else 1]]
+        starts = MOST_STARTS if cause.searched and not others else 1
+        fitted = [self.fit(one.parts) for one in tried[:starts]]
         found = [one for one in fitted if one is not None and _change(one, without) > TOUCHED]
         return max(found, key=self.rough_score, default=None)
 
@@ -232,4 +239,5 @@ def explained(hypothesis: Hypothesis, none: Hypothesis, members: Array) -> float
     if not touched.any() or not none.errors[touched].any():
         return 0.0
     before, after = (np.mean(one.errors[touched] ** 2) for one in (none, hypothesis))
-    return float(1 - min(1.0, np.sqrt(max(after - USUAL**2, 0.0) / before)))
+    left = np.sqrt(max(after - USUAL**2, 0.0) / before)
+    return float(max(0.0, 1 - left))

@@ -22,7 +22,7 @@ ACCURACY, TIMES, OF_A_RING, RADII = 1e-3, 80, 6, 100
 # the tables reach from a part of the first time to times the last one; beyond it they are straight
 BEFORE_FIRST, AFTER_LAST = 1e-2, 4.0
 # steps in the longest time between results, by which errors of first order are measured
-STEPS = np.geomspace(64.0, 2.0, 8)
+STEPS = np.geomspace(64.0, 2.0, 6)
 # layers that are computed, by thickness over the punch radius and modulus over that below; others
 # lie between
 THICKNESSES = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
@@ -384,7 +384,8 @@ class Model:
             found.append(table.at(self.own_times(one, self.times)) * self.scales(one)[1])
         with np.errstate(all="ignore"):
             ratio = found[0] / found[1] * setting.pressure
-        return np.asarray(ratio * self.factors_by_name(setting).get("pressure", 1.0))
+        ratio *= self.factors_by_name(setting).get("pressure", 1.0)
+        return np.asarray(np.where(np.isfinite(ratio), ratio, 1.0))
 
 
 def _computed(layer: tuple[float, float]) -> bool:

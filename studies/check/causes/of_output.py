@@ -39,7 +39,7 @@ class Sign(Cause):
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         names = " and ".join(name.replace("_", " ") for name in self.turned(model, setting))
-        return f"{names} have the opposite sign"
+        return f"the opposite sign of {names}"
 
 
 class Units(Cause):
