@@ -6,13 +6,15 @@ everything else was done.
 """
 
 import math
-from functools import cache
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from programs import Input, finite_elements, input_of, of_tamaas, springs
 
 from ringwear import Scene, check
+from ringwear.studies import challenge
 
 MM = {"units": "mm, N, MPa, s", "methods": ["mdr"]}
 SCENES = {
@@ -83,6 +85,13 @@ def times(factor):
 def loaded(factor):
     """Return what multiplies the force."""
     return lambda given: given.force * factor
+
+
+def of_challenge(name):
+    """Return a table of a program in the challenge, away from the rim."""
+    table = pd.read_csv(Path(challenge.__file__).parent / "others" / f"{name}.csv", comment="#")
+    table = table[table["radius"] < 0.95]
+    return table.assign(profile=0.0)
 
 
 def twice(given: Input):
@@ -174,9 +183,52 @@ FILES = {
     ),
 }
 
+FRESH = {
+    "k 1.6": ("four", lambda: typed(finite_elements, "four", wear=times(1.6)), {K}),
+    "pascals": ("one", lambda: scaled(typed(springs, "one"), pressure=1e6), {UNITS}),
+    "k 0.7, sign": (
+        "tamaas_two",
+        lambda: scaled(of_tamaas("tamaas_two"), time=1 / 0.7, pressure=-1),
+        {K, SIGN},
+    ),
+    "box 6, displacements": (
+        "one",
+        lambda: only(typed(finite_elements, "one", reach=6.0), "displacement", "indentation"),
+        {BOX},
+    ),
+    "plane, sign": (
+        "four",
+        lambda: scaled(
+            typed(finite_elements, "four", plane=True, force=loaded(1 / 6)), pressure=-1
+        ),
+        {PLANE, SIGN},
+    ),
+    "per rim, metres": (
+        "four",
+        lambda: scaled(
+            typed(springs, "four", force=loaded(0.5 / math.pi / 3)), **lengths(1e-3)
+        ),
+        {FORCE, UNITS},
+    ),
+    "softer layer": ("one", lambda: typed(finite_elements, "one", layer=(0.4, 0.05)), {LAYER}),
+    "half the radius": (
+        "one",
+        lambda: typed(springs, "one", radius=12.5, edges=(12.5,)),
+        {DIAMETER},
+    ),
+    "stiffer layer, sign": (
+        "four",
+        lambda: scaled(typed(finite_elements, "four", layer=(0.15, 8.0)), pressure=-1),
+        {LAYER, SIGN},
+    ),
+    "start, sign, metres": (
+        "flat",
+        lambda: scaled(of_challenge("01_contact_mechanics_128"), pressure=-1, **lengths(1e-3)),
+        {SIGN, UNITS},
+    ),
+}
 
-@cache
-def looks(name):
+
+def looks(scene, table):
     """Return what a file looks like."""
-    scene, table, _ = FILES[name]
     return check(SCENES[scene], table()).diagnoses["theirs"]

@@ -193,7 +193,13 @@ class Weighing:
 
     def all(self) -> list[tuple[Hypothesis, float]]:
         """Return hypotheses with their shares, which sum to 1, the likeliest first."""
-        causes = [cause for cause in self.causes if cause.applies(self.model)]
+        values = int(self._comparison.given.sum())
+        causes = [
+            cause
+            for cause in self.causes
+            # fewer values than numbers that are fitted say nothing of them
+            if cause.fitted <= values and cause.applies(self.model)
+        ]
         levels = [[one for cause in causes if (one := self.best_of(cause, ()))]]
         seen = set[frozenset[Cause]]()
         for most in (MOST_SINGLE, MOST_PAIRS):
@@ -212,8 +218,8 @@ class Weighing:
             levels.append(together)
         found = [self.hypothesis(()), *(one for level in levels for one in level)]
         closest = min(found, key=lambda one: float(np.sum(one.errors**2)))
-        values = min(int(self._comparison.given.sum()), MOST_VALUES)
-        noise = np.maximum(closest.errors, LEAST_NOISE * np.sqrt(MOST_VALUES / values))
+        least = LEAST_NOISE * np.sqrt(MOST_VALUES / min(values, MOST_VALUES))
+        noise = np.maximum(closest.errors, least)
         bias = min(MOST_BIAS, 2 * float(noise.max()))
         scores = np.array([self.score(one, noise, bias) for one in found])
         shares = np.exp(scores - scores.max())
