@@ -101,7 +101,9 @@ def explicit_steps(given, stiffness, areas, radii, force, steps_to_longest):
         count = int(np.ceil((end - time) / min(stable, max(given.times) / steps_to_longest)))
         for _ in range(count):
             depth = (force + rigid @ profile) / rigid.sum()
-            profile = profile + wear * (stiffness @ (depth - profile)) / areas * (end - time) / count
+            profile = (
+                profile + wear * (stiffness @ (depth - profile)) / areas * (end - time) / count
+            )
         time, depth = end, (force + rigid @ profile) / rigid.sum()
         found.append((stiffness @ (depth - profile) / areas, profile, depth))
     return zip(*found, strict=True)
@@ -117,7 +119,8 @@ def finite_elements(given, cells=40):
     radii = np.linspace(0, 1, cells + 1)
     thickness, softness = given.layer or (0.0, 1.0)
     lines = np.append(radii, np.geomspace(1 + 1 / cells, given.reach, cells))
-    depths = np.unique(np.append(lines, thickness))
+    # rounded, lest a line stands twice beside itself
+    depths = np.unique(np.append(lines, thickness).round(9))
     mesh = MeshTri.init_tensor(lines, -depths[::-1])
     shear, ratio = given.youngs / (2 * (1 + given.ratio)), given.ratio
 
@@ -128,12 +131,10 @@ def finite_elements(given, cells=40):
         hoop, hoop_v = (0.0, 0.0) if plane else (u[0] / at.x[0], v[0] / at.x[0])
         around = 2.0 if plane else 2 * np.pi * at.x[0] * size
         strain = ddot(sym_grad(u), sym_grad(v)) + hoop * hoop_v
-        return around * (
-            lame * (div(u) + hoop) * (div(v) + hoop_v) + 2 * modulus * strain
-        )
+        return around * (lame * (div(u) + hoop) * (div(v) + hoop_v) + 2 * modulus * strain)
 
     basis, (r, z) = Basis(mesh, ElementVector(ElementTriP1())), mesh.p
-    (across, down), far = basis.nodal_dofs, (r == given.reach) | (z == -given.reach)
+    (across, down), far = basis.nodal_dofs, (r == given.reach) | (z == z.min())
     fixed, contact = np.append(across[far | (r == 0)], down[far]), down[(z == 0) & (r <= 1)]
     contact = contact[np.argsort(r[(z == 0) & (r <= 1)])]
     loads = np.zeros((basis.N, cells + 1))

@@ -172,9 +172,7 @@ def telling(
     unit, names = model.problem.units, UnitNames.of(model.comparison.scene.units)
     last = float(model.times.max())
     later = np.array([0.0, last, 4 * last]) if last else np.zeros(1)
-    mine, theirs = (
-        model.mean_history(setting_of(one.parts), later) for one in (hypothesis, other)
-    )
+    mine, theirs = (model.mean_history(setting_of(one.parts), later) for one in (hypothesis, other))
     (rival_part,) = [of for of in other.parts if of.cause is rival]
     rival_name = rival.named(model, other.setting, rival_part.sizes)
     best = ("", 0.0, 0)

@@ -32,6 +32,8 @@ MOST_SINGLE, MOST_PAIRS = 5, 2
 MOST_STARTS, HELD = 2, 1e-3
 # error that a program has in any case, and no mistake has to explain
 USUAL = 0.03
+# error that a program may have by its own mesh: if less is left, no further mistake is looked for
+OWN_ERROR = 0.01
 # change of a quantity from which on a mistake has to explain its error
 TOUCHED = 1e-3
 # difference of predictions below which they are alike
@@ -203,7 +205,8 @@ class Weighing:
         levels = [[one for cause in causes if (one := self.best_of(cause, ()))]]
         seen = set[frozenset[Cause]]()
         for most in (MOST_SINGLE, MOST_PAIRS):
-            likeliest = sorted(levels[-1], key=lambda one: -self.rough_score(one))[:most]
+            open_ones = [one for one in levels[-1] if one.errors.max() > OWN_ERROR]
+            likeliest = sorted(open_ones, key=lambda one: -self.rough_score(one))[:most]
             together = list[Hypothesis]()
             for one in likeliest:
                 made = {part.cause for part in one.parts}

@@ -10,9 +10,7 @@ from ....meshes.radial import Array
 RIM = 0.8
 
 
-def patterns(
-    errors: Array, radii: Array, radius: float
-) -> Iterator[tuple[str, float, float]]:
+def patterns(errors: Array, radii: Array, radius: float) -> Iterator[tuple[str, float, float]]:
     """Yield the name of each pattern, the size of the errors, and the part that it explains.
 
     Parameters

@@ -221,7 +221,9 @@ class Model:
         columns = []
         for name in self.comparison.names:
             values = histories[name]
-            columns.append(values[:, None] if parts is None or values.ndim < 2 else values @ parts.T)
+            columns.append(
+                values[:, None] if parts is None or values.ndim < 2 else values @ parts.T
+            )
         return np.concatenate(columns, axis=1)
 
     def _table(self, setting: Setting) -> Table:
@@ -267,9 +269,7 @@ class Model:
     def _units(self) -> Array:
         """(K,) units of the numbers in those of the scene."""
         units = self.problem.units
-        return np.array(
-            [getattr(units, QUANTITIES[name].unit) for name in self.comparison.fields]
-        )
+        return np.array([getattr(units, QUANTITIES[name].unit) for name in self.comparison.fields])
 
     def scales(self, setting: Setting) -> tuple[float, float, float]:
         """Return by what lengths, pressures and forces differ, and how much faster time runs."""
@@ -336,8 +336,10 @@ class Model:
         given, names = comparison.given, comparison.names
         theirs = np.where(given, comparison.observed, 0.0)
         values = np.where(given, values, 0.0)
-        squares = [(first * second).sum(axis=0) @ comparison.members.T for first, second in (
-            (theirs, theirs), (values, values), (theirs, values))]
+        squares = [
+            (first * second).sum(axis=0) @ comparison.members.T
+            for first, second in ((theirs, theirs), (values, values), (theirs, values))
+        ]
         with np.errstate(all="ignore"):
             logs = np.log10(squares[0] / squares[1]) / 2
         logs = np.where(np.isfinite(logs), logs, 0.0)
@@ -365,9 +367,7 @@ class Model:
         rows = table.at(self.own_times(setting, times))
         lengths, pressure, force = self.scales(setting)
         scales = dict.fromkeys(LENGTHS, lengths) | {"pressure": pressure, "normal_force": force}
-        found = {
-            name: rows[:, column] * scales[name] for column, name in enumerate(histories)
-        }
+        found = {name: rows[:, column] * scales[name] for column, name in enumerate(histories)}
         low = setting.box * np.interp(self.problem.poisson_ratio, *CLAMPED)
         for name in ("displacement", "indentation"):
             lift = setting.depth * setting.force

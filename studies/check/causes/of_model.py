@@ -7,7 +7,7 @@ from .cause import Cause, Sizes
 from .model import STIFFNESSES, THICKNESSES, Model, Setting
 
 FACTORS = (0.1, 0.4, 0.8, 1.25, 2.5, 10.0)
-# how near to a number that people know a fitted one has to be, to be called by it
+# logarithm of a factor on the load, below which it is none
 NEAR = 0.06
 
 
@@ -18,7 +18,9 @@ class WearCoefficient(Cause):
     group, searched = "time", True
     prior = 0.15
     fitted = 1
-    remedy = "k and v in the input, and their units; with all times multiplied by it the error is gone"
+    remedy = (
+        "k and v in the input, and their units; with all times multiplied by it the error is gone"
+    )
 
     def applies(self, model: Model) -> bool:
         return bool((model.times > 0).any()) and not model.problem.loading.varies
@@ -175,9 +177,7 @@ class PoissonsRatio(Stiffness):
         return [(plane,), (1 / plane,)]
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
-        return (
-            f"a half-space {sizes[0]:.4g} times as stiff: E for E/(1 - nu^2), or the reverse"
-        )
+        return f"a half-space {sizes[0]:.4g} times as stiff: E for E/(1 - nu^2), or the reverse"
 
 
 class Diameter(Cause):

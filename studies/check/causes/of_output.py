@@ -8,7 +8,10 @@ import numpy as np
 
 from .cause import Cause, Sizes
 from .model import LENGTHS, Model, Setting
-from .of_model import FACTORS, NEAR
+from .of_model import FACTORS
+
+# how near to a number that people know a fitted one has to be, to be called by it
+EQUAL = 0.01
 
 
 class Sign(Cause):
@@ -142,7 +145,7 @@ class ConstantFactor(Cause):
         return 1e-9 < sizes[0] < 1e9
 
     def named(self, model: Model, setting: Setting, sizes: Sizes) -> str:
-        return self.name
+        return known_factor(model, sizes[0]) or self.name
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         names = ", ".join(
@@ -231,15 +234,11 @@ class FirstOrderStep(Cause):
         return f"{kind} steps of first order, of about {abs(sizes[0]):.3g}"
 
 
-def special(model: Model, sizes: Sizes) -> str:
+def known_factor(model: Model, size: float) -> str:
     """Return the name of a mistake by a factor that people know; empty if it is none."""
     plane = 1 - model.problem.poisson_ratio**2
     labels = {1e3: "units", 1e6: "units", 2 * math.pi: "2 pi missing", plane: "Poisson's ratio"}
-    return next(
-        (
-            label
-            for number, label in labels.items()
-            if number != 1 and min(abs(sizes[0] / number - 1), abs(sizes[0] * number - 1)) < NEAR / 6
-        ),
-        "",
-    )
+    for number, label in labels.items():
+        if number != 1 and min(abs(size / number - 1), abs(size * number - 1)) < EQUAL:
+            return label
+    return ""

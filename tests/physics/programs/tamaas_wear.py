@@ -26,9 +26,7 @@ for name, (edges, coefficients, times) in SCENES.items():
     for end in times:
         count = max(1, round(STEPS * (end - time) / times[-1]))
         for step in range(count + 1):
-            model = tm.ModelFactory.createModel(
-                tm.model_type.basic_2d, [SIZE, SIZE], radii.shape
-            )
+            model = tm.ModelFactory.createModel(tm.model_type.basic_2d, [SIZE, SIZE], radii.shape)
             model.E, model.nu = 1, 0
             tm.ModelFactory.registerNonPeriodic(model, "free")
             solver = tm.PolonskyKeerRey(model, -(heights + profile), 1e-10)
