@@ -110,7 +110,7 @@ def explicit_steps(given, stiffness, areas, radii, force, steps_to_longest):
 
 
 def finite_elements(given, cells=40):
-    """Linear triangles in a box that is clamped outside, prescribed displacements under the punch."""
+    """Linear triangles in a box that is clamped outside; displacements are prescribed."""
     from scipy.sparse.linalg import splu
     from skfem import Basis, BilinearForm, ElementTriP1, ElementVector, MeshTri, enforce
     from skfem.helpers import ddot, div, sym_grad
@@ -167,8 +167,7 @@ def springs(given, cells=120):
     forces = 2 * given.modulus * places[:, None] * shares
     stiffness = np.linalg.solve(moved.T, np.eye(cells)).T @ forces
     results = explicit_steps(given, stiffness.T, areas, radii, given.force, 400)
-    rows = table(given.times, radii, *results)
-    return rows
+    return table(given.times, radii, *results)
 
 
 @cache

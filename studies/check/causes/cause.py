@@ -6,6 +6,8 @@ from typing import ClassVar
 from .model import Model, Setting
 
 Sizes = tuple[float, ...]
+# factors from which a search for one begins
+FACTORS = (0.1, 0.4, 0.8, 1.25, 2.5, 10.0)
 
 
 class Cause(ABC):

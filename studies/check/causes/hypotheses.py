@@ -247,6 +247,6 @@ def explained(hypothesis: Hypothesis, none: Hypothesis, members: Array) -> float
     touched = changed > TOUCHED * (np.abs(none.predicted).sum(axis=0) @ members.T)
     if not touched.any() or not none.errors[touched].any():
         return 0.0
-    before, after = (np.mean(one.errors[touched] ** 2) for one in (none, hypothesis))
+    before, after = (float(np.mean(one.errors[touched] ** 2)) for one in (none, hypothesis))
     left = np.sqrt(max(after - USUAL**2, 0.0) / before)
     return float(max(0.0, 1 - left))

@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....meshes.radial import Array
 from ...methods.base import method
@@ -85,7 +86,7 @@ class Table:
 
     times: Array
     values: Array
-    growing: Array
+    growing: NDArray[np.bool_]
 
     def at(self, times: Array) -> Array:
         """Return values (S, K) at times."""
@@ -242,7 +243,7 @@ class Model:
 
     def _between_layers(self, setting: Setting) -> Table:
         """Return what is linear in the logarithms of thickness and modulus between four layers."""
-        values = 0.0
+        values = np.zeros(1)
         for thickness, first in _neighbours(setting.layer[0], THICKNESSES):
             for stiffness, second in _neighbours(setting.layer[1], STIFFNESSES):
                 corner = self._table(replace(setting, layer=(thickness, stiffness)))
@@ -250,12 +251,12 @@ class Model:
         return Table(corner.times, values, corner.growing)
 
     @cached_property
-    def _lengths(self) -> Array:
+    def _lengths(self) -> NDArray[np.bool_]:
         """(K,) whether a number is a displacement, a worn height or an indentation."""
         return np.isin(self.comparison.fields, LENGTHS)
 
     @cached_property
-    def _depths(self) -> Array:
+    def _depths(self) -> NDArray[np.bool_]:
         """(K,) whether it is a displacement or an indentation."""
         return np.isin(self.comparison.fields, ("displacement", "indentation"))
 

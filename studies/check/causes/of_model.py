@@ -3,10 +3,9 @@
 import math
 from dataclasses import replace
 
-from .cause import Cause, Sizes
+from .cause import FACTORS, Cause, Sizes
 from .model import STIFFNESSES, THICKNESSES, Model, Setting
 
-FACTORS = (0.1, 0.4, 0.8, 1.25, 2.5, 10.0)
 # logarithm of a factor on the load, below which it is none
 NEAR = 0.06
 

@@ -6,9 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from .cause import Cause, Sizes
+from .cause import FACTORS, Cause, Sizes
 from .model import LENGTHS, Model, Setting
-from .of_model import FACTORS
 
 # how near to a number that people know a fitted one has to be, to be called by it
 EQUAL = 0.01
@@ -112,7 +111,8 @@ class UnitOfRadii(Cause):
     def candidates(self, model: Model) -> list[Sizes]:
         greatest = model.comparison.radii.max() / model.problem.units.length
         near = 1000.0 ** -round(math.log10(greatest or 1.0) / 3)
-        return [(2.0,), (0.5,)] + ([(near,)] if near > 1 else [])
+        found: list[Sizes] = [(2.0,), (0.5,)]
+        return [*found, (near,)] if near > 1 else found
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         return replace(setting, radii=sizes[0])
