@@ -1,7 +1,7 @@
 """CSV tables as other programs write them.
 
-Columns may be separated by commas, semicolons, tabs or spaces, with points for decimals, or commas where
-columns are not separated by them. Headings may be in any case, have symbols for names (``t``,
+Columns may be separated by commas, semicolons, tabs or spaces, with points for decimals, or commas
+where columns are not separated by them. Headings may be in any case, have symbols for names (``t``,
 ``r``, ``p``), and units (``time [s]``, ``p (MPa)``, ``r/mm``); units may also stand in a row of
 their own below the headings. Empty lines, and what follows a ``#``, are left out.
 """

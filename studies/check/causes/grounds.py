@@ -103,7 +103,7 @@ class Ground:
 
     @cached_property
     def _stiffness(self) -> Array:
-        return np.linalg.inv(self.compliance)
+        return np.asarray(np.linalg.inv(self.compliance), dtype=float)
 
     @cached_property
     def _modes(self) -> tuple[Array, Array, Array]:

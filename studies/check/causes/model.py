@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from ....meshes.radial import Array
 from ...methods.base import method
-from ...problem.face import Rings
 from ...problem.problem import Problem
 from ...problem.quantities import QUANTITIES
 from ...progress import Stages
@@ -100,12 +99,7 @@ class Table:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Predicts what a program prints that differs from ours in a setting.
-
-    Parameters
-    ----------
-    comparison : theirs and ours
-    """
+    """Predicts what a program prints that differs from ours in a setting."""
 
     comparison: Comparison
     _histories: dict[object, Results] = field(default_factory=dict)

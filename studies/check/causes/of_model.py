@@ -22,18 +22,23 @@ class WearCoefficient(Cause):
     )
 
     def applies(self, model: Model) -> bool:
+        """Return whether the results could show it."""
         return bool((model.times > 0).any()) and not model.problem.loading.varies
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         return [(factor,) for factor in FACTORS]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
         return replace(setting, wear=setting.wear * sizes[0])
 
     def within(self, model: Model, sizes: Sizes) -> bool:
+        """Return whether sizes are possible."""
         return 1e-7 < sizes[0] < 1e7
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         return (
             f"time runs {sizes[0]:.4g} times as fast: a wear coefficient, or a sliding speed, of "
             f"{sizes[0]:.4g} times ours"
@@ -50,23 +55,29 @@ class TruncatedHalfSpace(Cause):
     remedy = "a half-space twice as large has half the error"
 
     def applies(self, model: Model) -> bool:
+        """Return whether the results could show it."""
         return model.pressed_by_force and bool(
             {"displacement", "indentation"} & {*model.comparison.names}
         )
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         return [(0.05,), (0.2,)]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
         return replace(setting, box=sizes[0])
 
     def within(self, model: Model, sizes: Sizes) -> bool:
+        """Return whether sizes are possible."""
         return 1e-3 < sizes[0] < 0.5
 
     def size(self, model: Model, sizes: Sizes) -> float:
+        """Return the number that people know it by."""
         return 1 / sizes[0]
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         return (
             "displacements are too low by one length: a half-space that is clamped at about "
             f"{1 / sizes[0]:.4g} radii, which takes about 1.1 a/R of the indentation"
@@ -83,18 +94,23 @@ class Load(Cause):
     remedy = "the sum of 2 pi r p dr beside the load of the scene"
 
     def applies(self, model: Model) -> bool:
+        """Return whether the results could show it."""
         return model.flat and model.pressed_by_force
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         return [(factor,) for factor in FACTORS]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
         return replace(setting, force=setting.force * sizes[0])
 
     def within(self, model: Model, sizes: Sizes) -> bool:
+        """Return whether sizes are possible."""
         return 1e-9 < sizes[0] < 1e9
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         return f"a load of {sizes[0]:.4g} times ours, by which all results are multiplied"
 
 
@@ -125,9 +141,11 @@ class ForcePerLength(Load):
         return {factor: words for factor, words in known.items() if abs(math.log(factor)) > NEAR}
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         return [(factor,) for factor in self.known(model)]
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         return (
             f"a load of {sizes[0]:.4g} times ours, by which all results are multiplied: a force "
             f"{self.known(model)[sizes[0]]}"
@@ -144,18 +162,23 @@ class Stiffness(Cause):
     remedy = "the modulus in the input; F / (2 a E*) beside the first indentation"
 
     def applies(self, model: Model) -> bool:
+        """Return whether the results could show it."""
         return model.flat
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         return [(factor,) for factor in FACTORS]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
         return replace(setting, stiffness=setting.stiffness * sizes[0])
 
     def within(self, model: Model, sizes: Sizes) -> bool:
+        """Return whether sizes are possible."""
         return 1e-9 < sizes[0] < 1e9
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         return f"a half-space {sizes[0]:.4g} times as stiff"
 
 
@@ -169,13 +192,16 @@ class PoissonsRatio(Stiffness):
     remedy = "with a Poisson's ratio of 0 the error is gone"
 
     def applies(self, model: Model) -> bool:
+        """Return whether the results could show it."""
         return abs(model.problem.poisson_ratio) > 0.1
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         plane = 1 - model.problem.poisson_ratio**2
         return [(plane,), (1 / plane,)]
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         return f"a half-space {sizes[0]:.4g} times as stiff: E for E/(1 - nu^2), or the reverse"
 
 
@@ -188,12 +214,15 @@ class Diameter(Cause):
     remedy = "the radius in the model where pressures end"
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         return [(2.0,), (0.5,)]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
         return replace(setting, radius=sizes[0])
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         return f"a punch of {sizes[0]:g} times the radius: a diameter for a radius, or the reverse"
 
 
@@ -206,16 +235,20 @@ class SwappedMaterials(Cause):
     remedy = "late pressures are greatest where wear is least"
 
     def applies(self, model: Model) -> bool:
+        """Return whether the results could show it."""
         wear = (model.problem.graded or model.problem.rings).wear_coefficients
         return bool((model.times > 0).any()) and wear.min() < wear.max()
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         return [()]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
         return replace(setting, swapped=True)
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         return "the wear coefficients of two materials are swapped"
 
 
@@ -232,22 +265,27 @@ class PlaneStrain(Cause):
     )
 
     def applies(self, model: Model) -> bool:
+        """Return whether the results could show it."""
         return model.flat and model.pressed_by_force
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         # under F / 2a, under the mean pressure, and under F over one unit of length
         unit = min(max(2 * model.problem.units.length, 1e-6), 1e6)
         return [(1.0, 0.5), (4 / math.pi, 2.0), (unit, 0.5)]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
         return replace(
             setting, ground="plane strain", force=setting.force * sizes[0], depth=sizes[1]
         )
 
     def within(self, model: Model, sizes: Sizes) -> bool:
+        """Return whether sizes are possible."""
         return 1e-9 < sizes[0] < 1e9
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         force = sizes[0] / (2 * model.problem.units.length)
         return (
             "a strip in plane strain in place of an axisymmetric punch, under a force per length of "
@@ -265,22 +303,28 @@ class Layer(Cause):
     remedy = "the indentation and the pressures of a model that is homogeneous"
 
     def applies(self, model: Model) -> bool:
+        """Return whether the results could show it."""
         return model.flat and model.pressed_by_force and model.problem.poisson_ratio < 0.5
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         return [(thickness, modulus) for thickness in THICKNESSES for modulus in STIFFNESSES]
 
     def within(self, model: Model, sizes: Sizes) -> bool:
+        """Return whether sizes are possible."""
         inside = THICKNESSES[0] <= sizes[0] <= THICKNESSES[-1]
         return inside and STIFFNESSES[0] <= sizes[1] <= STIFFNESSES[-1]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
         return replace(setting, ground="layer", layer=(sizes[0], sizes[1]))
 
     def size(self, model: Model, sizes: Sizes) -> float:
+        """Return the number that people know it by."""
         return sizes[1]
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         kind = "soft" if sizes[1] < 1 else "stiff"
         return (
             f"a half-space under a {kind} layer, about {sizes[0]:.2g} a thick and {sizes[1]:.2g} "

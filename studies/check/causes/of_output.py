@@ -22,12 +22,15 @@ class Sign(Cause):
     remedy = "p is positive in compression; u, d and f are positive into the half-space"
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         return [()]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
         return replace(setting, signs=True)
 
     def size(self, model: Model, sizes: Sizes) -> float:
+        """Return the number that people know it by."""
         return -1.0
 
     def turned(self, model: Model, setting: Setting) -> list[str]:
@@ -36,10 +39,12 @@ class Sign(Cause):
         return [name for name, factor in factors.items() if factor < 0]
 
     def named(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return the name of the mistake of this size."""
         names = self.turned(model, setting)
         return f"sign of the {names[0].replace('_', ' ')}" if len(names) == 1 else "signs"
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         names = " and ".join(name.replace("_", " ") for name in self.turned(model, setting))
         return f"the opposite sign of {names}"
 
@@ -53,9 +58,11 @@ class Units(Cause):
     remedy = "--units, or the heading of the column, with the units of theirs"
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         return [()]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
         return replace(setting, units=True)
 
     def factors(self, model: Model, setting: Setting) -> dict[str, float]:
@@ -69,6 +76,7 @@ class Units(Cause):
         return max(sizes, key=lambda factor: abs(math.log(factor)), default=1.0)
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         told = ", ".join(
             f"{name.replace('_', ' ')} {factor:.4g}"
             for name, factor in self.factors(model, setting).items()
@@ -85,15 +93,19 @@ class UnitOfTime(Cause):
     remedy = "--units, or the heading of the times, with the unit of theirs"
 
     def applies(self, model: Model) -> bool:
+        """Return whether the results could show it."""
         return bool((model.times > 0).any())
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         return [(1000.0,), (0.001,), (60.0,), (1 / 60,), (3600.0,), (1 / 3600,)]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
         return replace(setting, time=sizes[0])
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         return f"times in another unit, {sizes[0]:.4g} times that of the scene"
 
 
@@ -106,18 +118,22 @@ class UnitOfRadii(Cause):
     remedy = "the greatest radius in the table beside punch.radius; --units"
 
     def applies(self, model: Model) -> bool:
+        """Return whether the results could show it."""
         return len(model.comparison.radii) > 1
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         greatest = model.comparison.radii.max() / model.problem.units.length
         near = 1000.0 ** -round(math.log10(greatest or 1.0) / 3)
         found: list[Sizes] = [(2.0,), (0.5,)]
         return [*found, (near,)] if near > 1 else found
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
         return replace(setting, radii=sizes[0])
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         what = {2.0: "halves of the radii", 0.5: "diameters"}.get(sizes[0], "in another unit")
         return f"radii are {what}: a radius of the table is {sizes[0]:.4g} times as large in ours"
 
@@ -133,21 +149,27 @@ class ConstantFactor(Cause):
     quantities: ClassVar[tuple[str, ...]]
 
     def applies(self, model: Model) -> bool:
+        """Return whether the results could show it."""
         return bool({*self.quantities} & {*model.comparison.names})
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         return [(factor,) for factor in FACTORS]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
         return replace(setting, **{self.kind: getattr(setting, self.kind) * sizes[0]})
 
     def within(self, model: Model, sizes: Sizes) -> bool:
+        """Return whether sizes are possible."""
         return 1e-9 < sizes[0] < 1e9
 
     def named(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return the name of the mistake of this size."""
         return known_factor(model, sizes[0]) or self.name
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         names = ", ".join(
             name.replace("_", " ") for name in self.quantities if name in model.comparison.names
         )
@@ -191,19 +213,24 @@ class LateStart(Cause):
     remedy = "with this taken off the times the error is gone"
 
     def applies(self, model: Model) -> bool:
+        """Return whether the results could show it."""
         return len(model.times) > 1
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         last = model.comparison.times.max()
         return [(last * share,) for share in (0.02, 0.1, 0.3, 0.6)]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
         return replace(setting, late=sizes[0])
 
     def within(self, model: Model, sizes: Sizes) -> bool:
+        """Return whether sizes are possible."""
         return 0 < sizes[0] < float(model.comparison.times.max())
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         return f"a history that starts about {sizes[0]:.3g} too late"
 
 
@@ -217,19 +244,24 @@ class FirstOrderStep(Cause):
     remedy = "half the time step has half the error"
 
     def applies(self, model: Model) -> bool:
+        """Return whether the results could show it."""
         return len(model.times) > 1 and model.flat
 
     def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
         longest = float(np.diff(model.comparison.times, prepend=0.0).max())
         return [(longest / 20,), (-longest / 20,)]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
         return replace(setting, step=sizes[0])
 
     def within(self, model: Model, sizes: Sizes) -> bool:
+        """Return whether sizes are possible."""
         return abs(sizes[0]) < float(model.comparison.times.max())
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
         kind = "implicit" if sizes[0] > 0 else "explicit"
         return f"{kind} steps of first order, of about {abs(sizes[0]):.3g}"
 
