@@ -14,11 +14,12 @@ from scipy.sparse.linalg import splu
 from skfem import Element, ElementQuadP, Mesh
 from skfem.assembly import Dofs
 
+from ..meshes.ground.ground import Ground
 from ..meshes.half_space import DEEP, LOWER, facet_ends, radial_ranks, segments
 from ..meshes.radial import Array, Indices
 from ..meshes.sizes import LOWEST
 from .elements import check_element
-from .weak_form import element_of_degree, stiffness
+from .weak_form import element_of_degree, moduli, stiffness
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +56,7 @@ class Batch:
         # so many at once that their matrices hold a million numbers
         parts = 1 + len(self.elements) * 9 * len(self.functions) ** 2 // 2**20
         boundary, from_boundary = [], []
+        lame, shear = solid.materials
         for elements in np.array_split(self.elements, parts):
             whole = stiffness(
                 solid.mesh,
@@ -62,7 +64,7 @@ class Batch:
                 self.functions,
                 elements,
                 self.degree,
-                solid.poisson_ratio,
+                (lame[elements], shear[elements]),
             )
             outer, inner = slice(b // 2), slice(b // 2, None)
             across = whole[:, :, inner, :, outer].reshape(len(elements), i, b)
@@ -92,6 +94,7 @@ class AxisymmetricElasticity:
     own_element : an H1 element of scikit-fem's, or of one's own, of that degree along a side
         (`fem.elements`); default `element_of_degree`
     highest_ratio : Poisson's ratio that stands for any from there to 1/2
+    ground : layers, whose interfaces are lines of the mesh; homogeneous if there are none
     lowered_degrees : how much lower the degree is in the subdomain `meshes.half_space.DEEP`
     """
 
@@ -101,6 +104,7 @@ class AxisymmetricElasticity:
     own_element: Element | None = None
     highest_ratio: float = 0.49999
     lowered_degrees: int = 0
+    ground: Ground | None = None
 
     def __post_init__(self) -> None:
         """Check that an element of one's own goes with the mesh and the degree.
@@ -122,6 +126,30 @@ class AxisymmetricElasticity:
         it, in proportion to 1 - 2 nu.
         """
         return min(self.nominal_poisson_ratio, self.highest_ratio)
+
+    @cached_property
+    def modelled_ground(self) -> Ground | None:
+        """The layers that are modelled, of Poisson's ratios a little less than 1/2."""
+        if self.ground is None:
+            return None
+        return self.ground.with_poisson_ratios_below(self.highest_ratio)
+
+    @cached_property
+    def layers(self) -> Indices:
+        """(m,) number of the layer that each element lies in; all 0 without layers."""
+        if self.ground is None:
+            return np.zeros(self.mesh.nelements, dtype=np.int64)
+        return self.ground.layer_at(self.mesh.p[1, self.mesh.t].mean(axis=0))
+
+    @cached_property
+    def materials(self) -> tuple[Array, Array]:
+        """Lame's lambda (m,) and the shear modulus (m,) of each element."""
+        if (ground := self.modelled_ground) is None:
+            lame, shear = moduli(self.poisson_ratio)
+            return np.full(self.mesh.nelements, lame), np.full(self.mesh.nelements, shear)
+        ratios = np.array(ground.poisson_ratios)[self.layers]
+        shears = np.array(ground.shear_moduli)[self.layers]
+        return 2 * shears * ratios / (1 - 2 * ratios), shears
 
     @property
     def element(self) -> Element:

@@ -16,11 +16,15 @@ ratio up to and including 1/2.
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
 from ..meshes.radial import Array, unit_gauss
+
+# displacements (k, n, 2) and stresses (k, n, 4) of k solutions at points (n, 2)
+Fields = Callable[[Array], tuple[Array, Array]]
 
 
 def enough_poles(truncation: float, negligible: float) -> tuple[int, ...]:
@@ -114,18 +118,16 @@ def fields_beyond(
     )
 
 
-def exterior_stiffness(
-    segments: Array, orders: tuple[int, ...], poisson_ratio: float, shear_modulus: float
-) -> Array:
-    """Return the energy matrix (k, k) of the poles outside a polygon.
+def exterior_stiffness(segments: Array, fields: Fields) -> Array:
+    """Return the energy matrix (k, k) of k solutions outside a polygon.
 
     Its entries are the integrals ``-int t_i . u_j dA`` over the sides of the polygon, with the
-    traction t and the displacement u of the poles.
+    traction t and the displacement u of the solutions, such as poles.
 
     Parameters
     ----------
     segments : (m, 2, 2) end points of the sides, (radius, depth)
-    orders : orders of the k poles
+    fields : gives displacements and stresses at points
     """
     node, weight = unit_gauss(12)
     start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
@@ -135,7 +137,7 @@ def exterior_stiffness(
     normal *= np.sign(np.sum(normal * start, axis=1))[:, None]
     n_r, n_z = np.repeat(normal, len(node), axis=0).T
     weights = 2 * np.pi * points[:, 0] * np.tile(weight, len(segments))
-    displacement, stress = poles(points, orders, poisson_ratio, shear_modulus)
+    displacement, stress = fields(points)
     rr, zz, rz, _ = np.moveaxis(stress, -1, 0)
     traction = np.stack([rr * n_r + rz * n_z, rz * n_r + zz * n_z], axis=-1)
     stiffness = -np.einsum("ipx,p,jpx->ij", traction, weights, displacement, optimize=True)

@@ -12,7 +12,7 @@ displacements and pressures,
 states ever need.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -23,7 +23,14 @@ from skfem import Mesh, MeshQuad
 
 from ..meshes.compliance import Compliance
 from ..meshes.errors import SolverError
-from ..meshes.half_space import contact_facets, contact_vertices, low_parts, segments
+from ..meshes.ground.line_energy import flat_series
+from ..meshes.half_space import (
+    contact_facets,
+    contact_vertices,
+    low_parts,
+    segments,
+    truncation,
+)
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array, Indices, gauss, layer_degrees
 from .condensation import SYMMETRIC, fill_reducing_order, symmetric, trailing_factor
@@ -93,7 +100,8 @@ class HalfSpace:
     ----------
     solid : the elastic solid
     space : pressure space on its contact facets, or on elements of several facets each
-    poles : orders of the Boussinesq poles tied to the outer boundary; none clamps it (`fixed`)
+    poles : orders of the Boussinesq poles tied to the outer boundary; none clamps it (`fixed`). On
+        layers there are as many loads in their place
     """
 
     solid: AxisymmetricElasticity
@@ -110,6 +118,32 @@ class HalfSpace:
         """Poisson's ratio and shear modulus."""
         return self.solid.poisson_ratio, moduli(self.solid.poisson_ratio)[1]
 
+    def far_fields_at(self, points: Array) -> tuple[Array, Array]:
+        """Return displacements (k, n, 2) and stresses (k, n, 4) of the poles at points (n, 2).
+
+        On layers there are loads on the contact in place of poles (`layered_far_field.py`).
+        """
+        if (ground := self.solid.modelled_ground) is None:
+            return poles(points, self.poles, *self._elasticity)
+        from .layered_far_field import loaded_fields  # homogeneous half-spaces do not need it
+
+        return loaded_fields(points, len(self.poles), ground, truncation(self.solid.mesh))
+
+    def without_dependent_poles(self) -> "HalfSpace":
+        """Return the same half-space without poles that a rigid base leaves next to nothing of."""
+        if self.solid.ground is None or not self.solid.ground.rigid:
+            return self
+        from .layered_far_field import independent_count  # homogeneous ones do not need it
+
+        kept = independent_count(self._energies_beyond, float(self.solid.materials[1].min()))
+        return replace(self, poles=self.poles[:kept])
+
+    @property
+    def _energies_beyond(self) -> Array:
+        """(k, k) energies of the poles beyond the outer boundary."""
+        far = segments(self.solid.mesh, self.solid.mesh.boundaries["far"])
+        return exterior_stiffness(far, self.far_fields_at)
+
     @cached_property
     def _order(self) -> Indices:
         """Unknowns inside the half-space and on the contact, in the order of `system`.
@@ -123,6 +157,8 @@ class HalfSpace:
         free[0, solid.boundary("axis")] = False
         free[:, far] = False
         free[1, contact] = False
+        if "base" in solid.mesh.boundaries:
+            free[:, solid.boundary("base")] = False
         # nodes of one corner or side have the same neighbours: theirs is a far smaller graph than
         # that of unknowns
         neighbours, part = solid.parts
@@ -139,7 +175,7 @@ class HalfSpace:
             return np.zeros((2 * solid.nodes, 0))
         nodal = solid.interpolate(
             "far",
-            lambda points: np.moveaxis(poles(points, self.poles, *self._elasticity)[0], 0, -1),
+            lambda points: np.moveaxis(self.far_fields_at(points)[0], 0, -1),
         )
         out = np.zeros((2 * solid.nodes, len(self.poles)))
         out[far], out[far + solid.nodes] = nodal.swapaxes(0, 1)
@@ -157,9 +193,7 @@ class HalfSpace:
         if not self.poles:
             return free
         border = self.solid.forces(self._far_fields)
-        sides = segments(self.solid.mesh, self.solid.mesh.boundaries["far"])
-        exterior = exterior_stiffness(sides, self.poles, *self._elasticity)
-        corner = self._far_fields.T @ border + exterior
+        corner = self._far_fields.T @ border + self._energies_beyond
         edge, end = coo_matrix(border[self._order].T), coo_matrix(np.tril((corner + corner.T) / 2))
         return bmat([[free, None], [edge, end]], format="coo")
 
@@ -245,7 +279,9 @@ class HalfSpace:
             if a pressure displaces nothing, or if the stiffness of the half-space is singular
         """
         refuse_singular(self.stability(), self.space.size, len(self.coupling) - len(self.poles))
-        return Compliance(self.space, self.condensed())
+        ground = self.solid.modelled_ground
+        series = (1.0,) if ground is None else flat_series(ground)
+        return Compliance(self.space, self.condensed(), series)
 
     def condensed(self) -> Array:
         """Return the factor (contact nodes + k, size) of the compliance, singular or not.

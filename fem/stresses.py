@@ -9,7 +9,7 @@ from ..meshes.half_space import derivatives
 from ..meshes.radial import Array, Indices
 from .elasticity import AxisymmetricElasticity
 from .half_space import HalfSpace
-from .weak_form import moduli, tables
+from .weak_form import tables
 
 
 def stresses(
@@ -37,7 +37,7 @@ def stresses(
     moments = (volume * (rr + zz + hoop)) @ at_rule.T
     dilatation = np.linalg.solve(masses, moments[..., None])[..., 0] @ at_points
     moved, (rr, zz, rz, hoop) = _strains(solid, displacement, elements, points)
-    lame, shear = moduli(solid.poisson_ratio)
+    lame, shear = (constant[elements][:, None] for constant in solid.materials)
     # strains that do not add up to that dilatation share what is missing
     missing = (dilatation - rr - zz - hoop) / 3
     rr, zz, hoop = (lame * dilatation + 2 * shear * (strain + missing) for strain in (rr, zz, hoop))

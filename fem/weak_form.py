@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 import skfem
-from skfem import Element, Mesh, MeshQuad
+from skfem import Element, ElementLinePp, ElementQuadP, Mesh, MeshQuad
 from skfem.quadrature import get_quadrature
 
 from ..meshes.errors import SceneError
@@ -49,7 +49,7 @@ def element_of_degree(mesh: Mesh, degree: int) -> Element:
 @lru_cache(maxsize=64)
 def _element(on_quadrilaterals: bool, degree: int) -> Element:
     if on_quadrilaterals and degree > 2:
-        return skfem.ElementQuadP(degree)
+        return ElementQuadP(degree)
     kind = "Quad" if on_quadrilaterals else "TriP"
     return getattr(skfem, f"Element{kind}{degree}")()
 
@@ -60,9 +60,11 @@ def stiffness(
     functions: Indices,
     elements: Indices,
     degree: int,
-    poisson_ratio: float,
+    materials: tuple[Array, Array],
 ) -> Array:
     """Return the stiffness (m, 2, n, 2, n) of some functions on some elements, radial first.
+
+    `materials` are Lame's lambda (m,) and the shear modulus (m,) of these elements.
 
     The rule of quadrature is exact for polynomials of degree 2p + 1 on quadrilaterals. Triangles,
     which may touch the axis with a corner, need more for the hoop strain u/r: 2p + 4.
@@ -86,7 +88,7 @@ def stiffness(
     flat = slopes.reshape(m, 3 * n, q)
     products = (flat @ flat.transpose(0, 2, 1)).reshape(m, 3, n, 3, n).transpose(1, 3, 0, 2, 4)
     (rr, rh, rz), (hr, hh, hz), (zr, _, zz) = products
-    lame, shear = moduli(poisson_ratio)
+    lame, shear = (constant[:, None, None] for constant in materials)
     out = np.empty((m, 2, n, 2, n))
     out[:, 0, :, 0] = (lame + 2 * shear) * (rr + hh) + lame * (rh + hr) + shear * zz
     out[:, 1, :, 1] = (lame + 2 * shear) * zz + shear * rr
@@ -107,5 +109,30 @@ def _at_rule(element: Element, order: int) -> tuple[Array, Array, Array, Array]:
 
 def tables(element: Element, points: Array) -> tuple[Array, Array]:
     """Return the values (n, q) and reference gradients (n, 2, q) of an element's functions."""
+    # one of a user's that derives from it may have other functions
+    if type(element) is ElementQuadP:
+        return _products(element.p, points)
     pairs = [element.lbasis(points, i) for i in range(len(element.doflocs))]
     return np.array([value for value, _ in pairs]), np.array([gradient for _, gradient in pairs])
+
+
+def _products(degree: int, points: Array) -> tuple[Array, Array]:
+    """Return what `tables` returns of scikit-fem's `ElementQuadP`, to the last digit.
+
+    Its functions are products of those of `ElementLinePp`, which are evaluated once, at the few
+    distinct coordinates of a rule.
+    """
+    line = ElementLinePp(degree)
+    coordinates, number = np.unique(points, return_inverse=True)
+    pairs = [line.lbasis(coordinates[None], i) for i in range(degree + 1)]
+    values = np.array([value for value, _ in pairs])
+    slopes = np.array([slope[0] for _, slope in pairs])
+    # the corners, the sides from the first on, the inside
+    higher = np.arange(2, degree + 1)
+    low, high = np.zeros_like(higher), np.ones_like(higher)
+    inside = np.indices((degree - 1, degree - 1)).reshape(2, -1) + 2
+    first = np.concatenate([[0, 1, 1, 0], higher, high, higher, low, inside[0]])[:, None]
+    second = np.concatenate([[0, 0, 1, 1], low, higher, high, higher, inside[1]])[:, None]
+    at_x, at_y = number.reshape(points.shape)
+    x, y = values[first, at_x], values[second, at_y]
+    return x * y, np.stack([slopes[first, at_x] * y, slopes[second, at_y] * x], axis=1)

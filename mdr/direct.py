@@ -21,12 +21,17 @@ from typing import Any
 import numpy as np
 from scipy.special import ellipe, ellipkm1, elliprd
 
-from ..meshes.radial import Array, graded_breakpoints, ring_areas, unit_gauss
+from ..meshes.ground.ground import Ground
+from ..meshes.radial import Array, cut_evenly, graded_breakpoints, ring_areas, unit_gauss
+from .layers import added_displacement, added_slope
 
 # pairs of a radius and a disc evaluated together, few enough to stay in the cache
 AT_ONCE = 2**16
 # Gauss points of slopes in each element
 POINTS = 24
+# times that the radii about the greatest displacement on layers are taken closer together, each
+# time four times
+NARROWINGS = 20
 
 
 def steady_pressures(ring_edges: Array, wear_coefficients: Array) -> Array:
@@ -64,7 +69,9 @@ def disc_slope(disc: Array, radius: Array, gap: Array | None = None) -> Array:
     return np.asarray(-4 / (3 * np.pi) * scale * elliprd(0.0, complement, 1.0))
 
 
-def displacement(ring_edges: Array, pressures: Array, radii: Array) -> Array:
+def displacement(
+    ring_edges: Array, pressures: Array, radii: Array, ground: Ground | None = None
+) -> Array:
     """Return the displacement by a constant pressure on each ring: Eq. 21.
 
     Parameters
@@ -72,14 +79,18 @@ def displacement(ring_edges: Array, pressures: Array, radii: Array) -> Array:
     ring_edges : (N+1,) ring edges, 0 to 1
     pressures : (N,) or (N, M)
     radii : (R,)
+    ground : layers, whose part is a Hankel integral; none if not given
 
     Returns
     -------
     (R,) or (R, M)
     """
-    steps, radii = pressure_steps(pressures), np.asarray(radii, dtype=float)[:, None]
-    parts = np.array_split(radii, 1 + radii.size * len(steps) // AT_ONCE)
-    return np.concatenate([disc_displacement(ring_edges[1:], part) @ steps for part in parts])
+    steps, radii = pressure_steps(pressures), np.asarray(radii, dtype=float)
+    parts = np.array_split(radii[:, None], 1 + radii.size * len(steps) // AT_ONCE)
+    values = np.concatenate([disc_displacement(ring_edges[1:], part) @ steps for part in parts])
+    if ground is not None:
+        values += added_displacement(ring_edges, steps, radii, ground)
+    return values
 
 
 def pressure_steps(pressures: Array) -> Array:
@@ -92,11 +103,13 @@ def pressure_steps(pressures: Array) -> Array:
     return -np.diff(np.concatenate([pressures, outside]), axis=0)
 
 
-def greatest_displacement(ring_edges: Array, pressures: Array) -> Any:
+def greatest_displacement(ring_edges: Array, pressures: Array, ground: Ground | None = None) -> Any:
     """Return the greatest displacement under the punch, ``u_max`` of Eq. 27.
 
     The ring pressures are (N,), or (N, M) for M states; the result is then a number, or (M,).
     """
+    if ground is not None:
+        return _greatest_on_layers(ring_edges, pressures, ground)
     radii = np.unique(np.linspace(ring_edges[:-1], ring_edges[1:], 33))
     values = displacement(ring_edges, pressures, radii)
     steps, best = pressure_steps(pressures).T, values.argmax(axis=0)
@@ -110,6 +123,27 @@ def greatest_displacement(ring_edges: Array, pressures: Array) -> Any:
     return np.maximum(values.max(axis=0), top)
 
 
+def _greatest_on_layers(ring_edges: Array, pressures: Array, ground: Ground) -> Any:
+    """Return the greatest displacement under the punch on layers.
+
+    In each step radii are taken closer together about the greatest, where the displacement is
+    smooth or rises to a ring edge from both sides.
+    """
+    cells = cut_evenly(ring_edges, ground.first)
+    radii = np.unique(np.linspace(cells[:-1], cells[1:], 33))
+    values = displacement(ring_edges, pressures, radii, ground)
+    of_states = values.reshape(len(radii), -1).T
+    greatest = np.empty(len(of_states))
+    for number, state in enumerate(pressures.reshape(len(pressures), -1).T):
+        near, found = radii, of_states[number]
+        for _ in range(NARROWINGS):
+            best = int(found.argmax())
+            near = np.linspace(near[max(best - 1, 0)], near[min(best + 1, len(near) - 1)], 9)
+            found = displacement(ring_edges, state, near, ground)
+        greatest[number] = max(of_states[number].max(), found.max())
+    return greatest.reshape(pressures.shape[1:])[()]
+
+
 def limiting_profile(ring_edges: Array, pressures: Array, radii: Array) -> Array:
     """Return the limiting profile of Eq. 27, ``f_stat = u_max - u``.
 
@@ -118,7 +152,9 @@ def limiting_profile(ring_edges: Array, pressures: Array, radii: Array) -> Array
     return greatest_displacement(ring_edges, pressures) - displacement(ring_edges, pressures, radii)
 
 
-def slopes_everywhere(ring_edges: Array, pressures: Array) -> tuple[Array, Array, Array]:
+def slopes_everywhere(
+    ring_edges: Array, pressures: Array, ground: Ground | None = None
+) -> tuple[Array, Array, Array]:
     """Return a quadrature on (0, 1), and the slopes of the displacement at its points.
 
     The radii and weights of the quadrature are (R,) each. The slopes, caused by a constant pressure
@@ -134,6 +170,8 @@ def slopes_everywhere(ring_edges: Array, pressures: Array) -> tuple[Array, Array
     breakpoints = graded_breakpoints(
         ring_edges, sizes[:-1], float(sizes[-1]), factor, axis_size=1.0
     )
+    if ground is not None:
+        breakpoints = cut_evenly(breakpoints, 2 * ground.first)
     left, right, width = breakpoints[:-1], breakpoints[1:], np.diff(breakpoints)[:, None]
     from_left, node, weight = np.isin(left, ring_edges), *unit_gauss(POINTS)
     at_edge = (from_left | np.isin(right, ring_edges))[:, None]
@@ -146,18 +184,25 @@ def slopes_everywhere(ring_edges: Array, pressures: Array) -> tuple[Array, Array
         # so close to an edge radii have lost the distance from it: no difference of these
         apart = np.abs((start[part, None] - ring_edges[1:])[:, None] + away[part, :, None])
         slopes.append(disc_slope(ring_edges[1:], radii[part, :, None], apart) @ steps)
-    return radii.ravel(), weights.ravel(), np.concatenate(slopes).reshape(-1, *steps.shape[1:])
+    values = np.concatenate(slopes).reshape(-1, *steps.shape[1:])
+    if ground is not None:
+        values = values + added_slope(ring_edges, steps, radii.ravel(), ground)
+    return radii.ravel(), weights.ravel(), values
 
 
 def rms_slope(
-    ring_edges: Array, pressures: Array, average: str = "line", inner_radius: float = 0.0
+    ring_edges: Array,
+    pressures: Array,
+    average: str = "line",
+    inner_radius: float = 0.0,
+    ground: Ground | None = None,
 ) -> Any:
     """Return the RMS gradients of the limiting profiles of (N,) or (N, M) pressures: Eq. 18.
 
     The `average` is `line` (over the radius) or `area`, from an inner radius on, which is one of
     the ring edges.
     """
-    radii, weights, slopes = slopes_everywhere(ring_edges, pressures)
+    radii, weights, slopes = slopes_everywhere(ring_edges, pressures, ground)
     # points beside an edge may round to it, on either side: of a face or a hole are whole elements
     on_face = np.mean(radii.reshape(-1, POINTS), axis=1) > inner_radius
     weights = np.where(np.repeat(on_face, POINTS), weights, 0.0) / (1 - inner_radius)

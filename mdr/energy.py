@@ -1,17 +1,46 @@
-"""The compliance by the MDR energy, ``int u p dA = (2/E*) int_0^a q^2 dx``: a Gram matrix."""
+"""The compliance by the MDR energy, ``int u p dA = (2/E*) int_0^a q^2 dx``: a Gram matrix.
+
+On layers the energy of a line density q is ``(2/E1*) <q, (I + K) q>`` (`meshes.ground`). K is
+nothing beyond some Legendre polynomials, so that the root of I + K changes the factor on these
+alone, and no matrix of the size of the pressures is factorised.
+"""
 
 import numpy as np
 
 from ..meshes.compliance import Compliance
+from ..meshes.ground.ground import Ground
+from ..meshes.ground.line_energy import even_legendre, flat_series, line_energy_modes
 from ..meshes.pressure_space import PressureSpace
+from ..meshes.radial import Array
 from .transforms import line_density, panel_quadrature
 
+# greatest width of a panel of quadrature over the first layer (unit/mdr/test_layers.py)
+WIDEST_PANEL = 2.0
 
-def compliance(space: PressureSpace) -> Compliance:
-    """Return the compliance of the half-space on `space`.
 
-    Its factor is the line density itself, weighted by the quadrature.
+def compliance(space: PressureSpace, ground: Ground | None = None) -> Compliance:
+    """Return the compliance on a space; the factor is the weighted line density itself.
+
+    Parameters
+    ----------
+    space : of the pressures
+    ground : layers; a homogeneous half-space if there are none
     """
-    positions, weights, low_parts = panel_quadrature(space)
-    density = line_density(space, positions, low_parts)
-    return Compliance(space, np.sqrt(2 * weights)[:, None] * density)
+    if ground is None:
+        positions, weights, low_parts = panel_quadrature(space)
+        density = line_density(space, positions, low_parts)
+        return Compliance(space, np.sqrt(2 * weights)[:, None] * density)
+    panels = space.no_wider(WIDEST_PANEL * ground.first)
+    positions, weights, low_parts = panel_quadrature(panels)
+    factor = np.sqrt(2 * weights)[:, None] * line_density(space, positions, low_parts)
+    factor = _on_layers(factor, positions, weights, ground)
+    return Compliance(space, factor, flat_series(ground))
+
+
+def _on_layers(factor: Array, positions: Array, weights: Array, ground: Ground) -> Array:
+    """Return ``sqrt(I + K)`` times a factor on a homogeneous half-space."""
+    values, vectors = line_energy_modes(ground)
+    scale = np.sqrt(4 * np.arange(len(values)) + 1)
+    polynomials = even_legendre(positions, len(values)) @ (scale[:, None] * vectors)
+    basis = np.sqrt(weights)[:, None] * polynomials
+    return np.asarray(factor + (basis * (np.sqrt(values) - 1)) @ (basis.T @ factor))

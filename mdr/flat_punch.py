@@ -1,14 +1,32 @@
-"""The flat punch of the force 1 in closed form, full (Eqs. 10 and 11) or hollow."""
+"""The flat punch of the force 1: full (Eqs. 10 and 11) or hollow in closed form, or on layers."""
 
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
+from numpy.polynomial.legendre import (
+    legder,
+    legint,
+    legmulx,
+    legroots,
+    legsub,
+    legtrim,
+    legval,
+    legvander,
+)
 
+from ..meshes.ground.ground import Ground
+from ..meshes.ground.line_energy import flat_series, relative_stiffness
 from ..meshes.radial import Array
 from .annulus import flat_annulus
 
 # Eqs. 10 and 11, non-dimensional: d0 = F / (2 a E*) and p0 = F / (2 pi a^2)
 D0, P0 = 0.5, 1 / (2 * np.pi)
+# imaginary part of a root that is real but for roundoff
+REAL = 1e-7
+# a negative pressure, over the mean, that is roundoff
+ROUNDOFF_OF_PRESSURE = 1e-8
 
 
 class FlatPunch(Protocol):
@@ -48,8 +66,86 @@ class FlatDisc:
         return at_edges[:-1], at_edges[1:]
 
 
-def flat_punch(inner_radius: float) -> FlatPunch:
-    """Return the flat punch with a hole of an inner radius, or without one where that is 0."""
+@dataclass(frozen=True, eq=False)
+class DiscSeries:
+    """A full flat punch by its series, ``p = sum_j c_j P_2j(t) / t`` with ``t = sqrt(1 - r^2)``.
+
+    Parameters
+    ----------
+    indentation : that of the punch
+    coefficients : (J,) of the series; the first alone carries force
+    """
+
+    indentation: float
+    coefficients: Array
+
+    def pressure_at(self, radii: Array) -> Array:
+        """Return the pressure at radii (R,) of the face; infinite at the rim."""
+        functions, factor = disc_functions(1 - radii, len(self.coefficients))
+        return np.asarray(functions @ self.coefficients * factor)
+
+    def ring_forces(self, ring_edges: Array) -> Array:
+        """Return the force (N,) on each ring between edges (N+1,)."""
+        integral = legval(_root(ring_edges), legint(self._in_all_degrees))
+        return np.asarray(-2 * np.pi * np.diff(integral))
+
+    def extremes_on(self, ring_edges: Array) -> tuple[Array, Array]:
+        """Return the least and the greatest pressure (N,) on each ring between edges (N+1,)."""
+        radii = np.union1d(ring_edges, self._stationary_radii)
+        pressures = self.pressure_at(radii)
+        inner, outer = (
+            np.searchsorted(radii, ring_edges[:-1]),
+            np.searchsorted(radii, ring_edges[1:]),
+        )
+        on_rings = [pressures[first : last + 1] for first, last in zip(inner, outer, strict=True)]
+        return np.array([ring.min() for ring in on_rings]), np.array(
+            [ring.max() for ring in on_rings]
+        )
+
+    @property
+    def _in_all_degrees(self) -> Array:
+        series = np.zeros(2 * len(self.coefficients))
+        series[::2] = self.coefficients
+        return series
+
+    @property
+    def _stationary_radii(self) -> Array:
+        """Radii inside the punch at which the pressure S(t) / t is stationary: t S' = S."""
+        series = self._in_all_degrees
+        roots = legroots(legtrim(legsub(legmulx(legder(series)), series)))
+        t = roots.real[(np.abs(roots.imag) < REAL) & (roots.real > 0) & (roots.real < 1)]
+        return np.asarray(np.sqrt((1 - t) * (1 + t)))
+
+
+def disc_functions(to_rim: Array, count: int) -> tuple[Array, Array]:
+    """Return ``P_2j(t)`` (..., count) and ``1 / t`` (...) by distances of radii from the rim."""
+    root = np.sqrt(to_rim * (2 - to_rim))
+    with np.errstate(divide="ignore"):
+        return np.asarray(legvander(root, 2 * count - 2)[..., ::2]), 1 / root
+
+
+def layered_disc(ground: Ground) -> DiscSeries:
+    """Return the full flat punch on layers, by the energy of its line density."""
+    return DiscSeries(D0 / relative_stiffness(ground), P0 * np.array(flat_series(ground)))
+
+
+@lru_cache(maxsize=8)
+def presses_everywhere(ground: Ground) -> bool:
+    """Return whether a flat punch presses on all of its face, and is pulled nowhere, on layers.
+
+    A stiff layer on soft ground bends like a plate: only the rim of a flat punch touches it.
+    """
+    least, _ = layered_disc(ground).extremes_on(np.array([0.0, 1.0]))
+    return bool(least[0] > -ROUNDOFF_OF_PRESSURE * P0)
+
+
+def flat_punch(inner_radius: float, ground: Ground | None = None) -> FlatPunch:
+    """Return the flat punch with a hole of an inner radius, or without one where that is 0.
+
+    Full punches may stand on layers.
+    """
+    if ground is not None and not inner_radius:
+        return layered_disc(ground)
     return flat_annulus(inner_radius) if inner_radius else FlatDisc()
 
 

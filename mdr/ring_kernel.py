@@ -20,8 +20,11 @@ from scipy.special import ellipkm1
 
 from ..meshes.compliance import Compliance
 from ..meshes.errors import SolverError
+from ..meshes.ground.ground import Ground
+from ..meshes.ground.line_energy import flat_series
 from ..meshes.pressure_space import PressureSpace, shapes
 from ..meshes.radial import Array, Indices, unit_gauss
+from .layers import added_by_layers
 
 # Gauss points in an element that is apart from the other; where these are too few, the powers
 # cluster at the gap
@@ -46,12 +49,13 @@ class _Rule(NamedTuple):
 _Blocks = Iterator[tuple[Indices, Indices, Array]]
 
 
-def compliance(space: PressureSpace) -> Compliance:
+def compliance(space: PressureSpace, ground: Ground | None = None) -> Compliance:
     """Return the compliance of the half-space on `space` by the ring kernel.
 
     Parameters
     ----------
     space : pressure space, `size` functions
+    ground : layers, which add to the kernel; a homogeneous half-space if there are none
 
     Returns
     -------
@@ -68,14 +72,18 @@ def compliance(space: PressureSpace) -> Compliance:
         place = space.dofs[first][:, :, None] * rows + space.dofs[second][:, None, :]
         np.add.at(half, place.ravel(), blocks.ravel())
     half = half.reshape(rows, rows)[:-1, :-1]
+    matrix = half + half.T
+    series: tuple[float, ...] = (1.0,)
+    if ground is not None:
+        matrix, series = matrix + added_by_layers(space, ground), flat_series(ground)
     try:
-        factor = cholesky(half + half.T, check_finite=False)
+        factor = cholesky(matrix, check_finite=False)
     except np.linalg.LinAlgError as error:
         raise SolverError(
             f"the boundary-element compliance of {space.size} unknowns is not positive definite to "
             "roundoff: lower the degree of the pressure, or grade the radial mesh less"
         ) from error
-    return Compliance(space, factor)
+    return Compliance(space, factor, series)
 
 
 def _touching(space: PressureSpace) -> _Blocks:

@@ -5,7 +5,7 @@ depends on where the ring edges are, not on what the rings are made of, so that 
 serves every set of wear coefficients.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -38,10 +38,13 @@ class Compliance:
     space : pressure space, `size` functions
     factor : (m, size) the factor `H`, m >= size; `u` in units of (pressure x radius / plane strain
         modulus)
+    flat_series : coefficients of ``P_2j(t) / t``, ``t = sqrt(1 - r^2)``, in the pressure of a full
+        flat punch, the first of them 1: there are more of them on layered ground
     """
 
     space: PressureSpace
     factor: Array
+    flat_series: tuple[float, ...] = (1.0,)
 
     def __post_init__(self) -> None:
         """Check that the factor is finite.
@@ -72,7 +75,8 @@ class Compliance:
 
     def restricted(self, space: PressureSpace) -> "Compliance":
         """Return the compliance of the same half-space on a space within its own."""
-        return RestrictedCompliance(space, (self.space.embedding(space).T @ self.factor.T).T, self)
+        factor = (self.space.embedding(space).T @ self.factor.T).T
+        return RestrictedCompliance(space, factor, self.flat_series, whole=self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,11 +85,11 @@ class RestrictedCompliance(Compliance):
 
     Parameters
     ----------
-    space, factor : as of any compliance
+    space, factor, flat_series : as of any compliance
     whole : the other
     """
 
-    whole: Compliance
+    whole: Compliance = field(kw_only=True)
 
     @cached_property
     def matrix(self) -> Array:

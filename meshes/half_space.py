@@ -1,9 +1,10 @@
 """The truncated half-space: a scikit-fem mesh of a quarter disc, its boundaries named.
 
 Non-dimensional: the punch has radius 1. Depth is positive into the half-space; the surface is depth
-zero. Boundaries are `contact` (surface under the punch), `free` (surface beside it), `axis` and
-`far` (the arc). Triangles (`MeshTri`) and quadrilaterals (`MeshQuad`) are welcome alike; the latter
-are turned so that elements of any degree conform on them.
+zero. Boundaries are `contact` (surface under the punch), `free` (surface beside it), `axis`, `far`
+(the arc) and, of layers on a rigid base, `base`. Triangles (`MeshTri`) and quadrilaterals
+(`MeshQuad`) are welcome alike; the latter are turned so that elements of any degree conform on
+them.
 """
 
 from dataclasses import dataclass, replace
@@ -88,13 +89,14 @@ def radial_ranks(mesh: Mesh) -> Indices:
     return ranks
 
 
-def as_half_space(mesh: Mesh, ring_edges: Array) -> Mesh:
+def as_half_space(mesh: Mesh, ring_edges: Array, base: float = np.inf) -> Mesh:
     """Name the boundaries of a quarter disc, drop its orphan points, and check it.
 
     Parameters
     ----------
     mesh : triangles or quadrilaterals, the first coordinate the radius, the second the depth
     ring_edges : (N+1,) ring edges, 0 to 1; each must be a vertex
+    base : depth of a rigid base, at which the quarter disc ends: its boundary `base`
 
     Raises
     ------
@@ -124,8 +126,10 @@ def as_half_space(mesh: Mesh, ring_edges: Array) -> Mesh:
         "contact": surface & inside,
         "free": surface & ~inside,
         "axis": axis,
-        "far": ~surface & ~axis,
+        "far": ~surface & ~axis & ~(z == base).all(axis=0),
     }
+    if np.isfinite(base):
+        names["base"] = (z == base).all(axis=0)
     mesh = mesh.with_boundaries({name: outer[mask] for name, mask in names.items()})
     _check(mesh, np.asarray(ring_edges))
     return mesh
@@ -180,6 +184,8 @@ def _check(mesh: Mesh, ring_edges: Array) -> None:
             "gmsh: Coherence Mesh)"
         )
     enclosed = np.abs(np.linalg.det(ends)).sum() / 2
+    if "base" in mesh.boundaries:
+        enclosed += np.abs(np.linalg.det(segments(mesh, mesh.boundaries["base"]))).sum() / 2
     if abs(areas(mesh).sum() / enclosed - 1) > 1e-9:
         raise MeshError("elements overlap: the mesh is folded over itself")
     missing = [edge for edge in ring_edges if np.abs(contact_radii(mesh) - edge).min() > 1e-12]

@@ -280,14 +280,22 @@ class PressureSpace:
     def coarser(self) -> "PressureSpace":
         """Return a coarser space within this one.
 
-        It has a degree less in every element, but no less than 1, and an element less on each side
-        of every ring edge but the axis. If this space has degree 1 only, neighbouring elements are
-        joined in pairs instead, but not across ring edges.
+        It has a degree less in every element, but no less than 1, and a layer less on each side of
+        every ring edge but the axis. Elements as wide as half of the narrower ring beside their
+        edge are no layers: where the pressure is smooth at an edge there may be none, and two
+        elements as one would err by far more than they do. If this space has degree 1 only,
+        neighbouring elements are joined in pairs instead, but not across ring edges.
         """
         count, edges = len(self.breakpoints), np.searchsorted(self.sort_keys, self.ring_edges + 0j)
         dropped = np.arange(1, count, 2)
         if self.top > 1:
-            dropped = np.concatenate([edges[1:] - 1, edges[1:-1] + 1])
+            widths, rings = np.diff(self.breakpoints), np.diff(self.ring_edges)
+            # a little less than half, which is met by halves but for roundoff
+            most = 0.499 * np.minimum(rings, np.append(rings[1:], rings[-1]))
+            before, after = edges[1:] - 1, edges[1:-1]
+            before = before[widths[before] < most]
+            after = after[widths[after] < most[:-1]]
+            dropped = np.concatenate([before, after + 1])
         remaining = np.setdiff1d(np.arange(count), np.setdiff1d(dropped, edges))
         lowest = np.minimum.reduceat(self.degrees, remaining[:-1])
         return PressureSpace(
@@ -321,6 +329,18 @@ class PressureSpace:
         """
         parent = np.searchsorted(self.sort_keys, (breakpoints + 1j * low_parts)[1:]) - 1
         return PressureSpace(breakpoints, self.degrees[parent], self.ring_edges, low_parts)
+
+    def no_wider(self, widest: float) -> "PressureSpace":
+        """Return the space whose elements are no wider than that: wider ones are cut evenly."""
+        parts = np.ceil(self.widths / widest).astype(np.int64)
+        if (parts == 1).all():
+            return self
+        number = np.repeat(np.arange(len(parts)), parts)
+        within = np.arange(len(number)) - np.repeat(np.cumsum(parts) - parts, parts)
+        cut = self.widths[number] * within / parts[number]
+        breakpoints = np.append(self.breakpoints[number] + cut, self.breakpoints[-1])
+        low_parts = np.append(np.where(within > 0, 0.0, self._low[number]), self._low[-1])
+        return self.divided(breakpoints, low_parts)
 
     def embedding(self, coarse: "PressureSpace") -> csr_matrix:
         """Return the matrix (size, coarse size) that embeds a coarser space in this one.

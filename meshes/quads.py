@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
 from types import ModuleType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,6 +33,9 @@ from .sizes import (
     patch_widths,
 )
 
+# half-width of a patch over the first layer, at the most: patches lie within it
+PATCH_OF_LAYER = 0.6
+
 
 @dataclass(frozen=True, eq=False)
 class GradedQuads:
@@ -47,6 +51,7 @@ class GradedQuads:
     between : points (2, n) and quadrilaterals (4, m) outside the patches
     edge_amplitude : of the highest degree near an edge, which says where a lower degree will do
     lacking_degrees : by how many degrees the highest one falls short of what the amplitude asks for
+    base : depth of a rigid base, at which the mesh ends
     """
 
     ring_edges: Array
@@ -56,6 +61,7 @@ class GradedQuads:
     between: tuple[Array, Indices]
     edge_amplitude: Amplitude
     lacking_degrees: int = 0
+    base: float = np.inf
 
     @cached_property
     def mesh(self) -> MeshQuad:
@@ -84,7 +90,7 @@ class GradedQuads:
         vertices = np.concatenate([outside, points[:, ~same]], axis=1)
         low_parts = np.append(np.zeros(outside.shape[1]), low[~same])
         mesh = ExactQuads(vertices, cells, low_parts=low_parts)
-        return as_half_space(mesh.with_subdomains(parts), self.ring_edges)
+        return as_half_space(mesh.with_subdomains(parts), self.ring_edges, self.base)
 
     def coarser(self) -> "GradedQuads":
         """Return the same without the innermost layer of every patch that has more than one."""
@@ -143,6 +149,8 @@ def graded(
     outer: float,
     edge_amplitude: Amplitude | None = None,
     lacking_degrees: int = 0,
+    interfaces: tuple[float, ...] = (),
+    rigid: bool = False,
 ) -> GradedQuads:
     """Mesh the quarter disc.
 
@@ -158,6 +166,8 @@ def graded(
     edge_amplitude : of the highest degree near an edge, which says where a lower degree will do; by
         default as if nothing had worn
     lacking_degrees : by how many degrees the highest one falls short of what the amplitude asks for
+    interfaces : depths of the interfaces of layers; those within the mesh are lines of it
+    rigid : whether the last of these is a rigid base, at which the mesh ends
 
     Raises
     ------
@@ -174,6 +184,10 @@ def graded(
     if np.diff(ring_edges).min() < 1e-10:
         raise MeshError("a ring is narrower than 1e-10 a: merge it with a neighbour")
     widths = patch_widths(ring_edges)
+    within = tuple(depth for depth in interfaces if depth < outer)
+    if within:
+        widths = np.minimum(widths, PATCH_OF_LAYER * within[0])
+    base = within[-1] if rigid and within == interfaces else np.inf
     layers = patch_layers(
         widths, np.append(np.broadcast_to(sizes, len(ring_edges) - 2), rim_size), factor
     )
@@ -183,9 +197,9 @@ def graded(
     tried: list[tuple[float, GradedQuads]] = []
     for way in ways:
         try:
-            between = _between(ring_edges[1:], widths, growth, outer, way)
+            between = _between(ring_edges[1:], widths, growth, Outline(outer, within, base), way)
             graded = GradedQuads(
-                ring_edges, widths, layers, factor, between, edge_amplitude, lacking_degrees
+                ring_edges, widths, layers, factor, between, edge_amplitude, lacking_degrees, base
             )
             tried.append((quality(graded.mesh).min(), graded))
         except MeshError as error:
@@ -198,8 +212,23 @@ def graded(
     return max(tried, key=itemgetter(0))[1]
 
 
+class Outline(NamedTuple):
+    """What the quarter disc is bounded by, and divided into.
+
+    Parameters
+    ----------
+    outer : radius of the arc
+    interfaces : depths of lines across it
+    base : depth at which it ends, if that is one of these
+    """
+
+    outer: float
+    interfaces: tuple[float, ...] = ()
+    base: float = np.inf
+
+
 def _between(
-    centres: Array, widths: Array, growth: float, outer: float, way: tuple[int, int]
+    centres: Array, widths: Array, growth: float, outline: Outline, way: tuple[int, int]
 ) -> tuple[Array, Indices]:
     """Return the points and quadrilaterals between the patches and the arc.
 
@@ -209,7 +238,7 @@ def _between(
         gmsh.option.setNumber("Mesh.RecombineAll", 1)
         gmsh.option.setNumber("Mesh.Algorithm", way[0])
         gmsh.option.setNumber("Mesh.RecombinationAlgorithm", way[1])
-        _geometry(gmsh, centres, widths, growth, outer)
+        _geometry(gmsh, centres, widths, growth, outline)
         # gmsh makes the sides of a curve even in number, but for curves of one side
         gmsh.model.mesh.generate(1)
         curves = [tag for _, tag in gmsh.model.getEntities(1)]
@@ -224,11 +253,14 @@ def _between(
         return elements(gmsh, QUADRILATERAL)
 
 
-def _geometry(gmsh: ModuleType, centres: Array, widths: Array, growth: float, outer: float) -> None:
-    geometry = gmsh.model.geo
-    origin, surface_end, axis_end = (
-        geometry.addPoint(r, z, 0) for r, z in ((0, 0), (outer, 0), (0, outer))
-    )
+def _geometry(
+    gmsh: ModuleType, centres: Array, widths: Array, growth: float, outline: Outline
+) -> None:
+    geometry, outer = gmsh.model.geo, outline.outer
+    # the layers from the surface down, the last as far as the arc or a rigid base
+    bottoms = outline.interfaces if np.isfinite(outline.base) else (*outline.interfaces, outer)
+    origin, surface_end = (geometry.addPoint(r, 0, 0) for r in (0, outer))
+    axis_ends = [geometry.addPoint(0, depth, 0) for depth in bottoms]
     curves, previous, at_patches, end = [], origin, [], 0.0
     for centre, (inside, outside) in zip(centres, widths, strict=True):
         start = previous
@@ -243,8 +275,16 @@ def _geometry(gmsh: ModuleType, centres: Array, widths: Array, growth: float, ou
             geometry.mesh.setTransfiniteCurve(curves[-1], 3)
         at_patches.append((start, below, previous))
     curves.append(geometry.addLine(previous, surface_end))
-    curves.append(geometry.addCircleArc(surface_end, origin, axis_end))
-    curves.append(geometry.addLine(axis_end, origin))
-    geometry.addPlaneSurface([geometry.addCurveLoop(curves)])
+    # each layer is bounded by two lines, the axis and a part of the arc
+    on_axis, on_arc = origin, surface_end
+    for depth, below in zip(bottoms, axis_ends, strict=True):
+        across, bottom = below, []
+        if depth < outer:
+            across = geometry.addPoint(np.sqrt((outer - depth) * (outer + depth)), depth, 0)
+            bottom = [geometry.addLine(across, below)]
+        curves.append(geometry.addCircleArc(on_arc, origin, across))
+        sides = [*curves, *bottom, geometry.addLine(below, on_axis)]
+        geometry.addPlaneSurface([geometry.addCurveLoop(sides)])
+        curves, on_axis, on_arc = [-curve for curve in bottom], below, across
     geometry.synchronize()
     set_sizes(gmsh, np.array(at_patches), adjacent_sizes(widths), growth, LARGEST * outer)

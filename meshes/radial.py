@@ -113,6 +113,16 @@ def exact_sum(first: ArrayLike, second: ArrayLike) -> tuple[Array, Array]:
     return rounded, (first - (rounded - part)) + (second - part)
 
 
+def cut_evenly(breakpoints: Array, widest: float) -> Array:
+    """Return the boundaries of elements no wider than that: wider ones are cut evenly."""
+    parts = np.ceil(np.diff(breakpoints) / widest).astype(int)
+    cuts = [
+        np.linspace(left, right, count + 1)[1:]
+        for left, right, count in zip(breakpoints[:-1], breakpoints[1:], parts, strict=True)
+    ]
+    return np.concatenate([breakpoints[:1], *cuts])
+
+
 def layers(span: float, smallest: float, factor: float) -> Array:
     """Return the distances of the boundaries of graded layers from a singular point.
 

@@ -1,9 +1,13 @@
 """What the commands take: flags and arguments, as `argparse` is told of them."""
 
 import os
-from argparse import ArgumentTypeError
+import re
+from argparse import ArgumentParser, ArgumentTypeError
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
+
+from .problem.explain import nearest
+from .problem.scene import bundled
 
 # arguments of `add_argument`, by their names
 Told = dict[str, Any]
@@ -16,7 +20,34 @@ def _directory(text: str) -> Path:
 
 
 def _sizes(text: str) -> list[float]:
-    return [float(size) for size in text.split(",")]
+    try:
+        return [float(size) for size in text.split(",")]
+    except ValueError:
+        raise ArgumentTypeError(f"{text!r}: give numbers, such as 0.2,0.1,0.05") from None
+
+
+def _positive(text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = 0.0
+    if not number > 0:
+        raise ArgumentTypeError(f"{text!r}: give a positive number")
+    return number
+
+
+def _relative(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ArgumentTypeError(f"{text!r}: give a number, such as 1e-4") from None
+
+
+def _whole(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise ArgumentTypeError(f"{text!r}: give a whole number") from None
 
 
 def _pairs(text: str) -> dict[str, str]:
@@ -73,8 +104,48 @@ ARGUMENTS: dict[str, Told] = {
         "help": "CSV (columns time, radius, pressure, displacement, profile, or time, indentation, "
         "normal_force), netCDF, or VTU of a half-space, of another program",
     },
-    "--within": {
+    "words": {
+        "nargs": "*",
+        "metavar": "[NAME] FILE",
+        "help": "the problem (its name or number; that in the file's name if not given) and a file "
+        "as `ringwear check` reads it; NAME alone prints the problem, nothing lists all",
+    },
+    "--for": {
+        "dest": "program",
+        "required": True,
+        "choices": ("calculix", "abaqus"),
+        "help": "the program",
+    },
+    "--elements": {
+        "choices": ("linear", "quadratic"),
+        "default": "quadratic",
+        "help": "CAX4 or CAX8 in the deck of prescribed displacements; contact is linear "
+        "(default: quadratic)",
+    },
+    "--size": {
         "type": float,
+        "metavar": "H",
+        "default": 0.1,
+        "help": "size of the elements below the punch, in punch radii; they are smaller at ring "
+        "edges and at the rim (default: 0.1)",
+    },
+    "--reach": {
+        "type": float,
+        "metavar": "R",
+        "default": 200.0,
+        "help": "radius of the half-space that is modelled, in punch radii (default: 200)",
+    },
+    "--time": {
+        "type": float,
+        "action": "append",
+        "dest": "times",
+        "metavar": "T",
+        "help": "a time of a worn face, in the units of the scene; may be repeated (default: the "
+        "last time of the scene); the start is always written",
+    },
+    "--within": {
+        "type": _positive,
+        "metavar": "X",
         "default": 0.01,
         "help": "relative error that theirs may have, in the norm of each quantity (default: 0.01)",
     },
@@ -100,24 +171,28 @@ ARGUMENTS: dict[str, Told] = {
     },
     "--out": {
         "type": _directory,
+        "metavar": "DIR",
         "help": "the directory to write to (default: results/NAME, NAME being that of the scene, "
         "study or file)",
     },
     "--rtol": {
-        "type": float,
+        "type": _relative,
+        "metavar": "X",
         "help": "the relative accuracy that is wanted, in place of the scene's",
     },
     "--methods": {
+        "metavar": "A,B",
         "help": "methods in place of the scene's, separated by commas: mdr, bem, fem, direct, "
-        "mdr-grid"
+        "mdr-grid",
     },
     "--quantities": {
+        "metavar": "A,B",
         "help": "quantities, separated by commas, or history, fields, steady or all: only "
         "these are "
-        "computed and judged, to the accuracy that is asked for"
+        "computed and judged, to the accuracy that is asked for",
     },
     "--memory": {
-        "type": float,
+        "type": _positive,
         "metavar": "GIB",
         "help": "the most memory to use, in GiB: what would need more is refused before it starts "
         "(default: what the machine has)",
@@ -127,7 +202,8 @@ ARGUMENTS: dict[str, Told] = {
         "help": "the address of a Dask scheduler, to compute on its workers",
     },
     "--workers": {
-        "type": int,
+        "type": _whole,
+        "metavar": "N",
         "default": os.cpu_count() or 1,
         "help": "the number of processes on this machine (default: as many as it has cores)",
     },
@@ -145,7 +221,7 @@ OF_STUDIES: dict[str, tuple[str, Told]] = {
     ),
     "degree": (
         "--degree",
-        {"type": int, "metavar": "K", "help": "degree of the finite elements on your meshes"},
+        {"type": _whole, "metavar": "K", "help": "degree of the finite elements on your meshes"},
     ),
     "quantities": (
         "--quantity",
@@ -190,3 +266,22 @@ OF_STUDIES: dict[str, tuple[str, Told]] = {
     ),
 }
 """Options of studies by the name of the option: the flag, and what `argparse` is told of it."""
+
+
+class Parser(ArgumentParser):
+    """A parser that asks, of a command or an option that is not there, if the nearest is meant."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print how the command is used and what is wrong, and exit with status 2."""
+        flags = [*(name for name in ARGUMENTS if name.startswith("--"))]
+        flags += [flag for flag, _ in OF_STUDIES.values()]
+        near = ""
+        if choice := re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message):
+            near = nearest(choice[1], re.findall(r"[\w-]+", choice[2]))
+            if choice[1] in bundled() or choice[1].endswith(".toml"):
+                near = f"ringwear run {choice[1]}"
+        elif unknown := re.search(r"unrecognized arguments: (--[\w-]+)", message):
+            # without dashes, which all have
+            bare = {re.sub(r"\W", "", flag): flag for flag in flags}
+            near = bare.get(nearest(re.sub(r"\W", "", unknown[1]), bare), "")
+        super().error(f"{message}; did you mean {near}?" if near else message)

@@ -1,4 +1,4 @@
-"""The command line: `ringwear run | check | plan | mesh | compare | study | sweep | scenes`.
+"""The command line: `ringwear run | check | plan | mesh | compare | study | sweep | ...`.
 
 Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree,
 or one cannot reach the accuracy asked for, or results that are checked are off by more than they
@@ -8,21 +8,26 @@ are kept).
 """
 
 import argparse
+import atexit
 import gc
+import shutil
 import sys
+import textwrap
 from collections.abc import Callable
 from contextlib import suppress
-from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..meshes.errors import RingwearError, SceneError
-from .arguments import ARGUMENTS, OF_STUDIES
+from .arguments import ARGUMENTS, OF_STUDIES, Parser
+from .exchange import COMMANDS as EXCHANGE
 from .output.folder import Folder, output_folder
 from .output.signals import ending_on_signals
 from .problem.scene import Scene, bundled, text_of
 from .progress import show_progress
 from .registry import INTERRUPTED
+from .report.terminal import print_lines
+from .status import Status
 from .study.listing import STUDIES
 from .versions import versions
 
@@ -31,17 +36,10 @@ if TYPE_CHECKING:
     from .study.options import Options
 
 
-class Status(IntEnum):
-    """What the command line returns."""
-
-    DONE = 0
-    FAILED = 1
-    BAD_INPUT = 2
-    DISAGREE = 3
-
-
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return the exit status."""
+    # at the end Python would search all that is left for garbage, which takes as long as a figure
+    atexit.register(gc.freeze)
     options = _parser().parse_args(arguments)
     show_progress(of_stages=options.command not in ("plan", "study", "sweep"))
     try:
@@ -66,7 +64,7 @@ def _run(options: argparse.Namespace) -> Status:
     # nearly all that a run makes stays to its end: to search it for garbage takes a tenth of a run
     gc.set_threshold(50_000, 50, 50)
     scene = Scene.of(options.scene, options.methods, options.rtol, options.quantities)
-    from .crosscheck.sizes import beyond_memory, machine_memory, predict_memory
+    from .predictions.memory import beyond_memory, machine_memory, predict_memory
 
     if refusal := beyond_memory(predict_memory(scene), options.memory or machine_memory()):
         raise SceneError(refusal)
@@ -77,7 +75,7 @@ def _run(options: argparse.Namespace) -> Status:
         pictures = PICTURES
     # that the folder can be written to is known before the work
     with output_folder(_out(options, options.scene), "run", run_files(pictures)) as folder:
-        from .crosscheck.run import run
+        from .outcome.run import run
         from .report.page import show
         from .report.printed import print_account
         from .report.words import Account
@@ -102,7 +100,8 @@ def _out(options: argparse.Namespace, name: str) -> Path:
 
 
 def _print_files(folder: Folder, failures: list[str]) -> None:
-    print(f"\n{len(folder.written)} files in {folder.out}: {', '.join(folder.written)}")
+    files = ", ".join(folder.written)
+    print_lines(["", f"{len(folder.written)} files in {folder.out}: {files}"])
     for failure in failures:
         print(f"ringwear: {failure}", file=sys.stderr)
 
@@ -143,8 +142,8 @@ def _check(options: argparse.Namespace) -> Status:
         write_numbers(result, folder.hidden)
         write_check(result, folder.hidden)
         account = Account(result)
-        print(f"\n{account.title}", "", *result.lines, sep="\n")
-        print(f"Ours: {account.verdict_line}", flush=True)
+        print_lines(["", account.title, "", *result.lines, f"Ours: {account.verdict_line}"])
+        sys.stdout.flush()
         failures = show(result, account, PICTURES, folder.hidden, page=True)
     _print_files(folder, failures)
     if failures:
@@ -153,16 +152,17 @@ def _check(options: argparse.Namespace) -> Status:
 
 
 def _plan(options: argparse.Namespace) -> Status:
-    from .crosscheck.plan import plan
-    from .crosscheck.run import run
-    from .crosscheck.scope import left_out, methods_of, modelled, time_scale
+    from .outcome.run import run
+    from .outcome.scope import left_out, methods_of, modelled, time_scale
+    from .predictions.plan import plan
     from .report.printed import print_scope
 
     scene = Scene.load(options.scene)
-    print(f"\n{scene.title or 'Untitled scene'}", *time_scale(scene), "", sep="\n")
+    print_lines(["", scene.title or "Untitled scene", *time_scale(scene), ""])
     methods = methods_of(scene.methods)
     print_scope(modelled(scene, methods), left_out(scene, methods))
-    print("\nBy method", *(f"  {line}" for line in plan(scene)), sep="\n")
+    print("\nBy method", flush=True)
+    print_lines(f"  {line}" for line in plan(scene))
     # the finite elements' multipliers against a compliance that resolves every pressure they have
     for pair in run(scene.changed(methods=["mdr", "fem"])).operators if options.check else ():
         print(
@@ -196,37 +196,18 @@ def _mesh(options: argparse.Namespace) -> Status:
 
 
 def _compare(options: argparse.Namespace) -> Status:
-    files = ("scenes.csv", "answers.csv", "comparison.png", "difference.png")
-    with output_folder(_out(options, "compare"), "compare", files) as folder:
-        from .crosscheck.run import run
-        from .figures.comparison import draw_comparison, draw_field_difference
-        from .figures.style import save
-        from .output.stored import load
-        from .report.comparison import (
-            answer_rows,
-            field_comparison,
-            refuse_other_units,
-            scene_rows,
-        )
-        from .report.printed import print_table
-        from .tables import write_csv
+    from .comparison import FILES, compare
+    from .report.printed import print_table
 
-        given = (options.A, options.B)
-        sources = [load(each) if Path(each).is_dir() else Scene.load(each) for each in given]
-        refuse_other_units(*(each if isinstance(each, Scene) else each.scene for each in sources))
-        sides = [run(each) if isinstance(each, Scene) else each for each in sources]
-        tables = scene_rows(*sides), answer_rows(*sides)
-        for file, table in zip(files, tables, strict=False):
-            write_csv(table, folder.hidden / file)
-        save(folder.hidden / files[2], draw_comparison, *sides)
-        compared = field_comparison(*sides)
-        if compared is not None:
-            save(folder.hidden / files[3], draw_field_difference, *sides, compared)
+    with output_folder(_out(options, "compare"), "compare", FILES) as folder:
+        compared = compare(options.A, options.B)
+        compared.write(folder.hidden)
     print(f"A: {options.A}\nB: {options.B}")
-    for table in tables:
+    for table in (compared.scenes, compared.shown):
         print()
         print_table(table.to_dict("records"))
-    if compared is None:
+    print_lines(["", compared.verdict_in_words])
+    if compared.fields is None:
         print("\ndifference.png is not drawn: no field is given by both at a common time")
     _print_files(folder, [])
     return Status.DONE
@@ -252,7 +233,7 @@ def _study(options: argparse.Namespace) -> Status:
         else:
             with keeping_rows(conclusions):
                 failures += found.write(folder.hidden)
-    print("\n".join(conclusions))
+    print_lines(conclusions)
     _print_files(folder, failures)
     return Status.FAILED if failures or INTERRUPTED in conclusions else Status.DONE
 
@@ -277,7 +258,7 @@ def _sweep(options: argparse.Namespace) -> Status:
         raise SceneError(f"--workers {options.workers}: give 1 or more")
     out = _out(options, options.file)
     conclusions, complete, agree = conduct(options.file, out, options)
-    print("\n".join(conclusions))
+    print_lines(conclusions)
     if not complete:
         return Status.FAILED
     return Status.DONE if agree else Status.DISAGREE
@@ -287,18 +268,18 @@ def _scenes(options: argparse.Namespace) -> Status:
     if options.name is not None:
         print(text_of(options.name), end="")
         return Status.DONE
-    for name in bundled():
-        print(f"{name:<18}{Scene.load(name).title}")
+    print_lines(f"{name:<18}{Scene.load(name).title}" for name in bundled())
     return Status.DONE
 
 
 class Command(NamedTuple):
-    """A command: what it does in a line, what does it, what it takes, and its scene by default."""
+    """A command: its line of help, what does it, what it takes, scene by default, examples."""
 
     help: str
     conduct: Callable[[argparse.Namespace], Status]
     arguments: tuple[str, ...] = ()
     scene: str | None = None
+    examples: str | None = None
 
 
 COMMANDS = {
@@ -320,7 +301,7 @@ COMMANDS = {
         ),
     ),
     "plan": Command(
-        "say what a scene models and what it will cost, without computing it",
+        "say what a scene models and what it will cost",
         _plan,
         ("scene", "--check"),
     ),
@@ -346,31 +327,37 @@ COMMANDS = {
     "scenes": Command(
         "list the bundled scenes, or print one, to start your own from", _scenes, ("name",)
     ),
+    **{name: Command(*row) for name, row in EXCHANGE.items()},
 }
 
 
+PURPOSE = (
+    "Compute how a rigid punch of concentric rings wears on an elastic half-space, by finite "
+    "elements, dimensionality reduction, boundary elements and direct integration, and say how far "
+    "these methods agree."
+)
 EXAMPLES = """examples:
-  ringwear run                             compute the bundled scene five_rings
-  ringwear scenes sphere > mine.toml       start a scene of your own from a bundled one
-  ringwear run mine.toml --rtol 1e-3       compute it to another accuracy
-  ringwear check mine.toml abaqus.csv      compare results of another program with ours
-  ringwear study convergence --quick       see the orders of convergence beside theory
+  ringwear run                          compute the scene five_rings
+  ringwear scenes sphere > mine.toml    start a scene of your own
+  ringwear run mine.toml --rtol 1e-3    compute it to another accuracy
+  ringwear deck mine.toml --for abaqus  write input files for another program
+  ringwear check mine.toml abaqus.csv   check another program's results
+  ringwear study convergence --quick    see orders beside theory
 """
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="ringwear",
-        description="Compute how a rigid punch of concentric rings wears on an elastic half-space, "
-        "by finite elements, dimensionality reduction, boundary elements and direct integration, "
-        "and say how far these methods agree.",
+        description=textwrap.fill(PURPOSE, shutil.get_terminal_size().columns - 2),
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"ringwear {versions()['ringwear']}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
     for name, command in COMMANDS.items():
-        taker = commands.add_parser(name, help=command.help)
+        form, examples = argparse.RawDescriptionHelpFormatter, command.examples
+        taker = commands.add_parser(name, help=command.help, epilog=examples, formatter_class=form)
         _add(taker, command.arguments, command.scene)
         if name == "study":
             names = taker.add_subparsers(required=True, metavar="NAME", dest="study")

@@ -1,33 +1,36 @@
 """What a script works with: runs of scenes, and results that show, save and load themselves."""
 
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from ..meshes.errors import RingwearError, SceneError
+from .calls import naming_arguments
 from .check import checked
-from .crosscheck import dataset
-from .crosscheck.run import run as compute
 from .methods.base import Method
+from .outcome.outcome import Outcome
+from .outcome.run import run_as
 from .output import stored
 from .output.files import run_files, write_numbers
 from .output.folder import output_folder
+from .problem.explain import nearest, shown
+from .problem.quantities import DESCRIBED
 from .problem.scene import Scene, Source, listed
+from .registry import METHODS
 from .report.words import Account
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from xarray import DataArray
 
     from .check.tables import OthersResults
     from .figures.style import Picture
 
-Shown = TypeVar("Shown", bound="Result")
 
-
+@naming_arguments
 def run(
     scene: Source,
     methods: Sequence[str | Method] | str | None = None,
@@ -153,12 +156,16 @@ def run(
     'agree'
     """
     entries = listed(methods or ())
+    if strange := [entry for entry in entries if not isinstance(entry, str | Method)]:
+        raise SceneError(
+            f"methods has {strange[0]!r}: give names, {', '.join(METHODS)}, or objects of a Method"
+        )
     named = all(isinstance(entry, str) for entry in entries)
     names = [str(entry) for entry in entries] if named and methods is not None else None
-    return _as(Result, compute(Scene.of(scene, names, rtol, quantities), entries or None))
+    return run_as(Result, Scene.of(scene, names, rtol, quantities), entries or None)
 
 
-class Result(dataset.Result):
+class Result(Outcome):
     """Everything that a run computed.
 
     `dataset` (xarray, in the scene's units), `answers` by method, `verdict`, `error(name)`,
@@ -186,6 +193,31 @@ class Result(dataset.Result):
 
         return {Path(of.file).stem: of for of in PICTURES if of.drawn_for(self)}
 
+    def __getitem__(self, quantity: str) -> "DataArray":
+        """Return a quantity or a coordinate of `dataset`.
+
+        Raises
+        ------
+        SceneError
+            if it has none of that name, naming the nearest
+        """
+        if quantity not in self.dataset.variables:
+            names = [str(name) for name in self.dataset.variables]
+            near = _quantity_like(str(quantity), names)
+            meant = f"did you mean {near!r}? Else " if near else ""
+            raise SceneError(
+                f"no {quantity!r} in these results: {meant}give one of {', '.join(names)}"
+            )
+        return self.dataset[quantity]
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> object:
+            """Tell what to write in place of what a result does not have."""
+            if not name.startswith("_") and hasattr(type(self), name):  # a property that has failed
+                return object.__getattribute__(self, name)
+            raise AttributeError(f"a result has no {name!r}{_instead_of(name)}")
+
     def plot(self, kind: str = "") -> "Figure":
         """Draw a figure.
 
@@ -202,9 +234,11 @@ class Result(dataset.Result):
         """
         drawn = self._pictures
         kind = kind or next(iter(drawn), "")
-        if kind not in drawn:
+        if not isinstance(kind, str) or kind not in drawn:
             there = ", ".join(drawn) or "none: all quantities asked for are numbers"
-            raise SceneError(f"no figure {kind!r} of these results: give one of {there}")
+            near = nearest(str(kind), drawn)
+            meant = f"did you mean {near!r}? Else " if near else ""
+            raise SceneError(f"no figure {kind!r} of these results: {meant}give one of {there}")
         return drawn[kind].figure(self)
 
     def save(self, folder: str | Path) -> list[str]:
@@ -227,7 +261,7 @@ class Result(dataset.Result):
         return out.written
 
 
-class Stored(Result, stored.Stored):
+class Stored(Result, stored.StoredOutcome):
     """Results that were written: all numbers, and the figures that need no more."""
 
 
@@ -239,16 +273,17 @@ def load(folder: str | Path) -> Stored:
     SceneError
         if the folder holds none that can be read
     """
-    return _as(Stored, stored.load(folder))
+    return stored.load(folder, Stored)
 
 
-class Checked(Result, checked.Checked):
+class Checked(Result, checked.CheckedOutcome):
     """A run beside which results of other programs stand.
 
     `verdicts`, `diagnoses` and `passes` tell about these results.
     """
 
 
+@naming_arguments
 def check(
     scene: Source, given: "Mapping[str, OthersResults] | OthersResults", **how: Any
 ) -> Checked:
@@ -277,16 +312,62 @@ def check(
     >>> round(checked.verdicts[0].error, 4), checked.passes
     (-0.03, False)
     """
-    from .check.check import check as hold_against
+    from .check.check import check_as
 
+    if "within" in how and not (isinstance(how["within"], float | int) and how["within"] > 0):
+        raise SceneError(f"within = {how['within']!r}: give a positive number, such as 0.01")
+    return check_as(Checked, scene, _by_program(given), **how)
+
+
+def _by_program(given: "Mapping[str, OthersResults] | OthersResults") -> "dict[str, OthersResults]":
+    """Return results of others by the names of their programs."""
+    kinds = (str, Path)
     # a dataset is a mapping, too, of its variables
     if isinstance(given, Mapping) and not hasattr(given, "to_dataframe"):
-        named = dict(given)
-    else:
-        named = {Path(given).name if isinstance(given, str | Path) else "theirs": given}
-    return _as(Checked, hold_against(scene, named, **how))
+        if any(isinstance(of, kinds) or hasattr(of, "columns") for of in given.values()) or any(
+            hasattr(of, "data_vars") for of in given.values()
+        ):
+            return dict(given)
+        if given:  # columns
+            from pandas import DataFrame
+
+            return {"theirs": DataFrame(given)}
+    if isinstance(given, kinds):
+        return {Path(given).name: given}
+    if hasattr(given, "columns") or hasattr(given, "data_vars"):
+        return {"theirs": given}
+    raise SceneError(
+        f"no results of others in {shown(given)}: give files, DataFrames or Datasets by the names "
+        "of their programs, {'abaqus': 'abaqus.csv'}, or one alone"
+    )
 
 
-def _as(kind: type[Shown], result: dataset.Result) -> Shown:
-    """Return results that show themselves."""
-    return kind(*(getattr(result, field.name) for field in fields(result)))
+def _quantity_like(name: str, names: Iterable[str]) -> str:
+    """Return the one of our names that somebody else's stands for; empty if it is like none."""
+    from .check.csv_files import SYMBOLS
+
+    return nearest(SYMBOLS.get(name, name), names)
+
+
+def _instead_of(name: str) -> str:
+    """Return what to write in place of what a result does not have."""
+    if other := OTHER_CALLS.get(name):
+        return f": write result.{other}"
+    public = [known for known in dir(Result) if not known.startswith("_")]
+    if near := nearest(name, public, 0.8):
+        return f": did you mean result.{near}?"
+    if near := _quantity_like(name, [*DESCRIBED, "time", "radius", "solver"]):
+        return f": write result.dataset.{near}"
+    return f"; it has {', '.join(public)}"
+
+
+# what to write in place of calls that other packages have
+OTHER_CALLS = {
+    "times": "dataset.time",
+    "radii": "dataset.radius",
+    "errors": "error('indentation')",
+    "show": "plot()",
+    "data": "dataset",
+    "ds": "dataset",
+    **{name: f"dataset.{name}" for name in ("sel", "isel", "interp", "to_dataframe", "to_netcdf")},
+}

@@ -38,15 +38,20 @@ def check_decay(report: Reported) -> Rows:
     force = report.take("normal_force")
     if report.full and report.starts:
         tolerance = report.tolerance("normal_force")[0]
-        name = "flat start, F of an annulus" if report.inner_radius else "flat start, F = 2 a E* d"
+        name = "flat start, F = 2 a E* d"
+        if report.inner_radius or report.reading.ground:
+            name = f"flat start, F {report.kind_of_punch}"
         yield Row(name, force[0], 1.0, tolerance)
     if report.graded:
         return
-    worn = (report.take("ring_worn_volume") / report.problem.wear_coefficients).sum(axis=1)
+    volumes, coefficients = report.take("ring_worn_volume"), report.problem.wear_coefficients
+    worn = (volumes / coefficients).sum(axis=1)
     # at a stop nothing changes
     distances, at = np.unique(report.distances, return_index=True)
     greatest = np.maximum.accumulate(force)
-    errors = report.errors("normal_force", "ring_worn_volume") * [greatest, worn]
+    # errors of volumes are relative to their sum, also that of a ring that hardly wears
+    most = volumes.sum(axis=1) * np.sum(1 / coefficients)
+    errors = report.errors("normal_force", "ring_worn_volume") * [greatest, most]
     passed, force, worn, errors = np.diff(distances), force[at], worn[at], errors[:, at]
     error, lost = errors[:, 1:] + errors[:, :-1]
     doubt = EXACT * force[0] + error + lost / passed

@@ -77,8 +77,9 @@ def check_modes(report: Reported) -> Rows:
     times = report.take("relaxation_time")
     # another theory than the method's own
     half_space = ring_kernel.compliance if report.name == "mdr" else energy.compliance
+    rings, ground = report.problem.merged, report.reading.ground
     coarse, fine = (
-        slowest_relaxation_times(report.problem.merged, report.fixed, sizes, half_space)
+        slowest_relaxation_times(rings, report.fixed, sizes, half_space, ground)
         for sizes in (COARSE, FINE)
     )
     stated = report.errors("relaxation_time")[0]

@@ -27,6 +27,7 @@ def check_inputs(report: Reported) -> Rows:
         asked = reading.unworn(face.radii)
         scale = max(float(np.ptp(asked)), float(asked.max()), np.finfo(float).tiny)
         yield Row("unworn profile as asked", unworn, asked, INTEGRATED, scale)
+    yield from _compare_layers(report)
     areas = np.pi * np.diff(reading.edges**2)
     means = areas / face.ring_sums(face.areas / report.wear)
     coefficients = np.asarray(report.table["wear_coefficient"]) / report.units.wear_coefficient
@@ -34,6 +35,26 @@ def check_inputs(report: Reported) -> Rows:
     roundoff = 8 * np.finfo(float).eps / np.diff(reading.edges)
     tolerance = (INTEGRATED_TABLE if report.graded else INTEGRATED) + roundoff
     yield Row("wear coefficients reported", coefficients, means, tolerance)
+
+
+def _compare_layers(report: Reported) -> Rows:
+    """Compare the layers of the ground with those of the second reading."""
+    solved, asked = report.problem.ground, report.reading.ground
+    if solved is None and asked is None:
+        return
+    same = float((solved is None) == (asked is None))
+    yield Row("layers or none, as asked", same, 1.0, 0.0)
+    if solved is None or asked is None or len(solved.thicknesses) != len(asked.thicknesses):
+        return
+    thicknesses = np.array(solved.thicknesses), np.array(asked.thicknesses)
+    yield Row("thicknesses of the layers as asked", *thicknesses, COPIED)
+    elastic = np.isfinite(asked.shear_moduli)
+    for name, value, reference in (
+        ("shear moduli", solved.shear_moduli, asked.shear_moduli),
+        ("Poisson's ratios", solved.poisson_ratios, asked.poisson_ratios),
+    ):
+        numbers, wanted = np.array(value)[elastic], np.array(reference)[elastic]
+        yield Row(f"{name} of the layers as asked", numbers, wanted, COPIED, 1 + np.abs(wanted))
 
 
 def check_times(report: Reported) -> Rows:

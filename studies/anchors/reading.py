@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import pchip_interpolate
 
 from ...mdr.flat_punch import flat_punch
+from ...meshes.ground.ground import Ground
 from ...meshes.radial import Array
 from ..problem.fields import TomlTable
 from ..problem.quantities import Units
@@ -64,6 +64,7 @@ class Reading:
     units : the natural units, in the scene's own
     profile : the table of the unworn profile, with lengths in the scene's unit; None if it is flat
     recess : (N,) recess of each ring, in the scene's unit
+    ground : layers over the punch radius and the first modulus; None if there are none
     """
 
     rtol: float
@@ -77,6 +78,7 @@ class Reading:
     units: Units
     profile: TomlTable | None
     recess: Array
+    ground: Ground | None = None
 
     @classmethod
     def of(cls, scene: Scene) -> "Reading":
@@ -84,9 +86,8 @@ class Reading:
         given = tomllib.loads(scene.to_toml())
         punch, load, solid = given["punch"], given["load"], given["half_space"]
         radius = punch["radius"]
-        modulus = solid.get("plane_strain_modulus")
-        if modulus is None:
-            modulus = solid["youngs_modulus"] / (1 - solid.get("poisson_ratio", 0.3) ** 2)
+        modulus = _plane_strain_modulus(solid.get("layers", [solid])[0])
+        ground = _ground(solid, modulus, radius)
         if "punch_youngs_modulus" in solid:
             # springs in series
             compliance = 1 - solid.get("punch_poisson_ratio", 0.3) ** 2
@@ -103,7 +104,7 @@ class Reading:
             # the force of a flat punch that is pressed in as deep beyond the first touch
             profile, unit = scene.problem.profile, scene.problem.units.displacement
             depth = load["indentation"] - profile.standoff * unit
-            greatest = radius * modulus * depth / flat_punch(float(edges[0])).indentation
+            greatest = radius * modulus * depth / flat_punch(float(edges[0]), ground).indentation
         time = radius / modulus / fastest / speed.greatest
         return cls(
             rtol=given.get("accuracy", {}).get("rtol", 1e-4),
@@ -117,6 +118,7 @@ class Reading:
             units=Units(radius, modulus, float(greatest), time, fastest),
             profile=punch.get("profile"),
             recess=np.zeros(len(edges) - 1) + np.array(punch.get("recess", 0.0)),
+            ground=ground,
         )
 
     @property
@@ -188,6 +190,30 @@ class Reading:
         return float(force[-1]), float(distance), float(work)
 
 
+def _plane_strain_modulus(solid: TomlTable) -> float:
+    """Return the plane strain modulus of the half-space, or of a layer."""
+    if "plane_strain_modulus" in solid:
+        return float(solid["plane_strain_modulus"])
+    return float(solid["youngs_modulus"] / (1 - solid.get("poisson_ratio", 0.3) ** 2))
+
+
+def _ground(solid: TomlTable, unit: float, radius: float) -> Ground | None:
+    """Return the layers over the punch radius, with moduli over a unit; None without layers."""
+    if "layers" not in solid:
+        return None
+    parts = [*solid["layers"], *([] if solid.get("rigid") else [solid])]
+    ratios = [part.get("poisson_ratio", 0.3) for part in parts]
+    # E* = 2 G / (1 - nu)
+    shear = [
+        _plane_strain_modulus(part) * (1 - ratio) / 2 / unit
+        for part, ratio in zip(parts, ratios, strict=True)
+    ]
+    if solid.get("rigid"):
+        shear, ratios = [*shear, np.inf], [*ratios, 0.3]
+    thicknesses = tuple(layer["thickness"] / radius for layer in solid["layers"])
+    return Ground(thicknesses, tuple(shear), tuple(ratios))
+
+
 def _heights(profile: TomlTable, radii: Array, punch_radius: float) -> Array:
     """Return the heights of a profile at radii, all in the scene's unit."""
     kind = profile["kind"]
@@ -211,6 +237,8 @@ def _heights(profile: TomlTable, radii: Array, punch_radius: float) -> Array:
     if kind == "rounded_rim":
         beyond = np.maximum(radii - profile["flat_radius"], 0.0)
         return np.asarray(beyond**2 / (2 * profile["curvature_radius"]))
+    from scipy.interpolate import pchip_interpolate  # few profiles are tables
+
     return np.asarray(pchip_interpolate(profile["radii"], profile["heights"], radii))
 
 

@@ -73,8 +73,13 @@ class Reported:
 
     @cached_property
     def flat(self) -> FlatPunch:
-        """The flat punch of the force 1 with the same radii, in closed form."""
-        return flat_punch(self.inner_radius)
+        """The flat punch of the force 1 with the same radii and layers."""
+        return flat_punch(self.inner_radius, self.reading.ground)
+
+    @property
+    def kind_of_punch(self) -> str:
+        """Words for a flat punch whose start is not Eq. 10, after the name of a quantity."""
+        return "of an annulus" if self.inner_radius else "of a flat punch on layers"
 
     @cached_property
     def area(self) -> float:
@@ -87,7 +92,7 @@ class Reported:
         edges, pressures = np.array([0.0, 1.0]), np.ones(1)
         if self.inner_radius:
             edges, pressures = np.array([0.0, self.inner_radius, 1.0]), np.array([0.0, 1.0])
-        return direct.displacement(edges, pressures, self.face.radii)
+        return direct.displacement(edges, pressures, self.face.radii, self.reading.ground)
 
     @property
     def graded(self) -> bool:
@@ -121,7 +126,8 @@ class Reported:
 
     def steady_displacement(self, radii: Array) -> Array:
         """Return the steady displacement at radii, in closed form (Eq. 21)."""
-        return direct.displacement(self.problem.merged.ring_edges, self.steady_pressures, radii)
+        edges, ground = self.problem.merged.ring_edges, self.reading.ground
+        return direct.displacement(edges, self.steady_pressures, radii, ground)
 
     def stated(self, name: str) -> float:
         """Return the error that the method states of a number of the answer, 0 if it states none.

@@ -40,11 +40,16 @@ def check_steady_state(report: Reported) -> Rows:
         yield from _compare_with_many_rings(report)
         return
     rings = problem.merged.ring_edges, report.steady_pressures
-    greatest = direct.greatest_displacement(*rings)
+    ground = report.reading.ground
+    greatest = direct.greatest_displacement(*rings, ground)
     limit = greatest - report.steady_displacement(report.radii)
     for name, reference, scale in (
         ("steady_displacement_max", greatest, None),
-        ("steady_rms_slope", direct.rms_slope(*rings, report.average, report.inner_radius), None),
+        (
+            "steady_rms_slope",
+            direct.rms_slope(*rings, report.average, report.inner_radius, ground),
+            None,
+        ),
         ("steady_profile", limit, greatest),
     ):
         tolerance = report.tolerance(name)
@@ -92,8 +97,9 @@ def _displace_by_rings(report: Reported, count: int) -> tuple[float, Array]:
     means = np.sum(pressures * radii * weight * widths, axis=1) / (np.diff(edges**2) / 2)
     if report.inner_radius:
         edges, means = np.append(0.0, edges), np.append(0.0, means)
-    greatest = float(direct.greatest_displacement(edges, means))
-    return greatest, direct.displacement(edges, means, report.radii)
+    ground = report.reading.ground
+    greatest = float(direct.greatest_displacement(edges, means, ground))
+    return greatest, direct.displacement(edges, means, report.radii, ground)
 
 
 def _even_edges(report: Reported, count: int) -> Array:

@@ -12,6 +12,11 @@ It is computed by finite elements, dimensionality reduction and direct integrati
 `check`
     results of another program against ours: ``check("five_rings", {"abaqus": "abaqus.csv"})``, then
     ``result.verdicts``, ``result.diagnoses`` and all that a run has
+`compare`
+    two results beside each other: ``compare("five_rings", "results/mine")``, then ``found.table``,
+    ``found.verdict``, ``found.figures``
+`deck`
+    input files of a scene for CalculiX or Abaqus: ``deck("five_rings", "calculix", "folder")``
 `load`
     read results that were saved
 `plan`
@@ -21,8 +26,8 @@ It is computed by finite elements, dimensionality reduction and direct integrati
     then ``found.table``, ``found.orders``, ``found.conclusions``, ``found.figures``
 `sweep`
     scenes over axes of scene keys, in one labelled dataset
-`Result`, `Study`
-    what `run` and `study` return
+`Result`, `Study`, `Comparison`
+    what `run`, `study` and `compare` return
 `SceneError`, `RingwearError`
     what they raise: of a scene that cannot be computed, with the remedy; of anything that fails
 
@@ -41,7 +46,9 @@ from ringwear.studies.problem.scene import Scene
 
 if TYPE_CHECKING:
     from ringwear.meshes.errors import RingwearError, SceneError
-    from ringwear.studies.crosscheck.plan import plan
+    from ringwear.studies.comparison import Comparison, compare
+    from ringwear.studies.decks.deck import deck
+    from ringwear.studies.predictions.plan import plan
     from ringwear.studies.results import Result, check, load, run
     from ringwear.studies.study.conduct import study
     from ringwear.studies.study.study import Study
@@ -50,6 +57,7 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
+    "Comparison",
     "Result",
     "RingwearError",
     "Scene",
@@ -57,6 +65,8 @@ __all__ = [
     "Study",
     "__version__",
     "check",
+    "compare",
+    "deck",
     "load",
     "plan",
     "run",
@@ -66,12 +76,15 @@ __all__ = [
 
 # a scene alone does not need the numerics that these bring in
 _LATER = {
+    "Comparison": "ringwear.studies.comparison",
+    "compare": "ringwear.studies.comparison",
     "Result": "ringwear.studies.results",
     "Study": "ringwear.studies.study.study",
     "run": "ringwear.studies.results",
     "check": "ringwear.studies.results",
     "load": "ringwear.studies.results",
-    "plan": "ringwear.studies.crosscheck.plan",
+    "plan": "ringwear.studies.predictions.plan",
+    "deck": "ringwear.studies.decks.deck",
     "study": "ringwear.studies.study.conduct",
     "sweep": "ringwear.studies.sweep.conduct",
     "RingwearError": "ringwear.meshes.errors",
@@ -88,6 +101,24 @@ def __getattr__(name: str) -> object:
         return _import_module("ringwear.studies.versions").versions()["ringwear"]
     if name in _LATER:
         return getattr(_import_module(_LATER[name]), name)
-    raise AttributeError(
-        f"module 'ringwear' has no attribute {name!r}; it has {', '.join(__all__)}"
-    )
+    raise AttributeError(_has_no(name))
+
+
+# what to write in place of names that other packages have
+_OTHER_NAMES = {
+    **dict.fromkeys(("solve", "simulate", "compute", "Run", "main"), "ringwear.run"),
+    **dict.fromkeys(("open", "read", "Results"), "ringwear.load"),
+    **dict.fromkeys(("Problem", "Punch", "Model", "Simulation"), "ringwear.Scene"),
+    **dict.fromkeys(("scenes", "examples", "bundled"), "`ringwear scenes` on the command line"),
+    "mesh": "`ringwear mesh SCENE` on the command line",
+    "plot": "ringwear.run(scene).plot()",
+}
+
+
+def _has_no(name: str) -> str:
+    """Return what to write in place of a name that the package does not have."""
+    from ringwear.studies.problem.explain import nearest
+
+    near = _OTHER_NAMES.get(name) or nearest(name, __all__)
+    meant = f"write {near}; " if name in _OTHER_NAMES else f"did you mean {near}? " if near else ""
+    return f"module 'ringwear' has no attribute {name!r}: {meant}it has {', '.join(__all__)}"

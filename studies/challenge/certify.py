@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ..crosscheck.run import run
+from ..outcome.run import run
 from ..problem.scene import Scene
 
 

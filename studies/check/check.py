@@ -6,27 +6,30 @@ The scene is asked for at their times and radii, so that nothing is interpolated
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields, replace
 from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
 
 from ...meshes.errors import SceneError
-from ..crosscheck.dataset import Result
-from ..crosscheck.run import run
 from ..figures.style import in_style
 from ..methods.base import Method, Solution
+from ..outcome.outcome import Outcome
+from ..outcome.run import run
 from ..problem.problem import Problem
 from ..problem.scene import Scene, Source, listed
 from ..problem.unit_names import UnitNames
 from ..registry import METHODS
 from ..study.errors_over_size import draw_errors
 from ..tables import write_csv
-from .checked import Checked
+from .checked import CheckedOutcome
 from .given import Given
 from .tables import OthersResults, read
 
+Kind = TypeVar("Kind", bound=CheckedOutcome)
 
-def write_check(result: Checked, directory: Path) -> None:
+
+def write_check(result: CheckedOutcome, directory: Path) -> None:
     """Write the errors of theirs, and a figure of them over the size of a refinement."""
     rows = pd.DataFrame(asdict(row) for row in result.verdicts)
     write_csv(rows, directory / "check.csv")
@@ -37,11 +40,17 @@ def write_check(result: Checked, directory: Path) -> None:
     }
     if curves:
         with in_style():
-            figure = draw_errors({"size": curves}, "error, relative to ours")
+            figure = draw_errors({"size": curves}, "error, relative to ours", result.scene.title)
             figure.savefig(directory / "refinement.png")
 
 
-def check(
+def check(scene: Source, given: Mapping[str, OthersResults], **how: Any) -> CheckedOutcome:
+    """Hold results of other programs against ours; `check_as` tells what can be given."""
+    return check_as(CheckedOutcome, scene, given, **how)
+
+
+def check_as(
+    kind: type[Kind],
     scene: Source,
     given: Mapping[str, OthersResults],
     methods: Sequence[str | Method] | str | None = None,
@@ -49,11 +58,12 @@ def check(
     columns: Mapping[str, str] | None = None,
     units: str = "",
     sizes: Sequence[float] = (),
-) -> Checked:
+) -> Kind:
     """Hold results of other programs against ours, at their times and radii.
 
     Parameters
     ----------
+    kind : of the outcome, such as one that shows itself
     scene : a Scene, the name of a bundled one, a file, or nested dictionaries
     given : CSV or netCDF files, DataFrames or xarray Datasets, by the names of their programs
     methods : of ours, in place of the scene's
@@ -90,12 +100,12 @@ def check(
     ours = [name for name in scene.methods if name != "mdr-grid"] or ["mdr", "fem"]
     tables = [Given.tabled(name, table, scene) for name, table in theirs.items()]
     result = run(scene, [*(listed(methods) if methods else ours), *tables])
-    values = {field.name: getattr(result, field.name) for field in fields(Result)}
+    values = {field.name: getattr(result, field.name) for field in fields(Outcome)}
     values["solutions"] = {
         name: solution if name in given else _with_given_force(scene.problem, solution)
         for name, solution in result.solutions.items()
     }
-    return Checked(**values, given=tuple(given), within=within, sizes=tuple(sizes))
+    return kind(**values, given=tuple(given), within=within, sizes=tuple(sizes))
 
 
 def _with_given_force(problem: Problem, solution: Solution) -> Solution:

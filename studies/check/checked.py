@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..crosscheck.dataset import Result
+from ..outcome.outcome import Outcome
 from ..problem.unit_names import UnitNames
 from ..sampling.field_differences import OVER_TIME
 from .diagnose import Comparison, Diagnosis, diagnose
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Checked(Result):
+class CheckedOutcome(Outcome):
     """A run beside which results of other programs stand.
 
     Parameters
@@ -42,6 +42,11 @@ class Checked(Result):
             for name in self.given
             for row in verdicts(self.scene, self.solutions, name, self.within)
         )
+
+    @property
+    def of_others(self) -> tuple[str, ...]:
+        """Names of the programs whose results are checked."""
+        return self.given
 
     @property
     def passes(self) -> bool:

@@ -1,6 +1,5 @@
 """Results of another program as a method, which stand beside ours in tables and figures."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -42,14 +41,13 @@ class Given(Method):
             given[quantity] = values.reindex(scene.wear.times).to_numpy()
         return cls(name, given)
 
-    def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+    def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Return what is given, non-dimensional."""
-        (problem,) = problems
         results = {
             name: values / getattr(problem.units, QUANTITIES[name].unit)
             for name, values in self.given.items()
         }
-        return [Solution(results, {}, {}, {})]
+        return Solution(results, {}, {}, {})
 
     def refusal(self, problem: Problem) -> str:
         """Return nothing: it has solved the problem already."""

@@ -14,7 +14,8 @@ import numpy as np
 import pandas as pd
 
 from ...meshes.errors import MeshError, SceneError
-from ..crosscheck.sizes import refuse_large
+from ..decks.reports import READERS
+from ..predictions.memory import refuse_large
 from ..problem.fields import refuse_device
 from ..problem.quantities import FIELDS, QUANTITIES
 from ..problem.scene import Scene
@@ -134,6 +135,8 @@ def _with_our_headings(
 def _open(path: Path) -> "pd.DataFrame | xarray.Dataset":
     """Return a dataset of a netCDF file, or a CSV table of text by the numbers of its lines."""
     try:
+        if path.suffix in READERS and path.is_file():
+            return READERS[path.suffix](path)
         if path.suffix == ".nc":
             import xarray
 

@@ -33,6 +33,11 @@ def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
     theirs, rings = UnitNames.of(units or scene.units), problem.graded or problem.rings
     if not scene.wear.times:
         raise SceneError("the scene has no times to sample: give wear.times")
+    if scene.half_space.layers:
+        raise SceneError(
+            "check --template writes a homogeneous half-space: leave out half_space.layers, and "
+            "make the layers in your own program"
+        )
 
     def scaled(values: ArrayLike, kind: str) -> Array:
         return np.asarray(values) * (stated.size(kind) / theirs.size(kind))

@@ -10,7 +10,7 @@ edge gives d, and the load is one equation for the radius.
 
 The half-space has no length of its own: the compliance on a disc of radius c is ``c^3`` times that
 of the unit disc under the same intervals, scaled. Of a sphere or a cone one compliance serves every
-radius. Non-dimensional.
+radius. Layers have a length, and another compliance for each radius. Non-dimensional.
 """
 
 from collections.abc import Callable
@@ -24,6 +24,7 @@ from ...mdr import energy
 from ...meshes.compliance import Compliance
 from ...meshes.contact_cells import fitted_space
 from ...meshes.errors import SolverError
+from ...meshes.ground.ground import Ground
 from ..problem.profile import InitialProfile
 from ..wear.flat_contact import FittedPress
 from ..wear.unilateral import Interval, Load
@@ -31,8 +32,8 @@ from .moments import moments
 
 Intervals = tuple[Interval, ...]
 # (edges from 0 to 1 that every pressure space must be broken at, which of them the pressure is
-# infinite at) -> compliance
-CompliancesOn = Callable[[tuple[float, ...], tuple[bool, ...]], Compliance]
+# infinite at, layers in units of the outermost edge, if there are any) -> compliance
+CompliancesOn = Callable[[tuple[float, ...], tuple[bool, ...], Ground | None], Compliance]
 
 # of the search for the radius of a free edge: steps, the first over the width of what may hold it,
 # and the last over the radius
@@ -47,6 +48,7 @@ def fit_presses(
     load: Load,
     intervals: Intervals,
     compliances: tuple[CompliancesOn, CompliancesOn],
+    ground: Ground | None = None,
 ) -> tuple[FittedPress, FittedPress]:
     """Press an unworn punch on pressures of a higher and of a lower degree.
 
@@ -55,6 +57,7 @@ def fit_presses(
     profile, load : of the punch
     intervals : where it touches, about
     compliances : of the higher degree, and of the lower, which shows what it errs by
+    ground : layers, if there are any
 
     Raises
     ------
@@ -70,11 +73,11 @@ def fit_presses(
         raise SolverError("it ends where the face is smooth, and not at its outermost edge alone")
     slope = None
     if outermost:
-        rough, slope = fit_press(profile, load, intervals, _roughly)
+        rough, slope = fit_press(profile, load, intervals, _roughly, ground)
         intervals = rough.intervals
     # in turn, each from where the last found the edge
-    coarse, slope = fit_press(profile, load, intervals, compliances[1], slope)
-    fine, _ = fit_press(profile, load, coarse.intervals, compliances[0], slope)
+    coarse, slope = fit_press(profile, load, intervals, compliances[1], ground, slope)
+    fine, _ = fit_press(profile, load, coarse.intervals, compliances[0], ground, slope)
     for press in (fine, coarse):
         radii, _, _ = press.space.quadrature
         pressure = press.space.matrix(radii.ravel()) @ press.pressure
@@ -84,9 +87,12 @@ def fit_presses(
     return fine, coarse
 
 
-def _roughly(edges: tuple[float, ...], infinite: tuple[bool, ...]) -> Compliance:
+def _roughly(
+    edges: tuple[float, ...], infinite: tuple[bool, ...], ground: Ground | None
+) -> Compliance:
     """Return a compliance that takes no time, by which the edge is sought first."""
-    return energy.compliance(fitted_space(edges, infinite, 4, 1e-2 * min(np.diff(edges))))
+    space = fitted_space(edges, infinite, 4, 1e-2 * min(np.diff(edges)))
+    return energy.compliance(space, ground)
 
 
 def fit_press(
@@ -94,6 +100,7 @@ def fit_press(
     load: Load,
     intervals: Intervals,
     on_edges: CompliancesOn,
+    ground: Ground | None = None,
     slope: float | None = None,
 ) -> tuple[FittedPress, float | None]:
     """Press an unworn punch, and find its outermost edge from a start near it, if that is free.
@@ -111,7 +118,7 @@ def fit_press(
 
     def solve(outer: float, load: Load | None) -> FittedPress:
         parts = (*inner, replace(last, outer=float(outer)))
-        return _solve(profile, load, parts, compliance_on)
+        return _solve(profile, load, parts, compliance_on, ground)
 
     def miss(outer: float) -> float:
         """Return by how much the load is missed, in a power that is linear of a sphere."""
@@ -149,7 +156,11 @@ def fit_press(
 
 
 def _solve(
-    profile: InitialProfile, load: Load | None, intervals: Intervals, compliance_on: CompliancesOn
+    profile: InitialProfile,
+    load: Load | None,
+    intervals: Intervals,
+    compliance_on: CompliancesOn,
+    ground: Ground | None,
 ) -> FittedPress:
     """Return the press whose contact has these edges.
 
@@ -168,7 +179,9 @@ def _solve(
         infinite |= dict.fromkeys(kinks if len(kinks) <= MOST_KINKS else (), False)
     edges = sorted(infinite)
     compliance = compliance_on(
-        tuple(edge / radius for edge in edges), tuple(infinite[edge] for edge in edges)
+        tuple(edge / radius for edge in edges),
+        tuple(infinite[edge] for edge in edges),
+        None if ground is None else ground.on(radius),
     )
     space = compliance.space
     middle = radius * (space.breakpoints[1:] + space.breakpoints[:-1]) / 2

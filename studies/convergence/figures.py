@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
 
 from ...meshes.radial import Array
-from ..figures.style import LINES, complete, new_panels, power_of_ten
+from ..figures.style import LINES, complete, new_panels
+from ..study.errors_over_size import draw_slope_triangle, separate, set_round_ticks
 from ..study.orders import Sequence
 
 if TYPE_CHECKING:
@@ -35,9 +35,6 @@ COLORS = {
 SPARE_COLORS = ("#c0392b", "#0072b2", "#2e7d32", "#e69f00", "#4a235a", "#7f8c8d")
 MARKERS = "os^Dvx+*"
 MOST_COLUMNS = 4
-MOST_TICKS = 5
-ROUND_DIGITS = ((1,), (1, 2, 5), (1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9), tuple(np.arange(1, 10, 0.1)))
-"""First digits that numbers at ticks may have: the first of these that lead to two ticks."""
 LABELS = {"unknowns": "number of unknowns", "seconds": "seconds of the level"}
 """What abscissas are called that are not the size of theory."""
 
@@ -115,48 +112,17 @@ def _draw_panel(axes: "Axes", panel: Panel, labels: list[str]) -> None:
             other = lowest.setdefault(order, curve)
             if curve.sequence.errors[0] < other.sequence.errors[0]:
                 lowest[order] = curve
-    for curve in lowest.values():
-        _draw_triangle(axes, curve, color_of(curve.label, labels))
+    triangles = [
+        draw_slope_triangle(
+            axes, curve.abscissa, curve.sequence.errors, order, color_of(curve.label, labels)
+        )
+        for order, curve in lowest.items()
+    ]
     # room for the labels of triangles
     axes.margins(x=0.12)
     axes.set_title(panel.title, fontsize=8)
     if panel.curves:
         axes.set_xlabel(panel.curves[0].xlabel, fontsize=7)
-    for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
-        values = ticks(low, high)
-        in_tens = np.allclose(np.log10(values) % 1, 0)
-        labels_of = [power_of_ten(value) if in_tens else f"{value:g}" for value in values]
-        axis.set_ticks(values, labels_of)
-        # ticks between them take longer than all the rest of a figure
-        axis.set_minor_locator(NullLocator())
+    set_round_ticks(axes)
+    separate(triangles, axes)
     axes.tick_params(labelsize=6)
-    axes.grid(True, which="major", color="0.88", linewidth=0.6)
-
-
-def ticks(low: float, high: float) -> Array:
-    """Return two to `MOST_TICKS` round numbers of a logarithmic axis, powers of ten if they do."""
-    tens = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
-    for digits in ROUND_DIGITS:
-        values = np.outer(tens, digits).ravel()
-        values = values[(low <= values) & (values <= high)]
-        if len(values) > 1:
-            break
-    return values[:: -(-len(values) // MOST_TICKS) or 1]
-
-
-def _draw_triangle(axes: "Axes", curve: Curve, color: str) -> None:
-    """Draw the slope of theory below the first step of a curve, and say which it is."""
-    right, second, *_ = curve.abscissa
-    left, order = np.sqrt(right * second), curve.sequence.theory.order
-    high = curve.sequence.errors[0] / 2
-    low = high * (left / right) ** order
-    axes.plot([left, right, right, left], [low, low, high, low], color=color, linewidth=0.6)
-    axes.annotate(
-        f"{order:.2g}",
-        (right, np.sqrt(low * high)),
-        textcoords="offset points",
-        xytext=(2, 0),
-        va="center",
-        fontsize=5.5,
-        color=color,
-    )

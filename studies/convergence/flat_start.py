@@ -33,7 +33,8 @@ from ...meshes.pressure_space import PressureSpace
 from ...meshes.quads import graded
 from ...meshes.radial import Array, graded_breakpoints
 from ...meshes.sizes import SizeField
-from ..numerics.core import FLAT, Discretised, condense, evaluate, flat_d0_error
+from ..methods.evaluation import FullContact
+from ..numerics.core import FLAT, Discretised, condense, flat_d0_error
 from ..numerics.subdivision import subdivided, triangulated
 from ..problem.problem import Problem
 from ..sizes.defaults import FACTOR, GROWTH
@@ -194,7 +195,8 @@ def by_quads(
 
 def ring_quantities(problem: Problem, compliance: Compliance) -> dict[str, float]:
     """Return the approach, the slowest relaxation time and the steady gradient of the rings."""
-    results = evaluate(replace(problem, times=np.array([1.0])), compliance)
+    worn = replace(problem, times=np.array([1.0]), steady=True, gradient_average="line")
+    results = FullContact(worn, compliance).results
     return {
         "d(1)": float(results["indentation"][0]),
         "slowest relaxation time": float(results["relaxation_time"][0]),

@@ -22,6 +22,8 @@ from ..study.orders import FieldLevels
 
 FLAT_INDENTATION, FLAT_PRESSURE, STRESSES = "flat indentation", "flat pressure", "stresses"
 """Measures that no run has, by their names among results."""
+PRESSURE_PART = "d0 by the pressures alone"
+"""Column of the error that the pressures of a level make on the exact half-space."""
 
 
 class Measure(NamedTuple):
@@ -68,13 +70,13 @@ TIMELESS = (
 
 def measures_of(problem: Problem, exact: Results) -> tuple[Measure, ...]:
     """Return what can be measured of a problem, given its exact results."""
-    found = [D0, P0] if problem.full_contact else []
+    found = [D0, P0]
     at_start, later = rows_at(exact, "start"), rows_at(exact, "later")
-    given = {"indentation"} if problem.indentation is not None else {"normal_force"}
-    if problem.indentation is None and len(problem.wear_coefficients) == 1:
+    given = {problem.load_regime.given}
+    if "normal_force" in given and len(problem.wear_coefficients) == 1:
         # one ring carries the force that is given, and loses the volume that goes with it
         given |= {"ring_force", "ring_worn_volume"}
-    if at_start.any() and not problem.full_contact:
+    if at_start.any() and FLAT_INDENTATION not in exact:
         found += [measure for measure in START if measure.quantity not in given]
     if later.any():
         found += [measure for measure in LATER if measure.quantity not in given]

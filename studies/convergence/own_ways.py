@@ -18,8 +18,9 @@ from ..progress import Stages
 from ..sizes.defaults import pole_orders
 from ..study.levels import Theory
 from ..study.options import Options
-from ..study.own_mesh import own_mesh
+from ..study.own_mesh import named_meshes, own_mesh
 from . import theories
+from .contact_kinds import KINDS
 from .scene_ways import (
     GRADED_LEVELS,
     QUAD_GRADED_LEVELS,
@@ -73,12 +74,11 @@ def ways_of_meshes(problem: Problem, options: Options) -> Iterator[Way]:
     SceneError
         if a mesh is none of the scene's half-space, or an element does not go with it
     """
-    if not problem.full_contact:
-        raise SceneError(
-            "study convergence takes meshes of your own for flat punches under a force that never "
-            "falls: cells of a face follow its contact; leave them out"
-        )
-    meshes = {name: mesh_of_option(problem, each) for name, each in named(options.meshes).items()}
+    if refused := KINDS[problem.contact].refuses_elements:
+        raise SceneError(refused)
+    meshes = {
+        name: mesh_of_option(problem, each) for name, each in named_meshes(options.meshes).items()
+    }
     on_quads = {isinstance(mesh, MeshQuad) for mesh in meshes.values()}
     if len(on_quads) > 1:
         raise SceneError("--mesh: a sequence is of triangles or of quadrilaterals, not of both")
@@ -147,7 +147,7 @@ def way_of_steps(problem: Problem, steps: Sequence[float]) -> Way:
         return replace(problem, march="implicit", step=setting / problem.units.time)
 
     short = max(steps) / problem.units.time <= SHORT_STEP * problem.earliest
-    theory = partial(theories.of_steps, problem.full_contact, short)
+    theory = KINDS[problem.contact].theory_of_steps(short)
     sizes = {step: step for step in steps}
     name = "MDR, implicit march"
     return Way(
@@ -155,18 +155,7 @@ def way_of_steps(problem: Problem, steps: Sequence[float]) -> Way:
     )
 
 
-def named(given: Sequence[str | Mesh]) -> dict[str, str | Mesh]:
-    """Return meshes by the names of their files, or by their numbers."""
-    names = [
-        Path(mesh).name if isinstance(mesh, str) else f"mesh {number}"
-        for number, mesh in enumerate(given, 1)
-    ]
-    if len(set(names)) < len(names):
-        names = [f"{number}: {name}" for number, name in enumerate(names, 1)]
-    return dict(zip(names, given, strict=True))
-
-
-def mesh_of_option(problem: Problem, given: str | Mesh) -> Mesh:
+def mesh_of_option(problem: Problem, given: str | Path | Mesh) -> Mesh:
     """Return a mesh of the user's, read from a file if it is one.
 
     Raises

@@ -1,41 +1,40 @@
 """A level as a run: a discretisation that the study fixes, worn and sampled as any method's is.
 
 Every level has all quantities of the scene, so that a function of a result works on it. What levels
-are measured by is one reference run: MDR at the finest accuracy for punches in full contact, cells
-half as large as the smallest, and a start that is fitted to its edges, for all others. Closed forms
-take its place where there are any: flat starts and the slope of the steady state.
+are measured by is one reference run (`contact_kinds.py`). Closed forms take its place where there
+are any: flat starts and the slope of the steady state.
 """
 
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...mdr import direct, ring_kernel
-from ...mdr.flat_punch import flat_punch
-from ...meshes.compliance import Compliance
+from ...mdr import energy
 from ...meshes.errors import RingwearError, SceneError
 from ...meshes.radial import Array
-from ..crosscheck.dataset import Result
 from ..methods.base import Discretised, Solution
 from ..methods.base import method as method_named
-from ..methods.evaluation import Evaluation, FullContact
-from ..methods.mdr import METHOD as MDR
+from ..methods.evaluation import Evaluation
 from ..methods.moving_evaluation import MovingContact
-from ..methods.pipeline import fitted_starts
-from ..methods.spaces import first_contact
+from ..numerics.core import flat_d0_error
+from ..outcome.outcome import Outcome
 from ..problem.problem import Problem
-from ..problem.quantities import FINEST
 from ..problem.scene import Scene
-from ..problem.sections import MdrAccuracy
 from ..progress import Stages
 from ..sampling.norms import Results
 from ..study.levels import Family, Theory
 from ..study.options import Quantity
 from ..tables import Row
-from ..wear.flat_contact import FittedPress, press_flat
 from .axis_stresses import MOST_UNKNOWNS, by_boussinesq, by_elements
-from .measures import FLAT_INDENTATION, FLAT_PRESSURE, STRESSES, Measure, error, measures_of
+from .contact_kinds import KINDS
+from .measures import (
+    PRESSURE_PART,
+    STRESSES,
+    Measure,
+    error,
+    measures_of,
+)
 from .theories import OWN_QUANTITY
 from .way import Way
 
@@ -46,8 +45,6 @@ STAGES = {
     "inside": "inside s",
 }
 """Columns of the table by the stage of a level that they tell the seconds of."""
-STEP_TOLERANCE_FACTOR = 0.2
-"""Where contact moves: steps in time err by less than cells (a factor on their tolerance)."""
 STATES_INSIDE = 3
 """Most times at which stresses inside are compared."""
 
@@ -101,25 +98,10 @@ class Studied:
         RingwearError
             if the reference cannot be computed
         """
-        problem = studied_problem(scene.problem)
-        if not problem.full_contact and not len(problem.times):
-            raise SceneError(
-                "the steady state of this punch is that of a flat one: give wear.times for a "
-                "history, or a flat punch"
-            )
-        stages = Stages("reference")
-        if problem.full_contact:
-            finest = replace(problem, rtol=FINEST, mdr=MdrAccuracy())
-            evaluation: Evaluation = FullContact(problem, MDR.discretise(finest, stages).compliance)
-        else:
-            space = first_contact(problem, 2 * finer)[1].space()
-            evaluation = MovingContact(
-                problem,
-                ring_kernel.compliance(space),
-                fitted_start(problem, stages),
-                STEP_TOLERANCE_FACTOR,
-            )
-        exact = evaluation.checked | closed_forms(problem, evaluation.checked)
+        kind = KINDS[scene.problem.contact]
+        problem, stages = kind.studied(scene.problem), Stages("reference")
+        evaluation = kind.reference(problem, finer, stages)
+        exact = evaluation.checked | kind.closed_forms(problem, evaluation.checked)
         states = states_inside(problem, evaluation)
         if len(states):
             exact[STRESSES] = by_boussinesq(
@@ -158,10 +140,9 @@ class Studied:
         discretised = way.discretise(setting, stages)
         compliance, half_space = discretised.compliance, discretised.half_space
         with stages("marching"):
-            evaluation = evaluate(problem, compliance)
-            values = dict(evaluation.checked)
-            if problem.full_contact:
-                values |= flat_start_of(problem, compliance)
+            kind = KINDS[problem.contact]
+            evaluation = kind.evaluate(problem, compliance)
+            values = evaluation.checked | kind.flat_start(problem, compliance)
         if half_space is not None and discretised.unknowns <= self.most_inside:
             states = states_inside(problem, evaluation)
             if len(states):
@@ -174,6 +155,8 @@ class Studied:
         for measure in self.measures:
             if self._has(way, measure):
                 row[measure.name] = error(measure, values, self.exact, face)
+        if PRESSURE_PART in way.parts:
+            row[PRESSURE_PART] = flat_d0_error(energy.compliance(compliance.space))
         if self.quantities:
             result = result_of(self.scene, way.method, evaluation, discretised, stages)
             for name, quantity in self.quantities.items():
@@ -181,60 +164,6 @@ class Studied:
                 row[f"value of {name}"] = value
                 row[name] = value / exact - 1 if exact else value
         return row
-
-
-def studied_problem(problem: Problem) -> Problem:
-    """Return a problem as every level solves it: exact in time, with all quantities."""
-    problem = replace(problem, march="modal", step=None, quantities=None)
-    if problem.full_contact:
-        # radii that fields are compared at do not depend on a level
-        return replace(problem, compared_on=problem.face)
-    # the steady state is that of the flat punch; sizes of cells are counted from this accuracy
-    problem = replace(problem, rtol=1e-4, steady=False)
-    return replace(problem, compared_on=problem.face)
-
-
-def evaluate(problem: Problem, compliance: Compliance) -> Evaluation:
-    """Return a compliance worn and sampled, as the pipeline of every method does."""
-    if problem.full_contact:
-        return FullContact(problem, compliance)
-    return MovingContact(problem, compliance, step_tolerance_factor=STEP_TOLERANCE_FACTOR)
-
-
-def flat_start_of(problem: Problem, compliance: Compliance) -> Results:
-    """Return the flat start by the pressures of the space itself, under the force 1."""
-    pressed = press_flat(compliance)
-    pressure = compliance.space.matrix(problem.face.radii) @ pressed.pressure
-    return {FLAT_INDENTATION: np.asarray(pressed.indentation), FLAT_PRESSURE: pressure}
-
-
-def closed_forms(problem: Problem, results: Results) -> Results:
-    """Return what is known exactly of a flat punch in full contact."""
-    if not problem.full_contact:
-        return {}
-    flat = flat_punch(problem.inner_radius)
-    exact = {
-        FLAT_INDENTATION: np.asarray(flat.indentation),
-        FLAT_PRESSURE: flat.pressure_at(problem.face.radii),
-    }
-    if "steady_rms_slope" in results and not problem.merged.linear:
-        rings = problem.merged
-        slope = direct.rms_slope(
-            rings.ring_edges,
-            direct.steady_pressures(*rings),
-            problem.gradient_average,
-            problem.inner_radius,
-        )
-        exact["steady_rms_slope"] = np.asarray(problem.loading.forces[-1] * slope)
-    return exact
-
-
-def fitted_start(problem: Problem, stages: Stages) -> FittedPress | None:
-    """Return the unworn press fitted to the edges of its contact; None where that is not had."""
-    intervals, _ = first_contact(problem)
-    presses, _ = fitted_starts(problem, intervals, MDR.discretise(problem, stages))
-    # where edges within the contact are free, cells show the start as they show the rest
-    return presses[0] if presses else None
 
 
 def states_inside(problem: Problem, evaluation: Evaluation) -> Array:
@@ -253,7 +182,7 @@ def states_inside(problem: Problem, evaluation: Evaluation) -> Array:
 
 def result_of(
     scene: Scene, method: str, evaluation: Evaluation, discretised: Discretised, stages: Stages
-) -> Result:
+) -> Outcome:
     """Return the result of a run with one method, whose errors nobody has estimated."""
     moving = evaluation if isinstance(evaluation, MovingContact) else None
     solution = Solution(
@@ -267,12 +196,12 @@ def result_of(
         march=moving.marched if moving else None,
         answers=evaluation.answers,
     )
-    return Result(
+    return Outcome(
         scene, {method: method_named(method)}, {method: solution}, {method: stages}, (), ()
     )
 
 
-def take(name: str, quantity: Quantity, result: Result) -> float:
+def take(name: str, quantity: Quantity, result: Outcome) -> float:
     """Return the value of a user's function of a result.
 
     Raises

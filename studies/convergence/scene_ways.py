@@ -28,6 +28,7 @@ from ..sizes.defaults import FACTOR, GROWTH
 from ..study.levels import Theory
 from . import theories
 from .flat_start import QUAD_DEGREES, RING_EDGE, ellipses
+from .measures import PRESSURE_PART
 from .way import Way
 
 Levels = dict[int, tuple[int, ...]]
@@ -181,8 +182,8 @@ def uniform_way(
 
     label = f"FEM {name or ('Q' if quads else 'P') + str(degree)}"
     name, sizes = f"{label}, uniform, scene", {setting: 0.5**setting for setting in halvings}
-    theory = theories.of_uniform
-    return Way(name, label, UNIFORM, "fem", sizes, discretise, theory, HALVED, work)
+    theory, parts = theories.of_uniform, (PRESSURE_PART,)
+    return Way(name, label, UNIFORM, "fem", sizes, discretise, theory, HALVED, work, parts=parts)
 
 
 def graded_way(

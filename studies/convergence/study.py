@@ -16,18 +16,19 @@ from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import SceneError
 from ..problem.problem import Problem
+from ..problem.regimes import MOVING_CONTACT
 from ..problem.scene import Scene
 from ..registry import METHODS
 from ..study.levels import SECONDS, Family, Record
 from ..study.options import Options
 from ..study.orders import WITHIN, Sequence
 from ..study.study import Study
-from . import theories
 from .axis_stresses import MOST_UNKNOWNS, QUICK_MOST_UNKNOWNS
 from .cell_ways import FINER, QUICK_FINER, ways_of_cells
+from .contact_kinds import KINDS
 from .figures import LABELS, Curve, Panel, draw
 from .flat_start import flat_families
-from .measures import MeasuredLevels
+from .measures import PRESSURE_PART, MeasuredLevels
 from .own_ways import own_ways
 from .runs import STAGES, Studied
 from .scene_ways import ways_of_scene
@@ -35,6 +36,7 @@ from .way import Way
 
 FLAT_PUNCH = "flat punch of one ring"
 """The group of families that have no rings."""
+FIRST_COLUMNS = ("family", "setting", "size", "unknowns")
 OF_CELLS = (
     "The reference has cells half as large as the finest, so that orders between the last levels "
     "look high. Cells of the face are refined, and the elements below them only beside it: degrees "
@@ -44,6 +46,8 @@ LEFT_OUT = (
     "Higher degrees of the pressure are left out, because its sign is asked for at nodes, and an "
     "edge within an element spoils them."
 )
+REMARKS = {MOVING_CONTACT: (OF_CELLS, LEFT_OUT)}
+"""What is told besides of some kinds of contact."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +83,7 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
     own = chain.from_iterable((name, f"value of {name}") for name in options.quantities)
     theory = chain.from_iterable(each.family.theory for each in drawn)
     columns = dict.fromkeys(
-        ["family", "setting", "size", "unknowns", *measured, *own, *theory, *STAGES.values()]
+        [*FIRST_COLUMNS, *measured, PRESSURE_PART, *own, *theory, *STAGES.values()]
     )
     table = record.solve("convergence", [each.family for each in drawn], list(columns))
     curves = list(curves_of(studied, drawn, table, options.against))
@@ -89,7 +93,11 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
         scene,
         table,
         orders=pd.DataFrame(sequence.summary() for sequence in sequences),
-        conclusions=(*conclude(sequences, studied.problem), *record.conclusions),
+        conclusions=(
+            *conclude(sequences, studied.problem),
+            *say_of_parts(sequences, table),
+            *record.conclusions,
+        ),
         figures={name: draw(title, panels) for name, title, panels in figures(scene, curves)},
     )
 
@@ -112,13 +120,11 @@ def refuse_unknown_methods(options: Options) -> None:
 def families(studied: Studied, options: Options) -> Iterator[Drawn]:
     """Yield the families of the study, or those that the user has asked for in their place."""
     problem, quick = studied.problem, options.quick
+    kind = KINDS[problem.contact]
     ways: Iterable[Way]
     if options.meshes or options.elements or options.steps:
-        if options.elements and not problem.full_contact:
-            raise SceneError(
-                "study convergence takes elements of your own for flat punches under a force that "
-                "never falls: leave them out"
-            )
+        if options.elements and kind.refuses_elements:
+            raise SceneError(kind.refuses_elements)
         ways = own_ways(problem, options)
     elif problem.full_contact:
         for family in flat_families(problem, quick):
@@ -200,6 +206,7 @@ def how(curve: Curve) -> str:
 
 def conclude(sequences: list[Sequence], problem: Problem) -> list[str]:
     """Return what the orders say, a sentence each."""
+    kind = KINDS[problem.contact]
     judged = [sequence for sequence in sequences if sequence.verdict in ("yes", "no")]
     right = [sequence for sequence in judged if sequence.verdict == "yes"]
     told = [
@@ -207,10 +214,8 @@ def conclude(sequences: list[Sequence], problem: Problem) -> list[str]:
         "and between the last levels."
     ]
     if not judged:
-        reason = theories.MOVING_EDGES if not problem.full_contact else theories.OWN_MESH
-        told = [f"No order is judged. {reason}"]
-    if not problem.full_contact:
-        told += [OF_CELLS, LEFT_OUT]
+        told = [f"No order is judged. {kind.no_order}"]
+    told += REMARKS.get(problem.contact, ())
     told += [
         f"{sequence.name}, {sequence.quantity}: the observed order is {sequence.order:.2f}, and "
         f"{sequence.last_order:.2f} between the last levels, where theory has "
@@ -228,6 +233,28 @@ def conclude(sequences: list[Sequence], problem: Problem) -> list[str]:
             f"{quantity}: the finest level of {best.name} errs by {best.errors[-1]:.1e}{others}."
         )
     return told
+
+
+def say_of_parts(sequences: list[Sequence], table: pd.DataFrame) -> Iterator[str]:
+    """Yield why d0 on uniform meshes is of another order than theory's: its parts cancel.
+
+    Pressures that are too smooth at the rim press in too deep, displacements that are too stiff
+    too little. Both parts are of the order of theory, but their sum changes more slowly while they
+    are alike.
+    """
+    for sequence in sequences:
+        rows = table[(table.family == sequence.name) & table[PRESSURE_PART].notna()]
+        if sequence.verdict != "no" or sequence.quantity != "d0" or len(rows) < 2:
+            continue
+        sizes, errors, by_pressures = rows[["size", "d0", PRESSURE_PART]].to_numpy(float).T
+        parts = []
+        for name, part in (("pressures", by_pressures), ("displacements", errors - by_pressures)):
+            order = Sequence(sequence.name, name, sequence.theory, sizes, part).last_order
+            parts.append(f"the {name} alone err by {part[-1]:+.1e} with the order {order:.2f}")
+        yield (
+            f"{sequence.name}, d0: the order differs, because its parts have opposite signs: on "
+            f"the finest level {' and '.join(parts)}, between the last two levels."
+        )
 
 
 def _say_of_index(sequences: list[Sequence]) -> Iterator[str]:

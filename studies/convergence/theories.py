@@ -126,17 +126,19 @@ def of_graded_pressures(measure: str, degree: int, floors: dict[str, float]) -> 
     return Theory(reason=OTHER_NORM)
 
 
-def of_steps(in_full_contact: bool, short: bool, measure: str) -> Theory:
-    """Return what the implicit march leads to.
+def of_steps_in_moving_contact(_: str) -> Theory:
+    """Return what the implicit march leads to where contact opens, closes and spreads."""
+    return Theory(reason=STEP_WITH_CONTACT)
+
+
+def of_steps(short: bool, measure: str) -> Theory:
+    """Return what the implicit march leads to in full contact.
 
     Parameters
     ----------
-    in_full_contact : whether contact never changes
     short : whether all steps are shorter than the first of the times
     measure : by its name
     """
-    if not in_full_contact:
-        return Theory(reason=STEP_WITH_CONTACT)
     if measure in TIMELESS:
         return Theory(reason=NO_TIME)
     if not short:

@@ -26,6 +26,7 @@ class Way:
     xlabel : what the size is called
     work : setting -> seconds that its level is expected to take
     problem_at : setting -> the problem that is solved; by default the same at all levels
+    parts : columns of the table that tell parts of an error
     """
 
     name: str
@@ -38,3 +39,4 @@ class Way:
     xlabel: str
     work: Callable[[Any], float] = lambda _: 1.0
     problem_at: Callable[[Any], Problem] | None = None
+    parts: tuple[str, ...] = ()

@@ -9,7 +9,6 @@ from dataclasses import replace
 from ...meshes.errors import RingwearError
 from ..methods.base import Method, Solution
 from ..problem.problem import Problem
-from ..problem.quantities import ENERGIES
 from ..progress import LOG, Stages
 from ..sizes.defaults import tolerance_range
 from .promise import BY_CELLS, allowed_error, unresolved
@@ -22,7 +21,7 @@ def solved_to_accuracy(
     method: Method, problems: Sequence[Problem], stages: Stages
 ) -> list[Solution]:
     """Solve problems on the same ring edges, and each again whose estimates fall short."""
-    solutions = method.solve_all(problems, stages)
+    solutions = method.solve_alike(problems, stages)
     return [
         refined(method, problem, solution, stages)
         for problem, solution in zip(problems, solutions, strict=True)
@@ -46,8 +45,7 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
     for _ in range(4):
         if rtol <= least or error <= allowed:
             break
-        # sizes and degrees are whole numbers of layers: less than that may hardly change them
-        rtol = max(least, rtol * max(0.25 * allowed / error, 0.1))
+        rtol = finer_rtol(rtol, error, allowed, least)
         numbers = method.name, error, allowed
         LOG.info("%8s  its estimate %.1e is above %.1e: refining ...", *numbers)
         try:
@@ -68,6 +66,19 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
     return solution
 
 
+def finer_rtol(rtol: float, error: float, allowed: float, least: float) -> float:
+    """Return the accuracy that the next refinement asks for, if an error is above the allowed one.
+
+    Parameters
+    ----------
+    rtol : that sizes followed
+    error, allowed : the greatest estimate, and what it may be
+    least : the least accuracy that sizes follow
+    """
+    # sizes and degrees are whole numbers of layers: less than that may hardly change them
+    return max(least, rtol * max(0.25 * allowed / error, 0.1))
+
+
 def error_of_sizes(problem: Problem, solution: Solution) -> float:
     """Return the greatest error estimate of all quantities that finer sizes would mend."""
     # closed forms and the uniform grid have no sizes that follow the accuracy asked for
@@ -78,8 +89,7 @@ def error_of_sizes(problem: Problem, solution: Solution) -> float:
     names = [
         name
         for name in solution.errors
-        if name in BY_CELLS or not unresolved(problem, name, solutions)
+        if name not in solution.limited_by_degree
+        and (name in BY_CELLS or not unresolved(problem, name, solutions))
     ]
-    if problem.full_contact and solution.highest_degree:
-        names = [name for name in names if name in ENERGIES]
     return max(map(solution.greatest_error, names), default=0.0)

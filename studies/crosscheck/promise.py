@@ -6,6 +6,7 @@ there is a reason and a method states more than the accuracy asked for.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -74,11 +75,10 @@ def unresolved(
             edges = "pressures jump at edges of worn faces that move"
         words = f"{edges}, and fields are known to a cell there; ask for a smaller rtol"
         return words if quantity in (*AT_EDGES, *BY_CELLS) else ""
-    if DESCRIBED[quantity].dims[:1] == ("time",):
-        # what is asked for before is not felt any more
-        problem = replace(problem, times=problem.times[problem.checked[at] :])
+    # what is asked for before is not felt any more
+    first = int(problem.checked[at]) if DESCRIBED[quantity].dims[:1] == ("time",) else 0
     if quantity in IN_LAYERS:
-        wanted = float(edge_sizes(problem).min())
+        wanted = _smallest_wanted(problem, first)
         for method, solution in solutions.items():
             if wanted < THIN * solution.smallest:
                 return (
@@ -86,14 +86,33 @@ def unresolved(
                     f"then, and the smallest of {method} are {solution.smallest:.0e} a; ask for "
                     "later times"
                 )
-    accuracy = field_accuracy(problem)
-    if quantity not in ENERGIES and accuracy > problem.rtol:
+    if quantity in ENERGIES:
+        return ""
+    accuracy = _field_accuracy(problem, first)
+    if accuracy > problem.rtol:
         return (
             f"so many rings and so early times would take more pressures than memory and time "
             f"allow, so that fields are resolved to {accuracy:.0e} only; ask for later times, a "
             "larger rtol, or fewer rings"
         )
     return ""
+
+
+# all quantities are asked for at the same times, most of which are few
+@lru_cache(maxsize=64)
+def _smallest_wanted(problem: Problem, first: int) -> float:
+    """Return the smallest wanted element size from one of the times on."""
+    return float(edge_sizes(_from_time_on(problem, first)).min())
+
+
+@lru_cache(maxsize=64)
+def _field_accuracy(problem: Problem, first: int) -> float:
+    """Return the relative accuracy that fields are resolved to from one of the times on."""
+    return field_accuracy(_from_time_on(problem, first))
+
+
+def _from_time_on(problem: Problem, first: int) -> Problem:
+    return replace(problem, times=problem.times[first:])
 
 
 def left_out_of_promise(problem: Problem, solutions: Mapping[str, Solution]) -> list[LeftOut]:

@@ -12,7 +12,8 @@ from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 from ...mdr.flat_punch import D0, P0
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
-from ..figures.style import PAGE, in_style, power_of_ten
+from ..figures.style import PAGE, in_style
+from ..figures.ticks import power_of_ten
 from .choice import SINGULAR, UNSTABLE
 from .pairs import Pressures
 

@@ -18,9 +18,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ..crosscheck.dataset import Result
-from ..crosscheck.run import run
 from ..figures.style import GREYS, RED, legend_of, new_figure
+from ..outcome.outcome import Outcome
+from ..outcome.run import run
 from ..problem.scene import Scene
 from ..study.levels import Family
 from ..tables import Row
@@ -104,7 +104,7 @@ def judge(scenes: dict[Cell, Scene], cell: Cell) -> Row:
     return row | {"seconds": round(time.perf_counter() - start, 4)}
 
 
-def judge_quantities(result: Result) -> Iterator[Verdict]:
+def judge_quantities(result: Outcome) -> Iterator[Verdict]:
     """Yield the verdict on every quantity of the steady state and on every anchor.
 
     The quantities are compared with `direct`, which has the steady state in closed form.

@@ -24,7 +24,7 @@ from skfem import (
 )
 
 from ...meshes.errors import SolverError
-from ...meshes.radial import Array, ring_of
+from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..sampling.norms import Results
 
@@ -157,9 +157,9 @@ def solve(
     length, hole = units.length, problem.inner_radius * units.length
     face = press(length, hole, units.modulus, problem.poisson_ratio, outer, cells)
     radii = face.radii / length
-    ring = ring_of(problem.rings.ring_edges, np.clip(radii, problem.inner_radius, 1 - 1e-12))
     # wear rate per pressure, in the units of the scene
-    wear = problem.rings.ends.mean(axis=0)[ring] * units.wear_rate / units.pressure
+    wear = problem.merged.at(np.clip(radii, problem.inner_radius, 1.0))
+    wear = wear * units.wear_rate / units.pressure
     heights = (problem.profile(radii) + problem.profile.standoff) * units.displacement
     by_height = np.linalg.solve(face.mass, face.stiffness)
     by_depth, weights = by_height.sum(axis=1), face.stiffness.sum(axis=0)

@@ -20,6 +20,7 @@ from ..crosscheck.promise import allowed_error, unresolved
 from ..methods.base import Solution, method
 from ..problem.fields import Cone, Parabola
 from ..problem.problem import Problem
+from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT, ONE_FORCE
 from ..problem.scene import Scene
 from ..problem.sections import FemAccuracy, MdrAccuracy
 from ..progress import Stages
@@ -79,7 +80,7 @@ def judge_by_theory(scene: Scene, problem: Problem, solution: Solution) -> Itera
             yield verdict_on_promise(
                 f"{quantity} at the start, in closed form", error, estimate, allowed
             )
-    if problem.indentation is not None or problem.loading.varies:
+    if problem.load_regime is not ONE_FORCE:
         return
     wear = problem.rings.ends.mean(axis=0)[-len(problem.rings.widths) :]
     for name, balance, per_ring, whole in (
@@ -103,12 +104,16 @@ def start_in_closed_form(scene: Scene) -> dict[str, float]:
     None are known if the contact is not a disc within the face, or if the load is no force.
     """
     problem = scene.problem
-    if problem.indentation is not None or problem.loading.varies:
-        return {}
-    if problem.full_contact:
-        flat = flat_punch(problem.inner_radius)
-        return {"indentation": float(flat.indentation)}
-    profile, units = scene.punch.profile, problem.units
+    return STARTS[problem.contact](scene) if problem.load_regime is ONE_FORCE else {}
+
+
+def _start_of_flat(scene: Scene) -> dict[str, float]:
+    return {"indentation": float(flat_punch(scene.problem.inner_radius).indentation)}
+
+
+def _start_of_shaped(scene: Scene) -> dict[str, float]:
+    """Return the contact radius and the indentation of a sphere or a cone within the face."""
+    profile, units = scene.punch.profile, scene.problem.units
     pressed = units.force / (units.modulus * units.length**2)
     if isinstance(profile, Parabola):
         curvature = profile.curvature_radius / units.length
@@ -122,3 +127,6 @@ def start_in_closed_form(scene: Scene) -> dict[str, float]:
     if contact >= 1:
         return {}
     return {"contact_radius": float(contact), "indentation": float(depth / pressed)}
+
+
+STARTS = {FULL_CONTACT: _start_of_flat, MOVING_CONTACT: _start_of_shaped}

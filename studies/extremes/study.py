@@ -46,7 +46,8 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
     # everything may have been interrupted
     along, mapped = (table[table.part == part] for part in ("panel", "map"))
     figures = {"extremes": draw_panels(panels, along)} if len(along) else {}
-    if len(mapped):
+    # one cell of each family is no map
+    if len(mapped) and not quick:
         figures["map"] = cells.draw(mapped)
     refusals = list_refusals(table)
     return Study(

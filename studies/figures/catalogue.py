@@ -1,6 +1,6 @@
 """The figures of a run: what each is called, shows and needs; the folder and the page follow it."""
 
-from ..crosscheck.dataset import Result
+from ..outcome.outcome import Outcome
 from .contact import draw_contact
 from .difference import draw_result_difference
 from .history import draw_history
@@ -10,7 +10,7 @@ from .states import draw_states, draw_steady
 from .style import Picture
 
 
-def _has_history(result: Result) -> bool:
+def _has_history(result: Outcome) -> bool:
     return result.scene.problem.earliest > 0 and result.gives("displacement_max", "rms_slope")
 
 
@@ -61,9 +61,9 @@ PICTURES = (
     ),
     Picture(
         "stress.png",
-        "Von Mises stress in the half-space.",
+        "Von Mises stress in the half-space, where the punch presses on it.",
         draw_stress,
-        lambda result: result.has_inside,
+        lambda result: result.has_inside and any(map(len, result.inside.parts)),
     ),
     Picture(
         "mesh.png",

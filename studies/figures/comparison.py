@@ -1,16 +1,17 @@
 """Two results drawn together: steady profiles and pressures, displacement and slope over time."""
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from ...meshes.errors import SceneError
-from ..crosscheck.dataset import Result
-from ..sampling.field_differences import FieldComparison
-from .difference import draw_difference
+from ..outcome.outcome import Outcome
 from .scale import Scale
-from .style import PAGE, complete, curve, new_panels, show_values
+from .style import PAGE, complete, curve, new_panels, set_linear, show_values
+
+COMPARED_LOOKS = {name: curve(number) for number, name in enumerate("AB")}
 
 
-def draw_comparison(a: Result, b: Result) -> Figure:
+def draw_comparison(a: Outcome, b: Outcome) -> Figure:
     """Draw what two results give, each by its first method.
 
     Raises
@@ -18,12 +19,13 @@ def draw_comparison(a: Result, b: Result) -> Figure:
     SceneError
         if there is nothing to draw
     """
-    scale, other = Scale(a.scene), Scale(b.scene)
+    scale, other = Scale.of(a), Scale.of(b)
     other.axes, other.logarithmic = scale.axes, scale.logarithmic
     figure, panels = new_panels(PAGE, 4.6, 2, 2)
     names = ("steady_profile", "steady_pressure", "displacement_max", "rms_slope")
     for name, axes in zip(names, panels.flat, strict=True):
         over, marks = ("radius", {"marker": ""}) if "steady" in name else ("time", {})
+        scale.suit(name, np.hstack([side.first(name).ravel() for side in (a, b)]))
         for number, (drawn, result) in enumerate(((scale, a), (other, b))):
             if result.by_method(name):
                 look = curve(number) | marks | {"label": "AB"[number]}
@@ -32,18 +34,16 @@ def draw_comparison(a: Result, b: Result) -> Figure:
             figure.delaxes(axes)
         elif over == "time":
             show_values(axes)
+        else:
+            set_linear(axes, "x")
+            set_linear(axes, "y")
     if not figure.axes:
         raise SceneError("neither has a history or a steady state: nothing can be compared")
     panels[0, 0].invert_yaxis()
-    return complete(figure, _titles(a, b), figure.axes, down=0.5)
+    return complete(figure, titles(a, b), figure.axes, down=0.5)
 
 
-def draw_field_difference(a: Result, b: Result, comparison: FieldComparison) -> Figure:
-    """Draw B minus A in the fields along the radius, in the units of A."""
-    return draw_difference(Scale(a.scene), ": ".join(_titles(a, b)), (comparison,))
-
-
-def _titles(a: Result, b: Result) -> tuple[str, str]:
+def titles(a: Outcome, b: Outcome) -> tuple[str, str]:
     """Return the titles of both scenes, for the title of a figure."""
     first, second = (result.scene.title or "untitled" for result in (a, b))
     return "A", f"{first}; B: {second}"

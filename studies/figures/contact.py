@@ -1,33 +1,27 @@
 """Contact that opens, closes and spreads: where it is, and what it does to each ring, over time."""
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from ..crosscheck.dataset import Result
+from ..outcome.outcome import Outcome
 from .scale import Scale
-from .style import PAGE, complete, curve, method_curve, new_panels, show_values
+from .style import PAGE, cell_edges, complete, curve, new_panels, set_linear, show_values
 
 
-def draw_contact(result: Result) -> Figure:
+def draw_contact(result: Outcome) -> Figure:
     """Draw the edges of the contact, the forces on rings and the worn volumes of rings over time.
 
     Edges are shown by every method, with the inside of the contact shaded. Forces and worn volumes
     are shown by the first method. If there are more than five rings, five of them are shown.
     """
-    scale, (_, between) = Scale(result.scene), result.between
+    scale, (_, between) = Scale.of(result), result.between
     figure, panels = new_panels(PAGE, 2.9, columns=3)
     where, force, volume = panels.flat
-    for number, (method, radii) in enumerate(result.by_method("contact_edge").items()):
-        color, marker = method_curve(method)["color"], "ox+^"[number % 4]
-        look = curve(number) | {"color": color, "marker": marker, "label": method.upper()}
-        look |= {"linestyle": "", "clip_on": False}
-        scale.plot(where, "contact_edge", "time", result.coordinates["time"], radii, **look)
-    for height in scale.shown("radius", result.coordinates["ring_outer_radius"][:-1]):
-        where.axhline(height, color="0.75", linewidth=0.6, zorder=0, label="ring edge")
-    times, radii = (scale.shown(name, between[name]) for name in ("time", "radius"))
-    where.pcolormesh(
-        times, radii, between["contact"].T, cmap="Greys", vmax=5, shading="gouraud", zorder=-1
-    )
+    _draw_edges(where, result, scale)
+    scale.suit("normal_force", between["normal_force"])
+    scale.suit("ring_worn_volume", between["ring_worn_volume"])
     count = len(result.coordinates["ring"])
     for number, ring in enumerate(np.unique(np.linspace(0, count - 1, min(count, 5)).astype(int))):
         look = curve(number) | {"marker": "", "label": f"ring {ring + 1}"}
@@ -38,4 +32,33 @@ def draw_contact(result: Result) -> Figure:
     for axes in panels.flat:
         axes.set_ylim(0, 1.04 * axes.dataLim.y1)
         show_values(axes)
+        axes.set_xlim(where.get_xlim())
+        if not scale.logarithmic:
+            set_linear(axes, "x", most=4)
     return complete(figure, (result.scene.title, "contact over time"), figure.axes)
+
+
+def _draw_edges(axes: Axes, result: Outcome, scale: Scale) -> None:
+    """Draw the edges of the contact by every method, and shade its inside by the first of them.
+
+    The centre of a solid punch is no edge. Nothing is shaded before the first time that is shown.
+    """
+    problem, (_, between) = scale.problem, result.between
+    for number, (method, radii) in enumerate(result.by_method("contact_edge").items()):
+        look = curve(number) | {"color": scale.look(method)["color"], "marker": "ox+^"[number % 4]}
+        look |= {"linestyle": "", "clip_on": False, "label": scale.look(method)["label"]}
+        edges = np.where(radii > 0, radii, np.nan)
+        scale.plot(axes, "contact_edge", "time", result.coordinates["time"], edges, **look)
+    for height in scale.shown("radius", result.coordinates["ring_outer_radius"][:-1]):
+        axes.axhline(height, color="0.75", linewidth=0.6, zorder=0, label="ring edge")
+    shown = between["time"] > 0 if scale.logarithmic else np.isfinite(between["time"])
+    times, radii = (scale.shown(name, between[name]) for name in ("time", "radius"))
+    times, (inner, outer) = (
+        times[shown],
+        scale.shown("radius", problem.ring_edges[[0, -1]] * problem.units.length),
+    )
+    if len(times) > 1:
+        ends = cell_edges(times).clip(times[0], times[-1]), cell_edges(radii).clip(inner, outer)
+        touching = np.ma.masked_less(between["contact"][shown].T, 0.5)
+        axes.pcolormesh(*ends, touching, cmap=ListedColormap(["0.87"]), zorder=-1)
+        axes.set_xlim(times[0], times[-1])

@@ -8,22 +8,22 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator
 
 from ...meshes.radial import Array
-from ..crosscheck.dataset import Result
+from ..outcome.outcome import Outcome
 from ..sampling.field_differences import FieldComparison, FieldDifference
 from .scale import Scale, shown_times
 from .style import (
     PAGE,
     Look,
+    cell_edges,
     complete,
     label_of,
-    method_curve,
     new_panels,
-    power_of_ten,
+    set_linear,
     set_logarithmic,
 )
+from .ticks import Decades, power_of_ten, short_number
 
 # name and symbol of each field, and what its differences are over
 WORDS = {
@@ -41,9 +41,9 @@ CELLS = 160
 FEW_RADII = 25
 
 
-def draw_result_difference(result: Result) -> Figure:
+def draw_result_difference(result: Outcome) -> Figure:
     """Draw the difference of two methods of a run; a note tells of further methods."""
-    return draw_difference(Scale(result.scene), result.scene.title, result.field_comparisons)
+    return draw_difference(Scale.of(result), result.scene.title, result.field_comparisons)
 
 
 def draw_difference(scale: Scale, title: str, comparisons: Sequence[FieldComparison]) -> Figure:
@@ -77,6 +77,7 @@ def draw_difference(scale: Scale, title: str, comparisons: Sequence[FieldCompari
             axes.set_xlabel(scale.label("radius"))
             # ticks take most of the time that a figure of many panels takes
             axes.xaxis.set_visible(number == rows - 1)
+            set_linear(axes, "x")
     names = label_of(drawn.other), label_of(drawn.reference)
     # first, because a long title is cut at its end
     titles = f"{names[0]} minus {names[1]}", title
@@ -84,7 +85,7 @@ def draw_difference(scale: Scale, title: str, comparisons: Sequence[FieldCompari
     if over_time:
         bar = figure.colorbar(image, ax=list(panels[:, 1]), fraction=0.19, pad=0.03, aspect=35)
         bar.ax.yaxis.set_major_formatter(lambda value, _: power_of_ten(value))
-        bar.locator = LogLocator(numticks=4)
+        bar.locator = Decades(4)
         bar.minorticks_off()
         bar.set_label("relative difference")
     return figure
@@ -120,7 +121,7 @@ def _draw_curves(
         # it is in the panel even if it is far below what is stated
         low = min(low, 0.1 * largest)
     for (name, bound), line in zip(bounds.items(), ("-", "--"), strict=False):
-        colour, label = method_curve(name)["color"], f"error that {label_of(name)} states (band)"
+        colour, label = scale.look(name)["color"], f"error that {label_of(name)} states (band)"
         axes.axhspan(low, bound, color=colour, alpha=0.13, linewidth=0, zorder=0)
         axes.axhline(bound, color=colour, linewidth=0.8, linestyle=line, label=label)
     for time, colour in colours.items():
@@ -134,8 +135,7 @@ def _draw_curves(
     if largest:
         _, at = field.largest
         axes.plot(scale.shown("radius", field.radii[at]), largest, **_mark())
-    set_logarithmic(axes, "y")
-    axes.yaxis.set_major_locator(LogLocator(numticks=4))
+    set_logarithmic(axes, "y", most=4)
     axes.set_ylim(low, high)
 
 
@@ -152,7 +152,9 @@ def _draw_map(
     inner, outer = _face(scale)
     cells = np.linspace(inner, outer, CELLS + 1)
     image = _greatest_in_cells(field.relative, radii, cells)
-    rows = _row_edges(heights)
+    rows = cell_edges(heights)
+    if not ticks:
+        rows = rows.clip(heights[0], heights[-1])
     shown = np.ma.masked_invalid(np.maximum(image, limits[0]))
     drawn = axes.pcolormesh(cells, rows, shown, norm=LogNorm(*limits), cmap="magma_r")
     if contact_edges.shape[1] and len(contact_edges) == len(heights):
@@ -170,6 +172,8 @@ def _draw_map(
     axes.set(ylim=rows[[0, -1]], ylabel=scale.label("time"))
     if ticks:
         axes.set_yticks(list(ticks), list(ticks.values()))
+    else:
+        set_linear(axes, "y", most=4)
     return drawn
 
 
@@ -181,30 +185,23 @@ def _time_axis(times: Array, scale: Scale) -> tuple[Array, dict[float, str]]:
     """
     shown = scale.shown("time", times)
     if len(shown) == 1:
-        return shown, {float(shown[0]): f"{shown[0]:.3g}"}
+        return shown, {float(shown[0]): short_number(shown[0])}
     if not scale.problem.load_regime.logarithmic_times or (shown > 0).sum() < 2:
         return shown, {}
     heights = np.log10(np.where(shown > 0, shown, 1.0))
     later = heights[shown > 0]
-    first = later[0] - max(0.08 * np.ptp(later), 0.3)
-    first_decade, last_decade = np.ceil(later[0]), np.floor(later[-1])
+    # labels beside each other take that much of the height
+    label = 0.15 * np.ptp(later)
+    first = later[0] - max(label, 0.3)
+    first_decade, last_decade = np.ceil(max(later[0], first + label)), np.floor(later[-1])
     step = max(1.0, (last_decade - first_decade) // 3)
     decades = np.arange(first_decade, last_decade + 1, step)
     ticks = {float(decade): power_of_ten(10.0**decade) for decade in decades}
     if len(ticks) < 2:
-        ticks = {float(later[at]): f"{10 ** later[at]:.3g}" for at in (0, -1)}
+        ticks = {float(later[at]): short_number(10 ** later[at]) for at in (0, -1)}
     if not shown.all():
         ticks[float(first)] = "0"
     return np.where(shown > 0, heights, first), ticks
-
-
-def _row_edges(heights: Array) -> Array:
-    """Return the edges (T+1,) of rows around some heights, half-way between neighbours."""
-    if len(heights) == 1:
-        return heights[0] + np.array([-0.5, 0.5])
-    middle = (heights[1:] + heights[:-1]) / 2
-    first, last = 2 * heights[[0, -1]] - middle[[0, -1]]
-    return np.array([first, *middle, last])
 
 
 def _greatest_in_cells(values: Array, radii: Array, cells: Array) -> Array:

@@ -8,98 +8,201 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
+from ...meshes.ground.ground import Ground
 from ...meshes.radial import Array
-from ..crosscheck.dataset import Result
-from ..inside.interior import NEAR
+from ..inside.interior import NEAR, Interior
+from ..outcome.outcome import Outcome
 from ..problem.scene import Scene
-from .scale import Scale
-from .style import PAGE, RED, complete, new_panels, power_of_ten, save
+from .scale import FAR_APART, Scale, panel_tops
+from .style import BLUE, PAGE, RED, complete, new_panels, save, set_linear
+from .ticks import short_number
 
 
-def draw_stress(result: Result) -> Figure:
-    """Draw the von Mises stress under the rings, at every state whose inside was recovered."""
-    fields, scale, problem = result.inside, Scale(result.scene), result.scene.problem
-    count = len(fields.labels)
-    width = min(PAGE, 1.4 + 2.7 * count)
-    figure, panels = new_panels(width, 0.78 * (width - 1.6) / count + 1.25, columns=count)
+def draw_stress(result: Outcome) -> Figure:
+    """Draw the von Mises stress under the rings in up to four states in which the punch presses.
+
+    States have one scale of colours, and one of lengths, unless they differ by orders of magnitude.
+    Then there are up to three.
+    """
+    fields, scale, problem = result.inside, Scale.of(result), result.scene.problem
+    pressing = [number for number, parts in enumerate(fields.parts) if len(parts)]
     radius = scale.shown("radius", problem.units.length)
     r, z = fields.points * radius
-    depth = float(fields.reach.max()) * radius
-    stress = scale.shown("von_mises", fields.von_mises * problem.units.pressure)
-    beneath = stress[:, (r < 1.3 * depth) & (z > 0.04 * depth) & (z < depth)]
-    highest = beneath.max(axis=1)
-    least = min(highest[highest > 0], default=1.0)
-    levels = np.geomspace(0.2 * least, max(highest.max(), least), 16)
-    # where nothing presses there is none
-    stress = np.maximum(stress, 0.1 * levels[0])
-    for axes, values, label, error in zip(
-        panels[0], stress, fields.labels, fields.errors["von_mises"], strict=True
-    ):
-        filled = axes.tricontourf(
-            r, z, fields.triangles.T, values, levels, norm=LogNorm(), extend="both"
+    for most in (4, 3):
+        states = [
+            pressing[at]
+            for at in np.linspace(0, len(pressing) - 1, min(most, len(pressing))).astype(int)
+        ]
+        depths = panel_tops(fields.reach[states] * radius)
+        stress = fields.von_mises[states] * problem.units.pressure
+        highest = np.array(
+            [
+                values[(r < 1.3 * depth) & (z > 0.04 * depth) & (z < depth)].max()
+                for values, depth in zip(stress, depths, strict=True)
+            ]
         )
-        _draw_punch(axes, depth, problem.ring_edges * radius)
+        own_colours = highest.max() > FAR_APART * highest.min()
+        if not own_colours:
+            break
+    own_lengths = bool(np.ptp(depths))
+    count = len(states)
+    # a bar of colours and its labels, and the labels of an axis, in inches
+    across = 0.25 + 0.62 * own_colours + 0.2 * own_lengths
+    bars = 0.62 * (count if own_colours else 1)
+    width = min(PAGE, 1.4 + 2.7 * count)
+    panel = (width - 0.7 - bars - across * (count - 1) + 0.62 * own_colours * (count - 1)) / count
+    figure, panels = new_panels(width, 0.83 * panel + 1.45, columns=count)
+    filled = []
+    for axes, state, values, top, depth in zip(
+        panels[0], states, stress, highest, depths, strict=True
+    ):
+        unit, name = scale.unit(float(top if own_colours else highest.max()), "pressure")
+        levels = _levels(top / unit, top / unit)
+        if not own_colours:
+            levels = _levels(highest.min() / unit, highest.max() / unit)
+        shown = np.maximum(values / unit, 0.1 * levels[0])
+        image = axes.tricontourf(
+            *(r, z, fields.triangles.T, shown, levels), norm=LogNorm(), extend="both"
+        )
+        symbol = "σ" if own_colours else "von Mises stress σ"
+        filled.append((image, f"{symbol} ({name})" if name else symbol))
+        _draw_punch(axes, depth, fields.parts[state] * radius, problem.ring_edges * radius)
+        _draw_layers(axes, problem.ground, radius, 1.3 * depth)
         axes.set(xlim=(0, 1.3 * depth), ylim=(depth, -0.08 * depth), aspect="equal")
         axes.set(xlabel=scale.label("radius"), ylabel=scale.label("depth"))
-        state = "steady state" if label == "steady" else scale.when(float(label.removeprefix("t=")))
-        axes.set_title(f"{state}\nerrors up to {error:.0e} pₘ")
-        axes.label_outer()
-    note = (
-        f"errors: estimates, over pₘ = F/(πc²), c the radius of the contact, beyond {NEAR:g} c "
-        "of its edges and ring edges (marked)"
-    )
+        set_linear(axes, "x", most=4)
+        set_linear(axes, "y")
+        label = fields.labels[state]
+        when = scale.steady_state
+        if label != "steady":
+            when = scale.when(float(label.removeprefix("t=")))
+        error = short_number(float(f"{100 * fields.errors['von_mises'][state]:.1g}"))
+        axes.set_title(f"{when}\nerrors up to {error} % of pₘ")
+        if own_lengths:
+            axes.set_ylabel(scale.label("depth") if axes is panels[0, 0] else "")
+        else:
+            axes.label_outer()
     titles = result.scene.title, "von Mises stress under the rings"
-    complete(figure, titles, note=note, across=0.25)
-    bar = figure.colorbar(
-        filled, ax=panels[0], ticks=levels[::3], format="%.2g", fraction=0.1, pad=0.02
-    )
-    bar.set_label(scale.label("von_mises"))
+    complete(figure, titles, note=_note(fields, count), across=across, right=0.7)
+    # a bar for each panel, or one for all beside the last
+    for axes, (image, label) in zip(panels[0], filled, strict=True):
+        if own_colours or axes is panels[0, -1]:
+            _draw_bar(axes, image, label)
     return figure
 
 
-def draw_result_mesh(result: Result) -> Figure:
+def _note(fields: Interior, count: int) -> str:
+    """Say what errors are, what is red, and which states are not among the `count` drawn."""
+    pressing = sum(len(parts) > 0 for parts in fields.parts)
+    note = (
+        f"errors: estimates, over pₘ = F/(πc²), c the radius of the contact, beyond {NEAR:g} c "
+        "of its edges and of ring edges\nred: parts of the punch that touch, and ring edges"
+    )
+    if left := len(fields.labels) - pressing:
+        note += f"; states in which nothing presses, not drawn: {left}"
+    if pressing > count:
+        note += f"; more states in half_space.vtu: {pressing - count}"
+    return note
+
+
+def _draw_bar(axes: Axes, image: Any, label: str) -> None:
+    """Draw the bar of colours of a panel beside it, with ticks at 1, 2 and 5 and powers of ten."""
+    # levels are ten to a decade
+    ticks = [level for level in image.levels if round(10 * np.log10(level)) % 10 in (0, 3, 7)]
+    figure = axes.get_figure()
+    assert isinstance(figure, Figure)
+    axes.apply_aspect()
+    place = axes.get_position()
+    inch = 1 / figure.get_figwidth()
+    beside = figure.add_axes((place.x1 + 0.07 * inch, place.y0, 0.09 * inch, place.height))
+    bar = figure.colorbar(image, cax=beside, ticks=ticks)
+    bar.ax.set_yticks(ticks, [short_number(float(f"{tick:.1g}")) for tick in ticks])
+    bar.minorticks_off()
+    bar.set_label(label)
+
+
+def _levels(least: float, greatest: float) -> Array:
+    """Return levels of colour, ten to a decade, from a fifth of the least of some highest values.
+
+    Ten steps to a decade are close to 1, 1.25, 1.6, 2, 2.5, 3.15, 4, 5, 6.3 and 8.
+    """
+    first, last = np.floor(10 * np.log10(0.2 * least)), np.ceil(10 * np.log10(greatest))
+    return np.asarray(10.0 ** (np.arange(first, last + 1) / 10))
+
+
+def draw_result_mesh(result: Outcome) -> Figure:
     """Draw the mesh of the finite elements."""
     fem = result.solutions["fem"]
     assert fem.half_space is not None
-    mesh, rings = fem.half_space.solid.mesh, result.scene.problem.ring_edges
-    return draw_mesh(mesh, fem.settings.get("mesher", "bisection"), rings)
+    mesh = fem.half_space.solid.mesh
+    return draw_mesh(result.scene, mesh, fem.settings.get("mesher", "bisection"))
 
 
-def draw_mesh(mesh: Any, mesher: str, ring_edges: Array) -> Figure:
-    """Draw the whole mesh, the mesh under the punch, and the mesh at the rim."""
+def draw_mesh(scene: Scene, mesh: Any, mesher: str) -> Figure:
+    """Draw the whole mesh, the mesh under the punch, and the mesh at the rim.
+
+    Parameters
+    ----------
+    mesh : of the half-space, in punch radii; it is drawn in the lengths of the scene
+    """
     from ...meshes.half_space import contact_radii, truncation  # a run without fem needs no skfem
 
+    scale, ring_edges = Scale(scene), scene.problem.ring_edges
+    radius = scale.shown("radius", scene.problem.units.length)
     rim = max(30 * float(np.diff(contact_radii(mesh)).min()), 1e-6)
-    power = 10 ** np.floor(np.log10(rim))
+    # a radius of the view of the rim in a unit of its own
+    unit, name = scale.unit(rim * scene.problem.units.length, "length")
+    enlarged = scene.problem.units.length / unit
+    of_rim = f"radius r − a{f' ({name})' if name else ''}"
     views = (
-        ("the whole", 0.0, 1.0, 0.0, truncation(mesh), "r/a"),
-        ("under the punch", 0.0, 1.0, 0.0, 1.15, "r/a"),
-        ("at the rim", 1.0, power, -rim, rim, f"(r − a)/a in {power_of_ten(power)}"),
+        ("the whole", 0.0, radius, 0.0, truncation(mesh), scale.label("radius")),
+        ("under the punch", 0.0, radius, 0.0, 1.15, scale.label("radius")),
+        ("at the rim", 1.0, enlarged, -rim, rim, of_rim),
     )
     figure, panels = new_panels(PAGE, 2.75, columns=len(views))
-    for axes, (name, centre, unit, low, high, label) in zip(panels[0], views, strict=True):
-        elements = (mesh.p[:, mesh.t].transpose(2, 1, 0) - [centre, 0.0]) / unit
+    for axes, (name, centre, length, low, high, label) in zip(panels[0], views, strict=True):
+        elements = (mesh.p[:, mesh.t].transpose(2, 1, 0) - [centre, 0.0]) * length
         axes.add_collection(
             PolyCollection(elements, facecolors="none", edgecolors="black", linewidths=0.3)
         )
-        depth = (high - low) / unit
-        _draw_punch(axes, depth, (ring_edges - centre) / unit)
-        axes.set(xlim=(low / unit, high / unit), ylim=(depth, -0.06 * depth))
+        depth, edges = (high - low) * length, (ring_edges - centre) * length
+        _draw_punch(axes, depth, edges[None, [0, -1]], edges)
+        _draw_layers(axes, scene.problem.ground, length, high * length)
+        axes.set(xlim=(low * length, high * length), ylim=(depth, -0.06 * depth))
         axes.set(aspect="equal", xlabel=label, title=name)
-    panels[0, 0].set_ylabel("depth z/a")
+        set_linear(axes, "x", most=4)
+        set_linear(axes, "y")
+    panels[0, 0].set_ylabel(scale.label("depth"))
     title = (
         f"half-space mesh by {mesher}, {mesh.nelements} elements; the punch is red, ring edges are "
         "marked"
     )
+    if scene.problem.ground is not None:
+        title += ", interfaces of layers are blue"
     return complete(figure, [title])
 
 
-def _draw_punch(axes: Axes, depth: float, ring_edges: Array) -> None:
-    """Draw the punch as a bar above a view of that depth, and mark its ring edges."""
-    axes.plot(ring_edges[[0, -1]], [-0.015 * depth] * 2, color=RED, linewidth=2)
+def _draw_punch(axes: Axes, depth: float, parts: Array, ring_edges: Array) -> None:
+    """Draw (n, 2) parts of the punch as bars above a view of that depth, and mark ring edges."""
+    for ends in parts:
+        axes.plot(ends, [-0.015 * depth] * 2, color=RED, linewidth=2, solid_capstyle="butt")
     edges = ring_edges[1:-1]
     axes.plot(edges, np.full(len(edges), -0.03 * depth), "|", color=RED, markersize=3)
+
+
+def _draw_layers(axes: Axes, ground: Ground | None, unit: float, width: float) -> None:
+    """Mark the interfaces of layers, and hatch a rigid base; depths are in a unit."""
+    if ground is None:
+        return
+    depths = ground.depths * unit
+    for depth in depths:
+        axes.axhline(depth, color=BLUE, linewidth=1)
+    if ground.rigid:
+        base = Rectangle((0, depths[-1]), 10 * width, 10 * width, hatch="///", linewidth=0)
+        base.set(facecolor="none", edgecolor=BLUE)
+        axes.add_patch(base)
 
 
 def write_mesh(scene: Scene, mesh: Any, mesher: str, directory: Path) -> None:
@@ -116,4 +219,4 @@ def write_mesh(scene: Scene, mesh: Any, mesher: str, directory: Path) -> None:
     content = to_meshio(scaled, cell_data={"quality": [quality(mesh)]})
     content.points = np.column_stack([content.points, np.zeros(len(content.points))])
     content.write(directory / "mesh.vtu", file_format="vtu")
-    save(directory / "mesh.png", draw_mesh, mesh, mesher, scene.problem.ring_edges)
+    save(directory / "mesh.png", draw_mesh, scene, mesh, mesher)

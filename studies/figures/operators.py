@@ -2,11 +2,11 @@
 
 from matplotlib.figure import Figure
 
-from ..crosscheck.dataset import Result
+from ..outcome.outcome import Outcome
 from .style import PAGE, complete, curve, new_panels, set_logarithmic
 
 
-def draw_operators(result: Result) -> Figure:
+def draw_operators(result: Outcome) -> Figure:
     """Draw the relative difference of two methods against the wavelength of the pressure.
 
     Wavelengths that the elements do not resolve are shaded.
@@ -16,13 +16,14 @@ def draw_operators(result: Result) -> Figure:
     radius = result.scene.punch.radius
     for number, pair in enumerate(result.operators):
         look = curve(number) | {"linestyle": "", "markersize": 2.5, "markeredgewidth": 0.6}
-        label = f"{pair.methods[0].upper()} from {pair.methods[1].upper()}, each mark a mode"
+        names = f"{pair.methods[0].upper()} from {pair.methods[1].upper()}"
+        label = f"{names}, each mark a mode"
         axes.plot(pair.wavelengths / radius, pair.differences, **look, label=label)
-        label = f"all steady states: {pair.rings:.0e}"
+        label = f"{names}, all steady states: {pair.rings:.0e}"
         axes.axhline(pair.rings, linewidth=0.8, color=look["color"], linestyle="--", label=label)
     shortest = 2 * float(result.scene.problem.rings.widths.min())
     axes.axvline(shortest, color="0.4", linestyle=":", label="two of the narrowest rings")
-    set_logarithmic(axes, "x", "y")
+    set_logarithmic(axes, "x", "y", most=8)
     finest = min(pair.shortest_resolved for pair in result.operators) / radius
     left, unresolved = axes.get_xlim()[0], "waves finer than the elements"
     axes.axvspan(left, finest, color="0.88", linewidth=0, zorder=0, label=unresolved)

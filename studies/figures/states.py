@@ -5,75 +5,163 @@ At several times (the paper's Fig. 4), and in the steady state.
 Profiles are shown less what has worn off everywhere, which the figure names: it may be most of it.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from ..crosscheck.dataset import Result
-from .scale import Scale, high_pressure, least_wear, panel_tops, shown_times
-from .style import FAINT, PAGE, RED, complete, new_panels
+from ...meshes.radial import Array
+from ..outcome.outcome import Outcome
+from .scale import Scale, face_depths, high_pressure, least_wear, panel_tops, shown_times
+from .style import FAINT, PAGE, RED, complete, new_panels, rings_differ, set_linear
 
 
-def draw_states(result: Result) -> Figure:
+@dataclass(frozen=True, eq=False)
+class State:
+    """The face of the punch at a time, in the units of the scene.
+
+    Parameters
+    ----------
+    time : when it is
+    worn : height by which all of the face has worn at least
+    unworn : (R,) heights of the unworn face, less `worn`, like all profiles
+    profiles, pressures : (R,) by method
+    touching : (R,) whether it touches, by any method
+    reach : radius up to which it is drawn
+    high : pressure that panels are scaled to
+    """
+
+    time: float
+    worn: float
+    unworn: Array
+    profiles: dict[str, Array]
+    pressures: dict[str, Array]
+    touching: NDArray[np.bool_]
+    reach: float
+    high: float
+
+    @classmethod
+    def of(cls, result: Outcome, number: int) -> "State":
+        """Return one of the states of a result."""
+        problem, radii = result.scene.problem, result.coordinates["radius"]
+        profiles, pressures = (result.by_method(name, number) for name in ("profile", "pressure"))
+        worn = float(min(least_wear(problem, heights) for heights in profiles.values()))
+        if worn < 1e-6 * problem.units.displacement:
+            worn = 0.0
+        unworn = problem.profile(problem.radii) * problem.units.displacement - worn
+        profiles = {method: heights - worn for method, heights in profiles.items()}
+        touching = np.logical_or.reduce([values > 0 for values in pressures.values()])
+        length = problem.units.length
+        reach = min(1.25 * radii[touching].max(initial=0.0), length) or length
+        return cls(
+            float(result.coordinates["time"][number]),
+            worn,
+            unworn,
+            profiles,
+            pressures,
+            touching,
+            reach,
+            max(high_pressure(values) for values in pressures.values()),
+        )
+
+
+def draw_states(result: Outcome) -> Figure:
     """Draw profiles and pressures at several times, every method over the other.
 
-    Of a punch that is not flat, the neighbourhood of the contact is shown.
+    Of a punch that is not flat, the neighbourhood of the contact is shown. The unworn punch is
+    where it is: above a panel, where all of the face has worn by more than panels show.
     """
-    scale, problem = Scale(result.scene), result.scene.problem
-    states = shown_times(problem.times, 2 if scale.many_rings else 5)
-    radii, length = result.coordinates["radius"], problem.units.length
+    scale, problem = Scale.of(result), result.scene.problem
+    chosen = shown_times(problem.times, 2 if scale.many_rings else 5)
+    states = [State.of(result, number) for number in chosen]
     figure, panels = new_panels(PAGE, 4.0, 2, len(states))
-    unworn = problem.profile(problem.radii) * problem.units.displacement
-    deep, high = [], []
-    for state, (upper, lower) in zip(states, panels.T, strict=True):
-        profiles, pressures = (result.by_method(name, state) for name in ("profile", "pressure"))
-        worn = float(min(least_wear(problem, heights) for heights in profiles.values()))
-        profiles = {method: heights - worn for method, heights in profiles.items()}
-        scale.plot_radial(upper, "profile", radii, profiles)
-        scale.plot_radial(lower, "pressure", radii, pressures)
-        faces = (
-            scale.shown("profile", unworn),
-            scale.shown("profile", next(iter(profiles.values()))),
+    # of a face of which only a part is drawn, heights beyond are those of its first radius
+    radii = result.coordinates["radius"]
+    near = np.array([radii <= state.reach for state in states])
+    heights, unworn, touching = (
+        np.where(near, values, np.array(values)[:, :1])
+        for values in (
+            [np.fmax.reduce(list(state.profiles.values())) for state in states],
+            [state.unworn for state in states],
+            [state.touching for state in states],
         )
-        places = scale.shown("radius", radii)
-        upper.plot(places, faces[0], **FAINT, label="unworn punch")
-        upper.fill_between(places, *faces, color=RED, alpha=0.15, linewidth=0, label="worn off")
-        touching = np.array([values > 0 for values in pressures.values()]).any(axis=0)
-        reach = min(1.25 * radii[touching].max(initial=0.0), length) or length
-        near = radii <= reach
-        deep.append(max(np.fmax.reduce(heights[near]) for heights in [*profiles.values(), unworn]))
-        high.append(max(high_pressure(values) for values in pressures.values()))
-        upper.set_xlim(0, scale.shown("radius", reach))
-        lower.set_xlim(upper.get_xlim())
-        less = ""
-        if worn > 1e-6 * problem.units.displacement:
-            less = f" − {scale.names.write(worn, 'displacement', 2)}"
-        upper.set_title(f"{scale.when(result.coordinates['time'][state])}\nΔf = f{less}")
+    )
+    deepest, depths = heights.max(axis=1), panel_tops(face_depths(heights, unworn, touching))
+    highs = panel_tops([state.high for state in states])
+    scale.suit("profile", depths)
+    scale.suit("pressure", highs)
+    for state, depth, (upper, lower) in zip(states, depths, panels.T, strict=True):
+        _draw_profile(upper, result, state, float(depth), scale)
+        scale.plot_radial(lower, "pressure", result.coordinates["radius"], state.pressures)
+        for axes in (upper, lower):
+            axes.set_xlim(scale.first_radius(state.reach), scale.shown("radius", state.reach))
+        less = f" − {scale.height(state.worn)}" if state.worn else ""
+        upper.set_title(f"{scale.when(state.time)}\nΔf = f{less}")
         upper.xaxis.set_visible(False)
-    for row, name, heights in zip(panels, ("profile", "pressure"), (deep, high), strict=True):
-        tops = scale.shown(name, panel_tops(heights))
+    for row, name, heights in zip(panels, ("profile", "pressure"), (depths, highs), strict=True):
+        tops = scale.shown(name, heights)
         for axes, top in zip(row, tops, strict=True):
             # worn down: what is missing below
             axes.set_ylim((1.08 * top, -0.06 * top) if name == "profile" else (0, 1.25 * top))
-            axes.yaxis.set_major_formatter("{x:g}")
+            set_linear(axes, "y")
             if not np.ptp(tops):
                 axes.label_outer()
             if axes is not row[0]:
                 axes.set_ylabel("")
+    notes = _shaded(scale), *_hidden(states, depths, deepest, scale)
     titles = result.scene.title, "profiles and pressures"
-    return complete(figure, titles, panels[:, 0], _shaded(scale), across=0.4)
+    # labels of an axis of its own need place beside each panel
+    across = 0.5 if np.ptp(depths) or np.ptp(highs) else 0.4
+    return complete(figure, titles, panels[:, 0], "\n".join(filter(None, notes)), across=across)
 
 
-def draw_steady(result: Result) -> Figure:
+def _draw_profile(axes: Axes, result: Outcome, state: State, depth: float, scale: Scale) -> None:
+    """Draw the face of the punch, where it was when unworn, and what is worn off between."""
+    radii = result.coordinates["radius"]
+    scale.plot_radial(axes, "profile", radii, state.profiles)
+    # what is far above the panel is not drawn
+    unworn = np.maximum(state.unworn, -depth)
+    faces = (
+        scale.shown("profile", unworn),
+        scale.shown("profile", next(iter(state.profiles.values()))),
+    )
+    places = scale.shown("radius", radii)
+    axes.plot(places, faces[0], **FAINT, label="unworn punch")
+    axes.fill_between(places, *faces, color=RED, alpha=0.15, linewidth=0, label="worn off")
+
+
+def _hidden(states: list[State], depths: Array, deepest: Array, scale: Scale) -> list[str]:
+    """Say what is outside of the panels."""
+    lines = []
+    if any(state.unworn.max() < -0.06 * depth for state, depth in zip(states, depths, strict=True)):
+        lines.append(
+            "Where all of the face has worn by more than a panel shows, the unworn punch is above."
+        )
+    if (cut := deepest > 1.1 * depths).any():
+        furthest = scale.height(float(deepest[cut].max()))
+        lines.append(f"Panels are cut off below: the face goes back as far as Δf = {furthest}.")
+    return lines
+
+
+def draw_steady(result: Outcome) -> Figure:
     """Draw limiting profile and steady pressure, every method over the other."""
-    scale, names = Scale(result.scene), ("steady_profile", "steady_pressure")
+    scale, names = Scale.of(result), ("steady_profile", "steady_pressure")
     figure, panels = new_panels(PAGE, 2.8, columns=2)
     for axes, name in zip(panels[0], names, strict=True):
-        scale.plot_radial(axes, name, result.coordinates["radius"], result.by_method(name))
+        values = result.by_method(name)
+        scale.suit(name, np.array(list(values.values())))
+        scale.plot_radial(axes, name, result.coordinates["radius"], values)
+        set_linear(axes, "x")
+        set_linear(axes, "y")
     panels[0, 0].invert_yaxis()
-    panels[0, 1].set_ylim(bottom=0)
-    return complete(figure, (result.scene.title, "steady state"), panels[0, :1], _shaded(scale))
+    panels[0, 1].set_ylim(0, 1.08 * panels[0, 1].dataLim.y1)
+    titles = result.scene.title, scale.steady_state
+    return complete(figure, titles, panels[0, :1], _shaded(scale))
 
 
 def _shaded(scale: Scale) -> str:
     """Say what is shaded, where anything is."""
-    return "shaded: rings that wear faster" if np.ptp(scale.problem.wear_coefficients) else ""
+    differ = rings_differ(scale.problem.wear_coefficients)
+    return "shaded: rings that wear faster" if differ else ""

@@ -4,7 +4,7 @@ Drawn without a display, readable in grey and in print, 89 mm or 183 mm wide.
 """
 
 import textwrap
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
@@ -17,11 +17,12 @@ from matplotlib.ticker import NullLocator
 
 from ...meshes.radial import Array
 from ..registry import METHODS
+from .ticks import Decades, RoundTicks, power_of_ten, short_number, smallest_step
 
 Look: TypeAlias = dict[str, Any]
 """What matplotlib is told of a curve or of a mark."""
 
-# curves by the name of their method; those of a user's own join at their first figure
+# curves of our methods, by their names
 LOOKS: dict[str, Look] = {
     "mdr": {"color": "#1f4e79", "linewidth": 2.2, "alpha": 0.55},
     "mdr-grid": {"color": "#8e6c00", "linestyle": (0, (5, 1, 1, 1)), "marker": "v"},
@@ -29,14 +30,30 @@ LOOKS: dict[str, Look] = {
     "direct": {"color": "black", "linestyle": ":", "linewidth": 1.4, "marker": "x"},
     "fem": {"color": "#c0392b", "linestyle": "--", "marker": "o", "markerfacecolor": "none"},
 }
+# curves of methods of a user's own, and of results of other programs, in their order in a run
+OWN_LOOKS: tuple[Look, ...] = (
+    {"color": "#6a1b9a", "linestyle": "--", "marker": "^", "markerfacecolor": "none"},
+    {"color": "#00838f", "linestyle": "-.", "marker": "D", "markerfacecolor": "none"},
+    {"color": "#5d4037", "linestyle": (0, (1, 1)), "marker": "v", "markerfacecolor": "none"},
+)
+OTHERS_LOOKS: tuple[Look, ...] = (
+    {"color": "#e67e00", "linestyle": "--", "marker": "+"},
+    {"color": "#d81b88", "linestyle": "-.", "marker": "1"},
+    {"color": "#1e88e5", "linestyle": ":", "marker": "2"},
+    {"color": "#7cb342", "linestyle": (0, (5, 1, 1, 1)), "marker": "3"},
+)
 LINES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
 GREYS = ("0.0", "0.45", "0.2", "0.6", "0.35")
 # of the punch and its ring edges
 RED = "#c0392b"
+# interfaces of layers
+BLUE = "#2874a6"
 # of what others are seen against
 FAINT: Look = {"color": "0.4", "linewidth": 0.8, "linestyle": (0, (1, 2))}
 # least span of an axis of values over the values themselves
 LEAST_SPAN = 0.01
+# ratio of wear coefficients from which on rings are shown as wearing faster than others
+LEAST_RATIO = 1.1
 # width in inches of a figure over both columns of a page
 PAGE = 183 / 25.4
 
@@ -102,11 +119,12 @@ def complete(
     note: str = "",
     across: float = 0.6,
     down: float = 0.1,
+    right: float = 0.13,
 ) -> Figure:
     """Add a title in plain text above, one legend of some axes and a note below; return the figure.
 
     Every label is shown once. A scene may have no title. Panels are as far apart across and down,
-    in inches, as what is written there needs.
+    and from the right end, in inches, as what is written there needs.
     """
     width, height = figure.get_size_inches()
     title = textwrap.shorten(": ".join(filter(None, titles)), int(16 * width), placeholder=" ...")
@@ -116,7 +134,7 @@ def complete(
     # lines of text are an eighth of an inch; ticks and labels take half an inch left of panels, and
     # a third below them
     top = 0.31 + 0.125 * len(figure.axes[0].get_title().splitlines())
-    left, right, bottom = 0.56, 0.13, 0.36 + legend_of(figure, axes, note)
+    left, bottom = 0.56, 0.36 + legend_of(figure, axes, note)
     panel_width = (width - left - right - (columns - 1) * across) / columns
     panel_height = (height - top - bottom - (rows - 1) * down) / rows
     figure.subplots_adjust(
@@ -169,35 +187,44 @@ def legend_below(axes: Axes) -> None:
         )
 
 
-def set_logarithmic(axes: Axes, *directions: str) -> None:
-    """Make axes logarithmic, with ticks at powers of ten alone.
+def set_logarithmic(axes: Axes, *directions: str, most: int = 5) -> None:
+    """Make axes logarithmic, with up to `most` ticks at powers of ten.
 
     Ticks between them, and formulas in labels, would take as long as all the rest of a figure.
     """
     for direction in directions:
         axes.set(**{f"{direction}scale": "log"})
         axis = getattr(axes, f"{direction}axis")
+        axis.set_major_locator(Decades(most))
         axis.set_major_formatter(lambda value, _: power_of_ten(value))
         axis.set_minor_locator(NullLocator())
+
+
+def set_linear(axes: Axes, direction: str, most: int = 6) -> None:
+    """Give a linear axis up to `most` intervals between ticks, with labels of up to three digits.
+
+    Nothing is written beside the axis: an offset such as ``1e-5+6.2475e1`` is easily overlooked.
+    """
+    axis = getattr(axes, f"{direction}axis")
+    axis.set_major_locator(RoundTicks(most))
+    axis.set_major_formatter(lambda value, _: short_number(value))
 
 
 def show_values(axes: Axes) -> None:
     """Write the numbers of a vertical axis in full, and let it span 1 % of the values or more.
 
-    A narrower span, or an offset such as ``1e-5+6.2475e1``, would make roundoff look like much.
+    A narrower span would make roundoff look like much. Two ticks that differ in their first three
+    digits have place in it.
     """
     low, high = axes.get_ylim()
-    least = LEAST_SPAN * max(abs(low), abs(high))
+    largest = max(abs(low), abs(high))
+    # as the axis will end
+    largest *= 1 + LEAST_SPAN
+    least = max(LEAST_SPAN * largest, 2 * smallest_step(0.0, largest))
     if abs(high - low) < least:
         middle, half = (low + high) / 2, np.copysign(least / 2, high - low)
         axes.set_ylim(middle - half, middle + half)
-    axes.yaxis.set_major_formatter("{x:g}")
-
-
-def power_of_ten(value: float) -> str:
-    """Return 0.01 as 10⁻²."""
-    superscripts = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-    return "10" + f"{np.log10(value):.0f}".translate(superscripts)
+    set_linear(axes, "y")
 
 
 def curve(number: int) -> Look:
@@ -217,28 +244,65 @@ def label_of(name: str) -> str:
     return name.upper() if name in METHODS else name
 
 
-def method_curve(name: str, points: int = 0) -> Look:
-    """Return the curve of a method, with about 24 markers on so many points."""
-    look = LOOKS.setdefault(name, curve(len(LOOKS)))
-    look = {"linewidth": 1.0, "markersize": 3.0, "label": label_of(name)} | look
+def method_curve(name: str, points: int = 0, look: Look | None = None) -> Look:
+    """Return the curve of a method, with about 24 markers on so many points.
+
+    `look` is that of a method which is not ours.
+    """
+    look = {"linewidth": 1.0, "markersize": 3.0, "label": label_of(name)} | (look or LOOKS[name])
     return look | {"markevery": max(1, points // 24)} if "marker" in look and points else look
+
+
+def looks_of(methods: Iterable[str], of_others: Sequence[str] = ()) -> dict[str, Look]:
+    """Return the look of each method of a run, and of the programs that it is compared with.
+
+    Our methods always have the same. Methods of a user's own, and programs, have those of their
+    order, whatever was drawn before.
+    """
+    own = [name for name in methods if name not in LOOKS and name not in of_others]
+    given = ((own, OWN_LOOKS), (of_others, OTHERS_LOOKS))
+    return LOOKS | {
+        name: looks[number % len(looks)]
+        for names, looks in given
+        for number, name in enumerate(names)
+    }
+
+
+def rings_differ(wear_coefficients: Array) -> bool:
+    """Return whether some rings wear visibly faster than others."""
+    return bool(wear_coefficients.max() > LEAST_RATIO * wear_coefficients.min())
 
 
 def shade_rings(
     axes: Axes, ring_edges: Array, wear_coefficients: Array, radius: float = 1.0
 ) -> None:
-    """Draw grey bands over the rings that wear fastest.
+    """Draw grey bands over the rings that wear fastest, if they wear visibly faster.
 
-    The axis of the radius is set to run from 0 to the punch radius.
+    The axis of the radius is set to run to the punch radius, from 0 unless the hole is wide.
     """
-    fast = wear_coefficients > np.sqrt(wear_coefficients.min() * wear_coefficients.max())
-    for inner, outer in zip(ring_edges[:-1][fast], ring_edges[1:][fast], strict=True):
-        axes.axvspan(inner * radius, outer * radius, color="0.9", linewidth=0, zorder=0)
-    axes.set_xlim(0, radius)
-    axes.locator_params(axis="x", nbins=3)
+    if rings_differ(wear_coefficients):
+        fast = wear_coefficients > np.sqrt(wear_coefficients.min() * wear_coefficients.max())
+        for inner, outer in zip(ring_edges[:-1][fast], ring_edges[1:][fast], strict=True):
+            axes.axvspan(inner * radius, outer * radius, color="0.9", linewidth=0, zorder=0)
+    axes.set_xlim(axis_start(float(ring_edges[0]) * radius, radius), radius)
+    set_linear(axes, "x", most=3)
+
+
+def axis_start(hole: float, last: float) -> float:
+    """Return where an axis of the radius begins: a little within a hole that takes half of it."""
+    return hole - 0.05 * (last - hole) if last / 2 < hole < last else 0.0
 
 
 def broken_at(ring_edges: Array, radii: Array, values: Array) -> tuple[Array, Array]:
     """Return a curve broken at ring edges, where pressures jump."""
     cuts = np.searchsorted(radii, ring_edges[1:-1])
     return np.insert(radii, cuts, ring_edges[1:-1]), np.insert(values, cuts, np.nan)
+
+
+def cell_edges(places: Array) -> Array:
+    """Return the edges (n + 1,) of cells around (n,) places, half-way between neighbours."""
+    if len(places) == 1:
+        return places[0] + np.array([-0.5, 0.5])
+    middle = (places[1:] + places[:-1]) / 2
+    first, last = 2 * places[[0, -1]] - middle[[0, -1]]
+    return np.array([first, *middle, last])

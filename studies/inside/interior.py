@@ -60,9 +60,11 @@ class Interior:
     labels : of the states, `t=...` and `steady`
     degree : of the displacement
     reach : (states,) radius of the contact; 1 where nothing touches
+    parts : inner and outer radius (n, 2) of the parts of the contact in each state
     errors : of each field, by its name, in each state (states,): estimate of its greatest error
         further than `NEAR` from edges of contact and rings; of displacements over the indentation
         of a flat punch as wide as the contact, of stresses over the mean pressure
+    layers : (n,) number of the layer that each point belongs to, 0 without layers
     """
 
     points: Array
@@ -72,7 +74,9 @@ class Interior:
     labels: tuple[str, ...]
     degree: int
     reach: Array
+    parts: tuple[Array, ...]
     errors: dict[str, Array]
+    layers: Indices
 
     @cached_property
     def von_mises(self) -> Array:
@@ -101,6 +105,8 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     refinements, highest, ratio = 3, 14, 0.499999
     if len(half_space.solid.mesh.t) == 3:
         refinements, highest, ratio = 2, 4, 0.49999
+    elif problem.ground is not None:
+        ratio = half_space.solid.highest_ratio
     flat, steady = problem.full_contact, problem.steady and problem.indentation is None
     if times is None:
         # a flat start is in closed form, and the end near the steady state
@@ -133,7 +139,7 @@ def interior(scene: Scene, fem: Solution) -> Interior:
                 ring_edges = problem.merged.ring_edges
                 hollow = problem.merged.hollow
                 space = pressure_space(solid, ring_edges, hollow) if flat else half_space.space
-                spaces.append(HalfSpace(solid, space, tied))
+                spaces.append(HalfSpace(solid, space, tied).without_dependent_poles())
             fine, coarse = spaces
             pressures = (
                 pressures_of(inside, fine, coarse=False),
@@ -198,10 +204,12 @@ def held_against(
     modelled = 2 * max(0.0, problem.poisson_ratio - solid.highest_ratio)
     factor = error_factor("inside of the half-space")
     middles, reaches = space.on_elements(np.zeros(1)), np.ones(len(labels))
+    parts = list[Array]()
     errors = {name: np.zeros(len(labels)) for name in ("displacement", "stress", "von_mises")}
     for state, pressure in enumerate(pressures[0]):
         carried = middles @ pressure > 0
         ends = space.breakpoints[np.diff(carried, prepend=False, append=False)]
+        parts.append(ends.reshape(-1, 2))
         edges = np.union1d(problem.merged.ring_edges, ends)[1:]
         reaches[state] = reach = float(ends.max(initial=0.0)) or 1.0
         force = float(space.weights @ pressure) or 1.0
@@ -212,7 +220,8 @@ def held_against(
         differences = moved * reach / (D0 * force), stress / mean, von_mises(stress) / mean
         for stated, difference in zip(errors.values(), differences, strict=True):
             stated[state] = factor * np.abs(difference).max() + modelled
-    return Interior(*fine, labels, solid.degree, reaches, errors)
+    layers = np.repeat(solid.layers, len(r) // solid.mesh.nelements)
+    return Interior(*fine, labels, solid.degree, reaches, tuple(parts), errors, layers)
 
 
 def extended(inside: Interior, half_space: "HalfSpace", pressures: Array, depth: float) -> Interior:
@@ -255,4 +264,5 @@ def extended(inside: Interior, half_space: "HalfSpace", pressures: Array, depth:
         triangles=np.hstack([inside.triangles, triangles + inside.points.shape[1]]),
         displacement=np.concatenate([inside.displacement, displacement], axis=1),
         stress=np.concatenate([inside.stress, stress], axis=1),
+        layers=np.append(inside.layers, np.zeros(points.shape[1], dtype=np.int64)),
     )

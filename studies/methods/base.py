@@ -46,8 +46,8 @@ class Solution:
     answers : the numbers of the answer
     steady_part : the steady state of a shaped punch, which is solved by itself, if it has one
     remedy : what would make it more accurate, if that is not a smaller `rtol`
-    highest_degree : whether its elements have the highest degree that there is, so that fields
-        become no more accurate by a smaller `rtol`
+    limited_by_degree : quantities that become no more accurate by a smaller `rtol`, because its
+        elements have the highest degree that there is
     """
 
     results: Results
@@ -65,7 +65,7 @@ class Solution:
     answers: Results = field(default_factory=dict)
     steady_part: "Solution | None" = None
     remedy: str = ""
-    highest_degree: bool = False
+    limited_by_degree: frozenset[str] = frozenset()
 
     @property
     def error_estimate(self) -> float:
@@ -130,8 +130,9 @@ class Discretised:
         What the difference to the coarser one is multiplied by, of flat punches.
     smallest : float
         Least size of the elements that the method can have beside a ring edge, in punch radii.
-    highest_degree : bool
-        Whether its elements have the highest degree that there is.
+    limited_by_degree : frozenset of str
+        Quantities that become no more accurate by a smaller `rtol`, because its elements have the
+        highest degree that there is.
     """
 
     compliance: Compliance
@@ -143,7 +144,7 @@ class Discretised:
     fitted: tuple[CompliancesOn, CompliancesOn] | None = None
     safety: float = error_factor("flat punch")
     smallest: float = 0.0
-    highest_degree: bool = False
+    limited_by_degree: frozenset[str] = frozenset()
 
 
 class SystemSize(NamedTuple):
@@ -175,16 +176,25 @@ class Method(ABC):
     lacks : `history` or `steady state`, if it does not give that, and why
     refused : regimes of problems that it cannot solve, each with the reason and the remedy; all but
         flat punches under a force if it is None
+    knows_layers : whether it solves problems on layered ground
     """
 
     name: str
     what: str = ""
     lacks: ClassVar[dict[str, str]] = {}
     refused: ClassVar[Mapping[Regime, str] | None] = None
+    knows_layers: ClassVar[bool] = False
 
+    @abstractmethod
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Return everything that a problem asks for."""
-        return self.solve_all([problem], stages)[0]
+
+    def solve_alike(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+        """Return the solutions of several problems on the same ring edges and half-space.
+
+        A method that can compute once what they have in common does so here.
+        """
+        return [self.solve(problem, stages) for problem in problems]
 
     def solve_again(
         self, problem: Problem, before: Solution, allowed: float, stages: Stages
@@ -200,15 +210,10 @@ class Method(ABC):
         """
         return self.solve(problem, stages)
 
-    @abstractmethod
-    def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
-        """Return the solutions of several problems on the same ring edges and half-space.
-
-        What the problems have in common is computed once.
-        """
-
     def refusal(self, problem: Problem) -> str:
         """Return why it cannot solve the problem at all, with the remedy; empty if it can."""
+        if problem.ground is not None and not self.knows_layers:
+            return f"{self.name} does not know half_space.layers: leave it out of methods"
         refused = flat_punches_only(self.name) if self.refused is None else self.refused
         return next((refused[regime] for regime in problem.regimes if regime in refused), "")
 

@@ -21,6 +21,7 @@ class Direct(Method):
     """The steady state, to roundoff."""
 
     name = "direct"
+    knows_layers = True
     what = "the steady state by direct integration, in closed form"
     lacks: ClassVar[dict[str, str]] = {"history": "direct integration knows the steady state only"}
     refused: ClassVar[Mapping[Regime, str]] = {
@@ -34,9 +35,13 @@ class Direct(Method):
         ),
     }
 
-    def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+    def solve(self, problem: Problem, stages: Stages) -> Solution:
+        """Return the steady state in closed form."""
+        return self.solve_alike([problem], stages)[0]
+
+    def solve_alike(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         """Return the steady states of several problems on the same ring edges, in closed form."""
-        ring_edges = problems[0].merged.ring_edges
+        ring_edges, ground = problems[0].merged.ring_edges, problems[0].ground
         slopes = greatest = np.full(len(problems), np.nan)
         wanted = {name for name in STEADY for problem in problems if problem.wants(name)}
         with stages("integrating"):
@@ -47,9 +52,9 @@ class Direct(Method):
             columns = np.stack(pressures, axis=1)
             if "steady_rms_slope" in wanted:
                 of_face = problems[0].gradient_average, problems[0].inner_radius
-                slopes = direct.rms_slope(ring_edges, columns, *of_face)
+                slopes = direct.rms_slope(ring_edges, columns, *of_face, ground)
             if wanted & {"steady_displacement_max", "steady_profile"}:
-                greatest = direct.greatest_displacement(ring_edges, columns)
+                greatest = direct.greatest_displacement(ring_edges, columns, ground)
             return [
                 _solution(*of) for of in zip(problems, pressures, greatest, slopes, strict=True)
             ]
@@ -64,7 +69,8 @@ def _solution(problem: Problem, pressures: Array, greatest: float, slope: float)
         values: dict[str, Callable[[], Array]] = {
             "steady_pressure": lambda: pressures[ring_of(ring_edges, at.radii)],
             "steady_profile": lambda: np.maximum(
-                greatest - direct.displacement(ring_edges, pressures, at.radii), 0.0
+                greatest - direct.displacement(ring_edges, pressures, at.radii, problem.ground),
+                0.0,
             ),
             "steady_displacement_max": lambda: np.asarray(greatest),
             "steady_rms_slope": lambda: np.asarray(slope),

@@ -11,13 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...fem.condensation import solver
-from ...meshes.errors import MeshError
+from ...meshes.errors import MeshError, SceneError
 from ...meshes.sizes import NARROWEST
 from ..problem.problem import Problem
+from ..problem.quantities import DESCRIBED, ENERGIES, IN_LAYERS
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..problem.sections import DEGREES, LAYERED
 from ..progress import Stages
 from ..sizes import defaults
+from ..sizes.layers import HIGHEST_POISSON_RATIO, why_layers_are_not_meshed
 from ..sizes.low_degrees import LOW_DEGREE_HALVINGS, low_degree_quad_sizes
 from .base import Discretised, SystemSize
 from .error_factors import error_factor
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
 
     from ...fem.half_space import HalfSpace
     from ...meshes.compliance import Compliance
+    from ...meshes.ground.ground import Ground
     from ...meshes.sizes import SizeField
 
 LOCKING = 0.49
@@ -74,11 +77,19 @@ def half_space_mesh(problem: Problem) -> ChosenMesh:
     """Return the mesh of a problem.
 
     By the mesher asked for, or by bisection where that cannot, with a note that says why.
+
+    Raises
+    ------
+    SceneError
+        if layers cannot be meshed as asked
     """
+    if refused := why_layers_are_not_meshed(problem):
+        raise SceneError(refused)
     try:
         return _meshed(problem, problem.fem.meshed_by)
     except MeshError as error:
-        if problem.fem.meshed_by == "bisection":
+        # bisection knows no interfaces of layers
+        if problem.fem.meshed_by == "bisection" or problem.ground is not None:
             raise
         note = f"meshed by bisection, in triangles of degree 4 at most: {error}"
     return replace(_meshed(problem, "bisection"), notes=(note,))
@@ -134,12 +145,17 @@ def half_space_on(problem: Problem, chosen: ChosenMesh) -> "HalfSpace":
     degree = (defaults.quad_degree if quads else defaults.triangle_degree)(problem)
     # the field below is smoother: a fifth of the degree less costs nothing on the contact
     solid = AxisymmetricElasticity(
-        chosen.mesh, degree, problem.poisson_ratio, lowered_degrees=degree // 5
+        chosen.mesh,
+        degree,
+        problem.poisson_ratio,
+        lowered_degrees=degree // 5,
+        ground=problem.ground,
     )
+    if problem.ground is not None:
+        solid = replace(solid, highest_ratio=HIGHEST_POISSON_RATIO)
     poles = defaults.pole_orders(problem, truncation(chosen.mesh))
-    return HalfSpace(
-        solid, pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow), poles
-    )
+    space = pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow)
+    return HalfSpace(solid, space, poles).without_dependent_poles()
 
 
 class Fem(ComplianceMethod):
@@ -150,6 +166,7 @@ class Fem(ComplianceMethod):
     """
 
     name = "fem"
+    knows_layers = True
     what = (
         "the half-space by finite elements: a graded quarter disc with Boussinesq's far field, "
         "condensed to the contact"
@@ -161,7 +178,7 @@ class Fem(ComplianceMethod):
         Besides what every `ComplianceMethod` refuses, rings narrower than `NARROWEST` cannot be
         meshed.
         """
-        if refused := _refused_degree(problem):
+        if refused := _refused_degree(problem) or why_layers_are_not_meshed(problem):
             return refused
         narrowest = float(problem.merged.widths.min())
         if narrowest < NARROWEST:
@@ -187,7 +204,8 @@ class Fem(ComplianceMethod):
     def remedy(self, problem: Problem) -> str:
         """Return what would make it more accurate, if that is not a smaller `rtol`."""
         if problem.fem.far_field == "fixed":
-            return "the clamped boundary errs by 1.1 a/R; far_field = 'boussinesq' does not"
+            errs = "errs" if problem.ground else "errs by 1.1 a/R"
+            return f"the clamped boundary {errs}; far_field = 'boussinesq' does not"
         return super().remedy(problem)
 
     def modelling_errors(self, problem: Problem) -> dict[str, str]:
@@ -195,6 +213,8 @@ class Fem(ComplianceMethod):
         if problem.fem.far_field != "fixed":
             return {}
         why = "the scene clamps the outer boundary: expect the indentation to err by 1.1 a/R"
+        if problem.ground is not None:
+            why = "the scene clamps the outer boundary, on layers: expect the indentation to err"
         return {"far field": why}
 
     def system_size(self, problem: Problem) -> SystemSize:
@@ -261,7 +281,7 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
         if fixed:
             # the last rows of the factor belong to the poles: without them the outer boundary is
             # clamped
-            fine = replace(fine, factor=fine.factor[: -len(half_space.poles)])
+            fine = replace(fine, factor=fine.factor[: len(fine.factor) - len(half_space.poles)])
     settings = {
         "mesher": chosen.mesher,
         "elements": chosen.mesh.nelements,
@@ -281,10 +301,21 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
         # on triangles, whose degree is low, solutions of two sizes or degrees may miss the same
         safety=error_factor(_kind_of_difference(chosen)),
         smallest=_smallest(problem, chosen),
-        # fields follow the accuracy neither on triangles, whose degree is low, nor beyond the
-        # highest degree of quadrilaterals, where more layers bring roundoff
-        highest_degree=half_space.solid.degree >= DEGREES[chosen.mesher][-1],
+        limited_by_degree=_limited_by_degree(half_space.solid.degree, chosen.mesher),
     )
+
+
+def _limited_by_degree(degree: int, mesher: str) -> frozenset[str]:
+    """Return the quantities that elements of a degree know no better on a finer mesh.
+
+    These are fields, if the degree is the highest that there is. Layers of quadrilaterals become
+    thinner all the same, and with them the errors of what is felt in layers; energies converge by
+    the size of triangles, too.
+    """
+    if degree < DEGREES[mesher][-1]:
+        return frozenset()
+    followed = {*ENERGIES, *(IN_LAYERS if mesher == "quads" else ())}
+    return frozenset(DESCRIBED.keys() - followed)
 
 
 def _kind_of_difference(chosen: ChosenMesh) -> str:
@@ -318,7 +349,9 @@ def _on_cells(problem: Problem, stages: Stages) -> Discretised:
         half_space = even_half_space(cells, ratio, degree=degree, halvings=halvings[0])
         compliance = half_space.compliance()
 
-    def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> "Compliance":
+    def fitted(
+        edges: tuple[float, ...], infinite: tuple[bool, ...], _: "Ground | None", degree: int
+    ) -> "Compliance":
         return fitted_half_space(edges, infinite, degree, ratio).compliance()
 
     return Discretised(
@@ -352,6 +385,9 @@ def _coarser_half_space(problem: Problem, chosen: ChosenMesh, whole: "HalfSpace"
         solid = replace(whole.solid, degree=3)
     fixed = problem.fem.far_field == "fixed"
     poles = whole.poles if fixed else defaults.coarser_pole_orders(whole.poles)
+    if problem.ground is not None and problem.ground.rigid and len(whole.poles) < 2:
+        # what a rigid base leaves beyond the mesh hardly matters
+        poles = ()
     return HalfSpace(
         solid, pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow), poles
     )

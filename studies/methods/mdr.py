@@ -2,6 +2,7 @@
 
 from ...mdr import energy
 from ...meshes.compliance import Compliance
+from ...meshes.ground.ground import Ground
 from ...meshes.pressure_space import PressureSpace
 from .pipeline import AnySpaceMethod
 
@@ -10,14 +11,15 @@ class Mdr(AnySpaceMethod):
     """Exact for full contact, but for the pressure space."""
 
     name = "mdr"
+    knows_layers = True
     what = (
         "the half-space by dimensionality reduction, exact for full contact but for the pressure "
         "space"
     )
 
-    def compliance(self, space: PressureSpace) -> Compliance:
+    def compliance(self, space: PressureSpace, ground: Ground | None = None) -> Compliance:
         """Return the compliance on a space by the energy of the MDR."""
-        return energy.compliance(space)
+        return energy.compliance(space, ground)
 
 
 METHOD = Mdr()

@@ -18,7 +18,8 @@ import numpy as np
 
 from ...meshes.compliance import Compliance
 from ...meshes.contact_cells import fitted_space
-from ...meshes.errors import RingwearError
+from ...meshes.errors import RingwearError, SolverError
+from ...meshes.ground.ground import Ground
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
 from ..contact.fitted_press import fit_presses
@@ -28,8 +29,9 @@ from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT, ContactRegime, Regim
 from ..progress import Stages
 from ..sampling.answers import joined
 from ..sizes.defaults import RADIAL_ROUNDOFF, smallest_size
+from ..sizes.layers import narrow_enough
 from ..sizes.marching import refused_steps, steps_between
-from ..sizes.shared import Shared
+from ..sizes.shared import covering
 from ..wear.flat_contact import FittedPress
 from ..wear.unilateral import Interval
 from .base import Discretised, Method, Solution, SystemSize
@@ -41,6 +43,8 @@ from .spaces import choose_spaces, first_contact, load_at_start, pressure_spaces
 
 # dense matrices of the size of the compliance that are in memory at once
 DENSE_MATRICES = 14.0
+# tension, over rtol and the greatest pressure, that may be an error of full contact on layers
+MOST_TENSION = 10.0
 
 
 class ComplianceMethod(Method):
@@ -99,8 +103,12 @@ class ComplianceMethod(Method):
         """Return about how many numbers its dense matrices have."""
         return DENSE_MATRICES * float(pressures) ** 2
 
-    def solve_all(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
-        """Discretise once, for the sharpest of the problems; then wear, sample and estimate each.
+    def solve(self, problem: Problem, stages: Stages) -> Solution:
+        """Discretise, wear, sample, and estimate errors."""
+        return PIPELINES[problem.contact](self, [problem], stages)[0]
+
+    def solve_alike(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+        """Discretise once, for the smallest sizes that any needs; then wear, sample, estimate each.
 
         Shaped punches are solved one by one.
         """
@@ -123,8 +131,8 @@ class AnySpaceMethod(ComplianceMethod):
     """A method whose compliance can be had on any pressure space."""
 
     @abstractmethod
-    def compliance(self, space: PressureSpace) -> Compliance:
-        """Return the compliance on a space."""
+    def compliance(self, space: PressureSpace, ground: Ground | None = None) -> Compliance:
+        """Return the compliance on a space, of layered ground if there are layers."""
 
     def sizes_of_flat_punches(self, problem: Problem) -> str:
         """Return what to leave out if the user has given sizes of the radial mesh."""
@@ -139,17 +147,24 @@ class AnySpaceMethod(ComplianceMethod):
 
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:
         """Return the compliance on the space that suits a problem, and what makes a coarser one."""
-        spaces = choose_spaces(problem)
+        spaces, ground = choose_spaces(problem), problem.ground
 
-        def fitted(edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int) -> Compliance:
-            return self.compliance(fitted_space(edges, infinite, degree))
+        def fitted(
+            edges: tuple[float, ...],
+            infinite: tuple[bool, ...],
+            scaled_ground: Ground | None,
+            degree: int,
+        ) -> Compliance:
+            space = fitted_space(edges, infinite, degree)
+            return self.compliance(narrow_enough(space, scaled_ground), scaled_ground)
 
         def coarser() -> Compliance:
-            coarse = spaces.coarse
-            return compliance.restricted(coarse) if spaces.nested else self.compliance(coarse)
+            if spaces.nested:
+                return compliance.restricted(spaces.coarse)
+            return self.compliance(spaces.coarse, ground)
 
         with stages("assembling"):
-            compliance = self.compliance(spaces.fine)
+            compliance = self.compliance(spaces.fine, ground)
         return Discretised(
             compliance,
             coarser,
@@ -164,18 +179,48 @@ def solve_in_full_contact(
 ) -> list[Solution]:
     """Solve flat punches on the same rings: their histories are exact in time."""
     several = len(problems) > 1
-    made = method.discretise(Shared.of(problems) if several else problems[0], stages)
+    made = method.discretise(covering(problems) if several else problems[0], stages)
     with stages("estimating"):
         compliances = made.compliance, made.coarser()
     with stages("marching" if len(problems[0].times) else "steady state"):
-        return [
-            _solution(
-                method.remedy(problem),
-                made,
-                *(FullContact(problem, each, made.safety, made.smallest) for each in compliances),
-            )
-            for problem in problems
-        ]
+        return [_in_full_contact(method, problem, made, compliances) for problem in problems]
+
+
+def _in_full_contact(
+    method: ComplianceMethod,
+    problem: Problem,
+    made: Discretised,
+    compliances: tuple[Compliance, Compliance],
+) -> Solution:
+    fine, coarse = (FullContact(problem, each, made.safety, made.smallest) for each in compliances)
+    refuse_tension(fine)
+    return _solution(method.remedy(problem), made, fine, coarse)
+
+
+def refuse_tension(evaluation: FullContact) -> None:
+    """Raise where full contact on layers would take tension in the course of wear.
+
+    On a homogeneous half-space pressures that are positive at the start stay so; a layer that bends
+    or bulges may part from the punch later.
+
+    Raises
+    ------
+    SolverError
+        that names the remedy
+    """
+    problem = evaluation.problem
+    if problem.ground is None or not problem.earliest:
+        return
+    later = problem.checked[problem.distances[problem.checked] > 0]
+    history = evaluation.history[later]
+    pressure = (evaluation.compliance.space.matrix(problem.face.radii) @ history.pressure.T).T
+    allowed = MOST_TENSION * problem.rtol * np.abs(pressure).max(axis=1)
+    if (parted := np.flatnonzero(pressure.min(axis=1) < -allowed)).size:
+        time = float(problem.times[later][parted[0]]) * problem.units.time
+        raise SolverError(
+            f"half_space.layers part from the punch by t = {time:.3g}, though they do not at the "
+            "start, which is not solved: end wear.times before, or leave them out"
+        )
 
 
 def solve_in_moving_contact(
@@ -282,7 +327,8 @@ def fitted_starts(
     if before and before.presses:
         return before.presses, ()
     try:
-        return fit_presses(problem.profile, load_at_start(problem), intervals, made.fitted), ()
+        load, ground = load_at_start(problem), problem.ground
+        return fit_presses(problem.profile, load, intervals, made.fitted, ground), ()
     except RingwearError as error:
         note = (
             "the start is as accurate as the march, not fitted to the edges of the contact: "
@@ -306,7 +352,7 @@ def _solution(remedy: str, made: Discretised, fine: Evaluation, coarse: Evaluati
         smallest=made.smallest,
         answers=fine.answers,
         remedy=remedy,
-        highest_degree=made.highest_degree,
+        limited_by_degree=made.limited_by_degree,
     )
 
 

@@ -7,7 +7,7 @@ linear pressures on cells.
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from ..contact.edges import find_first_contact, refine_at_free_edges
 from ..problem.problem import Problem
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..sizes.defaults import cells_of, mdr_sizes, pressure_degree, with_affordable_field_tolerance
+from ..sizes.layers import narrow_enough
 from ..wear.unilateral import Interval, Load
 
 # strength of a kink of the wear coefficient (`Rings.kinks`) that asks for no layer
@@ -95,15 +96,13 @@ def first_contact(
     It decides on the cells only: any method's compliance will do, and this one is quick.
     """
     cells = cells_of(problem, finer)
-    load = load_at_start(problem)
-    intervals, cells = find_first_contact(energy.compliance, problem.profile, load, cells)
+    load, on_ground = load_at_start(problem), partial(energy.compliance, ground=problem.ground)
+    intervals, cells = find_first_contact(on_ground, problem.profile, load, cells)
     if not intervals:
         raise SceneError("load.indentation presses on less than cells can be made for: give more")
     if finer == 1:
         tolerance = START_TOLERANCE * min(problem.rtol, COARSEST_RTOL)
-        intervals, cells = refine_at_free_edges(
-            energy.compliance, problem.profile, load, cells, tolerance
-        )
+        intervals, cells = refine_at_free_edges(on_ground, problem.profile, load, cells, tolerance)
     else:
         # the same edges for both, so that their difference says what the size of cells costs
         edges = first_contact(problem)[1].free_edges
@@ -138,6 +137,7 @@ def radial_space(
     breakpoints, low_parts = exact_graded_breakpoints(rings.ring_edges, at_edges, at_rim, grading)
     linear = np.ones(len(breakpoints) - 1, dtype=np.int64)
     space = PressureSpace(breakpoints, linear, rings.ring_edges, low_parts)
+    space = narrow_enough(space, problem.ground)
     return replace(space, degrees=degrees(problem, space, degree, grading, degree_of_modes))
 
 

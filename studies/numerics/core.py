@@ -1,7 +1,5 @@
 """Finite elements condensed to a compliance, and what studies measure on it. Non-dimensional."""
 
-from dataclasses import replace
-
 import numpy as np
 from skfem import Mesh
 
@@ -10,9 +8,6 @@ from ...fem.half_space import HalfSpace, pressure_space
 from ...mdr.flat_punch import flat_punch
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
-from ..methods.evaluation import FullContact
-from ..problem.problem import Problem
-from ..sampling.norms import Results
 from ..wear.flat_contact import press_flat
 
 Discretised = tuple[Compliance, int]
@@ -46,10 +41,3 @@ def flat_d0_error(compliance: Compliance) -> float:
     """
     exact = flat_punch(compliance.space.inner_radius).indentation
     return press_flat(compliance).indentation / exact - 1
-
-
-def evaluate(problem: Problem, compliance: Compliance) -> Results:
-    """Return all quantities of a problem, steady state included, exact in time on a compliance."""
-    modal = replace(problem, march="modal", step=None, steady=True, quantities=None)
-    modal = replace(modal, gradient_average="line")
-    return FullContact(modal, compliance).results

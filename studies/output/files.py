@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
-    from ..crosscheck.dataset import Result
-    from ..crosscheck.table import Table
     from ..figures.style import Picture
+    from ..outcome.outcome import Outcome
+    from ..outcome.table import Table
 
 INSIDE = "half_space.vtu"
 
@@ -29,7 +29,7 @@ def run_files(pictures: Iterable["Picture"]) -> set[str]:
     return numbers | {picture.file for picture in pictures}
 
 
-def write_numbers(result: "Result", directory: Path, tables: bool = False) -> None:
+def write_numbers(result: "Outcome", directory: Path, tables: bool = False) -> None:
     """Write the numbers of a run, if wanted as CSV tables, too."""
     LOG.info("  output  writing ...")
     try:
@@ -78,7 +78,7 @@ def write_tables(dataset: "xarray.Dataset", directory: Path) -> None:
             write_csv(table.rename(columns=heads), directory / file)
 
 
-def draw(result: "Result", pictures: Sequence["Picture"], directory: Path) -> list[str]:
+def draw(result: "Outcome", pictures: Sequence["Picture"], directory: Path) -> list[str]:
     """Draw those pictures that a result has; return what could not be made, with the reason.
 
     The inside of the half-space takes as long as the contact: without pictures it is left out

@@ -12,21 +12,22 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..anchors.anchor import Anchor
 from ..crosscheck.agreement import Agreement
-from ..crosscheck.dataset import Result
 from ..crosscheck.promise import LeftOut
-from ..crosscheck.scope import methods_of
-from ..crosscheck.sizes import refuse_large
-from ..crosscheck.table import Table
+from ..outcome.outcome import Outcome
+from ..outcome.scope import methods_of
+from ..outcome.table import Table
+from ..predictions.memory import refuse_large
 from ..problem.scene import Scene
 from ..registry import METHODS
 
 # an object of `summary.json`
 Json = dict[str, Any]
 Row = TypeVar("Row", Agreement, Anchor)
+Kind = TypeVar("Kind", bound="StoredOutcome")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Stored(Result):
+class StoredOutcome(Outcome):
     """Results that were written: all numbers, and the figures that need no more.
 
     Parameters
@@ -47,6 +48,11 @@ class Stored(Result):
     def summary(self) -> Json:
         """The content of `summary.json`."""
         return self.told
+
+    @property
+    def of_others(self) -> tuple[str, ...]:
+        """Names of the programs whose results were checked."""
+        return tuple(dict.fromkeys(row["solver"] for row in self.told.get("verdicts", [])))
 
     @property
     def verdict(self) -> str:
@@ -84,8 +90,13 @@ def _rebuilt(kind: type[Row], rows: list[Json]) -> tuple[Row, ...]:
     return tuple(kind(*(row[name] for name in names)) for row in rows)
 
 
-def load(folder: str | Path) -> Stored:
+def load(folder: str | Path, kind: type[Kind]) -> Kind:
     """Read the results that ``ringwear run --out folder``, or `Result.save`, has written.
+
+    Parameters
+    ----------
+    folder : that they were written to
+    kind : of the outcome, such as one that shows itself
 
     Raises
     ------
@@ -94,6 +105,8 @@ def load(folder: str | Path) -> Stored:
     """
     import xarray
 
+    if not isinstance(folder, str | Path):
+        raise SceneError(f"{folder!r} is no folder: give one that `ringwear run` has written")
     path = Path(folder)
     try:
         told = json.loads((path / "summary.json").read_text("utf-8"))
@@ -113,4 +126,4 @@ def load(folder: str | Path) -> Stored:
     )
     methods = methods_of([name for name in told["methods"] if name in METHODS])
     table = Table(variables, coordinates, data.attrs)
-    return Stored(scene, methods, {}, {}, rows, (), table, told)
+    return kind(scene, methods, {}, {}, rows, (), table, told)

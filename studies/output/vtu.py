@@ -27,6 +27,9 @@ def write_half_space(fields: Interior, scene: Scene, path: Path, series: bool) -
         for label, state in zip(fields.labels, states, strict=True)
         for name, values in state.items()
     }
+    if solid.layers:
+        # from 1 on, as people count; the substrate is the last
+        labelled["material"] = (fields.layers + 1).astype(np.float64)
     _write_vtu(fields, units, path, labelled)
     times = [label.removeprefix("t=") for label in fields.labels if label != "steady"]
     if series and len(times) > 1:

@@ -13,8 +13,8 @@ from scipy.interpolate import CubicSpline
 from ...mdr.flat_punch import D0
 from ...mdr.transforms import line_density
 from ...meshes.radial import Array
-from ..crosscheck.dataset import Result
-from ..crosscheck.run import run
+from ..outcome.outcome import Outcome
+from ..outcome.run import run
 from ..problem.scene import Scene
 from ..sampling.sampler import AVERAGES
 from .theory import PERCENTS, STATIONARY
@@ -85,7 +85,7 @@ def way_of(worn: xarray.Dataset) -> xarray.DataArray:
     return (worn.displacement_max - 1) / (worn.steady_displacement_max - 1)
 
 
-def normalised(result: Result, stationary: float) -> xarray.Dataset:
+def normalised(result: Outcome, stationary: float) -> xarray.Dataset:
     """Return the fields of a run over (solver, time, radius), with times in t_stat (`stationary`).
 
     The variables `limiting_...` are those of the steady state by direct integration.

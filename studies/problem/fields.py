@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,19 +38,16 @@ def check_range(value: float) -> float:
     return value
 
 
-def check_ranges(values: list[float]) -> list[float]:
-    """Refuse values other than 0 that leave the range of double precision in products of a few."""
-    for value in values:
-        if value:
-            check_range(value)
-    return values
+def check_not_negative(value: float) -> float:
+    """Refuse what is neither 0 nor a positive number in the range of `check_range`."""
+    if not value >= 0:
+        raise ValueError(f"{value} must be 0 or positive")
+    return check_range(value) if value else value
 
 
 Positive = Annotated[float, AfterValidator(check_range)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, AfterValidator(check_not_negative)]
 Increasing = Annotated[list[NotNegative], AfterValidator(check_increasing)]
-# of which each but 0 is within the range of double precision in products of a few such numbers
-Times = Annotated[Increasing, AfterValidator(check_ranges)]
 
 
 @dataclass(frozen=True)
@@ -73,6 +70,15 @@ class Section(BaseModel):
     """A table of the scene file: frozen, strictly typed, no unknown keys."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
+    # its name in a scene, with a dot, for messages
+    prefix: ClassVar[str] = ""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Say how to make another scene."""
+        raise AttributeError(
+            f"a scene does not change: write scene.changed({{'{self.prefix}{name}': {value!r}}}) "
+            "for another one"
+        )
 
     def check_one_of(self, *names: str) -> None:
         """Refuse more than one of the keys, or none of them."""

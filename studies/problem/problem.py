@@ -11,8 +11,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ...mdr.flat_punch import flat_punch
+from ...mdr.flat_punch import flat_punch, presses_everywhere
 from ...meshes.errors import SceneError
+from ...meshes.ground.ground import Ground
 from ...meshes.radial import (
     Array,
     Indices,
@@ -65,7 +66,8 @@ class Problem:
         to be modelled
     times : (T,) increasing; empty if no history is wanted
     steady : whether the steady state is wanted
-    poisson_ratio : of the half-space
+    poisson_ratio : of the half-space; the greatest of layers
+    ground : layers; None for a homogeneous half-space
     rtol : relative accuracy wanted
     march, step : how to go through time; `step` is None for the modal march
     gradient_average : `line` or `area`, of Eq. 18
@@ -82,6 +84,8 @@ class Problem:
         estimates serve these alone
     loading : force and speed over time; their greatest values are those of the units, those held
         last make the steady state
+    shared_amplitude : `edge_amplitude` of several problems that share a discretisation
+        (`studies/sizes/shared.py`); None for its own
     """
 
     rings: Rings
@@ -102,6 +106,8 @@ class Problem:
     graded: Rings | None = None
     quantities: frozenset[str] | None = None
     loading: Loading = field(default_factory=Loading)
+    shared_amplitude: EdgeAmplitude | None = None
+    ground: Ground | None = None
 
     @classmethod
     def from_tables(
@@ -131,11 +137,12 @@ class Problem:
             graded = Rings.graded(np.array(punch.table.radii) / length, coefficients, ring_edges)
             face = Face(graded.ring_edges, ring_edges, graded.at)
             coefficients = ring_areas(ring_edges) / face.ring_sums(face.areas / face.wear)
-        modulus = half_space.modulus
+        modulus, ground = half_space.modulus, half_space.ground(length)
+        unit_indentation = flat_punch(hole, ground).indentation
         force = load.greatest_force(length, punch.inner_radius)
         if load.indentation is not None:
-            approach = _approach(punch, load.indentation, ring_edges)
-            force = length * modulus * approach / flat_punch(hole).indentation
+            approach = punch.approach(load.indentation, ring_edges)
+            force = length * modulus * approach / unit_indentation
         time = length / modulus / fastest / load.sliding.greatest
         units = Units(length, modulus, force, time, fastest)
         profile = punch.unworn(ring_edges, units.displacement)
@@ -146,7 +153,7 @@ class Problem:
             rings=Rings(ring_edges, coefficients),
             times=np.array(wear.times) / time,
             steady=wear.steady and load.indentation is None,
-            poisson_ratio=half_space.poisson_ratio,
+            poisson_ratio=half_space.greatest_poisson_ratio,
             rtol=accuracy.rtol,
             march=wear.march,
             step=None if wear.step is None else wear.step / time,
@@ -157,8 +164,9 @@ class Problem:
             units=units,
             profile=profile,
             graded=graded,
-            indentation=None if load.indentation is None else flat_punch(hole).indentation,
+            indentation=None if load.indentation is None else unit_indentation,
             loading=Loading.over_time(load.pressing, load.sliding, time),
+            ground=ground,
         )
         if problem.why_never_steady:
             problem = replace(problem, steady=False)
@@ -183,10 +191,12 @@ class Problem:
     def full_contact(self) -> bool:
         """Whether all of the face carries at all times.
 
-        A flat punch at a fixed indentation, or under a force that never falls, keeps contact; any
-        other may lose it.
+        A flat punch at a fixed indentation, or under a force that never falls, keeps contact,
+        unless stiff layers bend away from it; any other may lose it. Without a history there is the
+        steady state, in which all of the face carries.
         """
-        return self.profile.flat and self.loading.rising
+        keeps = self.ground is None or not len(self.times) or presses_everywhere(self.ground)
+        return self.profile.flat and self.loading.rising and keeps
 
     @property
     def contact(self) -> ContactRegime:
@@ -271,6 +281,8 @@ class Problem:
     @property
     def edge_amplitude(self) -> EdgeAmplitude:
         """Of the pressures that are asked for, by what wear has blunted: sizes go by it."""
+        if self.shared_amplitude is not None:
+            return self.shared_amplitude
         (inner, wear), earliest = self.merged.ends, self.earliest or np.inf
         outside = np.append(inner[1:], wear[-1])
         slower = np.minimum(wear, outside)
@@ -340,7 +352,11 @@ class Problem:
         breakpoints = graded_breakpoints(rings.ring_edges, nearest, rim, factor=0.4)
         # the integral over each ring that the scene names, also where nothing happens at its edge
         breakpoints = np.union1d(breakpoints, self.ring_edges)
-        if cells := self.contact.cells_of_face:
+        cells = self.contact.cells_of_face
+        if self.ground is not None:
+            # fields vary over the thickness of the first layer
+            cells = max(cells, int(np.ceil(1 / self.ground.first)))
+        if cells:
             even = np.linspace(0, 1, cells + 1)
             # slopes of an element as wide as roundoff would be roundoff over that
             apart = np.abs(even[:, None] - breakpoints).min(axis=1) > 1e-9
@@ -376,21 +392,3 @@ class Problem:
             # what knots bring does not come in proportion to the time
             times.append(self.times[self.checked])
         return np.unique(np.concatenate(times))
-
-
-def _approach(punch: PunchSection, given: float, ring_edges: Array) -> float:
-    """Return by how much a given indentation is beyond the first touch, in the scene's units.
-
-    Raises
-    ------
-    SceneError
-        if nothing touches
-    """
-    least = punch.unworn(ring_edges, 1.0).standoff
-    if given <= least:
-        raise SceneError(
-            f"load.indentation = {given:.6g} is too small to touch: the punch stands {least:.6g} "
-            "from "
-            "the half-space where it is nearest; give more"
-        )
-    return given - least

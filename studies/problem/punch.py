@@ -37,6 +37,8 @@ NARROWEST_HOLE, NARROWEST_FACE = 1e-9, 1e-9
 class PunchSection(Section):
     """The table `punch` of the scene: radii, rings, wear coefficients and the unworn face."""
 
+    prefix = "punch."
+
     radius: Annotated[Positive, Unit("length")] = Field(
         description="the punch radius, a positive length"
     )
@@ -211,3 +213,19 @@ class PunchSection(Section):
                 "that is missing, 0 or more and finite; add a constant to them"
             )
         return replace(profile, recess=recess - least, standoff=least)
+
+    def approach(self, given: float, ring_edges: Array) -> float:
+        """Return by how much a given indentation is beyond the first touch, in the scene's units.
+
+        Raises
+        ------
+        SceneError
+            if nothing touches
+        """
+        least = self.unworn(ring_edges, 1.0).standoff
+        if given <= least:
+            raise SceneError(
+                f"load.indentation = {given:.6g} is too small to touch: the punch stands "
+                f"{least:.6g} from the half-space where it is nearest; give more"
+            )
+        return given - least

@@ -4,6 +4,7 @@ Each quantity with its dimensions, unit, definition, and the norm in which two v
 (`studies/sampling/norms.py`).
 """
 
+import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -270,8 +271,10 @@ def expand(names: Iterable[str]) -> frozenset[str]:
     wanted = frozenset[str]()
     for name in names:
         if name not in GROUPS and name not in QUANTITIES:
+            near = difflib.get_close_matches(name.lower(), QUANTITIES, 1)
+            meant = f": did you mean '{near[0]}'? Else" if near else ";"
             raise ValueError(
-                f"no quantity '{name}'; give some of {', '.join(QUANTITIES)}, or the groups "
+                f"no quantity '{name}'{meant} give some of {', '.join(QUANTITIES)}, or the groups "
                 f"{', '.join(GROUPS)}"
             )
         wanted |= GROUPS.get(name, {name})

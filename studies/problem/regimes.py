@@ -61,6 +61,7 @@ class LoadRegime:
 
     Parameters
     ----------
+    given : quantity that the load gives, and of which no method makes an error
     response : quantity that the load does not give, and methods compute
     shows_running_in : quantity whose history shows the running-in
     spreads_until : words for when contact ends to spread, with `{end}` for that time; None if that
@@ -79,6 +80,7 @@ class LoadRegime:
         times have as much to show as early ones
     """
 
+    given: str
     response: str
     shows_running_in: str
     spreads_until: str | None = " to {end}"
@@ -172,12 +174,14 @@ MOVING_CONTACT = ContactRegime(
 )
 
 ONE_FORCE = LoadRegime(
+    given="normal_force",
     response="indentation",
     shows_running_in="displacement_max",
     parts_left={"time_to_90": 0.1, "time_to_99": 0.01},
 )
 
 FIXED_INDENTATION = LoadRegime(
+    given="indentation",
     response="normal_force",
     shows_running_in="normal_force",
     spreads_until=" on",

@@ -3,26 +3,25 @@
 A TOML file in, a frozen and validated value out, and the non-dimensional problem that it poses.
 """
 
-import difflib
+import copy
+import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property
 from importlib.resources import files
 from itertools import pairwise
 from math import isnan
 from pathlib import Path
-from typing import Annotated, Self, TypeVar, get_args
+from typing import TYPE_CHECKING, Annotated, Self, TypeVar, overload
 
 import tomli_w
 from pydantic import AfterValidator, Field, ValidationError, model_validator
-from pydantic.fields import FieldInfo
-from pydantic_core import ErrorDetails
 
 from ...meshes.errors import SceneError
 from ..registry import METHODS
-from .fields import KINDS, Height, Section, TomlTable, refuse_device
-from .not_modelled import kind_instead, not_modelled
+from .explain import explain, keys_of, nearest, place_of, question, shown
+from .fields import Height, Section, TomlTable, refuse_device
 from .problem import Problem
 from .punch import PunchSection
 from .sections import (
@@ -34,20 +33,58 @@ from .sections import (
 )
 from .unit_names import without_quantities
 
-# least likeness of an unknown key to the one that it is taken for
-ALIKE = 0.6
+# keys of a section that say the same in several ways
+ALTERNATIVES = (
+    ("punch", ("wear_coefficients",), ("wear_coefficient", "wear_ratio")),
+    ("punch", ("rings", "width_ratio"), ("ring_edges",)),
+    ("half_space", ("plane_strain_modulus",), ("youngs_modulus",)),
+    ("load", ("normal_force",), ("mean_pressure",), ("indentation",)),
+)
+# what to write in place of calls that other packages have
+OTHER_CALLS = {
+    **dict.fromkeys(("from_dict", "parse", "from_json"), "Scene.from_table({...})"),
+    **dict.fromkeys(("from_file", "read", "open", "from_path"), "Scene.load(file)"),
+    **dict.fromkeys(("to_dict", "as_dict", "to_table"), "scene.table()"),
+    **dict.fromkeys(("save", "write", "to_file", "dump"), "Path(file).write_text(scene.to_toml())"),
+    **dict.fromkeys(("run", "solve", "compute"), "ringwear.run(scene)"),
+    "plot": "ringwear.run(scene).plot()",
+    **dict.fromkeys(("replace", "set", "update", "change"), "scene.changed({'punch.rings': 3})"),
+}
 
 
 def check_method(method: str) -> str:
     """Refuse a method that nobody has registered."""
     if method not in METHODS:
-        near = difflib.get_close_matches(method.lower(), METHODS, 1, ALIKE)
-        meant = f": did you mean '{near[0]}'?" if near else ""
-        raise ValueError(f"no method '{method}'{meant}")
+        raise ValueError(f"no method '{method}'{question(method, METHODS)}")
     return method
 
 
-class Scene(Section):
+class Loading(classmethod):
+    """The decorator of `Scene.load`: of a scene that is there, `scene.load` is its table."""
+
+    # classmethod is generic in what it reads, and returns it of instances, too
+    @overload  # type: ignore[override]
+    def __get__(self, scene: None, kind: type) -> "Callable[[str | Path], Scene]": ...
+
+    @overload
+    def __get__(self, scene: "Scene", kind: type) -> LoadSection: ...
+
+    def __get__(self, scene: "Scene | None", kind: type) -> object:
+        """Return the reader of the class, or the table of a scene."""
+        return super().__get__(None, kind) if scene is None else scene.load_
+
+
+class SceneType(type(Section)):  # type: ignore[misc]
+    """The class of `Scene`, which tells what to write in place of what it does not have."""
+
+    def __getattr__(cls, name: str) -> object:
+        """Tell what to write in place of what the class does not have."""
+        if name.startswith("_") or name not in OTHER_CALLS:
+            return super().__getattr__(name)
+        raise AttributeError(f"Scene has no {name!r}: write {OTHER_CALLS[name]}")
+
+
+class Scene(Section, metaclass=SceneType):
     """A complete, validated scene.
 
     A frozen value, made by `load`, `from_toml` or `from_table`, or of its tables, varied by
@@ -92,15 +129,16 @@ class Scene(Section):
 
     def __init__(self, /, *misplaced: object, **table: object) -> None:
         if misplaced:
+            reader = "from_table" if isinstance(misplaced[0], Mapping) else "load"
             raise SceneError(
-                f"Scene({misplaced[0]!r}): give sections by their names, Scene(punch={{...}}, "
-                "...), or Scene.load of a file or of a bundled name"
+                f"Scene takes tables by their names, Scene(punch={{...}}, ...): write "
+                f"Scene.{reader}({shown(misplaced[0])}) for what is a scene already"
             )
         table = without_quantities(table, type(self))
         try:
             super().__init__(**table)
         except ValidationError as error:
-            raise SceneError(explain(error)) from None
+            raise SceneError(explain(error, Scene)) from None
         if self.wear.tau is not None:
             # counts of the slowest relaxation time, which the scene says, become times
             super().__init__(**table | {"wear": self._at_counts(self.wear.tau)})
@@ -110,6 +148,11 @@ class Scene(Section):
         if len(set(self.methods)) < len(self.methods):
             raise ValueError(f"methods = {self.methods} names a method twice")
         radii, punch = self.output.radii, self.punch
+        if punch.inner_radius and self.half_space.layers:
+            raise ValueError(
+                "punch.inner_radius does not go with half_space.layers, on which the start of a "
+                "hollow punch is not solved: leave out either"
+            )
         if radii is not None and radii[-1] > punch.radius:
             raise ValueError(
                 f"output.radii ends at {radii[-1]}, outside the punch of radius {punch.radius}"
@@ -120,9 +163,14 @@ class Scene(Section):
             )
         return self
 
-    @classmethod
+    @Loading  # type: ignore[arg-type]
     def load(cls, source: str | Path) -> "Scene":
         """Read a scene from a file, or a bundled one by its name."""
+        if not isinstance(source, str | Path):
+            raise SceneError(
+                f"{shown(source)} is no scene: give a Scene, the name of a bundled one such as "
+                "'five_rings', a file, or nested dictionaries (Scene.from_table)"
+            )
         return cls.from_toml(text_of(source), str(source), Path(source).parent)
 
     @classmethod
@@ -145,7 +193,9 @@ class Scene(Section):
             key: listed(of) for key, of in names.items() if of is not None
         }
         if rtol is not None:
-            changes["accuracy__rtol"] = float(rtol)
+            changes["accuracy__rtol"] = rtol
+            with suppress(TypeError, ValueError):  # the scene refuses what is no number
+                changes["accuracy__rtol"] = float(rtol)
         return scene.changed(**changes) if changes else scene
 
     @classmethod
@@ -157,7 +207,7 @@ class Scene(Section):
         try:
             table = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
-            raise SceneError(f"{name} is not TOML: {error}") from error
+            raise SceneError(f"{name} is not TOML: {error}{_line_of(error, text)}") from error
         # without a folder or a file of a profile there is nothing to seek
         with suppress(KeyError, TypeError):
             profile = table["punch"]["profile"]
@@ -201,6 +251,9 @@ class Scene(Section):
     def changed(self, keys: Mapping[str, object] | None = None, /, **changes: object) -> "Scene":
         """Return the scene with some keys changed.
 
+        Keys that say the same in another way are left out, as in sweeps: a scene with a new
+        `load.mean_pressure` has no `load.normal_force`.
+
         Parameters
         ----------
         keys : values by names with dots, as sweeps have them: ``{"accuracy.rtol": 1e-6}``
@@ -211,11 +264,20 @@ class Scene(Section):
         SceneError
             if the scene cannot be so, naming the key and the remedy
         """
-        table = self.table()
-        for key, value in (keys or {}).items():
+        if not isinstance(keys or {}, Mapping):
+            raise SceneError(f"changed({shown(keys)}): write changed({{'punch.rings': 3}})")
+        given = {dotted(name): value for name, value in [*(keys or {}).items(), *changes.items()]}
+        for key, value in given.items():
+            if key.partition(".")[0] not in keys_of(Scene) and (
+                near := place_of(key, Scene, Scene)
+            ):
+                raise SceneError(
+                    f"a scene has no key {key!r}: write changed({{{near!r}: {shown(value)}}}), or "
+                    f"changed({near.replace('.', '__')}={shown(value)})"
+                )
+        table = without_alternatives(self.table(), set(given))
+        for key, value in given.items():
             set_key(table, key.split("."), value)
-        for name, value in changes.items():
-            set_key(table, name.split("__"), value)
         return Scene.from_table(table).with_heights(*self.punch.heights, kinks=self.punch.kinks)
 
     def with_heights(self, *heights: Height, kinks: Sequence[float] | None = None) -> "Scene":
@@ -244,6 +306,18 @@ class Scene(Section):
             table["punch"]["kinks"] = [float(kink) for kink in kinks]
         return Scene(**table)
 
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> object:
+            """Tell what to write in place of what a scene does not have."""
+            if name.startswith("_"):
+                return super().__getattr__(name)
+            if hasattr(type(self), name):  # a property that has failed
+                return object.__getattribute__(self, name)
+            near = OTHER_CALLS.get(name) or f"scene.{place_of(name, Scene, Scene)}"
+            told = "see dir(scene)" if near == "scene." else f"write {near}"
+            raise AttributeError(f"a scene has no {name!r}: {told}")
+
     @cached_property
     def problem(self) -> Problem:
         """What the methods are given: geometry, wear and times, non-dimensional."""
@@ -258,6 +332,8 @@ Source = Scene | str | Path | Mapping[str, object]
 
 def listed(names: Sequence[Entry] | str) -> list[Entry | str]:
     """Return names as a list; in a text they may be separated by commas."""
+    if not isinstance(names, Iterable):
+        raise SceneError(f"{names!r} is no list of names: write ['mdr', 'fem'], for example")
     return [*(names.replace(",", " ").split() if isinstance(names, str) else names)]
 
 
@@ -274,19 +350,60 @@ def text_of(source: str | Path) -> str:
     except ValueError as error:
         raise SceneError(f"{error} that holds a scene") from None
     except OSError as error:
-        alike = difflib.get_close_matches(str(source), bundled(), 1)
-        meant = f"did you mean {alike[0]}? Else " if alike else ""
+        near = "" if path.is_dir() else nearest(str(source), bundled())
+        meant = f"did you mean {near}? Else " if near else ""
         raise SceneError(
-            f"{source}: {str(error.strerror).lower()}; {meant}give a scene file, or one of "
+            f"{source or repr(source)}: {str(error.strerror).lower()}; {meant}give a scene file, "
+            f"or one of "
             f"{', '.join(bundled())}"
         ) from None
+
+
+def _line_of(error: tomllib.TOMLDecodeError, text: str) -> str:
+    """Return the line of a text that is not TOML, and how lines are written."""
+    place = re.search(r"at line (\d+)", str(error))
+    line = text.splitlines()[int(place[1]) - 1].strip() if place else ""
+    there = f" in {shown(line)}" if line else ""
+    return f"{there}; give lines such as radius = 1.0, each key once, texts in quotes"
+
+
+def dotted(name: object) -> str:
+    """Return the name of a scene key with dots, as files have it: ``punch.rings``."""
+    return str(name).replace("__", ".")
+
+
+def without_alternatives(base: TomlTable, keys: set[str]) -> TomlTable:
+    """Return the table of a scene without what some keys give in another way.
+
+    Two materials stay two, whichever way they are given.
+    """
+    table = copy.deepcopy(base)
+    punch = table.get("punch", {})
+    pair = punch.get("wear_coefficients", [])
+    if len(pair) == 2 and keys & {"punch.wear_ratio", "punch.wear_coefficient"}:
+        punch["wear_coefficient"], punch["wear_ratio"] = pair[0], pair[1] / pair[0]
+    for section, *ways in ALTERNATIVES:
+        varied = [way for way in ways if keys.intersection(f"{section}.{key}" for key in way)]
+        dropped = [key for way in ways if varied and way not in varied for key in way]
+        for key in dropped:
+            table.get(section, {}).pop(key, None)
+    return table
 
 
 def set_key(table: TomlTable, path: Sequence[str], value: object) -> None:
     """Set a key of nested dictionaries by its path; tables on the way are made."""
     *sections, key = path
     for section in sections:
-        table = table.setdefault(section, {})
+        if isinstance(table, list):
+            # one of a list of tables, by its number
+            if not section.isdigit() or int(section) >= len(table):
+                raise SceneError(
+                    f"{'.'.join(path)}: the scene has no such table; there are {len(table)}, "
+                    "numbered from 0 on"
+                )
+            table = table[int(section)]
+        else:
+            table = table.setdefault(section, {})
     table[key] = value
 
 
@@ -294,77 +411,3 @@ def bundled() -> list[str]:
     """Return the names of the scenes that come with ringwear."""
     names = (entry.name for entry in (files("ringwear.studies") / "scenes").iterdir())
     return sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))
-
-
-def explain(error: ValidationError) -> str:
-    """Return one line for the first problem: the key, the value, what is wrong, and the remedy."""
-    errors = error.errors(include_url=False)
-    # a misspelt key also leaves its right name missing: tell the misspelling first
-    first = min(errors, key=lambda item: item["type"] != "extra_forbidden")
-    section, field = declaration([str(part) for part in first["loc"]])
-    key = key_of(first)
-    remedy = f"; give {field.description}" if field is not None and field.description else ""
-    if first["type"] == "extra_forbidden":
-        if (instead := not_modelled(str(first["loc"][-1]))) is not None:
-            return f"unknown key {key}: {instead}"
-        names = [info.alias or name for name, info in section.model_fields.items()]
-        guess = _guess(str(first["loc"][-1]), names)
-        return f"unknown key {key}: {guess}the keys here are {', '.join(names)}"
-    if first["type"] == "missing":
-        missing = [key_of(item) for item in errors if item["type"] == "missing"]
-        keys = f" {key}{remedy}" if len(missing) == 1 else f"s {', '.join(missing)}"
-        return (
-            f"missing key{keys}; needed are, for example, punch = {{ radius = 1.0, rings = 5, "
-            "wear_coefficients = [1.0, 10.0] }, half_space = { plane_strain_modulus = 1.0 }, load "
-            "= { normal_force = 2.0 }, and wear = { times = [0.0, 0.1, 1.0] } for a history"
-        )
-    message = first["msg"].removeprefix("Value error, ")
-    if first["type"] == "value_error":
-        # what is wrong with a table says its remedy itself
-        remedy = "" if isinstance(first["input"], Mapping) else remedy
-        return f"{key}: {message}{remedy}" if key else message
-    if first["type"].startswith("union_tag"):
-        return f"{key}.kind: {kind_instead(first['input']) or message}{remedy}"
-    return f"{key} = {first['input']!r}: {message[0].lower()}{message[1:]}{remedy}"
-
-
-def _guess(unknown: str, names: list[str]) -> str:
-    """Return what an unknown key may stand for, of the keys at its place or of another table."""
-    tables = {
-        info.alias or name: names_of
-        for name, info in Scene.model_fields.items()
-        if (names_of := getattr(info.annotation, "model_fields", None))
-    }
-    for table, others in tables.items():
-        if unknown in others and unknown not in names:
-            return f"did you mean {table}.{unknown}? Else "
-    if near := difflib.get_close_matches(unknown, names, 1, ALIKE):
-        return f"did you mean {near[0]}? Else "
-    for table, others in tables.items():
-        if near := difflib.get_close_matches(unknown, others, 1, ALIKE):
-            return f"did you mean {table}.{near[0]}? Else "
-    return ""
-
-
-def key_of(error: ErrorDetails) -> str:
-    """Return the key that an error is about, as it is written: without the kind of a profile."""
-    return ".".join(str(part) for part in error["loc"] if part not in KINDS)
-
-
-def declaration(location: Sequence[str]) -> tuple[type[Section], FieldInfo | None]:
-    """Return the section that a location lies in, and the field of its innermost known key."""
-    section: type[Section] = Scene
-    field = None
-    for part in location:
-        if part in KINDS:
-            section = KINDS[part]
-            continue
-        names = {info.alias or name: info for name, info in section.model_fields.items()}
-        if part not in names:  # such as the number of a value in a list
-            break
-        field = names[part]
-        # a table that may be left out has `None` beside its own type
-        for kind in (field.annotation, *get_args(field.annotation)):
-            if isinstance(kind, type) and issubclass(kind, Section):
-                section = kind
-    return section, field

@@ -3,17 +3,19 @@
 Descriptions follow the word "give" in messages about a key.
 """
 
+from itertools import pairwise
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
+from ...meshes.errors import SceneError
+from ...meshes.ground.ground import Ground
 from .fields import (
     Increasing,
     OverTime,
     Positive,
     Section,
-    Times,
     Unit,
     optional,
     over_time,
@@ -37,8 +39,32 @@ LAYERED = 4
 RUNNING_IN = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0]
 
 
+# first layer, in punch radii, below which the matrix of its energy takes a minute
+THINNEST_LAYER = 0.005
+# ratio of the moduli of neighbours beyond which their kernel has lost half of its digits
+MOST_CONTRAST = 1e4
+
+
+class LayerSection(Section):
+    """A table of `half_space.layers`: a layer, bonded to what is above and below it."""
+
+    thickness: Annotated[Positive, Unit("length")] = Field(description="a positive length")
+    youngs_modulus: Annotated[Positive, Unit("pressure")] = Field(
+        description="Young's modulus E of the layer, a positive pressure"
+    )
+    poisson_ratio: float = Field(
+        default=0.3,
+        gt=-1,
+        le=0.5,
+        allow_inf_nan=False,
+        description="a number above -1 and at most 0.5",
+    )
+
+
 class HalfSpaceSection(Section):
-    """The table `half_space` of the scene: elastic constants of the half-space and the punch."""
+    """The table `half_space` of the scene: elastic constants of the ground and the punch."""
+
+    prefix = "half_space."
 
     plane_strain_modulus: Annotated[Positive, Unit("pressure")] | None = optional(
         "E* = E/(1 - nu^2), a positive pressure"
@@ -52,6 +78,16 @@ class HalfSpaceSection(Section):
         le=0.5,
         allow_inf_nan=False,
         description="a number above -1 and at most 0.5",
+    )
+    layers: list[LayerSection] = Field(
+        default=[],
+        description="layers from the surface down, each a table [[half_space.layers]] with "
+        "thickness, youngs_modulus and poisson_ratio",
+    )
+    rigid: bool = Field(
+        default=False,
+        description="true or false: whether what is below the layers is rigid, in place of the "
+        "modulus",
     )
 
     punch_youngs_modulus: Annotated[Positive, Unit("pressure")] | None = optional(
@@ -67,14 +103,81 @@ class HalfSpaceSection(Section):
 
     @model_validator(mode="after")
     def _check_modulus(self) -> Self:
-        self.check_one_of("plane_strain_modulus", "youngs_modulus")
+        if self.rigid:
+            self._check_rigid_base()
+        else:
+            self.check_one_of("plane_strain_modulus", "youngs_modulus")
+        if self.layers:
+            self._check_layers()
         if self.punch_poisson_ratio is not None and self.punch_youngs_modulus is None:
             raise ValueError("punch_poisson_ratio goes with punch_youngs_modulus: give that, too")
         return self
 
+    def _check_rigid_base(self) -> None:
+        if not self.layers:
+            raise ValueError(
+                "rigid = true is the base below [[half_space.layers]]: give layers, or leave it out"
+            )
+        of_base = {"plane_strain_modulus", "youngs_modulus", "poisson_ratio"}
+        if given := sorted(self.model_fields_set & of_base):
+            raise ValueError(
+                f"rigid = true goes without {', '.join(given)}: layers have moduli of their own"
+            )
+
+    def _check_layers(self) -> None:
+        if self.punch_youngs_modulus is not None:
+            raise ValueError(
+                "punch_youngs_modulus does not go with layers: the punch on them is rigid; leave "
+                "it out"
+            )
+        moduli = self._youngs_moduli[: len(self.layers) + (not self.rigid)]
+        for number, (upper, lower) in enumerate(pairwise(moduli)):
+            if not 1 / MOST_CONTRAST <= upper / lower <= MOST_CONTRAST:
+                raise ValueError(
+                    f"layers.{number}.youngs_modulus = {upper:g} differs from that below it, "
+                    f"{lower:g}, by more than {MOST_CONTRAST:g} times, which costs half of all "
+                    "digits: give rigid = true below a soft layer, or moduli that differ less"
+                )
+
+    @property
+    def _youngs_moduli(self) -> list[float]:
+        """Young's moduli of the layers and, last, of what is below them."""
+        below = self.youngs_modulus
+        if below is None:
+            below = (self.plane_strain_modulus or np.inf) * (1 - self.poisson_ratio**2)
+        return [*(layer.youngs_modulus for layer in self.layers), below]
+
+    def ground(self, radius: float) -> Ground | None:
+        """Return the layers in units of the punch radius; None if there are none.
+
+        Raises
+        ------
+        SceneError
+            if the first layer is too thin
+        """
+        if not self.layers:
+            return None
+        thicknesses = [layer.thickness / radius for layer in self.layers]
+        if thicknesses[0] < THINNEST_LAYER:
+            raise SceneError(
+                f"half_space.layers.0.thickness = {self.layers[0].thickness:g} is below "
+                f"{THINNEST_LAYER:g} of punch.radius: leave out so thin a layer, or give a thicker "
+                "one"
+            )
+        ratios = [*(layer.poisson_ratio for layer in self.layers), self.poisson_ratio]
+        return Ground.of_moduli(thicknesses, self._youngs_moduli, ratios)
+
+    @property
+    def greatest_poisson_ratio(self) -> float:
+        """The greatest Poisson's ratio of the layers and of what is below them."""
+        ratios = [layer.poisson_ratio for layer in self.layers]
+        return max(ratios if self.rigid else [*ratios, self.poisson_ratio])
+
     @property
     def own_modulus(self) -> float:
-        """The plane strain modulus E/(1 - nu^2) of the half-space alone."""
+        """The plane strain modulus E/(1 - nu^2) of the half-space alone, or of the first layer."""
+        if self.layers:
+            return self.layers[0].youngs_modulus / (1 - self.layers[0].poisson_ratio ** 2)
         given = (self.youngs_modulus or 0.0) / (1 - self.poisson_ratio**2)
         return self.plane_strain_modulus or given
 
@@ -96,6 +199,8 @@ Varying = Annotated[
 
 class LoadSection(Section):
     """The table `load` of the scene: force, mean pressure or indentation, and sliding speed."""
+
+    prefix = "load."
 
     normal_force: Annotated[Varying, Unit("force")] | None = optional(
         "the normal force F, positive, or { times = [...], values = [...] }"
@@ -136,7 +241,9 @@ class LoadSection(Section):
 class WearSection(Section):
     """The table `wear` of the scene: times of the history, the march, and the steady state."""
 
-    times: Annotated[Times, Unit("time")] = Field(
+    prefix = "wear."
+
+    times: Annotated[Increasing, Unit("time")] = Field(
         default=[],
         description="increasing times, 0 or later, none for no history; or 'running-in'; or counts "
         "of the slowest relaxation time, { tau = [0.1, 1.0, 5.0] }",
@@ -195,6 +302,8 @@ class Sizes(Section):
 class FemAccuracy(Sizes):
     """The table `accuracy.fem` of the scene: mesh and far field of the finite elements."""
 
+    prefix = "accuracy.fem."
+
     mesher: Literal["quads", "gmsh", "bisection"] | None = optional(
         "quads (quadrilaterals), gmsh or bisection (triangles of degree 1 to 4)"
     )
@@ -224,6 +333,8 @@ class FemAccuracy(Sizes):
 class MdrAccuracy(Sizes):
     """The table `accuracy.mdr` of the scene: elements, and the uniform grid of `mdr-grid`."""
 
+    prefix = "accuracy.mdr."
+
     degree: int | None = optional("highest degree of the pressure, 1 to 20", ge=1, le=20)
     grading: float | None = optional("ratio of neighbouring sizes, 0.05 to 0.8", ge=0.05, le=0.8)
     grid: int = Field(
@@ -240,6 +351,8 @@ class MdrAccuracy(Sizes):
 class AccuracySection(Section):
     """The table `accuracy` of the scene: the relative accuracy, and sizes by method."""
 
+    prefix = "accuracy."
+
     rtol: float = Field(
         default=1e-4, ge=1e-9, le=0.1, description="the relative accuracy wanted, 1e-9 to 0.1"
     )
@@ -249,6 +362,8 @@ class AccuracySection(Section):
 
 class OutputSection(Section):
     """The table `output` of the scene: the quantities, radii and times that are written."""
+
+    prefix = "output."
 
     radii: Annotated[Increasing, Unit("length")] | None = optional(
         "radii from 0 to punch.radius, increasing", min_length=1

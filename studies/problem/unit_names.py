@@ -7,6 +7,7 @@ by default. pint knows the units, and is loaded only where some are written that
 The unit of each key is declared beside its type (`Unit`), in the models of the scene's tables.
 """
 
+import difflib
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -51,6 +52,8 @@ SI: dict[str, dict[str, float]] = {
 }
 SI["displacement"] = SI["length"]
 BASE = ("m", "N", "Pa", "s")
+# names of units of which there is one
+SINGULAR = {"days": "day", "years": "year"}
 # of numbers without units
 NO_UNIT = "1"
 # kind of a scene key without a unit
@@ -108,7 +111,8 @@ def _parts(annotation: object) -> Iterator[Unit | type[BaseModel]]:
 def kind_of(key: str, scene: type[BaseModel]) -> str:
     """Return the kind of unit that a key of a scene has, such as ``punch.radius``."""
     declared = Key(tables=(scene,))
-    for name in key.split("."):
+    # of a list of tables each has a number
+    for name in filter(lambda part: not part.isdigit(), key.split(".")):
         declared = keys_in(declared).get(name, Key())
     return declared.kind
 
@@ -156,7 +160,16 @@ class UnitNames:
 
     def size(self, kind: str) -> float:
         """Return the unit that a kind of quantity is stored in, in SI units."""
-        return 1.0 if self.base in (None, BASE) else _size_in_si(self.name(kind), kind)
+        if self.base in (None, BASE):
+            return 1.0
+        if (size := _size_in_si(self.name(kind), kind)) is None:
+            unit = self.name(kind)
+            raise SceneError(
+                f"units: {unit!r} is no unit of {kind.replace('_', ' ')}: "
+                f"{nearest_unit(unit, kind)}give 'SI', or units of length, force, pressure and "
+                "time that are consistent, such as 'mm, N, MPa, s'"
+            )
+        return size
 
     def name(self, kind: str) -> str:
         """Return the unit that a kind of quantity is stored in; 1 if it has none."""
@@ -170,22 +183,35 @@ class UnitNames:
     def readable(self, size: float, kind: str) -> tuple[float, str]:
         """Return a unit that numbers of this size are best read in.
 
-        How much of the stored unit it is, and its name.
+        How much of the stored unit it is, and its name. Numbers of a scene in SI units have
+        prefixes. Those of a scene in other units stay in these.
         """
-        choices = SI.get(kind) if self.base else None
-        if choices is None or not np.isfinite(size) or size == 0:
+        choices = self._choices(kind)
+        if not choices or not np.isfinite(size) or size == 0:
             name = self.name(kind)
             return 1.0, "" if name == NO_UNIT else name.replace("^3", "³")
         stored = self.size(kind)
         name, unit = next(iter(choices.items()))
         # so much smaller than the smallest that a power of ten is plainer
-        if abs(size) * stored < 1e-3 * unit and len(choices) > 1:
+        if self.base == BASE and abs(size) * stored < 1e-3 * unit and len(choices) > 1:
             return 1.0, self.name(kind)
         for larger, its_size in choices.items():
             # 0.39 mm³, not 3.9e8 µm³
             if abs(size) * stored >= 0.9995 * min(its_size, 1e6 * unit):
                 name, unit = larger, its_size
         return unit / stored, name
+
+    def _choices(self, kind: str) -> dict[str, float]:
+        """Return the units that a kind of quantity may be read in, with their sizes in SI units."""
+        if self.base in (None, BASE) or kind == "wear_coefficient":
+            return SI.get(kind, {}) if self.base else {}
+        length, _, _, time = self.base
+        if kind == "time" and time == "s":
+            return {name: size for name, size in SI["time"].items() if size >= 1}
+        if kind == "wear_rate" and time == "s":
+            metres = self.size("length")
+            return {f"{length}/h": metres / 3600, f"{length}/s": metres}
+        return {}
 
     def write(self, value: float, kind: str, digits: int = 4) -> str:
         """Return a value with its unit, for people."""
@@ -194,7 +220,26 @@ class UnitNames:
         unit, name = self.readable(value, kind)
         # 190, not 1.9e+02
         number = float(f"{value / unit:.{digits}g}")
+        if kind == "time":
+            number, name = self._rounder_time(value, number, name, digits)
         return f"{number:g} {name}".rstrip()
+
+    def _rounder_time(
+        self, value: float, number: float, name: str, digits: int
+    ) -> tuple[float, str]:
+        """Return a time in the next smaller unit if it has fewer digits there: 30 h, not 1.25 days.
+
+        So times of a scene that speaks of hours are in hours.
+        """
+        choices = list(self._choices("time").items())
+        at = [choice for choice, _ in choices].index(name) if name in dict(choices) else 0
+        if at and value:
+            smaller, its_size = choices[at - 1]
+            in_smaller = float(f"{value * self.size('time') / its_size:.{digits}g}")
+            exact = abs(in_smaller * its_size / self.size("time") / value - 1) < 1e-9
+            if exact and in_smaller <= 1000 and _digits(in_smaller) < _digits(number):
+                return in_smaller, smaller
+        return number, SINGULAR.get(name, name) if number == 1 else name
 
 
 def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> TomlTable:
@@ -215,14 +260,19 @@ def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> T
 
     def convert_all(values: Mapping[str, object], path: str, declared: Key) -> TomlTable:
         keys = keys_in(declared)
+        # one of a list of tables, by its number, is declared as the list is
         return {
-            name: convert(of, path + name, keys.get(name, Key())) for name, of in values.items()
+            name: convert(of, path + name, keys.get(name, declared if name.isdigit() else Key()))
+            for name, of in values.items()
         }
 
     def convert(value: object, path: str, declared: Key) -> object:
         if isinstance(value, Mapping):
             return convert_all(value, f"{path}.", declared)
-        if isinstance(value, list | tuple):
+        # numbers and arrays of numpy and pandas
+        if callable(as_list := getattr(value, "tolist", None)):
+            value = as_list()
+        if isinstance(value, list | tuple | range):
             return [convert(of, path, declared) for of in value]
         # 'running-in' is a text
         if isinstance(value, str) and declared.kind in SI and re.match(r"[-+.\s]*\d", value):
@@ -236,21 +286,51 @@ def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> T
 
 def _number(quantity: str, key: str, kind: str, names: UnitNames) -> float:
     """Return a quantity of a kind in the units of a scene."""
-    if names.base is None:
+    number, unit = _split(quantity)
+    if names.base is None and unit:
         raise SceneError(
             f"{key} = {quantity!r} has a unit, and the scene says that its numbers have none: give "
             "units = 'SI', or leave units out"
         )
+    if not unit:
+        raise SceneError(f"{key} = {quantity!r} has no unit: leave out the quotes, or add a unit")
+    # pint would take 1,5 for fifteen
+    if "," in number:
+        point = number.replace(",", ".")
+        raise SceneError(f"{key} = {quantity!r}: give '{point} {unit}', with a decimal point")
     try:
         value = _registry().Quantity(quantity).to(UnitNames(BASE).name(kind)).magnitude
     # text that is no expression fails in many ways
-    except Exception as error:
-        reason = str(error).splitlines()[0] if str(error) else "it is no quantity"
+    except Exception:
         raise SceneError(
-            f"{key} = {quantity!r}: {reason}; give a number and a unit of "
-            f"{kind.replace('_', ' ')}, such as {', '.join(list(SI[kind])[-3:])}, or a number alone"
+            f"{key} = {quantity!r} is no {kind.replace('_', ' ')}: {nearest_unit(unit, kind)}give "
+            f"a number and a unit of {kind.replace('_', ' ')}, such as "
+            f"{', '.join(list(SI[kind])[-3:])}, or a number alone"
         ) from None
     return float(value) / names.size(kind)
+
+
+def _split(quantity: str) -> tuple[str, str]:
+    """Return the number that a quantity begins with, and what comes after it."""
+    number = re.match(r"[-+.,\s\d]*(?:[eE][-+]?\d+)?", quantity)
+    end = number.end() if number else 0
+    return quantity[:end].strip(), quantity[end:].strip()
+
+
+def nearest_unit(unit: str, kind: str) -> str:
+    """Return the question whether a like unit of a kind is meant; empty if none is like it."""
+    known = {name.lower(): name for name in SI[kind]}
+    near = known.get(unit.lower())
+    if near is None and _size_in_si(unit.lower(), kind) is not None:
+        near = unit.lower()
+    if near is None:
+        near = next(iter(difflib.get_close_matches(unit, SI[kind], 1)), None)
+    return f"did you mean '{near}'? Else " if near else ""
+
+
+def _digits(number: float) -> int:
+    """Return how many significant digits a number has."""
+    return len(f"{number:.15g}".replace(".", "").strip("0"))
 
 
 def size_of_unit(unit: str, kind: str, place: str) -> float:
@@ -261,30 +341,32 @@ def size_of_unit(unit: str, kind: str, place: str) -> float:
     SceneError
         if it is no unit of that kind, naming the place where it stands
     """
-    try:
-        return _size_in_si(unit, kind)
-    except SceneError:
+    if (size := _size_in_si(unit, kind)) is None:
         raise SceneError(
-            f"{place}: {unit!r} is no unit of {kind.replace('_', ' ')}: give one such as "
-            f"{', '.join(list(SI[kind])[-3:])}"
-        ) from None
+            f"{place}: {unit!r} is no unit of {kind.replace('_', ' ')}: "
+            f"{nearest_unit(unit, kind)}give one such as {', '.join(list(SI[kind])[-3:])}"
+        )
+    return size
 
 
 @lru_cache(maxsize=64)
-def _size_in_si(unit: str, kind: str) -> float:
-    """Return how much of the SI unit of a kind a unit is."""
+def _size_in_si(unit: str, kind: str) -> float | None:
+    """Return how much of the SI unit of a kind a unit is; None if it is none of that kind."""
     try:
         return float(_registry().Quantity(1.0, unit).to(UnitNames(BASE).name(kind)).magnitude)
     # text that is no unit fails in many ways
     except Exception:
-        raise SceneError(
-            f"units: {unit!r} is no unit of {kind}; give 'SI', or units of length, force, pressure "
-            "and time that are consistent, such as 'mm, N, MPa, s'"
-        ) from None
+        return None
 
 
 @lru_cache(maxsize=1)
 def _registry() -> "UnitRegistry":
     from pint import UnitRegistry
 
-    return UnitRegistry()
+    # as they are written in papers: mm3 and mm3/Nm
+    return UnitRegistry(
+        preprocessors=[
+            lambda text: re.sub(r"(?<![\d.])([a-zµμ])([23])\b", r"\1^\2", text),
+            lambda text: re.sub(r"\bNm\b", "(N m)", text),
+        ]
+    )

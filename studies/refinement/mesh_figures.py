@@ -62,7 +62,8 @@ def draw_pressure_errors(case: Case, levels: Sequence[Level]) -> Figure:
     for axes in panels.ravel()[: len(ways)][-columns:]:
         axes.set_xlabel("r/a")
     title = f"{case.name}: error of the pressure along the radius, t = {TIMES[1]:g} a/(E* k v₀)"
-    note = "Grey bands: rings that wear faster."
+    several = np.ptp(case.problem.wear_coefficients) > 0
+    note = "Grey bands: rings that wear faster." if several else ""
     return complete(figure, [title], panels.ravel(), note, across=0.3, down=0.48)
 
 

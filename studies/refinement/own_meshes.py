@@ -1,6 +1,5 @@
 """Meshes of the user's own: read, solved on, and told where to refine them."""
 
-from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -16,7 +15,7 @@ from ..crosscheck.operators import MOST_PRESSURES, least_ratio_of_energies
 from ..progress import Stages
 from ..sizes.defaults import triangle_degree
 from ..study.options import Options
-from ..study.own_mesh import own_mesh
+from ..study.own_mesh import named_meshes, own_mesh
 from .case import TIMES, Case, Level, Solved
 
 DEGREES = {"triangles": range(2, 5), "quadrilaterals": range(2, 17)}
@@ -40,18 +39,8 @@ class OwnMeshes:
 
     @cached_property
     def meshes(self) -> dict[str, str | Path | Mesh]:
-        """What the user gave, by what it is called: files by their names, if these differ."""
-        given = self.options.meshes
-        names = [
-            f"mesh {number}" if isinstance(mesh, Mesh) else Path(mesh).name
-            for number, mesh in enumerate(given, 1)
-        ]
-        count = Counter(names)
-        unique = [
-            name if count[name] == 1 else f"{mesh} ({number})"
-            for number, (name, mesh) in enumerate(zip(names, given, strict=True), 1)
-        ]
-        return dict(zip(unique, given, strict=True))
+        """What the user gave, by what it is called."""
+        return named_meshes(self.options.meshes)
 
     def refuse(self) -> None:
         """Raise if a mesh is not one of a half-space, or if the degree does not go with it.

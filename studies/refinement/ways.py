@@ -39,8 +39,14 @@ MOST_UNKNOWNS = 60_000
 """Unknowns that the adaptive levels go up to."""
 MOST_UNKNOWNS_QUICK = 30_000
 """Unknowns that those of the quick study go up to, a little beyond a pressure within 1e-3."""
-MOST_EXPECTED, MOST_EXPECTED_QUICK, LEAST_LEVELS = 250_000, 55_000, 2
-"""Unknowns beyond which levels are left out, as with many rings, but for the first two of a way."""
+MOST_UNKNOWNS_OF_ONE_RING_QUICK = 15_000
+"""The same of one ring, where that pressure takes less."""
+MANY_RINGS, GROWTH_OF_MANY_RINGS = 8, 1.2
+"""Rings beyond which the unknowns of adaptive levels grow faster, and by which factor."""
+MOST_EXPECTED, MOST_EXPECTED_QUICK = 250_000, 55_000
+"""Unknowns beyond which levels are left out, as with many rings."""
+LEAST_LEVELS, LEAST_LEVELS_QUICK = 2, 1
+"""Levels of each way that are solved all the same."""
 ACCURACIES = tuple(10.0 ** (-half / 2) for half in range(2, 13))
 """Accuracies that graded and layered meshes are made for."""
 ACCURACIES_QUICK = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
@@ -76,8 +82,12 @@ class Ways:
         yield self._family(
             "uniform", {f"{n} halvings": start * 4.0**n for n in halvings}, self._halve
         )
-        most = MOST_UNKNOWNS_QUICK if quick else MOST_UNKNOWNS
-        growth = GROWTH if len(self.case.problem.merged.widths) > 1 else GROWTH_OF_ONE_RING
+        rings, most = len(self.case.problem.merged.widths), MOST_UNKNOWNS
+        if quick:
+            most = MOST_UNKNOWNS_QUICK if rings > 1 else MOST_UNKNOWNS_OF_ONE_RING_QUICK
+        growth = GROWTH if rings > 1 else GROWTH_OF_ONE_RING
+        if rings > MANY_RINGS:
+            growth = GROWTH_OF_MANY_RINGS
         if self.case.problem.poisson_ratio > 0.49:
             growth = GROWTH_NEAR_INCOMPRESSIBILITY
         count = max(3, int(np.ceil(np.log(most / start) / np.log(growth))) + 1)
@@ -85,13 +95,17 @@ class Ways:
         expected = {f"level {n}": start * growth**n for n in range(count)}
         yield self._family("adaptive", expected, adaptive.solve_next, 0.8)
         accuracies = ACCURACIES_QUICK if quick else ACCURACIES
-        expected = {f"rtol {x:.0e}": start * x**-0.18 for x in accuracies}
+        # unknowns as measured with 1 to 32 rings
+        of_rings = 0.95 + 0.025 * rings
+        expected = {f"rtol {x:.0e}": start * of_rings * (10 * x) ** -0.2 for x in accuracies}
         yield self._family("graded", expected, self._grade)
         if not unavailable():  # layers are made by gmsh
-            expected = {f"rtol {x:.0e}": 2 * start * x**-0.15 for x in accuracies}
+            of_rings, power = 4 + rings / 8, 0.04 + 0.0037 * rings
+            expected = {f"rtol {x:.0e}": start * of_rings * (10 * x) ** -power for x in accuracies}
             yield self._family("layered", expected, self._layer, 1.0)
             degrees = range(4, 8 if quick else 10)
-            expected = {f"degree {k}": 1.2 * start * (k - 2) for k in degrees}
+            of_rings = 0.3 + 0.07 * rings
+            expected = {f"degree {k}": start * of_rings * (k - 1) for k in degrees}
             yield self._family("degree", expected, self._raise_degree)
         if self.options.meshes:
             own = OwnMeshes(self.case, self.options)
@@ -145,11 +159,13 @@ class Ways:
             truth = SECONDS_OF_TRUTH * rings if setting == FIRST else 0.0
             return truth + 0.03 + 7e-6 * (1 + more) * unknowns[setting]
 
-        most_unknowns = MOST_EXPECTED_QUICK if self.options.quick else MOST_EXPECTED
+        most_unknowns, least = MOST_EXPECTED, LEAST_LEVELS
+        if self.options.quick:
+            most_unknowns, least = MOST_EXPECTED_QUICK, LEAST_LEVELS_QUICK
         settings = [
             setting
             for number, (setting, count) in enumerate(unknowns.items())
-            if number < LEAST_LEVELS or count <= most_unknowns
+            if number < least or count <= most_unknowns
         ]
         return Family(name, dict.fromkeys(settings, np.nan), solve_level, work=work)
 

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 
 from ...meshes.errors import SceneError
-from ..crosscheck.dataset import Result
-from ..problem.quantities import ANSWER, QUANTITIES
+from ..outcome.outcome import Outcome
+from ..problem.quantities import ANSWER, QUANTITIES, error_name
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
 from ..sampling.field_differences import (
@@ -14,6 +14,9 @@ from ..sampling.field_differences import (
     FieldComparison,
     compare_fields,
 )
+
+# relative difference of numbers that are the same
+ROUNDOFF = 1e-12
 
 
 def refuse_other_units(a: Scene, b: Scene) -> None:
@@ -24,15 +27,19 @@ def refuse_other_units(a: Scene, b: Scene) -> None:
         )
 
 
-def scene_rows(a: Result, b: Result) -> pd.DataFrame:
+def scene_rows(a: Outcome, b: Outcome) -> pd.DataFrame:
     """Return the keys of the scenes that differ."""
     tables = [pd.json_normalize(side.scene.table()).iloc[0].astype(str) for side in (a, b)]
     table = pd.concat(tables, axis=1, keys=["A", "B"]).fillna("not given")
-    return table[table.A != table.B].map(_cut).rename_axis("key").reset_index()
+    return table[table.A != table.B].rename_axis("key").reset_index()
 
 
-def answer_rows(a: Result, b: Result) -> pd.DataFrame:
-    """Return each number of the punch on both sides, and the relative difference."""
+def answer_rows(a: Outcome, b: Outcome) -> pd.DataFrame:
+    """Return each number of the punch on both sides, and the relative difference.
+
+    Columns `known`, the sum of the relative errors that both state, `change`, the relative
+    difference as a number, and whether it `differs` by more than that, are beside the texts.
+    """
     names, rows = UnitNames.of(a.scene.units), []
     for name, quantity in (ANSWER | QUANTITIES).items():
         if quantity.dims:
@@ -41,18 +48,24 @@ def answer_rows(a: Result, b: Result) -> pd.DataFrame:
         if np.isnan([first, second]).all():
             continue
         change = second / first - 1 if first else np.nan
+        stated = [float(np.nan_to_num(side.first(error_name(name)))) for side in (a, b)]
+        known = max(sum(stated), ROUNDOFF)
+        one_missing = bool(np.isnan([first, second]).any())
         rows.append(
             {
                 "quantity": name,
                 "A": names.write(first, quantity.unit),
                 "B": names.write(second, quantity.unit),
                 "B against A": f"{100 * change:+.3g} %" if np.isfinite(change) else "",
+                "known": f"{known:.1e}",
+                "change": change,
+                "differs": first != second and not one_missing and not abs(change) <= known,
             }
         )
     return pd.DataFrame(rows)
 
 
-def field_comparison(a: Result, b: Result) -> FieldComparison | None:
+def field_comparison(a: Outcome, b: Outcome) -> FieldComparison | None:
     """Return B minus A in the fields along the radius, each by its first method that has them.
 
     Return None if no field is given by both at a common time.
@@ -67,7 +80,3 @@ def field_comparison(a: Result, b: Result) -> FieldComparison | None:
         reports.append(side.reported(method))
     comparison = compare_fields(a.scene.problem, ("A", "B"), *reports)
     return comparison if comparison.fields else None
-
-
-def _cut(text: str) -> str:
-    return text if len(text) <= 60 else f"{text[:56]} ..."

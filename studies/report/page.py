@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..crosscheck.dataset import Result
+from ..outcome.outcome import Outcome
 from ..output.files import draw
 from ..output.one_file import make
 from ..output.signals import STOPPED
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def show(
-    result: Result, account: Account, pictures: Sequence["Picture"], directory: Path, page: bool
+    result: Outcome, account: Account, pictures: Sequence["Picture"], directory: Path, page: bool
 ) -> list[str]:
     """Draw pictures of a run, and if wanted a page with them; return what could not be made."""
     failures = draw(result, pictures, directory)
@@ -31,7 +31,7 @@ def show(
 
 
 def write_report(
-    result: Result, account: Account, pictures: Iterable["Picture"], path: Path
+    result: Outcome, account: Account, pictures: Iterable["Picture"], path: Path
 ) -> None:
     """Write the page of a run with those of the pictures that stand beside it."""
     from .slides import slides  # which loads matplotlib, and a run without figures needs none

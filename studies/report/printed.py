@@ -1,33 +1,62 @@
 """What the commands print: the answer first, then the verdict in a line, then whatever else."""
 
+from collections.abc import Sequence
+
+from .terminal import broken, print_lines, terminal_width
 from .words import Account, Rows, columns
+
+# characters that a meaning needs beside its number; on narrower terminals it stands below
+LEAST_BESIDE = 28
+
+
+def print_answers(answers: Sequence[tuple[str, str, str]]) -> None:
+    """Print what, how much, and what that means: beside it, or below on a narrow terminal."""
+    width = terminal_width()
+    numbers = columns([answer[:2] for answer in answers])
+    longest = max(map(len, numbers), default=0)
+    for number, (*_, meaning) in zip(numbers, answers, strict=True):
+        beside = f"{number:<{longest}}   "
+        if not width or width - len(beside) >= LEAST_BESIDE:
+            print(broken(meaning, beside, " " * len(beside)).rstrip())
+        else:
+            print(number, broken(meaning, " " * 6, " " * 6), sep="\n")
 
 
 def print_account(account: Account, verbose: bool) -> None:
     """Print the answer, the verdict, and what bears on it; or all that is told of a run."""
-    title, *answers, verdict = account.brief
-    print(f"\n{title}", *account.defaults, "", *answers, f"\n{verdict}", sep="\n")
+    print_lines(["", account.title, *account.defaults, ""])
+    print_answers(account.answers[:6])
+    print_lines(["", account.verdict_line])
     if not verbose:
-        print(*account.remarks, sep="\n")
+        print_lines(account.remarks)
         print(f"By {account.answered_by}; all else: --verbose, report.html, summary.json")
         return
-    print(f"\nAll answers, by {account.answered_by}", *columns(account.answers), "", sep="\n")
+    print(f"\nAll answers, by {account.answered_by}")
+    print_answers(account.answers)
+    print()
     print_table(account.rings)
     print("\nAccuracy and cost")
     print_table(account.methods)
     if account.agreement:
         print("\nDifferences, relative; of each quantity the pair that differs most")
         print_table(account.agreement)
-    print(*account.comparisons, *account.remarks, "", sep="\n")
+    print_lines([*account.comparisons, *account.remarks, ""])
     print_scope(account.modelled, account.left_out)
 
 
 def print_table(table: Rows) -> None:
-    """Print a table with its heads."""
-    print(*columns([*map(list, table[:1]), *(list(row.values()) for row in table)]), sep="\n")
+    """Print a table with its heads; one that is wider than the terminal row by row."""
+    lines = columns([*map(list, table[:1]), *(list(row.values()) for row in table)])
+    width = terminal_width()
+    if not width or max(map(len, lines), default=0) <= width:
+        print(*lines, sep="\n")
+        return
+    for row in table:
+        (_, first), *others = row.items()
+        print_lines([f"  {first}", *(f"    {head}: {cell}" for head, cell in others if cell)])
 
 
 def print_scope(modelled: list[str], left_out: dict[str, str]) -> None:
     """Print what is computed, and what is not."""
-    print("Modelled", *(f"  {line}" for line in modelled), sep="\n")
-    print("Left out", *(f"  {what}: {why}" for what, why in left_out.items()), sep="\n")
+    print_lines(["Modelled", *(f"  {line}" for line in modelled)])
+    print_lines(["Left out", *(f"  {what}: {why}" for what, why in left_out.items())])

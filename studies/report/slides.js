@@ -3,7 +3,7 @@
   const data = JSON.parse(document.getElementById("slides").textContent);
   const last = data.labels.length - 1, radius = data.edges[data.edges.length - 1];
   const slider = document.getElementById("state"), play = document.getElementById("play");
-  const box = { left: 52, right: 448, top: 10, bottom: 218 };
+  const box = { left: 66, right: 448, top: 10, bottom: 218 };
 
   const make = (parent, name, attributes, text) => {
     const node = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -12,12 +12,15 @@
     parent.appendChild(node);
     return node;
   };
-  const ticks = (top) => {
-    const raw = top / 4, power = 10 ** Math.floor(Math.log10(raw));
+  const ticks = (top, bottom = 0) => {
+    const raw = (top - bottom) / 4, power = 10 ** Math.floor(Math.log10(raw));
     const step = [1, 2, 5, 10].find((one) => one * power >= raw) * power;
-    return Array.from({ length: Math.floor(top / step + 1e-9) + 1 }, (_, index) => +(index * step).toPrecision(6));
+    const first = Math.ceil(bottom / step - 1e-9), count = Math.floor(top / step + 1e-9) - first + 1;
+    return Array.from({ length: count }, (_, index) => +((first + index) * step).toPrecision(3));
   };
-  const across = (r) => box.left + (r / radius) * (box.right - box.left);
+  // a wide hole is not shown
+  const hole = data.edges[0] > radius / 2 ? data.edges[0] : 0;
+  const across = (r) => box.left + ((r - hole) / (radius - hole)) * (box.right - box.left);
   const rings = data.ring;
 
   // axes once; heights, the curve and what it is seen against again for each state
@@ -25,14 +28,14 @@
     const svg = document.getElementById(id);
     let top = 1;
     const upright = (value) => {
-      const part = Math.min(9, value / top);
+      const part = Math.max(-9, Math.min(9, value / top));
       return down ? box.top + part * (box.bottom - box.top) : box.bottom - part * (box.bottom - box.top);
     };
     data.shade.forEach((shade, ring) => {
       const x = across(data.edges[ring]), width = across(data.edges[ring + 1]) - x;
       if (shade > 0.5) make(svg, "rect", { x, width, y: box.top, height: box.bottom - box.top, fill: "#e8e8e8" });
     });
-    for (const tick of ticks(radius)) {
+    for (const tick of ticks(radius, hole)) {
       make(svg, "line", { x1: across(tick), x2: across(tick), y1: box.bottom, y2: box.bottom + 4, stroke: "#1b1f24" });
       make(svg, "text", { x: across(tick), y: box.bottom + 17, "text-anchor": "middle" }, tick);
     }
@@ -59,13 +62,15 @@
         make(scaled, "line", { x1: box.left - 4, x2: box.left, y1: upright(tick), y2: upright(tick), stroke: "#1b1f24" });
         make(scaled, "text", { x: box.left - 7, y: upright(tick) + 4, "text-anchor": "end" }, tick);
       }
-      if (last > 0) ghost.setAttribute("d", line(beside));
+      if (last > 0) ghost.setAttribute("d", line(beside(state)));
       curve.setAttribute("d", line(values[state]));
     };
   };
   const deep = data.labels.map(() => 1.08 * data.deepest);
-  const drawProfile = plot("profile", data.profile, data.beside, deep, true, data.axes.profile);
-  const drawPressure = plot("pressure", data.pressure, data.pressure[last], data.highest, false, data.axes.pressure);
+  // the unworn face is above by what all of the face has worn off
+  const unworn = (state) => data.beside.map((height) => height - data.above[state]);
+  const drawProfile = plot("profile", data.profile, unworn, deep, true, data.axes.profile);
+  const drawPressure = plot("pressure", data.pressure, () => data.pressure[last], data.highest, false, data.axes.pressure);
 
   // the worn face as a surface of revolution, cut open: painted from the back to the front
   const canvas = document.getElementById("solid"), pen = canvas.getContext("2d");
@@ -84,7 +89,7 @@
     return `rgb(${mix(96, 224)},${mix(120, 208)},${mix(146, 170)})`;
   };
   const drawSolid = (state) => {
-    const height = (index) => -data.drawn * data.profile[state][index] / data.deepest;
+    const height = (index) => -data.drawn * Math.min(1, data.profile[state][index] / data.deepest);
     const sin = Math.sin(TILT), cos = Math.cos(TILT), size = canvas.width * 0.34;
     const place = (r, angle, z) => {
       const x = r / radius * Math.cos(angle + turn), y = r / radius * Math.sin(angle + turn);

@@ -8,11 +8,19 @@ from typing import Any
 import numpy as np
 
 from ...meshes.radial import Array, ring_of
-from ..crosscheck.dataset import Result
-from ..figures.scale import Scale, high_pressure, least_wear, panel_tops, shown_times
+from ..figures.scale import (
+    Scale,
+    face_depths,
+    high_pressure,
+    least_wear,
+    panel_tops,
+    shown_times,
+)
+from ..figures.style import rings_differ
+from ..outcome.outcome import Outcome
 
 
-def slides(result: Result) -> dict[str, Any] | None:
+def slides(result: Outcome) -> dict[str, Any] | None:
     """Return what the script of the page draws, in the units of its axes.
 
     Nothing where no state is known over the radius.
@@ -26,21 +34,30 @@ def slides(result: Result) -> dict[str, Any] | None:
     chosen = given[shown_times(states["time"][given], 48)]
     labels = [scale.when(time) for time in states["time"][chosen]]
     profiles, pressures = profiles[chosen], pressures[chosen]
+    steady = 0
     if not np.isnan(states.get("steady_profile", np.nan)).any():
-        labels.append("steady state")
+        labels.append(scale.steady_state)
         profiles = np.vstack([profiles, states["steady_profile"]])
         pressures = np.vstack([pressures, states["steady_pressure"]])
+        steady = 1
     if not labels or len(radii) <= 10:
         return None
-    heights = profiles - least_wear(problem, profiles)[:, None]
+    worn = least_wear(problem, profiles)
+    heights = profiles - worn[:, None]
     unworn = problem.profile(problem.radii) * problem.units.displacement
     tops = panel_tops([high_pressure(pressure) for pressure in pressures])
     # so that a page of hundreds of rings stays small
     some = slice(None, None, 1 + len(radii) // 1100)
-    deepest = float(heights.max()) or 1.0
+    # parts of the face that are further back than those that wear are cut off
+    depths = face_depths(heights, unworn - worn[:, None], pressures > 0)
+    deepest = float(depths.max()) or 1.0
     # part of the radius that the greatest difference of heights is drawn as, in 3-D
     drawn, edges = 0.3, problem.ring_edges * result.scene.punch.radius
-    order = np.log(problem.wear_coefficients)
+    order = np.log(problem.wear_coefficients) * rings_differ(problem.wear_coefficients)
+    # in the steady state, all of the face has worn by any height
+    worn[len(worn) - steady :] = 10 * deepest
+    scale.suit("profile", deepest)
+    scale.suit("pressure", tops)
     return {
         "radii": _round(scale.shown("radius", radii[some])),
         "edges": _round(scale.shown("radius", edges)),
@@ -50,6 +67,7 @@ def slides(result: Result) -> dict[str, Any] | None:
         "profile": _round(scale.shown("profile", heights[:, some])),
         "pressure": _round(scale.shown("pressure", pressures[:, some])),
         "beside": _round(scale.shown("profile", unworn[some])),
+        "above": _round(scale.shown("profile", worn)),
         "highest": _round(1.15 * scale.shown("pressure", tops)),
         "deepest": scale.shown("profile", deepest),
         "drawn": drawn,

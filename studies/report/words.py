@@ -1,6 +1,5 @@
 """A run in words: the same lines and tables on the terminal and on the page."""
 
-import textwrap
 from collections.abc import Sequence
 from functools import cached_property
 
@@ -8,8 +7,8 @@ import numpy as np
 
 from ...meshes.radial import Array
 from ..crosscheck.agreement import by_quantity
-from ..crosscheck.dataset import Result
-from ..crosscheck.scope import left_out, modelled, outside
+from ..outcome.outcome import Outcome
+from ..outcome.scope import left_out, modelled, outside
 from ..problem.quantities import ANSWER, QUANTITIES, STATES
 from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
@@ -23,7 +22,7 @@ class Account:
     Answers are by the first method that gives them, with their units.
     """
 
-    def __init__(self, result: Result) -> None:
+    def __init__(self, result: Outcome) -> None:
         self.result, self.scene = result, result.scene
         self.names = UnitNames.of(self.scene.units)
         self.title = self.scene.title or "Untitled scene"
@@ -49,18 +48,17 @@ class Account:
             value, quantity = float(self.result.first(key)), (ANSWER | QUANTITIES)[key]
             if np.isfinite(value):
                 what = key.replace("_", " ").replace("rms", "RMS")
-                written = self.names.write(value, quantity.unit)
-                lines.append((what, written, quantity.definition))
+                written, meaning = self.names.write(value, quantity.unit), quantity.definition
+                if key == "indentation_start" and self.scene.half_space.layers:
+                    # F / (2 a E*) is that of a homogeneous half-space
+                    meaning = meaning.partition(";")[0]
+                lines.append((what, written, meaning))
         return lines
 
     @property
     def brief(self) -> list[str]:
         """The answer in up to six lines, and the verdict in a sentence."""
-        first = [
-            (what, value, textwrap.shorten(meaning, 76, placeholder=" ..."))
-            for what, value, meaning in self.answers[:6]
-        ]
-        return [self.title, *columns(first), self.verdict_line]
+        return [self.title, *columns(self.answers[:6]), self.verdict_line]
 
     @cached_property
     def rings(self) -> Rows:
@@ -73,8 +71,10 @@ class Account:
         units, edges = problem.units, problem.ring_edges * problem.units.length
         columns = {"ring": [str(ring + 1) for ring in range(len(edges) - 1)]}
 
-        def add(what: str, kind: str, least: Array, most: Array, typical: float = 0.0) -> None:
-            unit, name = self.names.readable(typical or float(most.max()), kind)
+        def add(what: str, kind: str, least: Array, most: Array) -> None:
+            # pressures at the edges of a flat punch are infinite
+            greatest = float(max(ends[np.isfinite(ends)].max(initial=0) for ends in (least, most)))
+            unit, name = self.names.readable(greatest, kind)
             ends = zip(least / unit, most / unit, strict=True)
             columns[f"{what}, {name}" if name else what] = [_write_range(*pair) for pair in ends]
 
@@ -85,7 +85,7 @@ class Account:
             least, most = result.first("pressure_min"), result.first("pressure_max")
             for state, when in enumerate(STATES):
                 if np.isfinite(least[state]).all():
-                    add(f"p {when}", "pressure", least[state], most[state], units.pressure / np.pi)
+                    add(f"p {when}", "pressure", least[state], most[state])
                     forces = result.first("force_share")[state]
                     columns[f"force {when}"] = [f"{100 * part:.3g} %" for part in forces]
         if result.by_method("worn_volume"):
@@ -206,9 +206,13 @@ def beyond_the_model(scene: Scene) -> list[str]:
 def defaults_taken(scene: Scene) -> list[str]:
     """Tell which keys that bear on the numbers a scene leaves out."""
     lines = []
-    if "poisson_ratio" not in scene.half_space.model_fields_set:
+    if not (scene.half_space.rigid or "poisson_ratio" in scene.half_space.model_fields_set):
         taken = scene.half_space.poisson_ratio
         lines.append(f"half_space.poisson_ratio is not given: {taken} is taken")
+    for number, layer in enumerate(scene.half_space.layers):
+        if "poisson_ratio" not in layer.model_fields_set:
+            key = f"half_space.layers.{number}.poisson_ratio"
+            lines.append(f"{key} is not given: {layer.poisson_ratio} is taken")
     if "sliding_speed" not in scene.load_.model_fields_set:
         lines.append(
             f"load.sliding_speed is not given: {scene.load_.sliding_speed:g} is taken, so that "

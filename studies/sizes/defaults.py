@@ -19,6 +19,7 @@ from ..problem.problem import Problem
 from ..problem.quantities import FINEST
 from ..problem.sections import DEGREES, LAYERED
 from .degrees import degree_of_modes, pressure_degree, with_affordable_field_tolerance
+from .layers import depths_of_interfaces, truncation_beside
 from .ring_edges import (
     FACTOR,
     RADIAL_ROUNDOFF,
@@ -130,6 +131,8 @@ class QuadSizes(TypedDict):
     outer: float
     edge_amplitude: EdgeAmplitude
     lacking_degrees: int
+    interfaces: tuple[float, ...]
+    rigid: bool
 
 
 def mdr_sizes(problem: Problem) -> dict[str, Any]:
@@ -189,14 +192,17 @@ def quad_sizes(problem: Problem) -> QuadSizes:
     chosen, fields = problem.fem, with_affordable_field_tolerance(problem, FACTOR)
     wanted = np.maximum(ring_sizes(problem, fields), fem_smallest(problem))
     far = TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION
+    interfaces = depths_of_interfaces(problem)
     return {
         "sizes": np.full(len(wanted), chosen.ring_size) if chosen.ring_size else wanted,
         "rim_size": chosen.rim_size or max(rim_size(problem, fields), fem_smallest(problem)),
         "factor": FACTOR,
         "growth": chosen.growth or GROWTH,
-        "outer": chosen.truncation or far,
+        "outer": chosen.truncation or truncation_beside(interfaces, far),
         "edge_amplitude": fields.edge_amplitude,
         "lacking_degrees": max(wanted_quad_degree(problem) - quad_degree(problem), 0),
+        "interfaces": interfaces,
+        "rigid": problem.ground is not None and problem.ground.rigid,
     }
 
 

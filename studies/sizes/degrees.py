@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...meshes.ground.ground import relative_compliance
 from ...meshes.radial import Array
 from ...meshes.sizes import convergence
 from ..problem.problem import Problem
@@ -85,16 +86,23 @@ def degree_of_modes(problem: Problem) -> float:
 
         p = DEGREE_OF_THREE_MODES - DEGREES_PER_DIGIT log10(rtol) + DEGREES_PER_MODE (m - 3).
 
-    Relaxation times of a ring are about its width over its wear coefficient, times 1, 1/2, 1/3,
-    ...: that tells which modes are slowest. Measured: three relaxation times err by 1e-2, 2e-4,
-    7e-7, 1e-9 in degrees 4, 6, 8, 10 if all are of one ring, by 7e-5, 1e-7, 1e-10 in degrees 4, 6,
-    8 if two are, by 2e-8 in degree 4 if each has one. So another mode on a ring asks for 1.5
-    degrees more; with eight of them on one ring all eight err by less than .02 rtol, from 1e-2 to
-    1e-6.
+    Relaxation times of a ring are about its width b over its wear coefficient, times 1, 1/2, 1/3,
+    ..., and on layers times the compliance of waves of that length: that tells which modes are
+    slowest. On thin layers these may all be on one ring. Measured: three relaxation times err by
+    1e-2, 2e-4, 7e-7, 1e-9 in degrees 4, 6, 8, 10 if all are of one ring, by 7e-5, 1e-7, 1e-10 in
+    degrees 4, 6, 8 if two are, by 2e-8 in degree 4 if each has one. So another mode on a ring asks
+    for 1.5 degrees more; with eight of them on one ring all eight err by less than .02 rtol, from
+    1e-2 to 1e-6.
     """
     slowest = problem.merged.widths / problem.merged.ends.mean(axis=0)
     count = COMPARED_MODES if problem.wants("relaxation_time") else MODES_OF_HISTORIES
-    times = slowest[:, None] / np.arange(1, count + 1)
+    number = np.arange(1, count + 1)
+    times = slowest[:, None] / number
+    if problem.ground is not None:
+        # the half wave number n on a ring has the wave number n pi / b
+        waves = np.pi * number / problem.merged.widths[:, None]
+        compliance = relative_compliance(problem.ground, waves.ravel())
+        times = times * compliance.reshape(times.shape)
     most = (times >= np.sort(times, axis=None)[-count]).sum(axis=1).max()
     return float(
         DEGREE_OF_THREE_MODES

@@ -30,9 +30,14 @@ START_SHARE = 0.03
 WIDTHS_OF_RINGS_AT_HOLES = 3
 # relative error of the RMS slope by the roundoff of finite elements, times the size of the smallest
 # ones, in a: slopes of elements of size h err by roundoff / h. Measured by five rings on elements
-# of 1e-10 to 1e-24 a. It grows with the ratio of the wear coefficients (up to 1e-20 was measured
-# for 1700), and is taken to grow with its power 2/3 (`fem_smallest`)
+# of 1e-10 to 1e-24 a. It does not grow with the ratio of the wear coefficients: with ratios up to
+# 3e5, two and five rings lose less than 1e-26 on elements of 1e-20 a beside ring edges
 FEM_ROUNDOFF = 2e-22
+# the same for an incompressible solid, times (1 - 2 nu)^2, with which it grows: 3e-20 was measured
+# at 0.49999, which 1/2 is modelled as, and 9e-23 at 0.4999
+INCOMPRESSIBLE_ROUNDOFF = 2e-29
+# greatest Poisson's ratio that is modelled
+GREATEST_MODELLED_RATIO = 0.49999
 # the same of dimensionality reduction and boundary elements, in a, measured in the same way
 RADIAL_ROUNDOFF = 5e-27
 # times by which the error of roundoff in the smallest elements is kept below rtol
@@ -52,9 +57,10 @@ def edge_sizes(problem: Problem) -> Array:
 
     Notes
     -----
-    With the relative accuracy ``rtol``, the width b of the narrower ring beside an edge, and the
-    lengths l_slow and l_fast over which wear has smoothed the pressure on its two sides by the
-    first time after the start, the size is the least of three:
+    With the relative accuracy ``rtol``, the width b of the narrower ring beside an edge, or the
+    thickness of the first layer if that is less, and the lengths l_slow and l_fast over which wear
+    has smoothed the pressure on its two sides by the first time after the start, the size is the
+    least of three:
 
         SLOPE_SHARE rtol b,
         SLOPE_SHARE rtol min(l_slow, b) / s,
@@ -73,6 +79,8 @@ def edge_sizes(problem: Problem) -> Array:
     """
     rtol, narrower, worn = problem.rtol, problem.merged.narrower, problem.edge_amplitude
     narrower = np.append(narrower, problem.merged.widths[-1])
+    if problem.ground is not None:
+        narrower = np.minimum(narrower, problem.ground.first)
     at_rim = np.arange(len(narrower)) == len(narrower) - 1
     amplitude = np.where(at_rim, 1.0, np.minimum(1.0, worn.worn_length_fast / narrower))
     slope_share = np.where(at_rim, SLOPE_SHARE_AT_RIM, SLOPE_SHARE)
@@ -151,8 +159,10 @@ def fem_smallest(problem: Problem) -> float:
 
     Notes
     -----
-    It is `smallest_size` with the roundoff ``FEM_ROUNDOFF (k_max / k_min)^(2/3)``, which has been
-    measured to grow with the ratio of the wear coefficients.
+    It is `smallest_size` with the greater of FEM_ROUNDOFF and ``INCOMPRESSIBLE_ROUNDOFF / (1 - 2
+    nu)^2``, because the stiffness against a change of volume multiplies roundoff. Shown by
+    physics/test_promise.py::test_finite_elements_resolve_layers_of_slow_rings.
     """
-    wear = problem.merged.ends[np.isfinite(problem.merged.ends)]
-    return smallest_size(problem, FEM_ROUNDOFF * float(wear.max() / wear.min()) ** (2 / 3))
+    compressibility = 1 - 2 * min(problem.poisson_ratio, GREATEST_MODELLED_RATIO)
+    roundoff = max(FEM_ROUNDOFF, INCOMPRESSIBLE_ROUNDOFF / compressibility**2)
+    return smallest_size(problem, roundoff)

@@ -8,63 +8,46 @@ on the slower side, the greatest on the faster.
 """
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, fields
-from typing import Self
+from dataclasses import replace
 
 import numpy as np
 
 from ...meshes.sizes import EdgeAmplitude
+from ..problem.loading import Loading
 from ..problem.problem import Problem
 
 
-@dataclass(frozen=True, eq=False)
-class Shared(Problem):
-    """The first of several problems, to be discretised as sharply as the sharpest needs it.
+def covering(problems: Sequence[Problem]) -> Problem:
+    """Return a problem to discretise for several: its sizes are as small as any of them needs.
+
+    It is the first of them, with the least accuracy, the sliding distances and the amplitudes at
+    ring edges of all. At each edge these take the least length over which wear has smoothed the
+    pressure on the slower side, and the greatest ratio of the lengths on both sides.
 
     Parameters
     ----------
-    members : the problems, with the same `merged.ring_edges`
+    problems : with the same `merged.ring_edges`
     """
-
-    members: tuple[Problem, ...] = ()
-
-    @classmethod
-    def of(cls, members: Sequence[Problem]) -> Self:
-        """Return the problem that stands for several, with the smallest of their tolerances."""
-        first = {field.name: getattr(members[0], field.name) for field in fields(Problem)}
-        rtol = min(member.rtol for member in members)
-        return cls(**first | {"rtol": rtol}, members=tuple(members))
-
-    @property
-    def edge_amplitude(self) -> EdgeAmplitude:
-        """Estimate of the amplitude of high degrees at ring edges that covers all members.
-
-        At each edge it takes the least length over which wear has smoothed the pressure on the
-        slower side, and the greatest ratio of the lengths on both sides.
-        """
-        amplitudes = [member.edge_amplitude for member in self.members]
-        worn_length_slow = np.min([lengths.worn_length_slow for lengths in amplitudes], axis=0)
-        ratio = np.max([lengths.ratio for lengths in amplitudes], axis=0)
-        latest = max(
-            lengths.time_ratio * member.earliest
-            for lengths, member in zip(amplitudes, self.members, strict=True)
-        )
-        span = latest / self.earliest if self.earliest else 1.0
-        kinks = np.max([member.merged.kinks for member in self.members], axis=0)
-        return EdgeAmplitude(
-            self.rtol, worn_length_slow, ratio, span, kinks, amplitudes[0].narrower_width
-        )
-
-    @property
-    def earliest(self) -> float:
-        """The first sliding distance after the start in any of the problems; 0 without any."""
-        return min((each.earliest for each in self.members if each.earliest), default=0.0)
+    amplitudes = [problem.edge_amplitude for problem in problems]
+    distances = np.unique(np.concatenate([problem.distances for problem in problems]))
+    first, rtol = problems[0], min(problem.rtol for problem in problems)
+    # at constant force and speed, times are sliding distances
+    several = replace(first, rtol=rtol, times=distances, loading=Loading())
+    amplitude = EdgeAmplitude(
+        rtol,
+        np.min([each.worn_length_slow for each in amplitudes], axis=0),
+        np.max([each.ratio for each in amplitudes], axis=0),
+        float(distances[-1]) / several.earliest if several.earliest else 1.0,
+        np.max([problem.merged.kinks for problem in problems], axis=0),
+        amplitudes[0].narrower_width,
+    )
+    return replace(several, shared_amplitude=amplitude)
 
 
 def discretised_alike(problem: Problem) -> Hashable:
     """Return what a discretisation depends on, but for the amplitudes at edges."""
     sizes = problem.fem.model_dump_json(), problem.mdr.model_dump_json()
-    numbers = problem.poisson_ratio, problem.rtol, problem.gradient_average
+    numbers = problem.poisson_ratio, problem.ground, problem.rtol, problem.gradient_average
     kinds = bool(len(problem.times)), problem.contact
     rings = problem.merged
     edges = rings.ring_edges.tobytes(), rings.smooth.tobytes(), rings.hollow

@@ -5,7 +5,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ...meshes.errors import SceneError
+from ..calls import naming_arguments
 from ..figures.style import in_style
+from ..problem.explain import nearest
 from ..problem.scene import Scene, Source
 from .levels import Record
 from .listing import STUDIES
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     from skfem import Element, Mesh
 
 
+@naming_arguments
 def study(
     name: str,
     scene: Source | None = None,
@@ -70,7 +73,9 @@ def study(
     [1.0, 5.0, 9.0, 13.0]
     """
     if name not in STUDIES:
-        raise SceneError(f"there is no study {name!r}: give one of {', '.join(STUDIES)}")
+        near = nearest(str(name), STUDIES)
+        meant = f"did you mean {near}? Else " if near else ""
+        raise SceneError(f"there is no study {name!r}: {meant}give one of {', '.join(STUDIES)}")
     if quantities is not None and not isinstance(quantities, Mapping):
         quantities = {function.__name__: function for function in quantities}
     options = Options(
@@ -110,12 +115,23 @@ def refuse_what_does_not_fit(name: str, scene: Scene, options: Options) -> None:
     """
     listed, problem = STUDIES[name], scene.problem
     flat = problem.full_contact and problem.indentation is None
-    if problem.merged.linear or not (listed.of_any_punch or flat):
+    if not (listed.of_any_punch or flat):
         raise SceneError(
-            f"study {name} is about flat punches under a force, whose edges stay, with "
-            "wear constant on rings: leave out punch.recess, punch.profile and "
-            "punch.wear_coefficient along the radius, and give load.normal_force; study tradeoff "
-            "takes any punch, and study convergence shaped ones, too"
+            f"study {name} is about flat punches under a force, whose edges stay: leave out "
+            "punch.recess and punch.profile, and give load.normal_force; studies "
+            f"{_those_that('of_any_punch')} take any punch"
+        )
+    if problem.merged.linear and not listed.along_radius:
+        raise SceneError(
+            f"study {name} is about rings, each with one wear coefficient: give "
+            "punch.wear_coefficients in place of punch.wear_coefficient along the radius; studies "
+            f"{_those_that('along_radius')} take it"
+        )
+    if problem.ground is not None and not listed.of_layers:
+        knowing = " and ".join(name for name, study in STUDIES.items() if study.of_layers)
+        raise SceneError(
+            f"study {name} is about a homogeneous half-space: leave out half_space.layers; "
+            f"{knowing} takes them"
         )
     for option in options.given:
         if option not in listed.takes:
@@ -125,3 +141,9 @@ def refuse_what_does_not_fit(name: str, scene: Scene, options: Options) -> None:
         raise SceneError(
             f"against = {options.against!r} is no abscissa: give one of {', '.join(ABSCISSAS)}"
         )
+
+
+def _those_that(trait: str) -> str:
+    """Return the names of the studies with a trait of `ListedStudy`, as a list in words."""
+    *names, last = (name for name, listed in STUDIES.items() if getattr(listed, trait))
+    return f"{', '.join(names)} and {last}"

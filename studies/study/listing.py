@@ -29,6 +29,8 @@ class ListedStudy:
     scene : its scene by default
     takes : names of the options that it knows besides `quick` (`studies/study/conduct.py`)
     of_any_punch : whether it takes any punch
+    along_radius : whether it takes wear that varies along the radius
+    of_layers : whether it takes layered ground
     """
 
     module: str
@@ -37,6 +39,8 @@ class ListedStudy:
     scene: str = "five_rings"
     takes: tuple[str, ...] = ()
     of_any_punch: bool = False
+    along_radius: bool = False
+    of_layers: bool = False
 
     @property
     def conduct(self) -> "Callable[[Scene, Options, Record], Study]":
@@ -58,23 +62,27 @@ STUDIES: dict[str, ListedStudy] = {
         24,
         takes=("quantities", "methods", "meshes", "degree", "elements", "steps", "against"),
         of_any_punch=True,
+        along_radius=True,
     ),
     "truncation": ListedStudy(
         "numerics.truncation",
         "what the outer boundary costs, for every far field and Poisson's ratio",
         3,
+        along_radius=True,
     ),
     "march": ListedStudy(
         "numerics.march",
         "orders of the time marches, and where the explicit one blows up",
         2,
         takes=("steps",),
+        along_radius=True,
     ),
     "refinement": ListedStudy(
         "refinement.study",
         "uniform, graded, adaptive and layered meshes, and meshes of your own: what accuracy costs",
         15,
         takes=("meshes", "degree"),
+        along_radius=True,
     ),
     "elements": ListedStudy(
         "elements.study",
@@ -93,5 +101,7 @@ STUDIES: dict[str, ListedStudy] = {
         25,
         takes=("quantities", "methods"),
         of_any_punch=True,
+        along_radius=True,
+        of_layers=True,
     ),
 }

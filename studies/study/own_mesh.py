@@ -1,5 +1,7 @@
-"""A mesh of the user's own, as studies take it: a file, or a mesh of scikit-fem."""
+"""Meshes of the user's own, as studies take them: files, or meshes of scikit-fem."""
 
+from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 from skfem import Mesh
@@ -22,3 +24,19 @@ def own_mesh(problem: Problem, given: str | Path | Mesh) -> Mesh:
     if isinstance(given, Mesh):
         return as_half_space(given, problem.merged.ring_edges)
     return files.read(given, problem.merged.ring_edges, problem.units.length)
+
+
+def named_meshes(given: Sequence[str | Path | Mesh]) -> dict[str, str | Path | Mesh]:
+    """Return meshes by the names of their files, or by their numbers, which start at 1.
+
+    Files of one name in several folders have their number behind it.
+    """
+    names = [
+        f"mesh {number}" if isinstance(mesh, Mesh) else Path(mesh).name
+        for number, mesh in enumerate(given, 1)
+    ]
+    count = Counter(names)
+    unique = [
+        name if count[name] == 1 else f"{name} ({number})" for number, name in enumerate(names, 1)
+    ]
+    return dict(zip(unique, given, strict=True))

@@ -36,5 +36,5 @@ def study_orders(
         table,
         orders=pd.DataFrame(sequence.summary() for sequence in sequences),
         conclusions=(*conclude(sequences), *record.conclusions),
-        figures={name: draw_errors(panels, ylabel)},
+        figures={name: draw_errors(panels, ylabel, scene.title)},
     )

@@ -16,7 +16,6 @@ Each scene is one point of a labelled grid.
 A dimension has the name of the last part of its key, or of its last two where that is taken.
 """
 
-import copy
 import tomllib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
@@ -29,10 +28,11 @@ from types import UnionType
 from typing import Self
 
 from ...meshes.errors import SceneError
+from ..problem.explain import nearest, question
 from ..problem.fields import Height, TomlTable, read_table, refuse_device
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, GROUPS, QUANTITIES
-from ..problem.scene import Scene
+from ..problem.scene import Scene, bundled, without_alternatives
 from .columns import Column, has_units, read_columns
 
 # scenes of one sweep
@@ -50,13 +50,6 @@ KEEPABLE = {
     for name, quantity in QUANTITIES.items()
     if name not in ("contact", "contact_edge")
 } | {name: ANSWER[name] for name in ANSWERS}
-# keys of a section that say the same in several ways
-ALTERNATIVES = (
-    ("punch", ("wear_coefficients",), ("wear_coefficient", "wear_ratio")),
-    ("punch", ("rings", "width_ratio"), ("ring_edges",)),
-    ("half_space", ("plane_strain_modulus",), ("youngs_modulus",)),
-    ("load", ("normal_force",), ("mean_pressure",), ("indentation",)),
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,10 +88,7 @@ class Sweep:
             refuse_device(file)
             table = tomllib.loads(file.read_text("utf-8"))
         except (OSError, ValueError) as error:
-            raise SceneError(
-                f"{source} cannot be read ({error}): give a sweep file, TOML in UTF-8, or one that "
-                "is bundled, such as running_in"
-            ) from error
+            raise SceneError(_unread(str(source), error)) from error
         return cls.of(table, path.parent)
 
     @classmethod
@@ -130,7 +120,7 @@ class Sweep:
         if "units" not in base and has_units(varied.items()):
             base = base | {"units": "SI"}
         columns = read_columns(table, base)
-        base, heights = _without_heights(_without_alternatives(base, set(columns)))
+        base, heights = _without_heights(without_alternatives(base, set(columns)))
         profiles = table.get("profiles") or _read_profiles(base, columns, folder or Path())
         table = table | {"base": base} | ({"profiles": profiles} if profiles else {})
         sweep = cls(table, columns, heights=heights, profiles=profiles)
@@ -244,8 +234,39 @@ def _changed(table: TomlTable, path: list[str], value: object) -> TomlTable:
     key, *rest = path
     if rest:
         inner = table.get(key)
-        value = _changed(inner if isinstance(inner, dict) else {}, rest, value)
+        if isinstance(inner, list):
+            value = _with_entry(inner, rest, value)
+        else:
+            value = _changed(inner if isinstance(inner, dict) else {}, rest, value)
     return table | {key: value}
+
+
+def _unread(source: str, error: OSError | ValueError) -> str:
+    """Return why a sweep file cannot be read, and what to give."""
+    there = (files("ringwear.studies") / "sweep" / "files").iterdir()
+    names = sorted(file.name.removesuffix(".toml") for file in there)
+    reason = str(error.strerror).lower() if isinstance(error, OSError) else str(error)
+    near = nearest(source, names)
+    meant = f"did you mean {near}? Else " if near else ""
+    if source in bundled():
+        reason, meant = "it is a scene", f"a scene is computed by `ringwear run {source}`; "
+    return (
+        f"{source} cannot be read as a sweep: {reason}; {meant}give a sweep file, TOML in UTF-8, "
+        f"or one of {', '.join(names)}"
+    )
+
+
+def _with_entry(tables: list[TomlTable], path: list[str], value: object) -> list[TomlTable]:
+    """Return a list of tables with another value at a path that begins with a number."""
+    number, *rest = path
+    if not number.isdigit() or int(number) >= len(tables) or not rest:
+        raise SceneError(
+            f"there is no {'.'.join(path)} in a list of {len(tables)} tables: they are numbered "
+            "from 0 on"
+        )
+    changed = [*tables]
+    changed[int(number)] = _changed(changed[int(number)], rest, value)
+    return changed
 
 
 def _profile_file(table: TomlTable) -> str:
@@ -286,24 +307,6 @@ def _without_heights(base: TomlTable) -> tuple[TomlTable, tuple[Height, ...]]:
     return base | {"punch": left}, tuple(punch["heights"])
 
 
-def _without_alternatives(base: TomlTable, keys: set[str]) -> TomlTable:
-    """Return the base without what the axes give in another way.
-
-    Two materials stay two, whichever way they are given.
-    """
-    table = copy.deepcopy(base)
-    punch = table.get("punch", {})
-    pair = punch.get("wear_coefficients", [])
-    if len(pair) == 2 and keys & {"punch.wear_ratio", "punch.wear_coefficient"}:
-        punch["wear_coefficient"], punch["wear_ratio"] = pair[0], pair[1] / pair[0]
-    for section, *ways in ALTERNATIVES:
-        varied = [way for way in ways if keys.intersection(f"{section}.{key}" for key in way)]
-        dropped = [key for way in ways if varied and way not in varied for key in way]
-        for key in dropped:
-            table.get(section, {}).pop(key, None)
-    return table
-
-
 def _checked_keep(
     keep: list[str] | None, problems: list[Problem], axes: Iterable[str]
 ) -> tuple[str, ...]:
@@ -325,8 +328,10 @@ def _checked_keep(
         )
     computed = {of for of in KEEPABLE if not given.isdisjoint(ANSWERS.get(of, (of,)))}
     if not keep or not set(map(str, keep)) <= computed:
+        strange = next((str(name) for name in keep if str(name) not in computed), "")
         raise SceneError(
-            f"keep = {keep!r} names what is no quantity of such punches: give a list of "
+            f"keep = {keep!r} names what is no quantity of such punches"
+            f"{question(strange, computed) if strange else ':'} give a list of "
             f"{', '.join(sorted(computed))}; histories need wear.times, and steady quantities "
             "wear.steady = true"
         )

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
+from ..problem.explain import shown
 from ..problem.fields import TomlTable
 from ..problem.scene import Scene
 from ..problem.unit_names import without_quantities
@@ -114,8 +115,8 @@ def read_values(key: str, given: Any, base: TomlTable, draws: int, seed: int | N
         return (spaced.round().astype(int) if whole else spaced).tolist()
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
         raise SceneError(
-            f"{key} = {given!r}: give a list of values, or linspace or geomspace = [first, last, "
-            "count] in braces, without count to draw from"
+            f"{key} = {shown(given)}: give a list of values, or linspace or geomspace = [first, "
+            "last, count] in braces, without count to draw from"
         ) from None
 
 

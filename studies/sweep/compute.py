@@ -14,9 +14,9 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..crosscheck.accuracy import solved_to_accuracy
 from ..crosscheck.agreement import disagreement
-from ..crosscheck.answer import answer
-from ..crosscheck.table import in_units
 from ..methods.base import Method, Solution, method
+from ..outcome.answer import answer
+from ..outcome.table import in_units
 from ..problem.problem import Problem
 from ..problem.quantities import error_name
 from ..progress import Stages
@@ -28,6 +28,8 @@ from .store import DONE, FAILED, PENDING
 
 # gmsh has one state for a whole process, whose threads a cluster may give several blocks
 ONE_AT_A_TIME = Lock()
+# scenes that are solved together at most: their solutions take memory
+MOST_TOGETHER = 64
 
 
 def compute_block(sweep: Sweep, blank: xarray.Dataset) -> dict[str, Array]:
@@ -57,9 +59,9 @@ def compute_block(sweep: Sweep, blank: xarray.Dataset) -> dict[str, Array]:
     numbers, solvers = list(problems), blank["solver"].values.tolist()
     with ONE_AT_A_TIME, threadpool_limits(1):
         for group in groups(list(problems.values())):
-            # solutions take memory: at most 64 at once
-            for start in range(0, len(group), 64):
-                together = {numbers[at]: problems[numbers[at]] for at in group[start : start + 64]}
+            for start in range(0, len(group), MOST_TOGETHER):
+                part = group[start : start + MOST_TOGETHER]
+                together = {numbers[at]: problems[numbers[at]] for at in part}
                 _compute_together(together, solvers, sweep.keep, values)
     # of all that the computing has loaded
     values["code"][:] = stamp()

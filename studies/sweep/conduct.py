@@ -6,15 +6,18 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import xarray
 
 from ...meshes.errors import SceneError
+from ..calls import naming_arguments
 from ..figures.style import new_figure, set_logarithmic
 from ..output.folder import Folder, lock_folder, output_folder, refuse_foreign_folders
 from ..output.one_file import make
+from ..problem.explain import shown
 from ..problem.fields import TomlTable
-from ..problem.scene import Scene
+from ..problem.scene import Scene, dotted, listed
 from ..progress import LOG
 from .axes import Sweep
 from .cost import estimate_cost
@@ -24,10 +27,11 @@ from .workers import compute_blocks
 PICTURE = "sweep.png"
 
 
+@naming_arguments
 def sweep(
     base: Scene | str | Mapping[str, object],
     axes: Mapping[str, object] | None = None,
-    keep: Sequence[str] | None = None,
+    keep: Sequence[str] | str | None = None,
     *,
     zip: Mapping[str, object] | None = None,
     random: Mapping[str, object] | None = None,
@@ -43,8 +47,9 @@ def sweep(
     ----------
     base : the scene that all others are changed from: a Scene, a bundled name, a file or nested
         dictionaries
-    axes : values of scene keys such as ``"punch.rings"``, each crossed with every other: a list,
-        ``{"linspace": [...]}`` or ``{"geomspace": [first, last, count]}``
+    axes : values of scene keys such as ``"punch.rings"``, named as in `Scene.changed`, each crossed
+        with every other: a list or an array, ``{"linspace": [...]}`` or
+        ``{"geomspace": [first, last, count]}``
     keep : names of quantities; by default all that need neither radius nor ring
     zip : keys whose values go together
     random : ``count``, ``seed``, and what to draw each key from
@@ -68,10 +73,10 @@ def sweep(
     """
     table = {
         "base": _table_of(base) if isinstance(base, Scene) else base,
-        "keep": None if keep is None else list(keep),
-        "axes": axes,
-        "zip": zip,
-        "random": random,
+        "keep": None if keep is None else listed(keep),
+        "axes": _by_key(axes),
+        "zip": _by_key(zip),
+        "random": _by_key(random),
     }
     given = Sweep.of({name: value for name, value in table.items() if value is not None})
     if given.heights and (out is not None or workers > 1 or scheduler is not None):
@@ -85,6 +90,21 @@ def sweep(
         return compute(given, Path(out), *options)
     with TemporaryDirectory() as folder:
         return compute(given, Path(folder), *options).load()
+
+
+def _by_key(axes: Mapping[str, object] | None) -> TomlTable | None:
+    """Return axes by scene keys as files have them, with dots and with lists of numbers."""
+    if axes is None:
+        return None
+    if not isinstance(axes, Mapping):
+        raise SceneError(f"axes = {shown(axes)}: write sweep(base, {{'punch.rings': [2, 4, 8]}})")
+    return {dotted(key): _as_list(values) for key, values in axes.items()}
+
+
+def _as_list(values: Any) -> object:
+    if isinstance(values, range | tuple):
+        return list(values)
+    return values.tolist() if hasattr(values, "tolist") else values
 
 
 def _table_of(scene: Scene) -> TomlTable:

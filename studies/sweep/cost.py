@@ -5,7 +5,7 @@ import time
 import numpy as np
 
 from ...meshes.errors import SceneError
-from ..crosscheck.sizes import machine_memory, predict_memory
+from ..predictions.memory import machine_memory, predict_memory
 from ..problem.fields import TomlTable
 from .axes import Sweep
 from .compute import compute_block

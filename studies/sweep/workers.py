@@ -4,6 +4,7 @@ A block that ends its workers, as for lack of memory, is split, down to single s
 """
 
 import logging
+import time
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import CancelledError
@@ -16,12 +17,13 @@ import xarray
 
 from ...meshes.errors import SolverError
 from ...meshes.radial import Array
-from ..crosscheck.sizes import machine_memory
 from ..output.signals import signals_wait
+from ..predictions.memory import LIBRARIES, machine_memory
 from ..progress import LOG
 from ..versions import computed_with, stamp
 from .axes import Sweep
-from .compute import compute_block
+from .compute import MOST_TOGETHER, compute_block
+from .cost import find_largest
 from .store import PENDING
 
 if TYPE_CHECKING:
@@ -30,6 +32,15 @@ if TYPE_CHECKING:
 RESUME = "what is finished is there: go on with --resume"
 # deaths of workers of this machine by which a block is split: one may have another cause
 DEATHS = 2
+# seconds of computing that workers of this machine have to spare this process to be started: they
+# take about as long to start and to load libraries
+LEAST_GAIN = 4.0
+# seconds that a first block may take to load libraries, so that another one is to tell how long
+# blocks take
+LOADING = 2.0
+# part of the machine's memory that the scenes of a block may take in this process, which no other
+# one protects from running out of it
+MOST_HERE = 0.5
 # seconds that a scheduler may take to answer, and its first worker to come
 MOST_SILENCE = 20.0
 
@@ -73,7 +84,8 @@ def compute_blocks(
 
     Dask gives what a lost worker had to another, and starts a new one. What is lost again is split
     in halves. A single scene that ends its workers stays pending, with the reason. One worker of
-    any memory is this process itself.
+    any memory is this process itself, which also computes small blocks as long as too little is
+    left for more workers to be worth their start.
 
     Raises
     ------
@@ -82,13 +94,23 @@ def compute_blocks(
         blocks are not yielded
     """
     workers = min(workers, len(blocks))
-    if not blocks or (scheduler is None and workers == 1 and memory is None):
+    if scheduler is None and memory is None:
+        remaining, seconds = dict(blocks), list[float]()
         for number, block in blocks.items():
-            values = compute_block(block, blank)
+            if workers > 1 and not (
+                _fits_here(block) and _too_short(seconds, len(remaining), workers)
+            ):
+                break
+            began = time.process_time()
+            values = compute_block(remaining.pop(number), blank)
+            seconds.append(time.process_time() - began)
             if (values["code"] != stamp()).any():
                 raise SolverError(f"this process has loaded files that were edited; {RESUME}")
             yield number, values
+        blocks = remaining
+    if not blocks:
         return
+    workers = min(workers, len(blocks))
     whole = {number: block.sizes.values() for number, block in blocks.items()}
     waiting = deque(
         Piece(number, tuple(slice(0, size) for size in sizes)) for number, sizes in whole.items()
@@ -156,6 +178,28 @@ def compute_blocks(
                 if left := int((values["status"] == PENDING).sum()):
                     LOG.warning("   sweep  %d scenes end worker after worker: left out", left)
                 yield number, values
+
+
+def _fits_here(block: Sweep) -> bool:
+    """Return whether this process has far more memory than the scenes of a block need."""
+    of_scene = find_largest(block)[1] - LIBRARIES
+    together = min(block.count, MOST_TOGETHER)
+    return LIBRARIES + together * of_scene <= MOST_HERE * machine_memory()
+
+
+def _too_short(seconds: list[float], left: int, workers: int) -> bool:
+    """Return whether workers would not be worth their start.
+
+    Parameters
+    ----------
+    seconds : of computing that each block has taken in this process
+    left : number of blocks that are left
+    workers : how many would share them
+    """
+    if not seconds or (len(seconds) == 1 and seconds[0] < LOADING):
+        return True
+    # one of the workers could be this process
+    return min(seconds) * left * (1 - 1 / workers) < LEAST_GAIN
 
 
 def _left_pending(

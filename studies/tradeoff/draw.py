@@ -26,6 +26,7 @@ LOOKS: dict[str, tuple[str, str, Any, str]] = {
     "mdr-grid": ("#8e6c00", "^", "--", "the paper's own grid"),
     "naive": ("0.45", "X", "-", "naive finite elements"),
     "scikit-fem": ("black", "P", "-", "challenge: scikit-fem"),
+    "CalculiX": ("#c0392b", ">", "-.", "challenge: CalculiX"),
     "ContactMechanics": ("#8e44ad", "p", "--", "challenge: ContactMechanics"),
     "Tamaas": ("#16a085", "h", ":", "challenge: Tamaas"),
 }
@@ -106,7 +107,7 @@ def draw(rows: pd.DataFrame, effectivities: pd.DataFrame, title: str) -> Figure:
 
 def read_challenge() -> pd.DataFrame:
     """Return what `studies/challenge/others/README.md` says of programs of others, and of ours."""
-    with (files("ringwear.studies") / "tradeoff" / "challenge.csv").open() as listing:
+    with (files("ringwear.studies") / "challenge" / "others" / "errors.csv").open() as listing:
         return pd.read_csv(listing, keep_default_na=True)
 
 

@@ -13,7 +13,6 @@ from typing import TypeVar
 import numpy as np
 
 from ...meshes.errors import SolverError
-from ...meshes.radial import ring_of
 from ..crosscheck.accuracy import solved_to_accuracy
 from ..crosscheck.agreement import compare
 from ..extremes import naive
@@ -158,8 +157,7 @@ def stable_naive_step(problem: Problem, cells: int) -> float:
         naive.OUTER,
         cells,
     )
-    radii = np.clip(face.radii / units.length, hole, 1 - 1e-12)
-    wear = problem.rings.ends.mean(axis=0)[ring_of(problem.rings.ring_edges, radii)]
+    wear = problem.merged.at(np.clip(face.radii / units.length, hole, 1.0))
     pressures = np.linalg.solve(face.mass, face.stiffness) * units.displacement / units.pressure
     return float(2 / np.abs(np.linalg.eigvals(pressures * wear[:, None])).max())
 

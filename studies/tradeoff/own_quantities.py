@@ -5,25 +5,26 @@ from functools import partial
 
 import numpy as np
 
-from ..crosscheck.run import run
 from ..extremes.oracles import other_theory
+from ..outcome.run import run
 from ..problem.scene import Scene
 from ..study.levels import Family
 from ..study.options import Options, Quantity
 from ..tables import Row
 from .measure import row_of_accuracy, time_runs
-from .ways import expected_seconds, reference_tolerance, tolerance_of, tolerances
+from .tolerances import TOLERANCES
+from .ways import expected_seconds, tolerance_of
 
 
 def families_of_quantities(
     scene: Scene, options: Options, names: tuple[str, ...]
 ) -> Iterator[Family]:
     """Yield a family for each quantity of the user's own and each method."""
-    problem = scene.problem
-    finest = scene.changed(accuracy={"rtol": reference_tolerance(problem, options.quick)})
+    problem, tolerances = scene.problem, TOLERANCES[scene.problem.contact]
+    finest = scene.changed(accuracy={"rtol": tolerances.of_reference(options.quick)})
     needed = dict.fromkeys(map(other_theory, names))
     references = {name: run(finest, [name]) for name in needed}
-    settings = [f"rtol {rtol:.0e}" for rtol in tolerances(problem, options.quick)]
+    settings = [f"rtol {rtol:.0e}" for rtol in tolerances.asked(options.quick)]
     for label, quantity in options.quantities.items():
         for name in names:
             exact = float(quantity(references[other_theory(name)]))
@@ -32,12 +33,8 @@ def families_of_quantities(
                 f"{label}, {name}",
                 dict.fromkeys(settings, np.nan),
                 solve,
-                work=partial(_work, name, problem.full_contact),
+                work=partial(expected_seconds, problem, name),
             )
-
-
-def _work(name: str, full_contact: bool, setting: str) -> float:
-    return expected_seconds(name, tolerance_of(setting), full_contact)
 
 
 def _solve_quantity(

@@ -26,6 +26,7 @@ from .prices import (
     list_effectivities,
     list_prices,
 )
+from .tolerances import TOLERANCES
 from .ways import BY_TOLERANCE, NAIVE, WAYS, Ways
 
 COLUMNS = [
@@ -108,7 +109,8 @@ def choose_methods(options: Options) -> tuple[str, ...]:
 
 def list_what_is_left_out(names: tuple[str, ...], scene: Scene, options: Options) -> Iterator[str]:
     """Yield what is not measured for a scene, with the reason."""
-    if NAIVE in names and not scene.problem.full_contact and not options.quantities:
+    known = TOLERANCES[scene.problem.contact].knows_others
+    if NAIVE in names and not known and not options.quantities:
         yield (
             "Left out for a shaped punch: the naive finite elements, whose nodes stick to the "
             "whole face, and Euler's marches and the paper's grid, which are of full contact."

@@ -16,6 +16,7 @@ from ..progress import Stages
 from ..study.levels import Family
 from ..tables import Row
 from . import measure
+from .tolerances import TOLERANCES
 
 ASKED = {
     "indentation, force, relaxation times": frozenset(
@@ -48,29 +49,6 @@ NAIVE_CELLS = (5, 10, 20, 40)
 """Elements of the naive finite elements on the radius of the punch."""
 NAIVE_STEP = 0.8
 """Step of the naive finite elements, over the greatest that is stable on their mesh."""
-EXPECTED_SECONDS = {"mdr": 0.05, "bem": 0.05, "fem": 0.2, GRID: 0.3, NAIVE: 0.3}
-"""Seconds of a run of a flat punch at the coarsest level."""
-EXPECTED_PRICE = 1.4
-"""Factor by which one more digit asked for multiplies the expected seconds."""
-EXPECTED_SHAPED = {1e-1: 1.0, 1e-2: 1.0, 3e-3: 2.5, 1e-3: 6.0}
-"""Seconds of a run of a shaped punch by MDR, by its tolerance; finite elements take twice."""
-
-
-def tolerances(problem: Problem, quick: bool) -> list[float]:
-    """Return the tolerances that methods are asked for."""
-    if problem.full_contact:
-        return [10.0**-digits for digits in range(1, 5 if quick else 9)]
-    # matrices on cells are dense
-    return [1e-1, 1e-2] if quick else [1e-1, 1e-2, 3e-3, 1e-3]
-
-
-def reference_tolerance(problem: Problem, quick: bool) -> float:
-    """Return the accuracy of the solutions that errors are measured by."""
-    finest = min(tolerances(problem, quick))
-    if problem.full_contact:
-        return 1e-3 * finest if quick else 1e-9
-    # the first tolerance is refined to a tenth of itself, and sizes end where cells are too many
-    return 0.01 * finest
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +77,7 @@ class Ways:
         RingwearError
             if a reference cannot be computed
         """
-        rtol = reference_tolerance(problem, quick)
+        rtol = TOLERANCES[problem.contact].of_reference(quick)
         problem = replace(problem, march="modal", step=None)
         problem = replace(problem, compared_on=replace(problem, rtol=rtol).face)
         needed = dict.fromkeys(other_theory(name.split()[0]) for name in names)
@@ -128,11 +106,12 @@ class Ways:
         if name == NAIVE:
             return self._naive_levels(alone)
         problems: dict[str, Problem] = {}
-        marched = self.problem.full_contact and quantities <= GROUPS["history"]
+        tolerances = TOLERANCES[self.problem.contact]
+        marched = tolerances.knows_others and quantities <= GROUPS["history"]
         if name in BY_TOLERANCE:
             problems = {
                 f"rtol {rtol:.0e}": replace(alone, rtol=rtol)
-                for rtol in tolerances(self.problem, self.quick)
+                for rtol in tolerances.asked(self.quick)
             }
         elif name == DIRECT and quantities <= GROUPS["steady"]:
             problems = {"closed form": alone}
@@ -159,8 +138,10 @@ class Ways:
 
         Their nodes stick to the whole face, so they know no contact that opens and spreads.
         """
-        given = {"pressure"} if alone.indentation is not None else {"indentation", "pressure"}
-        if not alone.full_contact or not any(map(alone.wants, given)):
+        # of a given indentation there is no error, and they know no layers
+        given = {"pressure", alone.load_regime.response} - {"normal_force"}
+        solvable = TOLERANCES[alone.contact].knows_others and alone.ground is None
+        if not solvable or not any(map(alone.wants, given)):
             return {}
         reference = self.references[other_theory(NAIVE)]
         only = alone.asking_for(frozenset(name for name in given if alone.wants(name)))
@@ -183,7 +164,7 @@ class Ways:
             return {**asked, **levels[setting]()}
 
         def work(setting: str) -> float:
-            return expected_seconds(name, tolerance_of(setting), self.problem.full_contact)
+            return expected_seconds(self.problem, name, setting)
 
         return Family(f"{group}, {name}", dict.fromkeys(levels, np.nan), solve, work=work)
 
@@ -193,15 +174,9 @@ def tolerance_of(setting: str) -> float:
     return float(setting.removeprefix("rtol ")) if setting.startswith("rtol ") else np.nan
 
 
-def expected_seconds(name: str, tolerance: float, full_contact: bool) -> float:
+def expected_seconds(problem: Problem, name: str, setting: str) -> float:
     """Return the seconds that all runs of a level are expected to take."""
-    if full_contact:
-        digits = 0.0 if np.isnan(tolerance) else -np.log10(tolerance) - 1
-        seconds = EXPECTED_SECONDS.get(name, 0.1) * EXPECTED_PRICE**digits
-    else:
-        shaped = EXPECTED_SHAPED.get(tolerance, 1.0)
-        seconds = 2 * shaped if name == "fem" else shaped
-    return measure.RUNS * seconds
+    return measure.RUNS * TOLERANCES[problem.contact].seconds(name, tolerance_of(setting))
 
 
 def _explicit_problems(alone: Problem) -> dict[str, Problem]:

@@ -10,23 +10,18 @@ times Legendre polynomials in ``r^2``.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import TYPE_CHECKING
+from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.polynomial.legendre import legval, legvander
 from scipy.linalg import solve_triangular
 
+from ...mdr.flat_punch import DiscSeries, FlatPunch, disc_functions
 from ...meshes.compliance import Compliance
 from ...meshes.errors import SolverError
 from ...meshes.pressure_space import PressureSpace, shapes
 from ...meshes.radial import Array, unit_gauss
 from .modes import BandedCholesky
 from .unilateral import Interval
-
-if TYPE_CHECKING:
-    from ...mdr.annulus import FlatAnnulus
-
 
 # functions that a flat start is sought among: what a compliance adds to the first of them is an
 # error of its own
@@ -60,36 +55,25 @@ class FlatStart:
         """Where it presses."""
         return (Interval(self.inner_radius, 1.0),)
 
-    def _as_annulus(self) -> "FlatAnnulus":
+    @cached_property
+    def _in_closed_form(self) -> FlatPunch:
+        if not self.inner_radius:
+            return DiscSeries(self.indentation, self.coefficients)
         from ...mdr.annulus import FlatAnnulus  # full punches do not need it
 
         return FlatAnnulus(self.inner_radius, self.indentation, self.coefficients)
 
     def pressure_at(self, radii: Array) -> Array:
         """Return the pressures at radii (R,) of the face; infinite at the rim and at a hole."""
-        if self.inner_radius:
-            return self._as_annulus().pressure_at(radii)
-        functions, factor = _suited(0.0, radii, 1 - radii, len(self.coefficients))
-        return np.asarray(functions @ self.coefficients * factor)
+        return self._in_closed_form.pressure_at(radii)
 
     def extremes_on(self, ring_edges: Array) -> tuple[Array, Array]:
-        """Return the least and the greatest pressure on each of the N rings between edges (N+1,).
-
-        Those of a full punch rise from the centre to the rim.
-        """
-        if self.inner_radius:
-            return self._as_annulus().extremes_on(ring_edges)
-        pressures = self.pressure_at(ring_edges[:-1])
-        return pressures, np.append(pressures[1:], np.inf)
+        """Return the least and the greatest pressure (N,) on each ring between edges (N+1,)."""
+        return self._in_closed_form.extremes_on(ring_edges)
 
     def ring_forces(self, ring_edges: Array) -> Array:
         """Return the force on each of the N rings between edges (N+1,)."""
-        if self.inner_radius:
-            return self._as_annulus().ring_forces(ring_edges)
-        series = np.zeros(2 * len(self.coefficients))
-        series[::2] = self.coefficients
-        root = np.sqrt((1 - ring_edges) * (1 + ring_edges))
-        return np.asarray(-2 * np.pi * np.diff(legval(root, np.polynomial.legendre.legint(series))))
+        return self._in_closed_form.ring_forces(ring_edges)
 
 
 @lru_cache(maxsize=8)  # punches that differ in wear alone begin alike
@@ -108,7 +92,8 @@ def flat_start(
         if the compliance is not positive definite
     """
     space = compliance.space
-    series, forces = _functions(space.inner_radius, max(1, min(MOST_FUNCTIONS, space.size // 3)))
+    count = max(1, min(MOST_FUNCTIONS, space.size // 3))
+    series, forces = _functions(space.inner_radius, count, compliance.flat_series)
     projected = BandedCholesky(space.mass()).solve(_moments(space, len(series)) @ series)
     displaced = compliance.factor @ projected
     factor = np.asarray(np.linalg.qr(displaced, mode="r"))
@@ -121,10 +106,17 @@ def flat_start(
     return FlatStart(series @ coefficients, projected @ coefficients, depth, space.inner_radius)
 
 
-def _functions(inner_radius: float, count: int) -> tuple[Array, Array]:
-    """Return the functions that suit a flat start, (J, count) by columns, and their forces."""
+def _functions(
+    inner_radius: float, count: int, flat_series: tuple[float, ...]
+) -> tuple[Array, Array]:
+    """Return the functions that suit a flat start, (J, count) by columns, and their forces.
+
+    The first is the pressure of the flat punch itself.
+    """
     if not inner_radius:
-        return np.eye(count), 2 * np.pi * np.eye(count)[0]
+        series = np.eye(max(count, len(flat_series)))[:, :count]
+        series[: len(flat_series), 0] = flat_series
+        return series, 2 * np.pi * series[0]
     from ...mdr.annulus import suited_series  # full punches do not need it
 
     series = suited_series(inner_radius, count)
@@ -221,9 +213,7 @@ def _suited(
         from ...mdr.annulus import cosine_pressures  # full punches do not need it
 
         return cosine_pressures(inner_radius, from_hole, to_rim, count)
-    root = np.sqrt(to_rim * (2 - to_rim))
-    with np.errstate(divide="ignore"):
-        return np.asarray(legvander(root, 2 * count - 2)[..., ::2]), 1 / root
+    return disc_functions(to_rim, count)
 
 
 def _moments(space: PressureSpace, count: int) -> Array:
@@ -232,8 +222,8 @@ def _moments(space: PressureSpace, count: int) -> Array:
     In the elements at the rim and at a hole the root of the distance is the variable of
     integration, in which nothing is singular.
     """
-    # the root is one element away, where each point gains a factor of seven
-    node, weight = unit_gauss(space.top + 24)
+    # the root is one element away, where each point gains a factor of seven; functions oscillate
+    node, weight = unit_gauss(space.top + 18 + 2 * max(count, MOST_FUNCTIONS))
     elements, rim = np.flatnonzero(space.degrees > 0), len(space.degrees)
     if space.hollow and len(elements) < 2:
         raise SolverError("the face of a hollow punch needs two elements: ask for smaller sizes")

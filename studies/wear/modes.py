@@ -16,7 +16,6 @@ import numpy as np
 from scipy.linalg import LinAlgError, cholesky_banded, eigh, eigh_tridiagonal, svd
 from scipy.linalg.blas import dsymv
 from scipy.linalg.lapack import dtbtrs
-from scipy.optimize import brentq
 from scipy.sparse import csr_matrix, tril
 from scipy.sparse.linalg import eigsh
 
@@ -109,13 +108,15 @@ class Modes:
         whole = float(self.left(np.zeros(1))[0])
         if not 0 < left < whole:
             return float("nan")
-        # the slowest mode alone would take longest
-        latest = 1.01 * float(self.relaxation[0]) * np.log(whole / left)
-
-        def excess(time: float) -> float:
-            return float(self.left(np.array([time]))[0] / left - 1)
-
-        return float(brentq(excess, 0.0, latest, xtol=1e-15 * latest, rtol=1e-14))
+        # the logarithm of a sum of decaying exponentials is convex, so that Newton's method rises
+        # from 0 to the time and never goes beyond it
+        coefficients, time, step = self.amplitudes**2 * self.relaxation, 0.0, np.inf
+        while step > 1e-14 * time:
+            terms = coefficients * np.exp(-time / self.relaxation)
+            rate = float((terms / self.relaxation).sum() / terms.sum())
+            step = float(np.log(terms.sum() / left)) / rate
+            time += step
+        return time
 
     def excite(self, before: Array | float, state: State) -> Array:
         """Return what there is of each mode (T, m) at states of a load.

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...mdr.energy import compliance
 from ...meshes.compliance import Compliance
+from ...meshes.ground.ground import Ground
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, graded_breakpoints
 from ..problem.problem import Problem, Rings
@@ -18,7 +19,7 @@ from ..problem.sections import RUNNING_IN
 from .modes import BandedCholesky, slowest_times
 
 # gives the compliance of the half-space on a pressure space
-HalfSpaceOn = Callable[[PressureSpace], Compliance]
+HalfSpaceOn = Callable[[PressureSpace, Ground | None], Compliance]
 # with more rings it would take longer than many a run
 MOST_RINGS = 64
 # degree, size at the rim and ratio of neighbouring sizes: a few digits; and more, to check them
@@ -65,7 +66,8 @@ def slowest_relaxation_time(problem: Problem) -> float:
 
     NaN for more than `MOST_RINGS`.
     """
-    times = slowest_relaxation_times(problem.merged, problem.indentation is not None)
+    fixed = problem.indentation is not None
+    times = slowest_relaxation_times(problem.merged, fixed, ground=problem.ground)
     return float(times[0]) if len(times) else float("nan")
 
 
@@ -74,6 +76,7 @@ def slowest_relaxation_times(
     fixed: bool,
     sizes: tuple[int, float, float] = COARSE,
     half_space: HalfSpaceOn = compliance,
+    ground: Ground | None = None,
 ) -> Array:
     """Return the slowest relaxation times (m,), non-dimensional, to a few digits.
 
@@ -86,11 +89,12 @@ def slowest_relaxation_times(
     fixed : whether the indentation is given
     sizes : degree, size at the rim, and ratio of neighbouring sizes
     half_space : gives the compliance on a pressure space
+    ground : layers, if there are any
     """
     if len(rings.widths) > MOST_RINGS:
         return np.empty(0)
     ends = tuple(map(tuple, rings.ends))
-    return _slowest_times(tuple(rings.ring_edges), ends, fixed, sizes, half_space)
+    return _slowest_times(tuple(rings.ring_edges), ends, fixed, sizes, half_space, ground)
 
 
 @lru_cache(maxsize=8)  # the anchors of every method ask for it
@@ -100,6 +104,7 @@ def _slowest_times(
     fixed: bool,
     sizes: tuple[int, float, float],
     half_space: HalfSpaceOn,
+    ground: Ground | None,
 ) -> Array:
     degree, rim, grading = sizes
     rings = Rings(np.array(ring_edges), np.array(wear_coefficients))
@@ -108,8 +113,10 @@ def _slowest_times(
     )
     in_hole = (breakpoints[1:] <= rings.ring_edges[1]) & rings.hollow
     space = PressureSpace(breakpoints, np.where(in_hole, 0, degree), rings.ring_edges)
+    if ground is not None:
+        space = space.no_wider(ground.first)
     to_pressure = space.joined(rings.wear_coefficients)
     mass = BandedCholesky(to_pressure.T @ space.mass(rings.wear_coefficients) @ to_pressure)
-    factor = mass.forward(to_pressure.T @ half_space(space).factor.T)
+    factor = mass.forward(to_pressure.T @ half_space(space, ground).factor.T)
     weights = None if fixed else mass.forward(to_pressure.T @ space.weights)
     return slowest_times(factor @ factor.T, weights)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ringwear import Scene, run
-from ringwear.studies.crosscheck.scope import time_scale
+from ringwear.studies.outcome.scope import time_scale
 from ringwear.studies.report.words import Account
 from ringwear.studies.sampling.sampler import Sampler
 from ringwear.studies.wear.time_scale import spreading

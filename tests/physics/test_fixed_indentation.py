@@ -1,5 +1,7 @@
 """A punch held at a fixed indentation: its force decays, and its wear ends."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from closed_forms import FrettedSphere
@@ -31,12 +33,18 @@ def result(request):
     return run(held(request.param))
 
 
-def force_at(problem, times):
-    """Slowest time, and force (T,) at times > 0, by an independent problem of singular values."""
+@cache
+def decay(problem):
+    """Singular values, and what each carries, of an independent problem."""
     rings = problem.merged
     punch = Reference(*rings, np.full(len(rings.widths), 1e-9))
     _, singular, shapes = np.linalg.svd(punch.triangle)
-    carried = (shapes @ punch.weights.ravel()) ** 2 / singular**2
+    return singular, (shapes @ punch.weights.ravel()) ** 2 / singular**2
+
+
+def force_at(problem, times):
+    """Slowest time, and force (T,) at times > 0, by an independent problem of singular values."""
+    singular, carried = decay(problem)
     force = np.exp(-times[:, None] / singular**2) @ carried * problem.indentation
     return singular[0] ** 2, force
 
@@ -145,7 +153,7 @@ def test_the_last_of_a_force_is_not_promised():
         wear={"times": [0.0, 10.0, 100.0]},
     )
     fine, coarse = (
-        run(scene.changed(accuracy__rtol=rtol)).dataset.isel(solver=0) for rtol in (1e-4, 1e-1)
+        run(scene.changed(accuracy__rtol=rtol)).dataset.isel(solver=0) for rtol in (1e-3, 1e-1)
     )
     # forces vanish: errors are stated over the greatest so far
     differences = np.abs(coarse.normal_force - fine.normal_force)
@@ -184,10 +192,12 @@ def fixed_sphere(depth, edges, wear, times, rtol):
     )
 
 
-@pytest.mark.parametrize("stick", [0.3, pytest.param(0.5, marks=pytest.mark.slow)])
-def test_a_zone_of_stick_leaves_the_limiting_shape_of_fretting(stick):
+@pytest.mark.parametrize(
+    ("stick", "rtol"), [(0.3, 1e-3), pytest.param(0.5, 1e-4, marks=pytest.mark.slow)]
+)
+def test_a_zone_of_stick_leaves_the_limiting_shape_of_fretting(stick, rtol):
     """All but the stick zone has worn off; contact ends where the unworn face still touches."""
-    scene = fixed_sphere(0.4, [stick, 1.0], [1e-9, 1.0], [0.0, 30.0], 1e-4)
+    scene = fixed_sphere(0.4, [stick, 1.0], [1e-9, 1.0], [0.0, 30.0], rtol)
     exact = FrettedSphere(1.0, 0.4, stick)
     table = run(scene).dataset.isel(time=1)
     np.testing.assert_allclose(table.normal_force, exact.force, rtol=2e-5)
@@ -199,15 +209,31 @@ def test_a_zone_of_stick_leaves_the_limiting_shape_of_fretting(stick):
 
 
 @pytest.mark.parametrize(
-    ("depth", "overlap", "tolerance"),
+    ("depth", "rtol", "overlap", "tolerance"),
     [
-        (0.8, np.pi * (0.8 - 0.25), 1e-12),
-        pytest.param(0.2, np.pi * 0.2**2, 2e-5, marks=pytest.mark.slow),
+        (0.8, 1e-2, np.pi * (0.8 - 0.25), 1e-12),
+        pytest.param(0.2, 1e-4, np.pi * 0.2**2, 2e-5, marks=pytest.mark.slow),
     ],
     ids=["of all of the face", "of a part"],
 )
-def test_slip_everywhere_wears_off_all_of_the_overlap(depth, overlap, tolerance):
+def test_slip_everywhere_wears_off_all_of_the_overlap(depth, rtol, overlap, tolerance):
     """What overlaps is ``pi a^2 d`` less the volume of the face, if all of it is within d."""
-    scene = fixed_sphere(depth, [0.3, 0.6, 1.0], [1.0, 0.2, 0.5], [0.0, 1e4], 1e-4)
+    scene = fixed_sphere(depth, [0.3, 0.6, 1.0], [1.0, 0.2, 0.5], [0.0, 1e4], rtol)
     worn = run(scene).dataset.ring_worn_volume.isel(time=1).sum("ring")
     np.testing.assert_allclose(worn, overlap, rtol=tolerance)
+
+
+@pytest.mark.parametrize(
+    ("wear", "times"),
+    [
+        # the volume of a ring that hardly wears is known to a part of that of the other
+        ([1.0, 3.6e-6], [5e-5, 1.5e-4, 5e-4, 1.5e-3]),
+        # pressures whose squares are no numbers any more
+        ([1.0, 1.0], [2.0, 40.0, 700.0]),
+    ],
+)
+def test_anchors_hold_where_a_ring_hardly_wears_and_where_nothing_presses_any_more(wear, times):
+    punch = {"radius": 1.0, "ring_edges": [0.42, 1.0], "wear_coefficients": wear}
+    scene = held(punch=punch, accuracy={"rtol": 2e-5}).changed(methods=["mdr"])
+    found = run(scene.changed(wear={"times": times}))
+    assert [anchor for anchor in found.anchors if not anchor.holds] == []

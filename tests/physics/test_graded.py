@@ -1,12 +1,16 @@
 """Wear coefficients along the radius: the limit of many rings."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from ringwear import Scene, run
 from ringwear.mdr import energy
 from ringwear.meshes.errors import SceneError
+from ringwear.studies.methods.base import method as method_named
 from ringwear.studies.methods.spaces import pressure_spaces
+from ringwear.studies.progress import Stages
 from ringwear.studies.sampling.norms import differences
 from ringwear.studies.wear.full_contact import RunningIn
 
@@ -118,3 +122,20 @@ def test_methods_that_know_constants_take_steps_of_it():
         with pytest.raises(SceneError, match="many rings"):
             run(scene(method, **along(1.0, 2.0)))
         run(scene(method, **along(1.0, 2.0, radii=(0.5, 0.5))))
+
+
+def test_an_edge_of_almost_no_kink_does_not_spoil_the_estimate():
+    """Without layers at an edge, a coarser solution lacks none there."""
+    rings = {"ring_edges": [0.4, 0.95, 1.0], **along(1.0, 0.9)}
+    found = run(scene(**rings).changed(accuracy__rtol=1e-6, wear={"times": [1e-4, 1e-3]}))
+    assert not found.solutions["mdr"].notes
+    reference = run(
+        scene("bem", **rings).changed(accuracy__rtol=1e-8, wear={"times": [1e-4, 1e-3]})
+    )
+    problem, solution = found.scene.problem, found.solutions["mdr"]
+    names = ("pressure", "profile", "indentation", "rms_slope")
+    finer = replace(reference.scene.problem, compared_on=problem.face)
+    exact = method_named("bem").solve(finer, Stages("bem")).checked
+    wrong = differences(solution.checked, exact, problem.face)
+    for name in names:
+        assert (wrong[name] <= solution.checked_error(problem, name)).all(), name

@@ -50,7 +50,7 @@ def test_the_stiffness_lies_within_its_bounds(inner_radius):
     assert upper - lower <= 1e-8
 
 
-@pytest.mark.parametrize("method", ["mdr", "bem", "fem"])
+@pytest.mark.parametrize("method", ["mdr", "bem", pytest.param("fem", marks=pytest.mark.gmsh)])
 @pytest.mark.parametrize("inner_radius", [0.1, 0.3, 0.6, 0.9, 0.99])
 def test_the_flat_start(method, inner_radius):
     """To nine digits by the MDR, to the accuracy asked for by elements, with its pressures."""
@@ -68,6 +68,7 @@ def test_the_flat_start(method, inner_radius):
     assert abs(float(start.indentation * nearest) - 1) <= float(start.indentation_error)
 
 
+@pytest.mark.gmsh
 @pytest.mark.parametrize("inner_radius", [0.05, 0.5, 0.9])
 def test_methods_agree(inner_radius):
     result = run(hollow(inner_radius, ["mdr", "bem", "direct", "fem"], 1e-5))
@@ -87,6 +88,7 @@ def test_a_small_hole_is_nearly_none():
     np.testing.assert_allclose(small.steady_wear_rate, full.steady_wear_rate, rtol=1e-6)
 
 
+@pytest.mark.gmsh
 def test_a_pin_that_rotates_wears_by_the_radius():
     """Goryacheva: ``p = F / (2 pi (a - b) r)`` in the end."""
     inner_radius = 0.4
@@ -129,12 +131,14 @@ FACES = {
 }
 
 
+@pytest.mark.gmsh
 @pytest.mark.parametrize("load", LOADS)
 def test_any_load(load):
     result = run(hollow(0.4, rtol=1e-3).changed(load=LOADS[load]))
     assert result.verdict == "agree"
 
 
+@pytest.mark.gmsh
 @pytest.mark.parametrize("face", FACES)
 def test_any_face(face):
     scene = hollow(0.4, rtol=1e-3).changed(

@@ -12,7 +12,7 @@ from ringwear import Scene, run
 from ringwear.meshes.errors import SceneError, SolverError
 from ringwear.studies.sampling.norms import differences
 from ringwear.studies.wear.full_contact import RunningIn
-from ringwear.studies.wear.modes import BandedCholesky, every_mode, excited_modes
+from ringwear.studies.wear.modes import BandedCholesky, Modes, every_mode, excited_modes
 
 COARSE = {"accuracy__rtol": 1e-2}
 
@@ -89,6 +89,20 @@ def test_early_times_beside_slow_rings(ratio):
     for name in ("indentation", "rms_slope", "ring_force"):
         # to the accuracy asked for
         np.testing.assert_allclose(result[name], limit[name], rtol=1e-3)
+
+
+def test_the_time_until_a_share_is_left_is_that_of_closed_forms():
+    """One decaying exponential, and two of which one decays twice as fast: a quadratic equation."""
+    one = Modes(np.array([3.0]), np.eye(1), np.array([2.0]), 1)
+    assert one.time_until(12 * 1e-5) == pytest.approx(3 * np.log(1e5), rel=1e-14)
+    # y + y^2 is left, with y = exp(-t)
+    two = Modes(np.array([1.0, 0.5]), np.eye(2), np.array([1.0, 2**0.5]), 2)
+    for y in (1e-8, 0.3, 0.9999):
+        assert two.time_until(y + y**2) == pytest.approx(-np.log(y), rel=1e-11)
+    # far scales: the fast one is long gone
+    far = Modes(np.array([1.0, 1e-12]), np.eye(2), np.array([1e-3, 1e5]), 2)
+    assert far.time_until(1e-8) == pytest.approx(np.log(100), rel=1e-13)
+    assert np.isnan(two.time_until(2.1))
 
 
 def test_banded_factor():

@@ -138,6 +138,28 @@ def test_layers_thinner_than_the_roundoff_of_radii_are_resolved():
     assert float(np.ptp(slopes) / slopes.mean()) <= 2e-4
 
 
+@pytest.mark.gmsh
+def test_finite_elements_resolve_layers_of_slow_rings():
+    """Layers on a ring that wears 3e5 times more slowly are 1e-11 a thin; roundoff hides none."""
+    punch = {"ring_edges": [0.42, 1.0], "wear_coefficients": [1.0, 3e-6]}
+    found = run(flat(punch, [5e-5, 1e-3], rtol=1e-5))
+    assert found.summary.get("left_out_of_promise", []) == []
+    exact = run(flat(punch, [5e-5, 1e-3], rtol=1e-7, methods="mdr")).dataset.rms_slope[0]
+    np.testing.assert_allclose(found.dataset.rms_slope.sel(solver="fem"), exact, rtol=1e-5)
+
+
+@pytest.mark.gmsh
+def test_roundoff_near_incompressibility_is_no_disagreement():
+    """Elements of 6e-16 a made slopes err by 7e-5 of themselves, and 1e-6 was stated."""
+    scene = Scene.load("flat_punch").changed(half_space__poisson_ratio=0.5, methods=["mdr", "fem"])
+    found = run(scene.changed(accuracy__rtol=1e-6, wear__times=[1e-10, 0.1]))
+    assert found.verdict == "agree"
+    assert {row["quantity"] for row in found.summary["left_out_of_promise"]} <= {
+        "pressure",
+        "rms_slope",
+    }
+
+
 @pytest.mark.parametrize("times", [[0.0, 1e300], [1e-300, 1.0]])
 def test_times_beyond_double_precision_are_refused(times):
     with pytest.raises(SceneError, match=r"wear\.times"):

@@ -67,13 +67,17 @@ def sphere(r, z, poisson_ratio, contact):
     return (sum(parts).imag for parts in zip(*fields, strict=True))
 
 
+def half_space_under(scene):
+    """The interior of a scene; of a solution, it takes the half-space alone."""
+    return interior(scene, named("fem").discretise(scene.problem, Stages("fem")))
+
+
 def inside(poisson_ratio, **changes):
     """The interior under the flat punch at t = 0, and the true errors of what it estimates."""
     scene = Scene.load("flat_punch").changed(
         half_space__poisson_ratio=poisson_ratio, wear__times=[0.0], **changes
     )
-    fem = named("fem")
-    fields = interior(scene, fem.solve(scene.problem, Stages(fem)))
+    fields = half_space_under(scene)
     r, z = fields.points
     far = np.hypot(r - 1, z) > NEAR
     assert (r[far] == 0).any()
@@ -100,9 +104,9 @@ def true_errors(fields, far, exact, indentation, mean_pressure):
 @pytest.mark.parametrize("force", [1e-4, 0.3])
 def test_stresses_under_a_sphere(force, poisson_ratio):
     """Everywhere but beside the edge of the contact, and no worse than they say."""
-    fem, scene = named("fem"), Scene.load("sphere").changed(load__normal_force=force)
+    scene = Scene.load("sphere").changed(load__normal_force=force)
     scene = scene.changed(half_space__poisson_ratio=poisson_ratio, output__field_times=[0.0])
-    fields = interior(scene, fem.solve(scene.problem, Stages(fem)))
+    fields = half_space_under(scene)
     assert fields.labels == ("t=0", "steady")
     contact = (3 * force / 4) ** (1 / 3)
     assert fields.reach[0] == pytest.approx(contact, rel=0.02)
@@ -117,8 +121,7 @@ def test_stresses_under_a_sphere(force, poisson_ratio):
 
 def test_stresses_under_a_worn_sphere_carry_the_pressure_of_mdr():
     scene = Scene.load("sphere").changed(wear__times=[0.0, 3.0], output__field_times=[3.0])
-    fem, mdr = (named(name).solve(scene.problem, Stages(name)) for name in ("fem", "mdr"))
-    fields = interior(scene, fem)
+    mdr, fields = named("mdr").solve(scene.problem, Stages("mdr")), half_space_under(scene)
     (r, z), edge = fields.points, float(mdr.results["contact_radius"][1])
     far = (z == 0) & (np.abs(r - edge) > NEAR * edge) & (np.abs(r - 1) > NEAR * edge)
     expected = np.interp(r[far], scene.problem.face.radii, mdr.checked["pressure"][1])

@@ -139,7 +139,7 @@ def test_a_function_that_fails_is_named(files, tmp_path, capsys):
 
 def test_the_force_of_a_fixed_indentation_is_measured():
     load = {"indentation": 1.0}
-    scene = Scene.load("five_rings").changed(load=load, wear__times=[0.0, 0.1, 1.0])
+    scene = Scene.load("five_rings").changed(load=load, wear__times=[0.0, 0.1, 1.0], punch__rings=2)
     found = study("convergence", scene, quick=True, methods=["mdr"])
     assert "d(t)" not in found.table
     graded = found.table[found.table.family == "MDR degree 2, graded, scene"]

@@ -261,7 +261,7 @@ def test_numbers_without_a_unit_are_drawn_in_a_power_of_ten():
     # slopes F / (a^2 E*) are 2e-2, and stresses F / (a^2) as well; heights are F / (2 a E*) = 1e-4
     scale = Scale(scene)
     assert scale.label("rms_slope") == "RMS slope s"
-    assert scale.label("displacement_max") == "greatest displacement uₘₐₓ (10⁻⁴)"
+    assert scale.label("displacement_max") == "displacement uₘₐₓ (10⁻⁴)"
     assert scale.shown("displacement_max", 1e-4) == pytest.approx(1.0)
     assert scale.label("radius") == "radius r"
 

@@ -36,6 +36,17 @@ def test_a_convergence_study(show, tmp_path):
 
 
 @pytest.mark.slow
+def test_thin_layers(show, tmp_path):
+    """The thinner the layer, the less relaxation times differ."""
+    ratios = [float(value) for value in re.findall(r"over fifth (\S+)", show("thin_layers"))]
+    assert ratios == sorted(ratios)
+    assert ratios[0] < 1.02
+    # without a layer they are about as 1 to 1/4
+    assert ratios[-1] == pytest.approx(4.1, abs=0.2)
+    assert (tmp_path / "thin_layers.png").exists()
+
+
+@pytest.mark.slow
 def test_fem_against_mdr(show, tmp_path):
     assert show("fem_against_mdr").startswith("The methods agree")
     assert (tmp_path / "fem_against_mdr.png").exists()

@@ -192,7 +192,7 @@ def test_every_file_of_a_run_is_there(done):
 )
 def test_parts_of_a_scene(changes, figures, tmp_path):
     """Every sensible part of a scene runs by itself, and writes no more than it has."""
-    scene = Scene.load("five_rings").changed(accuracy__rtol=1e-3, **changes)
+    scene = Scene.load("five_rings").changed(accuracy__rtol=1e-2, **changes)
     status, out = run_scene(tmp_path, scene)
     assert status == 0
     assert {file.name for file in out.iterdir()} == NUMBERS | PAGE | figures
@@ -211,7 +211,7 @@ def test_an_accuracy_that_is_not_reached_ends_in_status_3(tmp_path, capsys):
         accuracy__fem__far_field="fixed",
         accuracy__fem__truncation=20.0,
     )
-    status, out = run_scene(tmp_path, scene)
+    status, out = run_scene(tmp_path, scene, "--no-figures")
     assert status == 3
     summary = json.loads((out / "summary.json").read_text("utf-8"))
     assert summary["verdict"] == "undecided"

@@ -28,6 +28,8 @@ def load_step_by_step(out):
     assert_absent(heavy)
     ringwear.run(scene.changed(methods=["fem"], accuracy__fem__mesher="bisection"))
     assert_absent("gmsh matplotlib meshio")
+    # it takes a tenth of a second to load
+    assert "scipy.optimize" not in sys.modules
 
 
 def run_direct_alone(out):

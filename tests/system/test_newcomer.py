@@ -92,8 +92,8 @@ def test_guesses_that_are_mended_in_a_line(call, told, result):
 
 def test_only_what_is_public_is_listed():
     assert sorted(dir(ringwear)) == [
-        *("Result", "RingwearError", "Scene", "SceneError", "Study", "__version__"),
-        *("check", "load", "plan", "run", "study", "sweep"),
+        *("Comparison", "Result", "RingwearError", "Scene", "SceneError", "Study", "__version__"),
+        *("check", "compare", "load", "plan", "run", "study", "sweep"),
     ]
     assert ringwear.__version__[0].isdigit()
     assert ringwear.SceneError is SceneError
@@ -144,6 +144,7 @@ def test_strains_that_are_not_small_are_warned_of(capsys, tmp_path):
     [
         "ringwear",
         "ringwear.studies.results",
+        "ringwear.studies.comparison",
         "ringwear.studies.study.conduct",
         "ringwear.studies.study.study",
         "ringwear.studies.problem.scene",

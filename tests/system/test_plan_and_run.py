@@ -18,6 +18,8 @@ from ringwear.studies.progress import Stages
 def test_unknowns_are_those_of_the_run(name):
     """Before it is refined, if its estimates fall short."""
     scene = Scene.load(name)
+    # elements do not depend on late times
+    scene = scene.changed(wear__times=scene.wear.times[:3])
     for of in scene.methods:
         solution = method(of).solve(scene.problem, Stages(of))
         assert method(of).system_size(scene.problem).unknowns == solution.unknowns
@@ -25,7 +27,7 @@ def test_unknowns_are_those_of_the_run(name):
 
 @pytest.mark.parametrize("load", [{"normal_force": 1.0}, {"indentation": 0.05}], ids=str)
 def test_a_plan_tells_seconds_and_gib_of_any_punch(load):
-    scene = Scene.load("recessed_binder").changed(methods=["mdr"], load=load, accuracy__rtol=1e-3)
+    scene = Scene.load("recessed_binder").changed(methods=["mdr"], load=load, accuracy__rtol=1e-2)
     mdr, total, memory = plan(scene)
     assert re.fullmatch(r"mdr: \d+ unknowns, \d+ pressures, about [\d.]+ s", mdr)
     assert re.match(r"in all: about [\d.]+ s", total)

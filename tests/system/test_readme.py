@@ -82,6 +82,7 @@ def test_the_keys_in_the_reference():
     assert given | {"punch", "half_space", "load", "wear", "accuracy", "output"} >= names - {
         *("ring_edges", "wear_coefficient", "wear_ratio", "plane_strain_modulus", "mean_pressure"),
         *("youngs_modulus", "indentation", "tau", "step", "fem", "mdr", "heights", "kinks"),
+        *("layers", "rigid"),
     }
 
 

@@ -67,13 +67,16 @@ def test_orders_are_those_of_theory(name, tmp_path):
 
 @pytest.mark.gmsh
 def test_flat_starts_have_the_orders_of_theory():
-    """The families of the study that have no rings, without all the others."""
-    scene = Scene.load("five_rings")
-    families = list(flat_families(scene.problem, quick=True))
+    """The families of the study that have no rings, without all the others, and the slowest."""
+    scene, slowest = Scene.load("five_rings"), "FEM P2, graded"
+    families = [
+        family for family in flat_families(scene.problem, quick=True) if family.name != slowest
+    ]
     found = study_orders(families, Record(), "convergence", scene, "error").orders
     assert set(found["within 0.15"]) == {"yes"}
     orders = {(row.refined, row.quantity): row["expected order"] for _, row in found.iterrows()}
-    assert orders == ORDERS["convergence"]
+    expected = ORDERS["convergence"]
+    assert orders == {key: expected[key] for key in expected if key[0] != slowest}
     assert found.theory.str.endswith(".").all()
 
 

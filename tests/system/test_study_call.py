@@ -12,6 +12,7 @@ from ringwear import study
 from ringwear.meshes import bisection
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.sizes import SizeField
+from ringwear.studies.refinement import ways
 from ringwear.studies.study.levels import Family, Progress, Record
 
 
@@ -51,12 +52,20 @@ def test_a_saved_study_has_its_tables_in_three_formats(march, tmp_path):
     [
         (lambda: study("convergance"), "give one of paper, convergence"),
         (lambda: study("march", "sphere"), "flat punches under a force"),
+        (lambda: study("elements", "pin_on_disc"), "one wear coefficient"),
         (lambda: study("march", meshes=["a.msh"]), "does not take meshes"),
     ],
 )
 def test_a_study_refuses_what_it_does_not_know(call, message):
     with pytest.raises(SceneError, match=message):
         call()
+
+
+def test_marches_are_of_the_first_order_where_wear_varies_along_the_radius():
+    found = study("march", "pin_on_disc", quick=True)
+    assert found.orders["expected order"].tolist() == [1.0, 1.0]
+    assert found.orders["least squares"].tolist() == pytest.approx([1.0, 1.0], abs=0.05)
+    assert "full discs" in found.conclusions[-1]
 
 
 def test_a_table_that_is_not_there_is_refused(march):
@@ -85,7 +94,10 @@ def test_a_study_is_a_public_name():
     assert "study" in dir(ringwear)
 
 
-def test_the_study_of_refinement_has_a_line_for_the_users_mesh(tmp_path):
+def test_the_study_of_refinement_has_a_line_for_the_users_mesh(tmp_path, monkeypatch):
+    # without the levels that take long
+    monkeypatch.setattr(ways, "ACCURACIES_QUICK", (1e-1,))
+    monkeypatch.setattr(ways, "MOST_UNKNOWNS_QUICK", 1000)
     own = tmp_path / "mine.vtu"
     field = SizeField((0.0, 0.5, 1.0), 0.02, 0.05, 0.8, 4.0)
     bisection.mesh(field).save(own, file_format="vtu")

@@ -10,16 +10,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tomli_w
 import xarray
 
 from ringwear import Scene, run, sweep
 from ringwear.mdr import direct
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
-from ringwear.studies.crosscheck.sizes import predict_memory
+from ringwear.studies.predictions.memory import predict_memory
 from ringwear.studies.problem.problem import Rings
 from ringwear.studies.problem.quantities import QUANTITIES, error_name
-from ringwear.studies.sizes.shared import Shared, groups
+from ringwear.studies.sizes.shared import covering, groups
 from ringwear.studies.sweep.axes import ANSWERS, Sweep
 from ringwear.studies.sweep.store import Store
 
@@ -84,7 +85,7 @@ def test_one_discretisation_serves_every_wear():
     problems = [made.scene(changes).problem for changes in made.changes()]
     # equal wear leaves no ring edges
     assert sorted(map(sorted, groups(problems))) == [[0], [1, 2, 3], [4]]
-    shared = Shared.of(problems[1:4])
+    shared = covering(problems[1:4])
     halves, edges = shared.merged.widths / 2, np.arange(5)
     for problem, distance in product(problems[1:4], np.geomspace(1e-10, 0.1, 40)):
         # sharper at every distance from every edge
@@ -268,15 +269,16 @@ def test_a_dry_run_says_what_it_takes(tmp_path, monkeypatch, capsys):
 def test_a_dry_run_computes_the_largest_scene(monkeypatch, tmp_path, capsys, rings, largest):
     """Wherever it stands, and says what memory it needs, without a bound that it cannot know."""
     monkeypatch.chdir(tmp_path)
-    lines = f"keep = ['steady_rms_slope']\n[axes]\nmethods = [['mdr']]\n'punch.rings' = {rings}"
-    Path("sweep.toml").write_text(f"base = 'five_rings'\n{lines}")
+    scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-2)
+    table = {"base": scene.table(), "keep": ["steady_rms_slope"], "axes": {"punch.rings": rings}}
+    Path("sweep.toml").write_text(tomli_w.dumps(table))
     assert main(["sweep", "sweep.toml", "--dry-run", "--workers", "2", "--memory", "0.5"]) == 0
     text = capsys.readouterr().out
     assert f"punch.rings = {largest})" in text
     assert "at most" not in text
     told = re.search(r"about (\S+) GiB for the largest scene, of the 0.25 GiB", text)
     assert told
-    scene = Scene.load("five_rings").changed(methods=["mdr"], punch__rings=largest)
+    scene = scene.changed(punch__rings=largest)
     # two digits are told
     assert float(told[1]) == pytest.approx(predict_memory(scene), rel=0.05)
     assert ("too little" in text) == (predict_memory(scene) > 0.25)

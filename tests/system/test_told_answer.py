@@ -8,7 +8,7 @@ import pytest
 
 from ringwear import Scene, run
 from ringwear.meshes.radial import alternating_edges
-from ringwear.studies.crosscheck.scope import time_scale
+from ringwear.studies.outcome.scope import time_scale
 from ringwear.studies.report.printed import print_account
 from ringwear.studies.report.words import Account
 

@@ -25,6 +25,8 @@ ROOMS = (
     {"studies.inside"},
     {"studies.anchors"},
     {"studies.crosscheck"},
+    {"studies.outcome"},
+    {"studies.predictions"},
     {"studies.figures"},
     {"studies.output"},
     {"studies.report"},

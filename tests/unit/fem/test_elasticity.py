@@ -78,7 +78,8 @@ def test_stiffness_is_that_of_the_bilinear_form(kind, degree, poisson_ratio):
     lame, shear = moduli(poisson_ratio)
     expected = energy.assemble(basis, lame=lame, shear=shear)
     functions, elements = np.arange(len(element.doflocs)), np.arange(mesh.nelements)
-    matrices = stiffness(mesh, element, functions, elements, degree, poisson_ratio)
+    materials = np.full(mesh.nelements, lame), np.full(mesh.nelements, shear)
+    matrices = stiffness(mesh, element, functions, elements, degree, materials)
     # scikit-fem has both components of a function side by side
     blocks = matrices.transpose(0, 2, 1, 4, 3).reshape(len(elements), *[2 * len(functions)] * 2)
     rows = np.broadcast_to(basis.element_dofs.T[:, :, None], blocks.shape)

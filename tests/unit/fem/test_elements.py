@@ -9,6 +9,7 @@ from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.elements import degree_along_side, is_on_quadrilaterals
 from ringwear.fem.far_field import enough_poles
 from ringwear.fem.half_space import HalfSpace, pressure_space
+from ringwear.fem.weak_form import tables
 from ringwear.meshes import bisection, quads
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.half_space import as_half_space
@@ -41,6 +42,28 @@ class Discontinuous(skfem.ElementTriP2):
         """Return a function of the triangle and its gradient."""
         value, gradient = super().lbasis(X, i)
         return (value + 0.1, gradient) if i == 0 else (value, gradient)
+
+
+class Halved(skfem.ElementQuadP):
+    """One with the degrees of freedom of scikit-fem's, and other functions."""
+
+    def lbasis(self, X, i):
+        """Return half a function and half its gradient."""
+        value, gradient = super().lbasis(X, i)
+        return value / 2, gradient / 2
+
+
+@pytest.mark.parametrize("element", [*map(skfem.ElementQuadP, (3, 4, 9)), Halved(3)])
+def test_functions_and_gradients_are_those_of_the_element(element):
+    points = np.random.default_rng(1).random((2, 7))
+    # at one coordinate twice, as a rule has them
+    points[0, 3] = points[1, 5]
+    values, gradients = tables(element, points)
+    assert len(values) == (element.p + 1) ** 2
+    for i in range(len(values)):
+        value, gradient = element.lbasis(points, i)
+        np.testing.assert_array_equal(values[i], value)
+        np.testing.assert_array_equal(gradients[i], gradient)
 
 
 @pytest.mark.parametrize(

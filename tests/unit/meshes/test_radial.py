@@ -122,3 +122,12 @@ def test_a_coarser_space_lies_within(space):
     for edge in space.ring_edges[1:]:
         first, second = (np.abs(mesh.breakpoints - edge) for mesh in (space, coarse))
         assert np.sort(second)[1] > np.sort(first)[1]
+
+
+def test_elements_of_half_a_ring_are_no_layers():
+    """A coarser space leaves out layers; without any, two halves of a ring stay apart."""
+    edges = np.array([0.0, 0.5, 1.0])
+    breakpoints = np.array([0.0, 0.4, 0.5, 0.75, 0.95, 1.0])
+    coarse = PressureSpace(breakpoints, np.full(5, 3), edges).coarser()
+    np.testing.assert_array_equal(coarse.breakpoints, [0.0, 0.5, 0.75, 1.0])
+    np.testing.assert_array_equal(coarse.degrees, [2, 2, 2])

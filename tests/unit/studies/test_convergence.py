@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.linalg import expm
+from skfem import MeshTri
 
 from ringwear.mdr.energy import compliance
 from ringwear.mdr.uniform_grid import UniformGrid
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import alternating_edges
+from ringwear.studies.convergence.measures import PRESSURE_PART
+from ringwear.studies.convergence.study import say_of_parts
+from ringwear.studies.study.levels import Theory
+from ringwear.studies.study.orders import Sequence
+from ringwear.studies.study.own_mesh import named_meshes
 from ringwear.studies.wear.flat_contact import press_flat
 
 
@@ -85,3 +94,21 @@ def test_the_papers_grid_is_first_order(reference):
         errors.append(abs(2 * (indentation[0] - profile[0, 0]) / state["displacement_centre"] - 1))
     assert order(1 / counts, errors) >= 0.7
     assert errors[-1] <= 5e-3
+
+
+def test_parts_of_opposite_signs_explain_an_order_that_differs():
+    """Pressures err by 0.01 h, displacements by -0.012 h: both of order 1, and the sum of less."""
+    sizes = np.array([1.0, 0.5, 0.25])
+    pressures, whole = 0.01 * sizes, 0.01 * sizes - 0.012 * sizes**0.9
+    rows = {"family": "Q2", "size": sizes, "d0": whole, PRESSURE_PART: pressures}
+    sequence = Sequence("Q2", "d0", Theory(1.0), sizes, whole)
+    assert sequence.verdict == "no"
+    (said,) = say_of_parts([sequence], pd.DataFrame(rows))
+    assert "pressures alone err by +2.5e-03 with the order 1.00" in said
+    assert "displacements alone err by -3.4e-03 with the order 0.90" in said
+
+
+def test_meshes_of_one_name_in_two_folders_have_numbers():
+    mesh = MeshTri()
+    names = list(named_meshes(["a/x.msh", "b/x.msh", Path("y.msh"), mesh]))
+    assert names == ["x.msh (1)", "x.msh (2)", "y.msh", "mesh 4"]

@@ -3,8 +3,8 @@
 import numpy as np
 
 from ringwear import Scene
-from ringwear.studies.crosscheck.plan import coarsen
-from ringwear.studies.crosscheck.sizes import predict_memory
+from ringwear.studies.predictions.memory import predict_memory
+from ringwear.studies.predictions.plan import coarsen
 
 
 def test_a_probe_is_small():

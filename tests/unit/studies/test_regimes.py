@@ -5,11 +5,11 @@ import pytest
 from ringwear import Scene
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.anchors.checks import OF_CONTACT, OF_RESPONSE
-from ringwear.studies.crosscheck.plan import DENSE_WORK
 from ringwear.studies.methods.base import method
 from ringwear.studies.methods.fem import DISCRETISED, HALF_SPACES
 from ringwear.studies.methods.pipeline import PIPELINES
 from ringwear.studies.methods.spaces import SPACES
+from ringwear.studies.predictions.plan import DENSE_WORK
 from ringwear.studies.problem.quantities import ANSWER, QUANTITIES
 from ringwear.studies.problem.regimes import (
     FIXED_INDENTATION,

@@ -8,8 +8,9 @@ import pytest
 
 from ringwear import Scene
 from ringwear.meshes.errors import SceneError
-from ringwear.studies.crosscheck.scope import methods_of, refusals
-from ringwear.studies.problem.scene import bundled, declaration
+from ringwear.studies.outcome.scope import methods_of, refusals
+from ringwear.studies.problem.explain import declaration
+from ringwear.studies.problem.scene import bundled
 from ringwear.studies.report.words import defaults_taken
 
 TOML = """\
@@ -63,21 +64,30 @@ RINGS = {"radius": 2.0, "wear_coefficients": [1.0, 10.0]}
 # changes that are refused, and what the message must name
 BAD_CHANGES = [
     ({"punch__raduis": 2.0}, "punch.raduis did you mean radius"),
-    ({"halfspace": {}}, "halfspace did you mean half_space"),
+    ({"halfspace": {}}, "halfspace write half_space"),
     ({"accuracy__mdr__degre": 3}, "accuracy.mdr.degre did you mean degree"),
     ({"punch__profile": {"kind": "cone", "slop": 1.0}}, "punch.profile.slop did you mean slope"),
     ({"punch__profile": {"kind": "cone"}}, "missing punch.profile.slope"),
     ({"punch": {"rings": 3}}, "missing punch.radius for example"),
     ({"punch__wear_coefficients": None}, "wear_coefficients wear_ratio"),
-    ({"punch__wear_ratio": 2.0}, "wear_coefficients wear_ratio"),
-    ({"punch__wear_coefficient": 2.0}, "wear_coefficients wear_ratio"),
+    (
+        {"punch__wear_ratio": 2.0, "punch__wear_coefficients": [1.0, 2.0]},
+        "wear_coefficients wear_ratio",
+    ),
+    (
+        {"punch__wear_coefficient": 2.0, "punch__wear_coefficients": [1.0, 2.0]},
+        "wear_coefficients wear_ratio",
+    ),
     ({"punch__wear_coefficients": [1.0] * 4}, "4 values 3 rings"),
     ({"punch__wear_coefficients": []}, "0 values 3 rings"),
     ({"punch__wear_coefficients": [1e-300, 1e300]}, "wear_coefficients.0 1e-300 units"),
     ({"punch__radius": 1e200}, "punch.radius 1e+200 units"),
     ({"punch__rings": None}, "rings ring_edges"),
-    ({"punch__ring_edges": [1.0, 2.0]}, "rings ring_edges"),
-    ({"half_space__youngs_modulus": 1.0}, "plane_strain_modulus youngs_modulus"),
+    ({"punch__ring_edges": [1.0, 2.0], "punch__rings": 2}, "rings ring_edges"),
+    (
+        {"half_space__youngs_modulus": 1.0, "half_space__plane_strain_modulus": 1.0},
+        "plane_strain_modulus youngs_modulus",
+    ),
     ({"load__normal_force": None}, "normal_force mean_pressure indentation"),
     ({"punch": RINGS | {"ring_edges": []}}, "ring_edges"),
     ({"punch": RINGS | {"ring_edges": [1.5, 1.0, 2.0]}}, "ring_edges increase"),
@@ -118,7 +128,7 @@ def assert_refused(words, make, *arguments, **named):
 def test_bad_values(name, value):
     """The message has the key and the remedy that is declared with it, if its type says not all."""
     path = name.split("__")
-    words = ".".join(path), declaration(path)[1].description or "should be"
+    words = ".".join(path), declaration(path, Scene)[1].description or "should be"
     assert_refused(words, GOOD.changed, **{name: value})
 
 
@@ -149,8 +159,36 @@ def test_bundled_scenes_round_trip(name):
     assert scene.title
 
 
+@pytest.mark.parametrize(
+    ("changes", "left_out"),
+    [
+        ({"load.mean_pressure": 1.0}, "load.normal_force"),
+        ({"load.indentation": 1.0}, "load.normal_force"),
+        ({"half_space.youngs_modulus": 1.0}, "half_space.plane_strain_modulus"),
+        ({"punch.ring_edges": [1.0, 2.0]}, "punch.rings"),
+        ({"punch.wear_ratio": 2.0}, "punch.wear_coefficients"),
+    ],
+    ids=str,
+)
+def test_a_key_takes_the_place_of_those_that_say_the_same(changes, left_out):
+    table, key = left_out.split(".")
+    changed = GOOD.changed(changes).table()
+    assert key in GOOD.table()[table]
+    assert key not in changed[table]
+    (name,) = changes
+    assert GOOD.changed({name.replace(".", "__"): changes[name]}).table() == changed
+
+
+def test_numbers_of_numpy_are_numbers():
+    times = np.linspace(0.0, 1.0, 3)
+    changed = GOOD.changed(
+        {"wear.times": times, "punch.radius": np.float32(2), "punch.rings": np.int64(3)}
+    )
+    assert changed == GOOD.changed({"wear.times": [0.0, 0.5, 1.0], "punch.radius": 2.0})
+
+
 def test_a_scene_is_a_value():
-    with pytest.raises(ValueError, match="frozen"):
+    with pytest.raises(AttributeError, match=r"write scene\.changed"):
         GOOD.punch.radius = 3.0
     changed = GOOD.changed(
         accuracy__rtol=1e-5, accuracy__fem__degree=3, output__gradient_average="area"

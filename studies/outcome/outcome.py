@@ -1,4 +1,4 @@
-"""The result of a run in the scene's units.
+"""What a run computed, in the scene's units.
 
 It can be had as a table of arrays (written as netCDF-4), as an xarray Dataset and as a summary
 (written as JSON).
@@ -16,6 +16,9 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..anchors.anchor import Anchor
 from ..anchors.checks import anchors, expected_anchors
+from ..crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
+from ..crosscheck.operators import MOST_PRESSURES, OperatorDifference
+from ..crosscheck.promise import LeftOut, allowed_error, in_words, left_out_of_promise
 from ..inside.interior import Interior, interior
 from ..methods.base import Method, Solution
 from ..problem.quantities import (
@@ -33,10 +36,7 @@ from ..sampling.field_differences import (
 )
 from ..sampling.sampler import Sampler
 from ..versions import versions
-from .agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
 from .answer import ALSO, answer, answer_errors
-from .operators import MOST_PRESSURES, OperatorDifference
-from .promise import LeftOut, allowed_error, in_words, left_out_of_promise
 from .scope import left_out, modelled
 from .table import Table, in_units, tabulate
 
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Result:
+class Outcome:
     """Everything that a run computed.
 
     Solutions are non-dimensional, `dataset` is in the scene's units.
@@ -204,9 +204,9 @@ class Result:
     @cached_property
     def dataset(self) -> "xarray.Dataset":
         """The table as an xarray Dataset."""
-        import xarray
+        from .labelled import Dataset
 
-        return xarray.Dataset(*self.table)
+        return Dataset(*self.table)
 
     @cached_property
     def coordinates(self) -> dict[str, Array]:
@@ -226,6 +226,11 @@ class Result:
         given = zip(self.coordinates["solver"], self.table.variables[quantity][1], strict=True)
         chosen = {name: values[times] for name, values in given}
         return {name: values for name, values in chosen.items() if not np.isnan(values).all()}
+
+    @property
+    def of_others(self) -> tuple[str, ...]:
+        """Names of other programs whose results stand beside those of the methods."""
+        return ()
 
     @property
     def compared_in_fields(self) -> tuple[str, ...]:
@@ -326,7 +331,7 @@ class Result:
         return summary(self)
 
 
-def summary(result: Result) -> dict[str, Any]:
+def summary(result: Outcome) -> dict[str, Any]:
     """Return the run in a page.
 
     Verdict, cost, error estimates, agreement, what was modelled and what was left out.

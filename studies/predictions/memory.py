@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     import xarray
 
 GIB = 2.0**30
+# GiB that libraries take
+LIBRARIES = 0.23
 
 
 def predict_memory(scene: Scene) -> float:
@@ -26,7 +28,7 @@ def predict_memory(scene: Scene) -> float:
     space = cells_of(problem).space() if on_cells else radial_space(problem, **mdr_sizes(problem))
     numbers = sum(method(name).numbers_in_memory(problem, space.size) for name in scene.methods)
     numbers += 6.0 * len(problem.times) * len(problem.radii) * len(scene.methods)
-    return 0.23 + float(8 * numbers / GIB)
+    return LIBRARIES + float(8 * numbers / GIB)
 
 
 def beyond_memory(needed: float, limit: float) -> str:

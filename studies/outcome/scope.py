@@ -38,6 +38,11 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
             "two elastic bodies: one half-space of their combined modulus; the punch counts as a "
             "half-space, too, so its own shape and height are not felt"
         )
+    if problem.ground is not None:
+        count, base = len(problem.ground.thicknesses), "a rigid base"
+        if not problem.ground.rigid:
+            base = "an elastic half-space"
+        lines.append(f"layers: {count}, bonded to each other and to {base}")
     if problem.inner_radius:
         lines.append(
             "hole: the surface under it is free; the flat start is sought among the flat annulus's "
@@ -62,6 +67,11 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
         **problem.contact.left_out,
         **problem.load_regime.left_out,
     }
+    if problem.ground is not None and problem.full_contact:
+        reasons |= {
+            "inequality p >= 0": "on these layers a flat punch presses everywhere at the start; a "
+            "run that would take tension later is refused"
+        }
     alone = f"output.quantities asks for {', '.join(scene.output.quantities)} alone"
     if problem.quantities is not None:
         reasons["all other quantities"] = alone
@@ -96,6 +106,11 @@ def refusals(scene: Scene, methods: Methods) -> list[str]:
         refused.append(
             "output.field_times asks for the inside of the half-space under a contact that "
             "changes: give wear.times, and ask for some of its history"
+        )
+    if problem.ground is not None and scene.output.depth is not None:
+        refused.append(
+            "output.depth adds the far field of a half-space without layers: leave it out with "
+            "half_space.layers"
         )
     return [reason for reason in refused if reason]
 

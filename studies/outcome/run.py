@@ -3,24 +3,32 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
+from typing import TypeVar
 
 from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import SceneError
+from ..crosscheck.accuracy import solved_to_accuracy
+from ..crosscheck.agreement import agreements
+from ..crosscheck.operators import MOST_PRESSURES, OperatorDifference, check_multipliers, difference
 from ..methods.base import Method, Solution
 from ..methods.pipeline import AnySpaceMethod
 from ..problem.problem import Problem
 from ..problem.regimes import OPERATORS
 from ..problem.scene import Scene
 from ..progress import Stages
-from .accuracy import solved_to_accuracy
-from .agreement import agreements
-from .dataset import Result
-from .operators import MOST_PRESSURES, OperatorDifference, check_multipliers, difference
+from .outcome import Outcome
 from .scope import methods_of, refusals
 
+Kind = TypeVar("Kind", bound=Outcome)
 
-def run(scene: Scene, methods: Sequence[str | Method] | None = None) -> Result:
+
+def run(scene: Scene, methods: Sequence[str | Method] | None = None) -> Outcome:
+    """Compute everything that a scene asks for, by every method it names, and compare them."""
+    return run_as(Outcome, scene, methods)
+
+
+def run_as(kind: type[Kind], scene: Scene, methods: Sequence[str | Method] | None = None) -> Kind:
     """Compute everything that a scene asks for, by every method it names, and compare them.
 
     `ringwear.run` is what users call; its docstring tells what each method gives, and the rule of
@@ -28,6 +36,7 @@ def run(scene: Scene, methods: Sequence[str | Method] | None = None) -> Result:
 
     Parameters
     ----------
+    kind : of the outcome, such as one that shows itself
     scene : what is computed; its numbers in any consistent units
     methods : names of methods, and methods of one's own, in place of the scene's
 
@@ -54,7 +63,7 @@ def run(scene: Scene, methods: Sequence[str | Method] | None = None) -> Result:
         for a, b in combinations(solutions, 2)
         for row in agreements(problem, (a, b), (solutions[a], solutions[b]))
     )
-    return Result(scene, by_name, solutions, stages, agreement, operators)
+    return kind(scene, by_name, solutions, stages, agreement, operators)
 
 
 def compare_operators(
@@ -76,7 +85,7 @@ def compare_operators(
         if isinstance(other, AnySpaceMethod):
             with Stages("check")(f"{a} against {b}"):
                 first, space = wears[a], wears[a].compliance.space
-                second = replace(first, compliance=other.compliance(space))
+                second = replace(first, compliance=other.compliance(space, problem.ground))
                 if a not in anywhere:
                     check_multipliers(a, first.compliance, second.compliance)
                 if space.size <= MOST_PRESSURES:

@@ -1,0 +1,79 @@
+"""Decks for Abaqus: prescribed displacements, and contact with an analytical rigid surface.
+
+They were compared with documented examples keyword by keyword, and never run.
+"""
+
+from collections.abc import Sequence
+
+from .keywords import (
+    CONTACT,
+    REFERENCE,
+    Model,
+    half_space,
+    heading,
+    notes,
+    pressed_nodes,
+    surface,
+)
+from .states import State
+
+PUNCH_HEIGHT = 0.5
+"""Height to which the side of the punch is modelled, in punch radii."""
+NOT_RUN = ["** not run: keywords were compared with documented examples"]
+
+
+def prescribed(model: Model, states: Sequence[State]) -> list[str]:
+    """Return a linear deck, a step for each state: contact nodes have the face's displacement."""
+    lines = heading(model, "displacements of the contact nodes are given") + NOT_RUN
+    lines += [*notes(model, states, 1.0, 0.0), *half_space(model)]
+    for number, state in enumerate(states, 1):
+        lines += [
+            *(f"*STEP, NAME=STEP-{number}, NLGEOM=NO", "*STATIC", *pressed_nodes(model, state)),
+            *(f"*NODE PRINT, NSET={CONTACT}", "U2, RF2"),
+            *("*OUTPUT, FIELD", "*NODE OUTPUT", "U, RF", "*ELEMENT OUTPUT", "S", "*END STEP"),
+        ]
+    return lines
+
+
+def contact(model: Model, state: State, scale: float) -> list[str]:
+    """Return a deck in which a rigid surface with the face of the punch is pressed on.
+
+    The half-space is stiffer by `scale`, so that displacements are as much smaller. The first step
+    moves the punch by its indentation; under a force, the second one lets go and applies it.
+    """
+    number = len(model.mesh.points) + 1
+    # from the rim inwards, so that the normal of the surface points down
+    face = list(zip(model.radii, (state.heights - state.lowest) / scale, strict=True))[::-1]
+    outputs = [
+        *("*CONTACT PRINT", "CSTRESS, CDISP", f"*NODE PRINT, NSET={REFERENCE}", "U2, RF2"),
+        *("*OUTPUT, FIELD", "*NODE OUTPUT", "U, RF", "*CONTACT OUTPUT", "CSTRESS, CDISP"),
+        "*END STEP",
+    ]
+    if model.scene.punch.inner_radius:
+        face.append((model.radii[0], PUNCH_HEIGHT * model.radius))
+    moving = [f"{REFERENCE}, 2, 2, {-state.pressing_depth / scale:.12g}"]
+    fixed = [f"{REFERENCE}, 1, 1", f"{REFERENCE}, 6, 6"]
+    steps = ["*STEP, NAME=STEP-1, NLGEOM=NO, INC=200", "*STATIC", "0.1, 1."]
+    steps += ["*BOUNDARY", *fixed, *moving, *outputs]
+    if model.scene.load_.indentation is None:
+        steps += ["*STEP, NAME=STEP-2, NLGEOM=NO, INC=200", "*STATIC", "0.1, 1."]
+        # all boundary conditions are given anew, without the one that moves the punch
+        steps += ["*BOUNDARY, OP=NEW", "AXIS, 1, 1", "FAR, 1, 2", *fixed]
+        steps += ["*CLOAD", f"{REFERENCE}, 2, {-state.force:.12g}", *outputs]
+    return [
+        *heading(model, "a rigid punch is pressed on"),
+        *NOT_RUN,
+        *notes(model, [state], scale, state.lowest),
+        *half_space(model, scale),
+        *surface("SLAVE", model.mesh.faces),
+        *(f"*NODE, NSET={REFERENCE}", f"{number}, 0., {PUNCH_HEIGHT * model.radius:.12g}"),
+        "*SURFACE, TYPE=SEGMENTS, NAME=PUNCH",
+        f"START, {face[0][0]:.12g}, {PUNCH_HEIGHT * model.radius:.12g}",
+        *(f"LINE, {radius:.12g}, {height:.12g}" for radius, height in face),
+        f"*RIGID BODY, ANALYTICAL SURFACE=PUNCH, REF NODE={number}",
+        *("*SURFACE INTERACTION, NAME=PRESSING", "1.,", "*FRICTION", "0.,"),
+        "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD",
+        "*CONTACT PAIR, INTERACTION=PRESSING, TYPE=SURFACE TO SURFACE, SMALL SLIDING",
+        "SLAVE, PUNCH",
+        *steps,
+    ]

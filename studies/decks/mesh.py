@@ -1,0 +1,224 @@
+"""The mesh of a deck: quadrilaterals with nodes at ring edges, graded to them and to the rim.
+
+A square of 2 a by 2 a below the punch is a product of radii and depths. Around it, the
+quadrilaterals grow geometrically with the distance from the centre, up to the arc of radius R.
+Non-dimensional: the punch has radius 1, and depth is positive into the half-space.
+"""
+
+import itertools
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from skfem import MeshQuad
+
+from ...meshes.errors import SceneError
+from ...meshes.half_space import as_half_space, contact_facets, facet_ends
+from ...meshes.radial import Array, Indices
+
+SQUARE = 2.0
+"""Side of the square below the punch, in punch radii."""
+ROUND_FROM = 6.0
+"""Distance from the centre at which squares around it have become arcs, in punch radii."""
+RIM_SIZE = 1.44
+"""Size of the elements at the rim over the square of the size inside: the error of an element
+beside a root singularity falls with the root of its size, elsewhere with the square of it."""
+WIDE = 0.5
+"""Width of a ring, in punch radii, below which elements are smaller in proportion to it."""
+GROWTH = 2.0
+"""Growth of the elements with the distance from an edge, over their size inside."""
+LEAST_REACH = 8.0
+MOST_ELEMENTS = 200_000
+
+
+@dataclass(frozen=True, eq=False)
+class DeckMesh:
+    """A mesh as decks have it: numbered nodes, elements and sets of nodes.
+
+    Parameters
+    ----------
+    mesh : quadrilaterals of scikit-fem, with named boundaries
+    inner_radius : of the hole of the punch
+    quadratic : whether elements have nodes in the middles of their sides, too
+    """
+
+    mesh: MeshQuad
+    inner_radius: float
+    quadratic: bool
+
+    @cached_property
+    def points(self) -> Array:
+        """(n, 2) radius and depth of the nodes: the vertices, then the middles of all sides."""
+        middles = self.mesh.p[:, self.mesh.facets].mean(axis=1)
+        return np.hstack([self.mesh.p, middles] if self.quadratic else [self.mesh.p]).T
+
+    @cached_property
+    def cells(self) -> Indices:
+        """(m, 4 or 8) nodes of the elements, anticlockwise where height points up.
+
+        Corners first, then the middles of the sides that follow them, as in CAX4 and CAX8.
+        """
+        corners, sides = self.mesh.t, self.mesh.t2f + self.mesh.nvertices
+        r, z = self.mesh.p[:, corners]
+        twice_area = (r * np.roll(z, -1, axis=0) - np.roll(r, -1, axis=0) * z).sum(axis=0)
+        # depth points down: what turns clockwise in radius and depth is anticlockwise in a deck
+        clockwise = twice_area < 0
+        corners = np.where(clockwise, corners, corners[[0, 3, 2, 1]])
+        sides = np.where(clockwise, sides, sides[::-1])
+        return np.vstack([corners, sides] if self.quadratic else [corners]).T
+
+    @cached_property
+    def contact(self) -> Indices:
+        """(k,) nodes of the contact from the axis, or the hole, to the rim."""
+        return self._nodes_along(self._facets)
+
+    @cached_property
+    def faces(self) -> list[tuple[int, int]]:
+        """Elements below the contact, each with the number of its side there, from 1."""
+        number = {int(facet): place for place, facet in enumerate(self._facets)}
+        wanted = np.isin(self.mesh.t2f, self._facets)
+        found = sorted(
+            (number[int(self.mesh.t2f[side, cell])], int(cell))
+            for side, cell in np.argwhere(wanted)
+        )
+        ends = [set(self.mesh.facets[:, self._facets[place]]) for place, _ in found]
+        corners = [self.cells[cell, :4] for _, cell in found]
+        sides = [
+            next(s for s in range(4) if {nodes[s], nodes[(s + 1) % 4]} == of)
+            for of, nodes in zip(ends, corners, strict=True)
+        ]
+        return [(cell, side + 1) for (_, cell), side in zip(found, sides, strict=True)]
+
+    @property
+    def axis(self) -> Indices:
+        """Nodes on the axis."""
+        return self._nodes_along(self.mesh.boundaries["axis"])
+
+    @property
+    def far(self) -> Indices:
+        """Nodes on the arc."""
+        return self._nodes_along(self.mesh.boundaries["far"])
+
+    @property
+    def _facets(self) -> Indices:
+        facets = contact_facets(self.mesh)
+        middles = self.mesh.p[0, self.mesh.facets[:, facets]].mean(axis=0)
+        return np.asarray(facets[middles > self.inner_radius])
+
+    def _nodes_along(self, facets: Indices) -> Indices:
+        """Return the nodes of facets, sorted by radius and then by depth."""
+        ends = np.unique(facet_ends(self.mesh, facets))
+        nodes = np.append(ends, facets + self.mesh.nvertices) if self.quadratic else ends
+        r, z = self.points[nodes].T
+        return np.asarray(nodes[np.lexsort((z, r))])
+
+
+def deck_mesh(
+    ring_edges: Array, inner_radius: float, size: float, reach: float, quadratic: bool
+) -> DeckMesh:
+    """Mesh a quarter disc for a deck.
+
+    Parameters
+    ----------
+    ring_edges : (N+1,) from 0 to 1, a hole being a first ring
+    inner_radius : of the hole of the punch; 0 if there is none
+    size : of the elements below the punch away from ring edges, in punch radii
+    reach : radius of the quarter disc, in punch radii
+    quadratic : whether elements have nodes in the middles of their sides, too
+
+    Raises
+    ------
+    SceneError
+        if the size or the reach is out of range, or if the mesh would be too large
+    """
+    if not 1e-3 <= size <= 0.5:
+        raise SceneError(f"--size {size:g}: give the size of elements in punch radii, 0.001 to 0.5")
+    if not LEAST_REACH <= reach <= 1e6:
+        raise SceneError(
+            f"--reach {reach:g}: give the radius of the modelled half-space in punch radii, "
+            f"{LEAST_REACH:g} to 1e6"
+        )
+    radii, depths = _radii(ring_edges, size), _depths(ring_edges, size)
+    shells = np.geomspace(SQUARE, reach, 2 + int(np.log(reach / SQUARE) / np.log1p(GROWTH * size)))
+    around = len(radii) + len(depths) - 2
+    count = (len(radii) - 1) * (len(depths) - 1) + around * (len(shells) - 1)
+    if count > MOST_ELEMENTS:
+        raise SceneError(
+            f"--size {size:g}: the deck would have {count} elements, more than {MOST_ELEMENTS}: "
+            "give a larger size, or fewer rings"
+        )
+    mesh = _quadrilaterals(radii, depths, shells)
+    return DeckMesh(as_half_space(mesh, ring_edges), inner_radius, quadratic)
+
+
+def _radii(ring_edges: Array, size: float) -> Array:
+    """Return the radii of vertices from 0 to the end of the square."""
+    widths, lines = np.diff(ring_edges), [np.zeros(1)]
+    scales = np.minimum(widths / WIDE, 1.0)
+    outside = np.append(scales[1:], np.inf)
+    edge_sizes = np.append(0.0, RIM_SIZE * size**2 * np.minimum(scales, outside))
+    for number, (start, end) in enumerate(itertools.pairwise(ring_edges)):
+        largest, half = size * scales[number], widths[number] / 2
+        if start == 0:
+            outwards = graded(widths[number], edge_sizes[1], largest, GROWTH * size)
+            lines.append((end - outwards[::-1])[1:])
+            continue
+        inner, outer = (
+            graded(half, of, largest, GROWTH * size) for of in edge_sizes[number : number + 2]
+        )
+        lines += [start + inner[1:], (end - outer[::-1])[1:]]
+    beside = graded(SQUARE - 1, edge_sizes[-1], size, GROWTH * size)
+    radii = np.concatenate([*lines, 1 + beside[1:]])
+    # ring edges and the ends without roundoff
+    for exact in (*ring_edges, SQUARE):
+        radii[np.abs(radii - exact).argmin()] = exact
+    return radii
+
+
+def _depths(ring_edges: Array, size: float) -> Array:
+    """Return the depths of vertices from the surface to the end of the square."""
+    scale = min(float(np.diff(ring_edges).min()) / WIDE, 1.0)
+    return graded(SQUARE, RIM_SIZE * size**2 * scale, size, GROWTH * size)
+
+
+def graded(length: float, first: float, largest: float, growth: float) -> Array:
+    """Return distances from 0 to a length, in steps that grow with the distance.
+
+    The steps are about ``min(first + growth * distance, largest)``: the distances are equally
+    spaced in the integral of one over this size.
+    """
+    first = min(first, largest)
+    ends = (largest - first) / growth
+    until = np.log(largest / first) / growth
+    if length <= ends:
+        whole = np.log1p(growth * length / first) / growth
+    else:
+        whole = until + (length - ends) / largest
+    places = np.linspace(0, whole, int(np.ceil(whole - 1e-9)) + 1)
+    near = first * np.expm1(growth * np.minimum(places, until)) / growth
+    distances = near + largest * np.maximum(places - until, 0.0)
+    distances[-1] = length
+    return np.asarray(distances)
+
+
+def _quadrilaterals(radii: Array, depths: Array, shells: Array) -> MeshQuad:
+    """Return the square and the shells around it; the first of the shells is the square's side."""
+    rows, columns = len(depths), len(radii)
+    square = np.arange(rows * columns).reshape(rows, columns)
+    r, z = (of.ravel() for of in np.meshgrid(radii, depths))
+    # from the surface along the outer side of the square, and back to the axis below it
+    side = np.append(square[:, -1], square[-1, -2::-1])
+    start = np.stack([r[side], z[side]])
+    direction = start / np.hypot(*start)
+    # 0 on the square, 1 on an arc
+    share = np.minimum(np.log(shells[1:] / SQUARE) / np.log(ROUND_FROM / SQUARE), 1.0)
+    share, distance = share[:, None, None], shells[1:, None, None]
+    points = distance * ((1 - share) * start / SQUARE + share * direction)
+    outside = r.size + np.arange(points.shape[0] * side.size).reshape(-1, side.size)
+    shell = np.vstack([side, outside])
+    cells = [
+        np.stack([of[:-1, :-1], of[1:, :-1], of[1:, 1:], of[:-1, 1:]]).reshape(4, -1)
+        for of in (square, shell)
+    ]
+    vertices = np.hstack([[r, z], points.transpose(1, 0, 2).reshape(2, -1)])
+    return MeshQuad(vertices, np.hstack(cells))

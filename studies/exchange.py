@@ -1,0 +1,76 @@
+"""Commands that exchange problems and results with other programs: `deck` and `challenge`."""
+
+import argparse
+from importlib import import_module
+from pathlib import Path
+
+from .output.folder import output_folder
+from .problem.scene import Scene
+from .status import Status
+
+DECK_EXAMPLES = """examples:
+  ringwear deck mine.toml --for calculix --out deck       the start and the last time
+  ringwear deck five_rings --for calculix --time 0.1 --time 2 --size 0.05 --reach 500
+  cd deck; ccx prescribed; ringwear check scene.toml prescribed.dat
+"""
+CHALLENGE_EXAMPLES = """examples:
+  ringwear challenge                                    list the problems
+  ringwear challenge 03_five_rings > mine.toml          print a problem, as a scene
+  ringwear challenge 03_five_rings mine.csv             compare results of yours with it
+  ringwear challenge 03_mine.csv                        the same, by the number in the file's name
+"""
+
+
+def deck(options: argparse.Namespace) -> Status:
+    """Write the decks of a scene."""
+    # by its name, as studies are
+    decks = import_module("ringwear.studies.decks.deck")
+    scene = Scene.load(options.scene)
+    times = tuple(options.times) if options.times else None
+    choice = decks.Choice(options.program, options.elements, options.size, options.reach, times)
+    out = options.out or Path("results") / f"deck_{Path(options.scene).stem}"
+    with output_folder(out, "deck", ["README.md"]) as folder:
+        lines = decks.write_decks(scene, choice, folder.hidden)
+    print(*lines, sep="\n")
+    print(f"\n{len(folder.written)} files in {out}: {', '.join(folder.written)}")
+    return Status.DONE
+
+
+def challenge(options: argparse.Namespace) -> Status:
+    """List the problems of the challenge, print one, or compare results with one."""
+    from .challenge.problems import problem_named, problem_of_file, problems
+
+    match options.words:
+        case []:
+            for path in problems():
+                print(f"{path.stem:<24}{Scene.load(path).title.partition(': ')[2]}")
+        case [word] if not Path(word).is_file():
+            print(problem_named(word).read_text("utf-8"), end="")
+        case [*names, file] if len(names) < 2:
+            path = problem_named(names[0]) if names else problem_of_file(Path(file))
+            measuring = import_module("ringwear.studies.challenge.draw")
+            print(*measuring.submission(path, Path(file)), sep="\n")
+        case _:
+            from ..meshes.errors import SceneError
+
+            raise SceneError("challenge takes a problem and one file: challenge [NAME] FILE")
+    return Status.DONE
+
+
+COMMANDS = {
+    "deck": (
+        "write input files of a scene for CalculiX or Abaqus, and a README that explains them",
+        deck,
+        ("scene", "--for", "--elements", "--size", "--reach", "--time", "--out"),
+        None,
+        DECK_EXAMPLES,
+    ),
+    "challenge": (
+        "compare results of another program with a problem of the wear challenge",
+        challenge,
+        ("words",),
+        None,
+        CHALLENGE_EXAMPLES,
+    ),
+}
+"""What `Command` of the command line takes, by the name of the command."""

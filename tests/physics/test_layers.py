@@ -1,0 +1,220 @@
+"""Layered ground: printed and independent stiffnesses, all methods beside each other, limits."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ringwear import run
+from ringwear.mdr import energy, ring_kernel
+from ringwear.meshes.ground.ground import Ground
+from ringwear.meshes.ground.line_energy import relative_stiffness
+from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.studies.methods.base import method
+from ringwear.studies.problem.scene import Scene
+from ringwear.studies.progress import Stages
+from ringwear.studies.wear.flat_contact import flat_start
+from ringwear.studies.wear.time_scale import slowest_relaxation_times
+
+TWO_RINGS = {"radius": 1.0, "rings": 2, "wear_coefficients": [1.0, 0.1]}
+
+
+def layer(thickness, youngs_modulus=1.0, poisson_ratio=0.3):
+    return {
+        "thickness": thickness,
+        "youngs_modulus": youngs_modulus,
+        "poisson_ratio": poisson_ratio,
+    }
+
+
+def on(*layers, punch=TWO_RINGS, below=None, **more):
+    """A scene on layers; below them a rigid base, or a half-space of Young's modulus `below`."""
+    base = {"rigid": True} if below is None else {"youngs_modulus": below}
+    table = {
+        "punch": punch,
+        "half_space": {**base, "layers": list(layers)},
+        "load": {"normal_force": 1.0},
+        "wear": {"times": [0.0, 0.01, 0.1, 1.0]},
+        "accuracy": {"rtol": 1e-3},
+    }
+    return Scene.of(table | more)
+
+
+def compliance(name, scene):
+    return method(name).discretise(scene.problem, Stages(name)).compliance
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize(("ratio", "printed"), [(0.4, 1.472), (1.0, 2.480)])
+def test_stiffnesses_that_hayes_printed(ratio, printed):
+    """Hayes and others (1972), nu = 0.3: print and truth differ by 4e-4 and by 1.4e-3."""
+    scene = on(layer(1 / ratio), punch={"radius": 1.0, "wear_coefficient": 1.0})
+    stiffness = relative_stiffness(scene.problem.ground)
+    assert stiffness == pytest.approx(printed, rel=2e-3)
+    for name in ("mdr", "bem", "fem"):
+        found = 0.5 / flat_start(compliance(name, scene)).indentation
+        assert found == pytest.approx(stiffness, rel=1e-6), name
+
+
+@pytest.mark.gmsh
+def test_finite_elements_that_do_not_know_the_kernel():
+    """A clamped boundary at R = 12 a is as good as none on a rigid base; no far field is taken."""
+    sizes = {"far_field": "fixed", "truncation": 12.0}
+    scene = on(layer(2.0), accuracy={"rtol": 1e-3, "fem": sizes})
+    half_space = method("fem").discretise(scene.problem, Stages("fem"))
+    assert half_space.settings["poles"] == 0
+    found = 0.5 / flat_start(half_space.compliance).indentation
+    assert found == pytest.approx(relative_stiffness(scene.problem.ground), rel=1e-6)
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("below", [10.0, 0.3])
+def test_far_fields_of_loads_on_layers(below):
+    """The energy of a uniform pressure, on a mesh that ends at 2.5 a, against the MDR."""
+    scene = on(layer(0.5), below=below, accuracy={"rtol": 1e-5})
+    fem = compliance("fem", scene)
+    mdr = energy.compliance(fem.space, scene.problem.ground)
+    uniform = fem.space.uniform
+    energies = [float(np.sum((each.factor @ uniform) ** 2)) for each in (fem, mdr)]
+    assert energies[0] == pytest.approx(energies[1], rel=1e-9)
+
+
+def test_boundary_elements_and_the_mdr_are_the_same_operator():
+    ground = Ground((0.1, 0.3), (0.35, 0.1, 2.0), (0.3, 0.45, 0.2))
+    edges = np.array([0.0, 0.4, 1.0])
+    breakpoints = np.array([0.0, 0.2, 0.36, 0.4, 0.44, 0.6, 0.8, 0.95, 1.0])
+    space = PressureSpace(breakpoints, np.full(8, 4), edges)
+    matrices = [each.compliance(space, ground).matrix for each in (energy, ring_kernel)]
+    assert np.abs(matrices[0] - matrices[1]).max() <= 1e-13 * np.abs(matrices[0]).max()
+    # the ground matters: without layers the matrix is another
+    assert np.abs(energy.compliance(space).matrix - matrices[0]).max() > 0.1 * matrices[0].max()
+
+
+@pytest.mark.gmsh
+@pytest.mark.slow
+def test_three_layers_by_all_methods():
+    scene = on(layer(0.2, 1.0, 0.49), layer(0.05, 5.0, 0.2), layer(0.6, 0.2))
+    result = run(scene, methods=["mdr", "bem", "direct", "fem"])
+    assert result.verdict == "agree"
+    assert all(anchor.holds for anchor in result.anchors)
+    start = 0.5 / relative_stiffness(scene.problem.ground) * scene.problem.units.displacement
+    for depth in result.dataset.indentation.values[:, 0]:
+        assert np.isnan(depth) or depth == pytest.approx(start, rel=1e-6)
+
+
+def test_equal_layers_are_no_layers():
+    """At the start, in all of the history and in the steady state."""
+    plain = on(layer(1.0), below=1.0).table()
+    plain["half_space"] = {"youngs_modulus": 1.0}
+    layered = on(layer(0.2), layer(0.3), below=1.0)
+    results = [run(each, methods=["mdr", "direct"]).dataset for each in (plain, layered)]
+    for name in ("indentation", "relaxation_time", "steady_rms_slope", "steady_displacement_max"):
+        values = [each[name].values[np.isfinite(each[name].values)] for each in results]
+        # the elements differ
+        assert values[1] == pytest.approx(values[0], rel=1e-4), name
+
+
+def test_loads_over_time_fixed_indentations_and_wear_along_the_radius():
+    along = {"radii": [0.0, 1.0], "values": [0.3, 1.0]}
+    over_time = {"times": [0.0, 0.5, 2.0], "values": [0.5, 0.5, 1.0]}
+    for changed in (
+        {"punch": {"radius": 1.0, "wear_coefficient": along}},
+        {"load": {"normal_force": over_time}},
+        {"load": {"indentation": 0.01}},
+    ):
+        result = run(on(layer(0.5), **changed), methods=["mdr", "bem"])
+        assert result.verdict == "agree", changed
+        assert all(anchor.holds for anchor in result.anchors), changed
+
+
+def test_a_stiff_layer_bends_away_from_a_flat_punch():
+    """On soft ground it is a plate: only the rim touches, and contact spreads inwards with wear."""
+    scene = on(layer(0.5), below=0.01, accuracy={"rtol": 1e-2}, wear={"times": [0.0, 1.0, 10.0]})
+    assert not scene.problem.full_contact
+    assert on(layer(0.5), below=0.5).problem.full_contact
+    result = run(scene, methods=["mdr"])
+    pressure = result.dataset.pressure.sel(solver="mdr")
+    assert pressure.min() == 0
+    inner = result.dataset.contact_edge.sel(solver="mdr").values[:, 0]
+    assert 0.9 < inner[0] < 0.97
+    assert np.all(np.diff(inner) < 0)
+    assert all(anchor.holds for anchor in result.anchors)
+    # a punch that may pull would sink in less
+    pulled = 0.5 / relative_stiffness(scene.problem.ground) * scene.problem.units.displacement
+    assert float(result.dataset.indentation[0, 0]) > 1.01 * pulled
+
+
+@pytest.mark.slow
+def test_a_sphere_on_layers():
+    """Hertz's depth if the layers are equal; on a stiff base the sphere sinks in less."""
+    sphere = {
+        "radius": 1.0,
+        "wear_coefficient": 1.0,
+        "profile": {"kind": "parabola", "curvature_radius": 2.0},
+    }
+    accuracy = {"rtol": 1e-2}
+    load = {"normal_force": 0.05}
+    depths = []
+    for below in (1.0, 1000.0):
+        scene = on(layer(0.2), below=below, punch=sphere, load=load, accuracy=accuracy)
+        result = run(scene, methods=["mdr", "bem"])
+        assert all(anchor.holds for anchor in result.anchors)
+        assert result.verdict == "agree"
+        depths.append(float(result.dataset.indentation[0, 0]))
+    modulus = 1 / (1 - 0.3**2)
+    radius = (0.75 * 0.05 * 2.0 / modulus) ** (1 / 3)
+    assert depths[0] == pytest.approx(radius**2 / 2.0, rel=1e-6)
+    assert depths[1] < 0.8 * depths[0]
+
+
+def test_thin_layers_run_in_with_one_relaxation_time():
+    """Winkler's limit: springs of stiffness M / h wear with h / (M k), each by itself."""
+    rings = Scene.load("five_rings").changed(punch__wear_coefficients=[1.0, 1.0]).problem.merged
+    spread = []
+    for thickness in (0.2, 0.05):
+        ground = Ground((thickness,), (0.35, np.inf), (0.3, 0.0))
+        times = slowest_relaxation_times(rings, False, ground=ground)[:4]
+        springs = thickness * (1 - 2 * 0.3) / (2 * 0.35 * (1 - 0.3))
+        spread.append(times / springs)
+    assert np.ptp(spread[1]) < 0.4 * np.ptp(spread[0])
+    assert spread[1] == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.gmsh
+def test_stresses_at_an_interface():
+    """What acts across it is continuous, and the hoop strain; the radial stress jumps."""
+    result = run(on(layer(0.4), below=5.0, wear={"times": []}), methods=["fem"])
+    inside, (r, z) = result.inside, result.inside.points
+    state, mean = -1, 1 / np.pi
+    upper, lower = (
+        np.flatnonzero((np.abs(z - 0.4) < 1e-12) & (inside.layers == number) & (r < 0.9))
+        for number in (0, 1)
+    )
+    order = [np.argsort(r[each], kind="stable") for each in (upper, lower)]
+    places = np.linspace(0.05, 0.85, 9)
+    rr, zz, rz, hoop = (
+        [
+            np.interp(places, r[each][way], inside.stress[state, each[way], component])
+            for each, way in zip((upper, lower), order, strict=True)
+        ]
+        for component in range(4)
+    )
+    assert np.abs(zz[1] - zz[0]).max() < 0.02 * mean
+    assert np.abs(rz[1] - rz[0]).max() < 0.02 * mean
+    assert np.abs(rr[1] - rr[0]).max() > 0.15 * mean
+    strains = [
+        (hoop[side] - 0.3 * (rr[side] + zz[side])) / (modulus * (1 - 0.3**2))
+        for side, modulus in enumerate((1.0, 5.0))
+    ]
+    assert np.abs(strains[1] - strains[0]).max() < 0.02 * mean
+
+
+@pytest.mark.gmsh
+@pytest.mark.slow
+def test_incompressible_layers():
+    """Modelled with nu = 1/2 - 1e-8, where .49999 would err by 6e-3 to 4e-4 (C = 40, h = 0.1)."""
+    scene = on(layer(0.1, 1.0, 0.5), accuracy={"rtol": 1e-4})
+    found = 0.5 / flat_start(compliance("fem", scene)).indentation
+    assert found == pytest.approx(relative_stiffness(scene.problem.ground), rel=1e-5)
+    nearly = replace(scene.problem.ground, poisson_ratios=(0.49999, 0.3))
+    assert relative_stiffness(nearly) != pytest.approx(found, rel=1e-4)

@@ -1,0 +1,158 @@
+"""Bad input of sixty kinds: each is refused with status 2 by a line that says what to write."""
+
+import re
+import shlex
+
+import pytest
+
+from ringwear.studies.cli import main
+
+SCENE = """[punch]
+radius = 1.0
+rings = 2
+wear_coefficients = [1.0, 10.0]
+[half_space]
+plane_strain_modulus = 1.0
+[load]
+normal_force = 2.0
+[wear]
+times = [0.0, 1.0]
+"""
+# what of the scene is replaced, by what, and what the line tells to write
+SCENES = [
+    ("radius = 1.0", "radius = -1.0", "punch.radius: -1.0 must be positive"),
+    ("radius = 1.0", "radius = nan", "punch.radius: nan must be positive"),
+    ("radius = 1.0", "radius = inf", "punch.radius: inf is beyond"),
+    ("radius = 1.0", 'radius = "one"', "give the punch radius, a positive length"),
+    ("radius = 1.0", 'radius = "1.0"', "leave out the quotes, or add a unit"),
+    ("radius = 1.0", "radius = true", "give the punch radius, a positive length"),
+    ("radius = 1.0", f"radius = 1{400 * '0'}", "give the punch radius, a positive length"),
+    ("radius = 1.0", 'radius = "10 mmm"', "did you mean 'mm'?"),
+    ("radius = 1.0", 'radius = "10 N"', "is no length"),
+    ("radius = 1.0", 'radius = "1,5 mm"', "give '1.5 mm'"),
+    ("radius = 1.0", "radius = 1,0", "'radius = 1,0'; give lines such as radius = 1.0"),
+    ("radius = 1.0", "radius = None", "'radius = None'; give lines such as"),
+    ("radius = 1.0", "radius = 1.0\nradius = 2.0", "each key once"),
+    ("radius = 1.0", "radius: 1.0", "give lines such as radius = 1.0"),
+    ("radius = 1.0", "radius = 1.0\ndiameter = 2.0", "give punch.radius"),
+    ("radius = 1.0", "radius = 1.0\ninner_radius = 2.0", "inner_radius = 2 must be below 1"),
+    ("radius = 1.0", 'radius = 1.0\nprofile = { kind = "sphere" }', "'ball' (ball_radius)"),
+    ("radius = 1.0", 'radius = 1.0\nprofile = { kind = "Cone" }', "did you mean 'cone'?"),
+    ("radius = 1.0", "radius = 1.0\nprofile = { slope = 0.1 }", "profile.kind: is missing"),
+    ("radius = 1.0", 'radius = 1\nprofile = { kind = "table", file = "no" }', "give a text file"),
+    ("rings = 2", "ring = 2", "unknown key punch.ring: did you mean rings?"),
+    ("rings = 2", "rings = 0", "give the number of rings, 1 or more"),
+    ("rings = 2", "rings = 2.5", "give the number of rings, 1 or more"),
+    ("rings = 2", "ring_edges = [0.5, 0.2, 1.0]", "must increase"),
+    ("[1.0, 10.0]", "[1.0, -1.0]", "wear_coefficients.1: -1.0 must be positive"),
+    ("[1.0, 10.0]", "[1.0, 2.0, 3.0]", "give 2, or two, which alternate"),
+    ("[1.0, 10.0]", "1.0", "give positive numbers: two"),
+    ("[half_space]", "[halfspace]", "did you mean half_space?"),
+    ("[half_space]", "[half_space", "'[half_space'; give lines such as"),
+    ("plane_strain_modulus = 1.0", "E = 1.0", "did you mean youngs_modulus?"),
+    ("plane_strain_modulus = 1.0", 'youngs_modulus = "2 GPA"', "did you mean 'GPa'?"),
+    ("modulus = 1.0", "modulus = 1.0\nnu = 0.3", "did you mean poisson_ratio?"),
+    ("modulus = 1.0", "modulus = 1.0\npoisson_ratio = 0.6", "at most 0.5"),
+    ("normal_force = 2.0", "normal_force = 0", "load.normal_force: 0.0 must be positive"),
+    ("normal_force = 2.0", 'normal_force = "2 kn"', "did you mean 'kN'?"),
+    ("normal_force = 2.0", "force = 2.0", "did you mean normal_force?"),
+    ("normal_force = 2.0", "normal_force = 2.0\nmean_pressure = 1.0", "give one of normal_force"),
+    ("normal_force = 2.0", "normal_force = 2.0\nfriction = 0.1", "ringwear has no friction"),
+    ("normal_force = 2.0", "normal_force = { time = [0], values = [1] }", "did you mean times?"),
+    ("[load]\nnormal_force = 2.0", "", "missing key load"),
+    ("times = [0.0, 1.0]", "times = [0.0, 1e60]", "1e+60 is beyond 1e-40 to 1e+40"),
+    ("times = [0.0, 1.0]", "times = [0.0, nan]", "must be 0 or positive"),
+    ("times = [0.0, 1.0]", "times = [1.0, 0.5]", "must increase"),
+    ("times = [0.0, 1.0]", 'times = "running_in"', "did you mean 'running-in'?"),
+    ("times = [0.0, 1.0]", 'times = [0.0]\nmarch = "Modal"', "did you mean 'modal'?"),
+    ("times = [0.0, 1.0]", 'times = [0.0]\nsteady = "yes"', "give true or false"),
+    ("[wear]", "[output]\nfield_times = [1e60]\n[wear]", "1e+60 is beyond"),
+    ("[wear]", '[output]\nquantities = ["presure"]\n[wear]', "did you mean 'pressure'?"),
+    ("[wear]", "[accuracy]\nrtol = 1\n[wear]", "give the relative accuracy wanted, 1e-9 to 0.1"),
+    ("[punch]", 'methods = ["FEM"]\n[punch]', "did you mean 'fem'?"),
+    ("[punch]", 'methods = "fem"\n[punch]', "give a list of mdr"),
+    ("[punch]", 'units = "mm, N, MPA, s"\n[punch]', "did you mean 'MPa'?"),
+    ("[punch]", 'units = "mm, N, GPa, s"\n[punch]', "N/mm^2 is 0.001 GPa"),
+    ("[punch]", "title = Five rings\n[punch]", "texts in quotes"),
+    ("[punch]", "[[punch]]", "should be a table"),
+    (SCENE, "", "missing keys punch, half_space, load"),
+    (SCENE, '{"punch": {"radius": 1.0}}', "give lines such as radius = 1.0"),
+    ("radius = 1.0", "radius = -1.0\nring = 3", "also wrong: punch.radius"),
+]
+
+
+def refused(call, capsys):
+    """The line on standard error of a command that is refused; it prints nothing else."""
+    try:
+        status = main(shlex.split(call))
+    except SystemExit as end:
+        status = end.code
+    shown = capsys.readouterr()
+    assert status == 2
+    assert shown.out == ""
+    (line,) = [line for line in shown.err.splitlines() if line and not re.match(r"usage:| ", line)]
+    return line
+
+
+@pytest.mark.parametrize(("part", "instead", "told"), SCENES)
+def test_bad_scenes(part, instead, told, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert part in SCENE
+    (tmp_path / "mine.toml").write_text(SCENE.replace(part, instead), "utf-8")
+    line = refused("run mine.toml", capsys)
+    assert line.startswith("ringwear: mine.toml")
+    assert told in line
+    assert len(line) < 700
+    assert [file.name for file in tmp_path.iterdir()] == ["mine.toml"]
+
+
+COMMANDS = [
+    ("runn five_rings", "did you mean run?"),
+    ("five_rings", "did you mean ringwear run five_rings?"),
+    ("run five_rings --nofigures", "did you mean --no-figures?"),
+    ("run five_rings --rtol 1e-3x", "give a number, such as 1e-4"),
+    ("run five_rings --memory nan", "give a positive number"),
+    ("run ''", "give a scene file"),
+    ("run there", "is a directory; give a scene file"),
+    ("run bytes", "a scene is TOML in UTF-8"),
+    ("check five_rings none.csv --within -1", "give a positive number"),
+    ("check five_rings none.csv --sizes a", "give numbers, such as 0.2,0.1,0.05"),
+    ("study Convergence", "did you mean convergence?"),
+    ("sweep nofile", "nofile cannot be read as a sweep: no such file"),
+    ("sweep runing_in", "did you mean running_in?"),
+    ("sweep five_rings", "`ringwear run five_rings`"),
+    ("sweep running_in --workers many", "give a whole number"),
+    ("scenes five_ring", "did you mean five_rings?"),
+]
+
+
+@pytest.mark.parametrize(("call", "told"), COMMANDS)
+def test_bad_commands(call, told, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "there").mkdir()
+    (tmp_path / "bytes").write_bytes(b"\xff\xfe\x80\x00")
+    line = refused(call, capsys)
+    assert told in line
+    # no path of the installation
+    assert "studies/" not in line
+    assert {file.name for file in tmp_path.iterdir()} == {"there", "bytes"}
+
+
+@pytest.mark.parametrize("width", [60, 80, 100])
+def test_no_line_of_the_answer_is_cut(width, tmp_path, monkeypatch, capsys):
+    """Every word that is printed without a terminal is printed on one, in lines that fit."""
+    monkeypatch.chdir(tmp_path)
+    call = shlex.split("run rubber --methods direct --no-figures --out out")
+    assert main(call) == 0
+    whole = capsys.readouterr().out
+    monkeypatch.setenv("COLUMNS", str(width))
+    assert main(call) == 0
+    told = capsys.readouterr().out
+    assert told.split() == whole.split()
+    assert "..." not in told
+    # but for what has no blank, such as a path
+    assert not [line for line in told.splitlines() if len(line) > width and " " in line.strip()]
+    for command in ([], ["scenes"]):
+        with pytest.raises(SystemExit, match="0"):
+            main([*command, "--help"])
+        assert max(map(len, capsys.readouterr().out.splitlines())) <= max(width, 80)

@@ -1,0 +1,90 @@
+"""Decks by the command line, run where CalculiX is installed, and the challenge."""
+
+import os
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+import ringwear
+from ringwear import Scene
+from ringwear.studies.cli import main
+from ringwear.studies.decks.reports import read_dat
+
+RUN = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
+# keywords of the Abaqus Keywords Reference Guide that decks may have
+DOCUMENTED = {
+    *("HEADING", "NODE", "ELEMENT", "NSET", "MATERIAL", "ELASTIC", "SOLID SECTION", "BOUNDARY"),
+    *("STEP", "STATIC", "NODE PRINT", "OUTPUT", "NODE OUTPUT", "ELEMENT OUTPUT", "END STEP"),
+    *("SURFACE", "RIGID BODY", "SURFACE INTERACTION", "FRICTION", "SURFACE BEHAVIOR"),
+    *("CONTACT PAIR", "CONTACT PRINT", "CONTACT OUTPUT", "CLOAD"),
+}
+
+
+def run_calculix(folder, job):
+    environment = os.environ | {"OMP_NUM_THREADS": "1"}
+    call = {"cwd": folder, "check": True, "stdout": subprocess.DEVNULL, "env": environment}
+    subprocess.run(["ccx", job], timeout=100, **call)
+    return read_dat(folder / f"{job}.dat")
+
+
+@RUN
+def test_decks_for_calculix_run_and_are_read_back(tmp_path, capsys):
+    """The flat start of Boussinesq: F = 2 a E* d, less what the clamped arc takes."""
+    call = ["deck", "flat_punch", "--for", "calculix", "--out", str(tmp_path), "--time", "0"]
+    assert main([*call, "--size", "0.08", "--reach", "400"]) == 0
+    assert "ringwear check scene.toml prescribed.dat" in capsys.readouterr().out
+    scene = Scene.load(tmp_path / "scene.toml")
+    force, modulus = scene.load_.normal_force, scene.half_space.modulus
+    radius, clamped = scene.punch.radius, 1.1 / 400
+    depth = force / (2 * radius * modulus)
+    given = run_calculix(tmp_path, "prescribed").dropna()
+    # quadratic elements of this size add 1e-3
+    assert given.normal_force[0] / force == pytest.approx(1 + clamped, abs=2e-3)
+    exact = force / (2 * np.pi * radius**2 * np.sqrt(1 - (given.radius / radius) ** 2))
+    errors = given.pressure / exact - 1
+    assert np.sqrt((errors**2).mean()) < 0.02
+    pressed = run_calculix(tmp_path, "contact_1")
+    assert pressed.normal_force[0] / force == pytest.approx(1, abs=1e-3)
+    assert pressed.indentation[0] / depth == pytest.approx(1 - clamped, abs=0.02)
+    np.testing.assert_allclose(pressed.displacement, pressed.indentation, rtol=5e-3)
+
+
+def test_decks_for_abaqus_have_documented_keywords(tmp_path):
+    files = ringwear.deck("washer", "abaqus", tmp_path, size=0.4, reach=50)
+    names = {file.name for file in files}
+    assert names == {
+        *("README.md", "contact_1.inp", "contact_2.inp", "prescribed.inp", "scene.toml")
+    }
+    for file in tmp_path.glob("*.inp"):
+        text = file.read_text("utf-8")
+        keywords = set(re.findall(r"^\*([A-Z][A-Z ]*)", text, re.MULTILINE))
+        assert {keyword.strip() for keyword in keywords} <= DOCUMENTED
+        # of the washer: the start and a worn face, or the indentation and then the force
+        assert text.count("*STEP") == text.count("*END STEP") == 2
+        assert max(map(len, text.splitlines())) <= 256
+    assert "not run" in (tmp_path / "README.md").read_text("utf-8")
+
+
+def test_what_has_no_deck_is_refused_in_a_line(tmp_path, capsys):
+    assert main(["deck", "recessed_binder", "--for", "calculix", "--out", str(tmp_path / "a")]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_submission_to_the_challenge(tmp_path, capsys):
+    assert main(["challenge"]) == 0
+    assert capsys.readouterr().out.count("\n") == 12
+    radii = np.array([0.1, 0.5, 0.9])
+    pressure = 1.01 / (np.pi * np.sqrt(1 - radii**2))
+    rows = [f"0,{r},{p},0.98" for r, p in zip(radii, pressure, strict=True)]
+    lines = ["# 1.5 s", "time,radius,pressure,indentation", *rows]
+    (tmp_path / "01_mine.csv").write_text("\n".join(lines), "utf-8")
+    assert main(["challenge", str(tmp_path / "01_mine.csv")]) == 0
+    row = capsys.readouterr().out.splitlines()[-1]
+    assert row == "| 1 | 01_mine | 2.0e-2 | 1.0e-2 | 1.5 |"
+    assert main(["challenge", "13", str(tmp_path / "01_mine.csv")]) == 2
+    assert main(["challenge", "flat_punch"]) == 0
+    assert Scene.from_toml(capsys.readouterr().out).title.startswith("Challenge 1")

@@ -1,0 +1,151 @@
+"""Figures in the units of the scene: what they show where faces wear, stand back or lose contact.
+
+That nothing overlaps is tested by the extents of all texts (`figure_faults`).
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from figure_faults import faults
+from matplotlib.figure import Figure
+
+from ringwear import Scene, check, run
+from ringwear.studies.figures.catalogue import PICTURES
+from ringwear.studies.figures.mesh import draw_stress
+from ringwear.studies.figures.states import draw_states
+from ringwear.studies.figures.style import LOOKS
+from ringwear.studies.report.words import Account
+
+UNITS = "mm, N, MPa, s"
+PUNCH = {"radius": "10 mm", "rings": 3, "wear_coefficients": ["1e-6 mm^3/(N m)", "1e-5 mm^3/(N m)"]}
+LOAD = {"normal_force": "100 N", "sliding_speed": "0.1 m/s"}
+WORN = {
+    "units": UNITS,
+    "methods": ["mdr", "fem"],
+    "punch": PUNCH,
+    "half_space": {"youngs_modulus": "2 GPa"},
+    "load": LOAD,
+    "wear": {"times": ["0 s", "1 min", "2 h", "1 day", "365 days"]},
+    "accuracy": {"rtol": 1e-2},
+}
+# lands of which grooves of 1 mm stay clear, and a load that is taken off
+GROOVED = WORN | {
+    "units": "SI",
+    "punch": PUNCH | {"recess": ["0 mm", "1 mm", "0 mm"]},
+    "load": LOAD
+    | {"normal_force": {"times": ["0 h", "10 h", "11 h"], "values": ["500 N", "500 N", "0 N"]}},
+    "wear": {"times": ["0 h", "0.3 h", "3 h", "11 h"], "steady": False},
+    "output": {"field_times": ["0 h", "3 h", "11 h"]},
+}
+
+
+@pytest.fixture(scope="module")
+def worn():
+    return run(Scene(**WORN))
+
+
+@pytest.fixture(scope="module")
+def grooved():
+    return run(Scene(**GROOVED))
+
+
+def named(figure, label):
+    """Return what is drawn under a label, panel by panel."""
+    artists = (artist for axes in figure.axes for artist in axes.get_children())
+    return [artist for artist in artists if artist.get_label() == label]
+
+
+@pytest.mark.parametrize("scene", ["worn", "grooved"])
+def test_nothing_overlaps_and_numbers_are_short(scene, request):
+    result = request.getfixturevalue(scene)
+    drawn = [picture for picture in PICTURES if picture.drawn_for(result)]
+    assert len(drawn) >= 6
+    for picture in drawn:
+        assert faults(picture.figure(result)) == [], picture.file
+
+
+def test_overlapping_labels_are_noticed():
+    figure = Figure((3, 2), layout=None)
+    axes = figure.add_axes((0.2, 0.2, 0.7, 0.7))
+    axes.set_xticks([0.5, 0.52], ["0.5001", "99 %"])
+    axes.plot([1e6 + 1, 1e6 + 1.5])
+    found = "\n".join(faults(figure))
+    for fault in ("'0.5001' at", "is over tick '99 %'", "beside the axis", "spans"):
+        assert fault in found, found
+
+
+def test_a_scene_is_answered_in_its_units(worn):
+    account = Account(worn)
+    answers = {what: value for what, value, _ in account.answers}
+    units = {what: value.partition(" ")[2] for what, value in answers.items()}
+    assert units["indentation start"] == "mm"
+    assert units["steady wear rate"] == "mm/h"
+    assert units["time to 90"] in ("s", "min", "h", "days")
+    told = " ".join([*answers.values(), *account.rings[0]])
+    assert {"radii, mm", "p steady, MPa", "worn, mm³", "mean height, mm"} <= set(account.rings[0])
+    assert not re.search(r"\b(nm|µm|kPa|GPa|cm³|m)\b(?! *m\))", told.replace("mm³/(N m)", ""))
+    # F / (2 a E*) with E* = 2000 MPa / (1 - 0.3^2)
+    depth = 100 * (1 - 0.3**2) / (2 * 10 * 2000)
+    assert float(answers["indentation start"].split()[0]) == pytest.approx(depth, rel=1e-3)
+    figures = [picture.figure(worn) for picture in PICTURES if picture.drawn_for(worn)]
+    labels = " ".join(
+        axis.get_label_text().removeprefix("|Δp| / rms(p)")
+        for figure in figures
+        for axes in figure.axes
+        for axis in (axes.xaxis, axes.yaxis)
+    )
+    drawn = set(re.findall(r"\((?:[0-9·]*10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+ ?)?([^()]*)\)", labels)) - {""}
+    assert drawn <= {"mm", "MPa", "h", "min", "s", "days"}
+    assert {"mm", "MPa"} <= drawn
+
+
+def test_the_unworn_punch_is_where_it_is(worn):
+    figure = draw_states(worn)
+    lines = named(figure, "unworn punch")
+    tops = [line.axes.get_ylim()[1] for line in lines]
+    heights = [float(np.max(line.get_ydata())) for line in lines]
+    assert heights[0] == 0
+    # all of the face has worn by 1.4 mm in a year, a thousand times more than a panel shows
+    assert heights[-1] < tops[-1] < 0
+    assert "f − 1.4 mm" in lines[-1].axes.get_title()
+    assert "the unworn punch is above" in figure.legends[0].get_title().get_text()
+
+
+def test_deep_grooves_do_not_hide_wear(grooved):
+    figure = draw_states(grooved)
+    panels = [line.axes for line in named(figure, "unworn punch")]
+    profiles = grooved.by_method("profile")["mdr"]
+    edges = np.array([0, 10, 20, 30]) / 3e3
+    lands = (grooved.coordinates["radius"] < edges[1]) | (grooved.coordinates["radius"] > edges[2])
+    for axes, heights in zip(panels[1:], profiles[1:], strict=True):
+        shown = axes.get_ylim()[0] * (1e-6 if "µm" in panels[0].get_ylabel() else np.nan)
+        # the wear of other times may be up to ten times as deep
+        assert heights[lands].max() < shown < 11 * heights[lands].max() < 1e-3
+    note = figure.legends[0].get_title().get_text()
+    assert "cut off below: the face goes back as far as Δf = 1 mm" in note
+
+
+def test_stress_is_drawn_under_what_touches_and_only_where_something_does(grooved):
+    figure = draw_stress(grooved)
+    titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
+    assert [title.split("\n")[0] for title in titles] == ["t = 0 s", "t = 3 h"]
+    assert "nothing presses, not drawn: 1" in figure.legends[0].get_title().get_text()
+    bars = [
+        [float(end) for end in line.get_xdata()]
+        for line in figure.axes[0].lines
+        if line.get_linewidth() == 2
+    ]
+    np.testing.assert_allclose(bars, [[0, 10 / 3], [20 / 3, 10]], rtol=1e-3)
+
+
+def test_other_programs_have_colours_of_their_own(worn):
+    table = worn.dataset.sel(solver="mdr")[["pressure", "profile", "indentation"]]
+    table = table.isel(radius=slice(None, None, 40), time=[1, 2]).drop_vars("solver")
+    checked = check(Scene(**WORN), {"ansys": table, "abaqus": table}, methods=["mdr"])
+    lines = {name: named(draw_states(checked), name) for name in ("ansys", "abaqus")}
+    colours = {line.get_color() for drawn in lines.values() for line in drawn}
+    assert len(colours) == 2
+    assert not colours & {look["color"] for look in LOOKS.values()}

@@ -1,0 +1,157 @@
+"""What a user of numpy and xarray types first: it works, or says in a line what to write."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import ringwear
+from ringwear import Scene, check, compare, load, plan, run, study, sweep
+from ringwear.meshes.errors import RingwearError
+
+SCENE = Scene.load("five_rings")
+TABLE = pd.DataFrame({"time": [0.1], "indentation": [1.0]})
+PARTS = {"half_space": {"youngs_modulus": 1.0}, "load": {"normal_force": 1.0}}
+
+
+@pytest.fixture(scope="module")
+def result():
+    return run("five_rings", methods=["mdr", "direct"], rtol=1e-2, quantities="history,steady")
+
+
+def set_radius(_):
+    SCENE.punch.radius = 2.0
+
+
+# the guess, and whether it is what is wanted
+WORKING = [
+    (lambda of: of["indentation"], lambda got: got.sizes["solver"] == 2),
+    (lambda of: of["time"], lambda got: got.ndim == 1),
+    (lambda of: of.dataset["indentation"].sel(solver="mdr"), lambda got: got.ndim == 1),
+    (lambda _: SCENE.load.normal_force, lambda got: got == 2.0),
+    (lambda _: SCENE.changed({"punch.rings": 3}), lambda got: got.punch.rings == 3),
+    (lambda _: SCENE.changed(punch__rings=3), lambda got: got.punch.rings == 3),
+    (lambda _: SCENE.changed(**{"punch.rings": 3}), lambda got: got.punch.rings == 3),
+    (
+        lambda _: SCENE.changed({"load.mean_pressure": 3.0}),
+        lambda got: got.load.normal_force is None and got.load.mean_pressure == 3.0,
+    ),
+    (
+        lambda _: SCENE.changed(wear__times=np.linspace(0, 1, 3)),
+        lambda got: got.wear.times == [0.0, 0.5, 1.0],
+    ),
+    (
+        lambda _: Scene(punch={"radius": np.float32(1), "wear_coefficient": np.int64(1)}, **PARTS),
+        lambda got: got.punch.wear_coefficient == 1.0,
+    ),
+    (
+        lambda _: Scene(
+            punch={"radius": 1, "rings": 2, "wear_coefficients": pd.Series([1.0, 2.0])}, **PARTS
+        ),
+        lambda got: got.punch.wear_coefficients == [1.0, 2.0],
+    ),
+    (
+        lambda _: sweep("five_rings", {"punch__rings": np.arange(1, 3)}, keep="steady_wear_rate"),
+        lambda got: got.rings.values.tolist() == [1, 2],
+    ),
+    (
+        lambda of: compare(of, of),
+        lambda got: got.verdict == "same" and len(got.table) and not len(got.scenes),
+    ),
+    (lambda _: dir(ringwear), lambda got: {"SceneError", "Result", "compare"} <= {*got}),
+]
+
+
+@pytest.mark.parametrize(("guess", "wanted"), WORKING)
+def test_guesses_that_work(guess, wanted, result):
+    assert wanted(guess(result))
+
+
+# the guess, and what the line tells to write
+TOLD = [
+    (lambda of: of.pressure, "write result.dataset.pressure"),
+    (lambda of: of.d, "write result.dataset.indentation"),
+    (lambda of: of.times, "write result.dataset.time"),
+    (lambda of: of.sel(solver="mdr"), "write result.dataset.sel"),
+    (lambda of: of.answer, "did you mean result.answers?"),
+    (lambda of: of["d"], "did you mean 'indentation'?"),
+    (lambda of: of["indentatoin"], "did you mean 'indentation'?"),
+    (lambda of: of.dataset.indentation.sel(method="mdr"), "write sel(solver='mdr')"),
+    (lambda of: of.dataset.sel(method="direct"), "write sel(solver='direct')"),
+    (lambda of: of["indentation"].isel(time=0).sel(method="mdr"), "write sel(solver='mdr')"),
+    (lambda of: of.dataset.sel(solver="fem"), "give one of mdr, direct"),
+    (lambda of: of.error("indentatoin"), "did you mean 'indentation'?"),
+    (lambda of: of.plot("histroy"), "did you mean 'history'?"),
+    (set_radius, "write scene.changed({'punch.radius': 2.0})"),
+    (lambda _: SCENE.radius, "write scene.punch.radius"),
+    (lambda _: SCENE.rtol, "write scene.accuracy.rtol"),
+    (lambda _: SCENE.run(), "write ringwear.run(scene)"),
+    (lambda _: SCENE.to_dict(), "write scene.table()"),
+    (lambda _: SCENE.changed(rings=3), "write changed({'punch.rings': 3})"),
+    (lambda _: SCENE.changed("punch.rings"), "write changed({'punch.rings': 3})"),
+    (lambda _: SCENE.changed(punch__radios=2.0), "did you mean radius?"),
+    (lambda _: Scene("five_rings"), "write Scene.load('five_rings')"),
+    (lambda _: Scene.from_dict({}), "write Scene.from_table({...})"),
+    (lambda _: Scene.load("five_ring"), "did you mean five_rings?"),
+    (lambda _: Scene.load(None), "give a Scene, the name of a bundled one"),
+    (lambda _: run(pd.DataFrame()), "give a Scene, the name of a bundled one"),
+    (lambda _: run("five_rings", method="fem"), "write methods='fem'"),
+    (lambda _: run("five_rings", tol=1e-3), "write rtol=0.001"),
+    (lambda _: run("five_rings", rings=3), "write run(scene.changed({'punch.rings': 3}))"),
+    (lambda _: run("five_rings", out="here"), "write run(...).save('here')"),
+    (lambda _: run("five_rings", methods=["FEM"]), "did you mean 'fem'?"),
+    (lambda _: run("five_rings", methods=3), "write ['mdr', 'fem']"),
+    (lambda _: run("five_rings", rtol="small"), "give the relative accuracy"),
+    (lambda _: run("five_rings", quantities="presure"), "did you mean 'pressure'?"),
+    (lambda _: load(3), "give one that `ringwear run` has written"),
+    (lambda _: check("five_rings", {}), "{'abaqus': 'abaqus.csv'}"),
+    (lambda _: check("five_rings", np.zeros(3)), "{'abaqus': 'abaqus.csv'}"),
+    (lambda _: check("five_rings", TABLE, method="mdr"), "write methods='mdr'"),
+    (lambda _: check("five_rings", TABLE, within=-1), "give a positive number"),
+    (lambda _: plan("five_ring"), "did you mean five_rings?"),
+    (lambda _: study("convergance"), "did you mean convergence?"),
+    (lambda _: sweep("five_rings", {"rings": [1, 2]}), "did you mean punch.rings?"),
+    (lambda _: sweep("five_rings", rings=[1]), "write sweep(base, {'punch.rings': [1]})"),
+    (
+        lambda _: sweep("five_rings", ["punch.rings"]),
+        "write sweep(base, {'punch.rings': [2, 4, 8]})",
+    ),
+    (lambda _: compare("five_rings", "rubber"), "compare scenes in the same units"),
+    (lambda _: compare("five_rings"), "missing 1 required positional argument: 'b'"),
+    (lambda _: ringwear.solve("five_rings"), "write ringwear.run"),
+    (lambda _: ringwear.Rusult, "did you mean Result?"),
+]
+
+
+@pytest.mark.parametrize(("guess", "told"), TOLD)
+def test_guesses_that_are_told_what_to_write(guess, told, result):
+    with pytest.raises((RingwearError, AttributeError, TypeError)) as refused:
+        guess(result)
+    line = str(refused.value)
+    assert told in line
+    assert "\n" not in line
+
+
+def test_a_property_that_fails_tells_its_own_fault(result, monkeypatch):
+    """What is told of names that are not there does not hide a fault of ours."""
+    monkeypatch.setattr(type(result), "notes", property(lambda _: [].nothing))
+    with pytest.raises(AttributeError, match="'list' object has no attribute 'nothing'"):
+        _ = result.notes
+
+
+def test_columns_of_a_table_are_results_of_others():
+    checked = check("flat_punch", {"time": [0.0], "indentation": [1.0]}, methods=["mdr"])
+    assert checked.passes
+
+
+def test_a_comparison_is_a_table_a_verdict_and_figures(result, tmp_path):
+    """Everything is linear in the force, at the start."""
+    twice = result.scene.changed({"load.normal_force": 4.0})
+    found = compare(result, twice)
+    assert found.verdict == "differ"
+    change = found.table.set_index("quantity")["B against A"]
+    assert change["indentation_start"] == "+100 %"
+    assert found.scenes.values.tolist() == [["load.normal_force", "2.0", "4.0"]]
+    assert "by more than both state" in repr(found)
+    assert {"scenes.csv", "answers.csv", "comparison.png"} <= {*found.save(tmp_path / "out")}
+    with pytest.raises(RingwearError, match="did you mean 'comparison'"):
+        found.plot("comparision")

@@ -1,0 +1,75 @@
+"""Fields of loads on layers: continuous across interfaces, free at the surface, in equilibrium."""
+
+import numpy as np
+import pytest
+
+from ringwear.fem.layered_far_field import independent_count, loaded_fields
+from ringwear.meshes.ground.ground import Ground
+
+OUTER = 2.5
+GROUND = Ground((0.5, 0.4), (0.35, 3.0, 0.1), (0.3, 0.2, 0.45))
+
+
+def at(radius, depth, ground=GROUND, count=3):
+    points = np.stack(np.broadcast_arrays(np.asarray(radius, float), depth), axis=-1)
+    return loaded_fields(np.atleast_2d(points), count, ground, OUTER)
+
+
+def test_where_an_interface_is_drawn_does_not_matter_without_one():
+    radii, depths = np.array([2.5, 1.5, 0.3]), np.array([0.1, 2.0, 2.6])
+    fields = [
+        at(radii, depths, Ground((thickness,), (0.35, 0.35), (0.3, 0.3)))
+        for thickness in (0.2, 2.2)
+    ]
+    for first, second in zip(*fields, strict=True):
+        assert second == pytest.approx(first, rel=1e-10, abs=1e-12)
+
+
+@pytest.mark.parametrize("depth", [0.5, 0.9])
+def test_interfaces(depth):
+    radii = np.array([1.5, 2.0, 2.4])
+    (above, stress_above), (below, stress_below) = (
+        at(radii, depth * (1 + sign * 1e-12)) for sign in (-1, 1)
+    )
+    assert above == pytest.approx(below, abs=1e-9)
+    # across it act zz and rz
+    assert stress_above[..., 1:3] == pytest.approx(stress_below[..., 1:3], abs=1e-9)
+    assert np.abs(stress_above[..., 0] - stress_below[..., 0]).max() > 1e-4
+
+
+def test_nothing_acts_on_the_surface_beside_the_load():
+    _, stress = at(np.array([2.0, 2.3, 2.5]), 0.0)
+    assert np.abs(stress[..., 1:3]).max() < 1e-10
+
+
+def test_a_rigid_base_does_not_move():
+    rigid = Ground((0.5,), (0.35, np.inf), (0.3, 0.0))
+    moved, _ = at(np.array([2.0, 2.4]), 0.5, rigid)
+    assert np.abs(moved).max() < 1e-10
+
+
+def test_equilibrium_and_hookes_law():
+    """By differences: the divergence of the stress, and strains of the displacement."""
+    r, z, h = 2.3, 1.4, 1e-3
+    moved = {(i, j): at(r + i * h, z + j * h)[0][:, 0] for i in (-1, 0, 1) for j in (-1, 0, 1)}
+    stress = {(i, j): at(r + i * h, z + j * h)[1][:, 0] for i in (-1, 0, 1) for j in (-1, 0, 1)}
+    of_r = ((stress[1, 0][:, c] - stress[-1, 0][:, c]) / (2 * h) for c in range(4))
+    of_z = (stress[0, 1] - stress[0, -1]) / (2 * h)
+    here = stress[0, 0]
+    size = np.abs(here).max()
+    rr, _, rz, _ = of_r
+    assert np.abs(rr + of_z[:, 2] + (here[:, 0] - here[:, 3]) / r).max() < 1e-5 * size
+    assert np.abs(rz + of_z[:, 1] + here[:, 2] / r).max() < 1e-5 * size
+    radial = (moved[1, 0] - moved[-1, 0]) / (2 * h)
+    axial = (moved[0, 1] - moved[0, -1]) / (2 * h)
+    dilatation = radial[:, 0] + axial[:, 1] + moved[0, 0][:, 0] / r
+    shear, nu = GROUND.shear_moduli[2], GROUND.poisson_ratios[2]
+    expected = 2 * shear * (axial[:, 1] + nu / (1 - 2 * nu) * dilatation)
+    assert here[:, 1] == pytest.approx(expected, abs=1e-5 * size)
+
+
+def test_what_a_rigid_base_leaves_is_dropped():
+    alike = np.array([[1.0, 1.0], [1.0, 1.0 + 1e-12]])
+    assert independent_count(alike, 1.0) == 1
+    assert independent_count(1e-20 * np.eye(3), 1.0) == 0
+    assert independent_count(np.diag([1.0, 2.0, 0.5]), 1.0) == 3

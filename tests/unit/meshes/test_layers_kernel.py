@@ -1,0 +1,172 @@
+"""The kernel of layered ground: two other derivations, limits, and printed stiffnesses."""
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from ringwear.meshes.ground.ground import Ground, relative_compliance
+from ringwear.meshes.ground.line_energy import flat_series, line_energy, relative_stiffness
+
+WAVE_NUMBERS = np.geomspace(1e-4, 40, 60)
+
+
+def o_sullivan_and_king(s, thickness, ratio, ground_ratio, contrast):
+    """One layer on a substrate; the contrast is G1 / G2 (J. Tribol. 110, 1988, 235)."""
+    kappa = (contrast - 1) / (contrast + 3 - 4 * ratio)
+    lamda = 1 - 4 * (1 - ratio) / (1 + contrast * (3 - 4 * ground_ratio))
+    x = s * thickness
+    e = np.exp(-2 * x)
+    above = 1 + 4 * x * kappa * e - lamda * kappa * e**2
+    below = 1 - (lamda + kappa + 4 * kappa * x**2) * e + lamda * kappa * e**2
+    return above / below
+
+
+@pytest.mark.parametrize("contrast", [0.01, 0.1, 1.0, 10.0, 100.0])
+def test_one_layer_by_o_sullivan_and_king(contrast):
+    for thickness in (0.1, 0.5, 2.0):
+        ground = Ground((thickness,), (0.35, 0.35 / contrast), (0.3, 0.2))
+        exact = o_sullivan_and_king(WAVE_NUMBERS, thickness, 0.3, 0.2, contrast)
+        found = relative_compliance(ground, WAVE_NUMBERS)
+        # eps times the square of the ratio of the moduli
+        assert found == pytest.approx(exact, rel=1e-14 + 2e-16 * max(contrast, 1 / contrast) ** 2)
+
+
+def test_a_layer_on_a_rigid_base_by_o_sullivan_and_king():
+    ground = Ground((0.5,), (0.35, np.inf), (0.3, 0.0))
+    exact = o_sullivan_and_king(WAVE_NUMBERS[20:], 0.5, 0.3, 0.0, 0.0)
+    assert relative_compliance(ground, WAVE_NUMBERS[20:]) == pytest.approx(exact, rel=1e-12)
+
+
+def by_potentials(ground, s):
+    """Phi(s) by Papkovich's and Neuber's potentials, one linear system for all layers.
+
+    2 G u = grad(phi + z psi) - 4 (1 - nu) psi e_z with harmonic phi, psi; z is the depth below the
+    surface, and exponentials grow, which fifty digits can bear.
+    """
+    solids = list(zip(ground.shear_moduli, ground.poisson_ratios, strict=True))
+    tops = [mpf(0), *map(mpf, np.cumsum([mpf(h) for h in ground.thicknesses]))]
+    signs = [(-1, 1)] * len(ground.thicknesses) + [(-1,)]
+    solids, signs = (part[: len(part) - ground.rigid] for part in (solids, signs))
+
+    def state(solid, sign, z):
+        """Columns u_r, u_z, t_rz, s_zz of phi and psi = exp(sign s z); Bessel factors left out."""
+        shear, nu = map(mpf, solid)
+        e, d = mp.exp(sign * s * z), sign * s
+        phi = (-s * e / (2 * shear), d * e / (2 * shear), -s * d * e, d * d * e)
+        psi = (
+            -s * z * e / (2 * shear),
+            (z * d - (3 - 4 * nu)) * e / (2 * shear),
+            -s * (z * d - (1 - 2 * nu)) * e,
+            (z * d * d - 2 * (1 - nu) * d) * e,
+        )
+        return [phi, psi]
+
+    columns = [(j, sign) for j in range(len(signs)) for sign in signs[j]]
+    matrix, right = mp.zeros(2 * len(columns)), mp.zeros(2 * len(columns), 1)
+    for number, (j, sign) in enumerate(columns):
+        for part in range(2):
+            at = 2 * number + part
+            top = state(solids[j], sign, tops[j])[part]
+            row = 0 if j == 0 else 2 + 4 * (j - 1)
+            for component in (2, 3) if j == 0 else range(4):
+                matrix[row + (component - 2 if j == 0 else component), at] -= top[component]
+            if j < len(ground.thicknesses):
+                bottom = state(solids[j], sign, tops[j + 1])[part]
+                lowest = ground.rigid and j == len(ground.thicknesses) - 1
+                for component in range(2 if lowest else 4):
+                    matrix[2 + 4 * j + component, at] += bottom[component]
+    right[1] = 1  # s_zz = -1 at the surface
+    amplitudes = mp.lu_solve(matrix, right)
+    moved = sum(
+        amplitudes[2 * number + part] * state(solids[0], sign, mpf(0))[part][1]
+        for number, (j, sign) in enumerate(columns)
+        if j == 0
+        for part in range(2)
+    )
+    return moved * s * mpf(ground.shear_moduli[0]) / (1 - mpf(ground.poisson_ratios[0]))
+
+
+@pytest.mark.parametrize(
+    "ground",
+    [
+        Ground((0.5,), (0.35, 3.5), (0.3, 0.25)),
+        Ground((0.2, 0.05, 0.6), (0.255, 5.0, 0.05, np.inf), (0.49, 0.2, 0.3, 0.0)),
+        Ground((0.3, 1.0), (0.25, 2.5, 0.025), (0.5, 0.5, 0.0)),
+    ],
+    ids=["one layer", "three on a rigid base", "two, incompressible"],
+)
+def test_displacement_potentials_in_fifty_digits(ground):
+    at = WAVE_NUMBERS[10::7]
+    with mp.workdps(50):
+        exact = np.array([float(by_potentials(ground, mpf(s))) for s in at])
+    assert relative_compliance(ground, at) == pytest.approx(exact, rel=2e-12)
+
+
+def test_equal_layers_are_a_half_space():
+    ground = Ground((0.1, 0.001, 0.4), (0.35,) * 4, (0.3,) * 4)
+    assert relative_compliance(ground, WAVE_NUMBERS) == pytest.approx(1.0, abs=1e-13)
+    assert relative_stiffness(ground) == pytest.approx(1.0, abs=1e-12)
+    # the pressure of the flat punch is that of Eq. 10
+    assert flat_series(ground) == (1.0,)
+
+
+def test_a_layer_that_is_split_stays_the_same():
+    whole = Ground((0.6,), (0.35, 7.0), (0.3, 0.2))
+    split = Ground((0.1, 0.2, 0.3), (0.35, 0.35, 0.35, 7.0), (0.3, 0.3, 0.3, 0.2))
+    exact = relative_compliance(whole, WAVE_NUMBERS)
+    assert relative_compliance(split, WAVE_NUMBERS) == pytest.approx(exact, rel=1e-12)
+
+
+def test_thick_and_thin_layers():
+    """Phi is one for waves shorter than the layer, and the substrate's for far longer ones."""
+    ground = Ground((0.5,), (0.35, 3.5), (0.3, 0.1))
+    assert relative_compliance(ground, np.array([60.0])) == pytest.approx(1.0, abs=1e-12)
+    of_substrate = (0.9 / 3.5) / (0.7 / 0.35)
+    assert relative_compliance(ground, np.array([1e-6])) == pytest.approx(of_substrate, rel=1e-5)
+    # a punch on a layer of a hundred radii; what the substrate adds falls as a / h
+    far = [relative_stiffness(replace_thickness(ground, depth)) - 1 for depth in (50.0, 100.0)]
+    assert far[0] / far[1] == pytest.approx(2.0, rel=0.05)
+    assert abs(far[1]) < 0.01
+
+
+def replace_thickness(ground, thickness):
+    return Ground((thickness,), ground.shear_moduli, ground.poisson_ratios)
+
+
+def test_printed_stiffnesses_of_hayes():
+    """Hayes, Keer, Herrmann and Mockros (J. Biomech. 5, 1972, 541), nu = 0.3, a rigid base.
+
+    Their numbers are off by more than their last digit where the layer is thin: by 4 in a thousand
+    at a/h = 2 (the two derivations above, and finite elements, have no doubt of it).
+    """
+    printed = {0.2: 1.207, 0.4: 1.472, 0.6: 1.784, 0.8: 2.124, 1.0: 2.480, 1.5: 3.400, 2.0: 4.336}
+    for ratio, stiffness in printed.items():
+        ground = Ground.of_moduli([1 / ratio], [1.0, np.inf], [0.3, 0.0])
+        within = 1e-3 if ratio < 1 else 4e-3
+        assert relative_stiffness(ground) == pytest.approx(stiffness, rel=within)
+
+
+def test_a_thin_compressible_layer_is_a_foundation_of_springs():
+    """Winkler's limit: u = p h / (K + 4 G / 3), the same over all of the face, as h falls to 0."""
+    shear, nu = 0.35, 0.3
+    off = []
+    for thickness in (0.08, 0.04):
+        ground = Ground((thickness,), (shear, np.inf), (nu, 0.0))
+        springs = np.pi / 2 * 2 * shear * (1 - nu) / (1 - 2 * nu) / thickness
+        off.append(relative_stiffness(ground) / springs - 1)
+    assert off[1] == pytest.approx(off[0] / 2, rel=0.02)
+    assert abs(off[1]) < 0.012
+
+
+def test_the_energy_is_positive_definite():
+    for contrast in (1e-3, 1e3):
+        ground = Ground((0.2,), (0.35, 0.35 * contrast), (0.3, 0.3))
+        assert np.linalg.eigvalsh(line_energy(ground))[0] > 0
+
+
+def test_layers_by_depth():
+    ground = Ground((0.2, 0.3), (0.35, 1.0, np.inf), (0.3, 0.4, 0.0))
+    assert ground.layer_at(np.array([0.1, 0.3, 0.7])).tolist() == [0, 1, 2]
+    assert ground.greatest_poisson_ratio == 0.4
+    assert ground.on(0.5).thicknesses == (0.4, 0.6)
+    assert ground.with_poisson_ratios_below(0.35).poisson_ratios == (0.3, 0.35, 0.0)

@@ -1,0 +1,159 @@
+"""Decks: meshes, pressures by forces, and readers of what programs write."""
+
+import numpy as np
+import pytest
+
+from ringwear import Scene
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.decks.deck import refusal
+from ringwear.studies.decks.mesh import deck_mesh, graded
+from ringwear.studies.decks.pressures import pressures_of
+from ringwear.studies.decks.reports import read_dat, read_rpt
+
+RINGS = np.array([0.0, 0.3, 0.35, 1.0])
+# one ring of two linear elements, its radii 0, 1 and 2, and two steps: a deck as far as readers go
+DECK = """*HEADING
+** times: 0, 0.5
+** ring edges: 0, 2
+** wear at inner edges: 1
+** wear at outer edges: 1
+** displacements times: 1
+** lowest height: 0
+*NODE, NSET=ALL
+1, 0, 0, 0.
+2, 1, 0, 0.
+3, 2, 0, 0.
+4, 2, -1, 0.
+*ELEMENT, TYPE=CAX4, ELSET=SOLID
+*NSET, NSET=CONTACT
+1, 2, 3
+"""
+# of a pressure of 1: int N 2 pi r dr
+FORCES = 2 * np.pi * np.array([1 / 6, 1.0, 5 / 6])
+DAT = """
+ forces (fx,fy,fz) for set CONTACT and time  0.{end}000000E+01
+
+"""
+# as "Getting Started with Abaqus" shows a report of reaction forces
+RPT = """Field Output Report
+
+Source 1
+---------
+
+   ODB: prescribed.odb
+   Step: STEP-{step}
+   Frame: Increment      1: Step Time =    1.000
+
+Loc 1 : Nodal values from source 1
+
+Output sorted by column "Node Label".
+
+Field Output reported at nodes for part: PART-1-1
+
+            Node       RF.RF2
+           Label       @Loc 1
+-----------------------------
+{rows}
+
+  Minimum                -1.
+         At Node           2
+           Total          -5.
+"""
+
+
+def write(folder, ending, text):
+    (folder / "job.inp").write_text(DECK, "utf-8")
+    (folder / f"job{ending}").write_text(text, "utf-8")
+    return folder / f"job{ending}"
+
+
+@pytest.mark.parametrize("quadratic", [False, True])
+def test_meshes_are_what_programs_ask_for(quadratic):
+    mesh = deck_mesh(RINGS, 0.3, 0.2, 50.0, quadratic)
+    points = mesh.points * [1, -1]
+    corners = points[mesh.cells[:, :4]]
+    sides = np.roll(corners, -1, axis=1)
+    # anticlockwise, middles between the corners in order
+    turns = corners[..., 0] * sides[..., 1] - sides[..., 0] * corners[..., 1]
+    assert (turns.sum(axis=1) > 0).all()
+    if quadratic:
+        np.testing.assert_allclose(points[mesh.cells[:, 4:]], (corners + sides) / 2)
+    contact = points[mesh.contact]
+    assert (np.diff(contact[:, 0]) > 0).all()
+    assert not contact[:, 1].any()
+    assert set(RINGS[1:]) <= set(contact[:, 0])
+    assert contact[0, 0] == 0.3
+    for cell, side in mesh.faces:
+        assert not points[mesh.cells[cell, [side - 1, side % 4]], 1].any()
+    assert not points[mesh.axis, 0].any()
+    np.testing.assert_allclose(np.hypot(*points[mesh.far].T).max(), 50)
+
+
+def test_sizes_grow_with_the_distance():
+    steps = np.diff(graded(2.0, 0.01, 0.1, 0.5))
+    assert steps.sum() == pytest.approx(2)
+    assert steps[0] == pytest.approx(0.01, rel=0.3)
+    assert steps.max() <= 0.1 * (1 + 1e-9)
+    assert (steps[1:] / steps[:-1] < 1.7).all()
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_pressures_of_the_functions_of_elements_are_exact(degree):
+    """Forces of p = 1 + r^degree, its integrals by a Gauss rule of another order."""
+    radii = np.array([0.0, 0.5, 1.0, 1.2, 1.4])
+    places, weights = np.polynomial.legendre.leggauss(12)
+    forces = np.zeros(5)
+    for first in range(0, 4, degree):
+        nodes = radii[first : first + degree + 1]
+        at = nodes[0] + (nodes[-1] - nodes[0]) * (1 + places) / 2
+        for number in range(degree + 1):
+            others = np.delete(nodes, number)
+            function = np.prod([(at - of) / (nodes[number] - of) for of in others], axis=0)
+            shares = weights * (nodes[-1] - nodes[0]) / 2 * 2 * np.pi * at
+            forces[first + number] += function @ (shares * (1 + at**degree))
+    found = pressures_of(radii, forces, degree == 2, np.ones_like)
+    np.testing.assert_allclose(found, 1 + radii**degree)
+
+
+def test_the_dat_of_calculix(tmp_path):
+    """Forces are those of two degrees, and negative where they press."""
+    rows = "".join(f" {n}  0.0E+00 {-f / 180:.6E}  0.0E+00\n" for n, f in enumerate(FORCES, 1))
+    path = write(tmp_path, ".dat", "".join(DAT.format(end=end) + rows for end in (1, 2)))
+    table = read_dat(path)
+    assert table.time.tolist() == [0.0] * 3 + [0.5] * 3
+    assert table.radius.tolist() == [0.0, 1.0, 2.0] * 2
+    # at the start pressures beside the rim are left out
+    np.testing.assert_allclose(table.pressure, [1, 1, np.nan, 1, 1, 1], rtol=1e-5)
+    np.testing.assert_allclose(table.normal_force, 4 * np.pi, rtol=1e-5)
+
+
+def test_a_run_that_stopped_is_refused(tmp_path):
+    path = write(tmp_path, ".dat", DAT.format(end=1) + " 1  0.0E+00 -1.0E+00  0.0E+00\n" * 3)
+    with pytest.raises(SceneError, match="step 2 of 2 is not there"):
+        read_dat(path)
+    (tmp_path / "job.inp").unlink()
+    with pytest.raises(SceneError, match=r"put the deck job\.inp"):
+        read_dat(path)
+
+
+def test_the_report_of_abaqus(tmp_path):
+    """Forces are those of the whole circumference; numbers may have exponents of three."""
+    rows = "\n".join(f"{n:16}  {-1e3 * f:.6g}E-03" for n, f in enumerate(FORCES, 1))
+    path = write(tmp_path, ".rpt", "".join(RPT.format(step=n, rows=rows) for n in (1, 2)))
+    table = read_rpt(path)
+    assert table.time.tolist() == [0.0] * 3 + [0.5] * 3
+    np.testing.assert_allclose(table.pressure, [1, 1, np.nan, 1, 1, 1], rtol=1e-5)
+    pressures = RPT.replace("RF.RF2", "CPRESS").format(step=2, rows="1 2.5E+00\n2 2.\n3 1.")
+    path.write_text(pressures, "utf-8")
+    assert read_rpt(path).pressure.tolist() == [2.5, 2.0, 1.0]
+
+
+def test_scenes_without_a_deck_are_refused():
+    rings = Scene.load("five_rings")
+    assert not refusal(rings, "calculix")
+    assert "recess" in refusal(Scene.load("recessed_binder"), "abaqus")
+    soft = rings.changed(half_space__poisson_ratio=0.5)
+    assert "lock" in refusal(soft, "calculix")
+    assert not refusal(soft, "abaqus")
+    with pytest.raises(SceneError, match="--reach"):
+        deck_mesh(RINGS, 0.0, 0.1, 2.0, False)

@@ -1,0 +1,105 @@
+"""Ticks and their labels: round, few, and of up to three digits."""
+
+import numpy as np
+import pytest
+
+from ringwear.studies.figures.style import (
+    LOOKS,
+    axis_start,
+    looks_of,
+    new_panels,
+    rings_differ,
+    show_values,
+)
+from ringwear.studies.figures.ticks import decades, power_of_ten, round_ticks, short_number
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "most", "expected"),
+    [
+        (0.0, 1.0, 3, [0.0, 0.5, 1.0]),
+        (0.0, 12.0, 6, [0, 2, 4, 6, 8, 10, 12]),
+        (-0.06, 1.08, 6, [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]),
+        # steps of 0.002 would need four digits
+        (1.252, 1.265, 6, [1.26]),
+        (18.0, 25.0, 5, [18, 20, 22, 24]),
+        # steps of 5 would leave one tick
+        (20.5, 26.8, 3, [22, 24, 26]),
+        (-4.9, 4.9, 4, [-4, -2, 0, 2, 4]),
+    ],
+)
+def test_ticks_are_round(low, high, most, expected):
+    np.testing.assert_allclose(round_ticks(low, high, most), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("value", [1.0, 9.99e-7, 0.0314159, 99.7, 6.2475e8, -1.2345])
+@pytest.mark.parametrize("change", [0.0, 1e-12, 1e-5, 0.003, 0.2, 3.0])
+def test_values_that_hardly_change_span_one_percent_with_two_labels_of_three_digits(value, change):
+    _, panels = new_panels(4, 3)
+    axes = panels[0, 0]
+    axes.plot([0, 1], [value, value * (1 + change)])
+    show_values(axes)
+    low, high = axes.get_ylim()
+    assert high - low >= 0.00999 * abs(value)
+    assert low <= min(value, value * (1 + change)) <= max(value, value * (1 + change)) <= high
+    ticks = axes.yaxis.get_major_locator()()
+    labels = [axes.yaxis.get_major_formatter()(tick, None) for tick in ticks]
+    assert len(set(labels)) == len(labels) >= 2
+    # a label is the tick itself, not rounded to another number
+    for tick, label in zip(ticks, labels, strict=True):
+        mantissa, _, exponent = label.replace("−", "-").partition("·10")
+        plain = exponent.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
+        assert float(mantissa) * 10.0 ** int(plain or 0) == pytest.approx(tick, rel=1e-9, abs=1e-15)
+
+
+def test_powers_of_ten_are_few_and_at_least_two():
+    np.testing.assert_allclose(decades(1e-9, 1e2, 5), [1e-9, 1e-6, 1e-3, 1.0])
+    np.testing.assert_allclose(decades(0.5e-3, 2.0, 5), [1e-3, 1e-2, 1e-1, 1.0])
+    # one power of ten alone would not tell the scale
+    np.testing.assert_allclose(decades(0.15, 6.0, 5), [0.2, 0.5, 1.0, 2.0, 5.0])
+
+
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [
+        (0.0, "0"),
+        (-0.0, "0"),
+        (0.25, "0.25"),
+        (-1.5, "−1.5"),
+        (12000.0, "12000"),
+        (1.9e3, "1900"),
+        (2e-5, "2·10⁻⁵"),
+        (6.2475e8, "6.25·10⁸"),
+        (0.30000000000000004, "0.3"),
+    ],
+)
+def test_numbers_are_short(value, told):
+    assert short_number(value) == told
+
+
+def test_powers_of_ten_are_written_as_such():
+    assert [power_of_ten(value) for value in (1e-3, 1.0, 0.2)] == ["10⁻³", "10⁰", "2·10⁻¹"]
+
+
+def test_a_method_has_one_look_whatever_else_is_drawn():
+    alone = looks_of(["mdr", "mine"])
+    beside = looks_of(["fem", "mine", "direct", "ansys", "abaqus"], ["ansys", "abaqus"])
+    assert alone["mine"] == beside["mine"]
+    # drawing has not changed what comes next
+    assert looks_of(["yours"])["yours"] == alone["mine"]
+    assert looks_of(["mine", "yours"])["mine"] == alone["mine"]
+    for name, look in LOOKS.items():
+        assert beside[name] == alone[name] == look
+    names = ["mdr", "fem", "bem", "direct", "mdr-grid", "mine", "ansys", "abaqus"]
+    assert len({beside[name]["color"] for name in names}) == len(names)
+
+
+def test_rings_that_wear_alike_are_not_told_apart():
+    assert not rings_differ(np.array([2.127e-5, 2.107e-5]))
+    assert not rings_differ(np.array([1.0]))
+    assert rings_differ(np.array([1.0, 1.5]))
+
+
+def test_a_wide_hole_is_not_drawn():
+    assert axis_start(0.0, 10.0) == axis_start(4.0, 10.0) == 0.0
+    assert 17 < axis_start(18.0, 25.0) < 18
