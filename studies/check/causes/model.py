@@ -164,7 +164,7 @@ class Model:
                 name: np.asarray((force | solution.results)[name])
                 for name in (*LENGTHS, "pressure", "normal_force")
             }
-            for solution in method("mdr").solve_all(problems, Stages("mdr"))
+            for solution in method("mdr").solve_alike(problems, Stages("mdr"))
         ]
 
     def histories(self, setting: Setting) -> Results:
