@@ -6,8 +6,8 @@ from argparse import ArgumentParser, ArgumentTypeError
 from pathlib import Path
 from typing import Any, NoReturn
 
-from .problem.explain import nearest
-from .problem.scene import bundled
+from .scene.explain import nearest
+from .scene.sources import bundled
 
 # arguments of `add_argument`, by their names
 Told = dict[str, Any]

@@ -5,8 +5,8 @@ from functools import wraps
 from inspect import signature
 from typing import Any, TypeVar, cast
 
-from .problem.explain import nearest, place_of, shown
-from .problem.scene import Scene
+from .scene.explain import nearest, place_of, shown
+from .scene.scene import Scene
 
 Call = TypeVar("Call", bound=Callable[..., Any])
 # arguments by the names that other packages give them

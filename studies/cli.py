@@ -23,10 +23,11 @@ from .arguments import ARGUMENTS, OF_STUDIES, Parser
 from .exchange import COMMANDS as EXCHANGE
 from .output.folder import Folder, output_folder
 from .output.signals import ending_on_signals
-from .problem.scene import Scene, bundled, text_of
 from .progress import show_progress
 from .registry import INTERRUPTED
 from .report.terminal import print_lines
+from .scene.scene import Scene
+from .scene.sources import bundled, text_of
 from .status import Status
 from .study.listing import STUDIES
 from .versions import versions

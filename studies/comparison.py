@@ -14,10 +14,10 @@ from .outcome.outcome import Outcome
 from .outcome.run import run
 from .output.folder import output_folder
 from .output.stored import StoredOutcome, load
-from .problem.explain import nearest
-from .problem.scene import Scene, Source
 from .report.comparison import answer_rows, field_comparison, refuse_other_units, scene_rows
 from .sampling.field_differences import FieldComparison
+from .scene.explain import nearest
+from .scene.scene import Scene, Source
 from .tables import write_csv
 
 if TYPE_CHECKING:

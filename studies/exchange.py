@@ -5,7 +5,7 @@ from importlib import import_module
 from pathlib import Path
 
 from .output.folder import output_folder
-from .problem.scene import Scene
+from .scene.scene import Scene
 from .status import Status
 
 DECK_EXAMPLES = """examples:

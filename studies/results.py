@@ -16,11 +16,12 @@ from .outcome.run import run_as
 from .output import stored
 from .output.files import run_files, write_numbers
 from .output.folder import output_folder
-from .problem.explain import nearest, shown
 from .problem.quantities import DESCRIBED
-from .problem.scene import Scene, Source, listed
 from .registry import METHODS
 from .report.words import Account
+from .scene.explain import nearest, shown
+from .scene.keys import listed
+from .scene.scene import Scene, Source
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

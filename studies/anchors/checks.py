@@ -27,7 +27,7 @@ from ..methods.base import Solution
 from ..problem.problem import Problem
 from ..problem.quantities import HISTORIES, STEADY
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from . import answers, balances, fields, inputs, moving, start, steady, wear
 from .anchor import Anchor, Rows, judge
 from .reported import Reported

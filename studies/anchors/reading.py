@@ -15,7 +15,7 @@ from ...meshes.ground.ground import Ground
 from ...meshes.radial import Array
 from ..problem.fields import TomlTable
 from ..problem.quantities import Units
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 
 # part of a ring by which a place is beside a step of the wear coefficient
 INSIDE = 1e-12

@@ -11,11 +11,13 @@ from ...mdr.flat_punch import FlatPunch, flat_punch
 from ...meshes.radial import Array
 from ..methods.base import Solution
 from ..problem.quantities import DESCRIBED, STEADY
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from .reading import Reading
 
 # tolerance of sums and closed forms that hold to roundoff, whatever accuracy is asked for
 EXACT = 1e-9
+# forces below this part of the greatest are what rounding leaves of none
+ROUNDOFF = 1e-12
 # the error of a quadrature or an interpolation on the face is taken to be at most this many times
 # the difference to one of a lower degree; tests/physics/test_anchors.py shows that it is enough
 DOUBT = 10.0
@@ -50,8 +52,9 @@ class Reported:
         self.face, self.average = self.problem.face, self.reading.average
         self.radii = np.asarray(table["radius"]) / self.units.length
         times = np.asarray(table["time"])[self.problem.checked] / self.units.time
-        # differences are relative: nothing can be checked while nothing presses
-        self.pressing = self.reading.load(times)[0] > 0
+        # differences are relative: nothing can be checked while nothing presses, but for roundoff
+        forces = self.reading.load(times)[0]
+        self.pressing = forces > ROUNDOFF * forces.max(initial=0.0)
         self.checked, self.times = self.problem.checked[self.pressing], times[self.pressing]
         self.forces, self.distances, self.work = self.reading.load(self.times)
         self.later, self.starts = self.work > 0, 0 in self.times

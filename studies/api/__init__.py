@@ -42,7 +42,7 @@ Examples
 from importlib import import_module as _import_module
 from typing import TYPE_CHECKING
 
-from ringwear.studies.problem.scene import Scene
+from ringwear.studies.scene.scene import Scene
 
 if TYPE_CHECKING:
     from ringwear.meshes.errors import RingwearError, SceneError
@@ -117,7 +117,7 @@ _OTHER_NAMES = {
 
 def _has_no(name: str) -> str:
     """Return what to write in place of a name that the package does not have."""
-    from ringwear.studies.problem.explain import nearest
+    from ringwear.studies.scene.explain import nearest
 
     near = _OTHER_NAMES.get(name) or nearest(name, __all__)
     meant = f"write {near}; " if name in _OTHER_NAMES else f"did you mean {near}? " if near else ""

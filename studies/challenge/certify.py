@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from ..outcome.run import run
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 
 
 def sample(scene: Scene, method: str, rtol: float) -> pd.Series:

@@ -20,7 +20,7 @@ import xarray
 from ..check.check import check
 from ..check.tables import read
 from ..outcome.run import run
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from .problems import FOLDER, OTHERS, number_of, problem_named
 from .rows import (
     ERRORS,

@@ -17,9 +17,10 @@ from ..methods.base import Method, Solution
 from ..outcome.outcome import Outcome
 from ..outcome.run import run
 from ..problem.problem import Problem
-from ..problem.scene import Scene, Source, listed
 from ..problem.unit_names import UnitNames
 from ..registry import METHODS
+from ..scene.keys import listed
+from ..scene.scene import Scene, Source
 from ..study.errors_over_size import draw_errors
 from ..tables import write_csv
 from .checked import CheckedOutcome

@@ -8,9 +8,9 @@ import pandas as pd
 from ..methods.base import Method, Solution
 from ..problem.problem import Problem
 from ..problem.quantities import FIELDS, QUANTITIES
-from ..problem.scene import Scene
 from ..progress import Stages
 from ..sampling.norms import Results
+from ..scene.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,9 +18,9 @@ from ..decks.reports import READERS
 from ..predictions.memory import refuse_large
 from ..problem.fields import refuse_device
 from ..problem.quantities import FIELDS, QUANTITIES
-from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames, size_of_unit
 from ..progress import LOG
+from ..scene.scene import Scene
 from .csv_files import name_and_unit, read_csv_text, read_numbers
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..methods.fem import half_space_mesh
 from ..problem.fields import over_time
-from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
+from ..scene.scene import Scene
 
 
 def write_template(scene: Scene, units: str, folder: Path) -> list[str]:

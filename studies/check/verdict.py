@@ -8,10 +8,10 @@ import numpy as np
 
 from ..methods.base import Solution
 from ..problem.quantities import FIELDS
-from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
 from ..progress import LOG
 from ..sampling.norms import differences
+from ..scene.scene import Scene
 
 Solutions = Mapping[str, Solution]
 # errors from which on they are told as multiples, not in per cent

@@ -20,9 +20,9 @@ from ..methods.moving_evaluation import MovingContact
 from ..numerics.core import flat_d0_error
 from ..outcome.outcome import Outcome
 from ..problem.problem import Problem
-from ..problem.scene import Scene
 from ..progress import Stages
 from ..sampling.norms import Results
+from ..scene.scene import Scene
 from ..study.levels import Family, Theory
 from ..study.options import Quantity
 from ..tables import Row

@@ -17,8 +17,8 @@ from threadpoolctl import threadpool_limits
 from ...meshes.errors import SceneError
 from ..problem.problem import Problem
 from ..problem.regimes import MOVING_CONTACT
-from ..problem.scene import Scene
 from ..registry import METHODS
+from ..scene.scene import Scene
 from ..study.levels import SECONDS, Family, Record
 from ..study.options import Options
 from ..study.orders import WITHIN, Sequence

@@ -15,7 +15,7 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..outcome.run import run
 from ..output.folder import output_folder
-from ..problem.scene import Scene, Source
+from ..scene.scene import Scene, Source
 from . import abaqus, calculix
 from .keywords import Model
 from .mesh import deck_mesh

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...meshes.radial import Array, Indices
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from .mesh import DeckMesh
 from .states import State
 

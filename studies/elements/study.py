@@ -20,7 +20,7 @@ import pandas as pd
 from ...meshes.errors import SceneError
 from ...meshes.half_space import contact_facets
 from ..problem.problem import Problem
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from ..study.levels import Family, Record, Theory
 from ..study.options import Options
 from ..study.orders import sequences_of

@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from ..figures.style import GREYS, RED, legend_of, new_figure
 from ..outcome.outcome import Outcome
 from ..outcome.run import run
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from ..study.levels import Family
 from ..tables import Row
 from .verdicts import MEANINGS, Verdict, verdict_on, worst_of

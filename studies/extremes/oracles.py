@@ -21,9 +21,9 @@ from ..methods.base import Solution, method
 from ..problem.fields import Cone, Parabola
 from ..problem.problem import Problem
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT, ONE_FORCE
-from ..problem.scene import Scene
 from ..problem.sections import FemAccuracy, MdrAccuracy
 from ..progress import Stages
+from ..scene.scene import Scene
 from .verdicts import Verdict, verdict_on_promise
 
 

@@ -19,9 +19,9 @@ from ..crosscheck.accuracy import solved_to_accuracy
 from ..crosscheck.promise import allowed_error
 from ..methods.base import Solution, method
 from ..problem.problem import Problem
-from ..problem.scene import Scene
 from ..progress import Stages
 from ..sampling.norms import differences
+from ..scene.scene import Scene
 from ..study.levels import Family
 from ..tables import Row
 from . import naive

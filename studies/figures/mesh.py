@@ -14,7 +14,7 @@ from ...meshes.ground.ground import Ground
 from ...meshes.radial import Array
 from ..inside.interior import NEAR, Interior
 from ..outcome.outcome import Outcome
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from .scale import FAR_APART, Scale, panel_tops
 from .style import BLUE, PAGE, RED, complete, new_panels, save, set_linear
 from .ticks import short_number

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from ...mdr.flat_punch import D0, P0
 from ...meshes.radial import Array, Indices
 from ..problem.problem import Problem
-from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
+from ..scene.scene import Scene
 from .style import (
     Look,
     axis_start,

@@ -30,7 +30,7 @@ from ..methods.error_factors import error_factor
 from ..methods.evaluation import FullContact
 from ..methods.moving_evaluation import MovingContact
 from ..problem.problem import Problem
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from ..sizes import defaults
 from ..wear.full_contact import RunningIn
 

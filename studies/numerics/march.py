@@ -15,7 +15,7 @@ from ...mdr.uniform_grid import UniformGrid
 from ...meshes.errors import SceneError
 from ..methods.spaces import radial_space
 from ..problem.problem import Problem
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from ..study.levels import Family, Record, Theory
 from ..study.options import Options
 from ..study.study import Study

@@ -15,7 +15,7 @@ from dataclasses import replace
 
 from ...meshes.compliance import Compliance
 from ...meshes.sizes import SizeField
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from ..study.levels import Family, Record, Theory
 from ..study.options import Options
 from ..study.study import Study

@@ -26,7 +26,6 @@ from ..problem.quantities import (
     error_name,
 )
 from ..problem.regimes import OPERATORS
-from ..problem.scene import Scene
 from ..progress import Stages
 from ..sampling.field_differences import (
     IN_STEADY_STATE,
@@ -35,6 +34,7 @@ from ..sampling.field_differences import (
     compare_fields,
 )
 from ..sampling.sampler import Sampler
+from ..scene.scene import Scene
 from ..versions import versions
 from .answer import ALSO, answer, answer_errors
 from .scope import left_out, modelled

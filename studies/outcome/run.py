@@ -15,8 +15,8 @@ from ..methods.base import Method, Solution
 from ..methods.pipeline import AnySpaceMethod
 from ..problem.problem import Problem
 from ..problem.regimes import OPERATORS
-from ..problem.scene import Scene
 from ..progress import Stages
+from ..scene.scene import Scene
 from .outcome import Outcome
 from .scope import methods_of, refusals
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..methods.base import Method, method
 from ..problem.problem import Problem
-from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
+from ..scene.scene import Scene
 from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time, spreading
 
 Methods = Mapping[str, Method]

@@ -21,9 +21,9 @@ from ..problem.quantities import (
     Quantity,
     error_name,
 )
-from ..problem.scene import Scene
 from ..problem.unit_names import NO_UNIT, UnitNames
 from ..sampling.norms import Results, common
+from ..scene.scene import Scene
 from ..versions import versions
 from ..wear.modes import SHOWN
 

@@ -17,8 +17,8 @@ from ..outcome.outcome import Outcome
 from ..outcome.scope import methods_of
 from ..outcome.table import Table
 from ..predictions.memory import refuse_large
-from ..problem.scene import Scene
 from ..registry import METHODS
+from ..scene.scene import Scene
 
 # an object of `summary.json`
 Json = dict[str, Any]

@@ -7,7 +7,7 @@ import numpy as np
 from ...meshes.radial import Array
 from ..inside.interior import Interior
 from ..problem.quantities import Units
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 
 
 def write_half_space(fields: Interior, scene: Scene, path: Path, series: bool) -> None:

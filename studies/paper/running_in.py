@@ -15,8 +15,8 @@ from ...mdr.transforms import line_density
 from ...meshes.radial import Array
 from ..outcome.outcome import Outcome
 from ..outcome.run import run
-from ..problem.scene import Scene
 from ..sampling.sampler import AVERAGES
+from ..scene.scene import Scene
 from .theory import PERCENTS, STATIONARY
 
 # methods that know histories

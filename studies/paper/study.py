@@ -7,8 +7,8 @@ import pandas as pd
 import xarray
 from matplotlib.figure import Figure
 
-from ..problem.scene import Scene
 from ..sampling.sampler import AVERAGES
+from ..scene.scene import Scene
 from ..study.levels import Record
 from ..study.options import Options
 from ..study.study import Study

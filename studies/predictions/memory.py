@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..methods.base import method
 from ..methods.spaces import radial_space
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from ..sizes.defaults import cells_of, mdr_sizes
 
 if TYPE_CHECKING:

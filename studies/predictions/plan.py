@@ -21,8 +21,8 @@ from ..methods.base import Method, Solution, SystemSize
 from ..outcome.scope import methods_of, refusals
 from ..problem.problem import Problem
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
-from ..problem.scene import Scene, Source
 from ..progress import Stages
+from ..scene.scene import Scene, Source
 from ..sizes.defaults import tolerance_range
 from ..sizes.marching import steps_between
 from .memory import predict_memory

@@ -1,1 +1,1 @@
-"""What is asked: the scene file, and the non-dimensional problem that it poses."""
+"""What is asked: the sections of a scene, and the non-dimensional problem that they pose."""

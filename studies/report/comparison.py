@@ -6,7 +6,6 @@ import pandas as pd
 from ...meshes.errors import SceneError
 from ..outcome.outcome import Outcome
 from ..problem.quantities import ANSWER, QUANTITIES, error_name
-from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
 from ..sampling.field_differences import (
     IN_STEADY_STATE,
@@ -14,6 +13,7 @@ from ..sampling.field_differences import (
     FieldComparison,
     compare_fields,
 )
+from ..scene.scene import Scene
 
 # relative difference of numbers that are the same
 ROUNDOFF = 1e-12

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from .template import write_page
 
 

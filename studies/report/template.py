@@ -6,7 +6,7 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from ..versions import versions
 
 

@@ -10,8 +10,8 @@ from ..crosscheck.agreement import by_quantity
 from ..outcome.outcome import Outcome
 from ..outcome.scope import left_out, modelled, outside
 from ..problem.quantities import ANSWER, QUANTITIES, STATES
-from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames
+from ..scene.scene import Scene
 
 Rows = list[dict[str, str]]
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from ...meshes.errors import SceneError
 from ..calls import naming_arguments
 from ..figures.style import in_style
-from ..problem.explain import nearest
-from ..problem.scene import Scene, Source
+from ..scene.explain import nearest
+from ..scene.scene import Scene, Source
 from .levels import Record
 from .listing import STUDIES
 from .options import ABSCISSAS, Options, Quantity

@@ -11,7 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..problem.scene import Scene
+    from ..scene.scene import Scene
     from .levels import Record
     from .options import Options
     from .study import Study

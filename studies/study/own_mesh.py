@@ -29,7 +29,7 @@ def own_mesh(problem: Problem, given: str | Path | Mesh) -> Mesh:
 def named_meshes(given: Sequence[str | Path | Mesh]) -> dict[str, str | Path | Mesh]:
     """Return meshes by the names of their files, or by their numbers, which start at 1.
 
-    Files of one name in several folders have their number behind it.
+    Files of one name in several folders have their paths, and their number behind these.
     """
     names = [
         f"mesh {number}" if isinstance(mesh, Mesh) else Path(mesh).name
@@ -37,6 +37,7 @@ def named_meshes(given: Sequence[str | Path | Mesh]) -> dict[str, str | Path | M
     ]
     count = Counter(names)
     unique = [
-        name if count[name] == 1 else f"{name} ({number})" for number, name in enumerate(names, 1)
+        name if count[name] == 1 else f"{mesh} ({number})"
+        for number, (name, mesh) in enumerate(zip(names, given, strict=True), 1)
     ]
     return dict(zip(unique, given, strict=True))

@@ -15,7 +15,7 @@ from ...meshes.errors import RingwearError, SceneError
 from ..figures.style import in_style
 from ..output.folder import output_folder
 from ..output.one_file import make
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from ..tables import write_csv
 from .formats import to_latex, to_markdown
 

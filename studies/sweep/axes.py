@@ -28,11 +28,13 @@ from types import UnionType
 from typing import Self
 
 from ...meshes.errors import SceneError
-from ..problem.explain import nearest, question
 from ..problem.fields import Height, TomlTable, read_table, refuse_device
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, GROUPS, QUANTITIES
-from ..problem.scene import Scene, bundled, without_alternatives
+from ..scene.explain import nearest, question
+from ..scene.keys import without_alternatives
+from ..scene.scene import Scene
+from ..scene.sources import bundled
 from .columns import Column, has_units, read_columns
 
 # scenes of one sweep

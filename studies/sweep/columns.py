@@ -12,10 +12,10 @@ import numpy as np
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
-from ..problem.explain import shown
 from ..problem.fields import TomlTable
-from ..problem.scene import Scene
 from ..problem.unit_names import without_quantities
+from ..scene.explain import shown
+from ..scene.scene import Scene
 
 # values of one key, of whatever kind the scene declares
 Values = list[Any]

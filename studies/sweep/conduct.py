@@ -15,10 +15,11 @@ from ..calls import naming_arguments
 from ..figures.style import new_figure, set_logarithmic
 from ..output.folder import Folder, lock_folder, output_folder, refuse_foreign_folders
 from ..output.one_file import make
-from ..problem.explain import shown
 from ..problem.fields import TomlTable
-from ..problem.scene import Scene, dotted, listed
 from ..progress import LOG
+from ..scene.explain import shown
+from ..scene.keys import dotted, listed
+from ..scene.scene import Scene
 from .axes import Sweep
 from .cost import estimate_cost
 from .store import DONE, FAILED, PENDING, Store

@@ -25,8 +25,8 @@ from zarr.codecs import ZstdCodec
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.quantities import ERROR, NORMS, STATES, error_name
-from ..problem.scene import Scene
 from ..problem.unit_names import UnitNames, kind_of
+from ..scene.scene import Scene
 from ..versions import code, stamp, versions
 from ..wear.modes import SHOWN
 from .axes import ANSWERS, KEEPABLE, Sweep

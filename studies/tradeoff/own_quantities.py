@@ -7,7 +7,7 @@ import numpy as np
 
 from ..extremes.oracles import other_theory
 from ..outcome.run import run
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from ..study.levels import Family
 from ..study.options import Options, Quantity
 from ..tables import Row

@@ -14,7 +14,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import SceneError
-from ..problem.scene import Scene
+from ..scene.scene import Scene
 from ..study.levels import Record
 from ..study.options import Options
 from ..study.study import Study

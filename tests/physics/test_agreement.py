@@ -13,7 +13,7 @@ import pytest
 from ringwear import Scene, run
 from ringwear.studies.crosscheck.agreement import Agreement, agreements, overall
 from ringwear.studies.methods.base import Solution
-from ringwear.studies.problem.scene import bundled
+from ringwear.studies.scene.sources import bundled
 
 FLAT = [name for name in bundled() if Scene.load(name).problem.full_contact]
 

@@ -11,8 +11,8 @@ from ringwear.meshes.ground.ground import Ground
 from ringwear.meshes.ground.line_energy import relative_stiffness
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.studies.methods.base import method
-from ringwear.studies.problem.scene import Scene
 from ringwear.studies.progress import Stages
+from ringwear.studies.scene.scene import Scene
 from ringwear.studies.wear.flat_contact import flat_start
 from ringwear.studies.wear.time_scale import slowest_relaxation_times
 

@@ -238,3 +238,45 @@ def test_an_annulus_that_is_only_pressed_on_does_not_disagree():
     undecided = {row.quantity for row in result.agreement if row.remark}
     assert all(any(quantity in line for line in lines) for quantity in undecided)
     assert not any("worn" in line for line in lines)
+
+
+def test_a_force_that_rounding_leaves_is_none():
+    """Between 3960 s and the knot at 3960.0000000000005 s a force of 1e-13 N would be left."""
+    scene = Scene.from_table(
+        {
+            "units": "mm, N, MPa, s",
+            "methods": ["mdr"],
+            "punch": {"radius": 6.0, "rings": 2, "wear_coefficients": [1e-9, 4e-9]},
+            "half_space": {"youngs_modulus": 1000.0},
+            "load": {
+                "sliding_speed": 200.0,
+                "normal_force": {
+                    "times": [0.0, 3600.0, 3960.0000000000005, 7200.0, 7560.0],
+                    "values": [400.0, 400.0, 0.0, 0.0, 1.0],
+                },
+            },
+            "wear": {"times": [0.0, 3600.0, 3960.0, 7560.0]},
+            "accuracy": {"rtol": 1e-2},
+        }
+    )
+    assert all(anchor.holds for anchor in run(scene).anchors)
+
+
+def test_the_infinite_pressure_under_a_cone_is_no_fault():
+    scene = Scene.from_table(
+        {
+            "units": "mm, N, MPa, s",
+            "methods": ["mdr"],
+            "punch": {
+                "radius": 5.0,
+                "rings": 5,
+                "wear_coefficients": [1e-8, 1e-7],
+                "profile": {"kind": "cone", "slope": 1.0},
+            },
+            "half_space": {"plane_strain_modulus": 70.0},
+            "load": {"normal_force": 175.0, "sliding_speed": 1000.0},
+            "wear": {"times": [0.0, 100.0]},
+            "accuracy": {"rtol": 1e-3},
+        }
+    )
+    assert all(anchor.holds for anchor in run(scene).anchors)

@@ -147,7 +147,7 @@ def test_strains_that_are_not_small_are_warned_of(capsys, tmp_path):
         "ringwear.studies.comparison",
         "ringwear.studies.study.conduct",
         "ringwear.studies.study.study",
-        "ringwear.studies.problem.scene",
+        "ringwear.studies.scene.scene",
     ],
 )
 def test_examples_in_docstrings_run(module):

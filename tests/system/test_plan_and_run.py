@@ -6,8 +6,8 @@ import pytest
 
 from ringwear import Scene, plan
 from ringwear.studies.methods.base import method
-from ringwear.studies.problem.scene import bundled
 from ringwear.studies.progress import Stages
+from ringwear.studies.scene.sources import bundled
 
 
 @pytest.mark.gmsh

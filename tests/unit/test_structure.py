@@ -19,7 +19,7 @@ ROOMS = (
     {"studies.sizes"},
     {"studies.wear"},
     {"studies.contact"},
-    {"studies.problem.scene"},  # times of a scene may be counts of its slowest relaxation time
+    {"studies.scene"},  # times of a scene may be counts of its slowest relaxation time
     {"studies.sampling"},
     {"studies.methods"},
     {"studies.inside"},

@@ -7,7 +7,7 @@ import numpy as np
 
 from ....meshes.radial import Array, Indices
 from ...problem.quantities import FIELDS
-from ...problem.scene import Scene
+from ...scene.scene import Scene
 from ...sampling.norms import Results
 
 # means over the radius that a field gives at a time, at least and at most

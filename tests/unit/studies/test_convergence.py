@@ -111,4 +111,4 @@ def test_parts_of_opposite_signs_explain_an_order_that_differs():
 def test_meshes_of_one_name_in_two_folders_have_numbers():
     mesh = MeshTri()
     names = list(named_meshes(["a/x.msh", "b/x.msh", Path("y.msh"), mesh]))
-    assert names == ["x.msh (1)", "x.msh (2)", "y.msh", "mesh 4"]
+    assert names == ["a/x.msh (1)", "b/x.msh (2)", "y.msh", "mesh 4"]

@@ -9,9 +9,9 @@ import pytest
 from ringwear import Scene
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.outcome.scope import methods_of, refusals
-from ringwear.studies.problem.explain import declaration
-from ringwear.studies.problem.scene import bundled
 from ringwear.studies.report.words import defaults_taken
+from ringwear.studies.scene.explain import declaration
+from ringwear.studies.scene.sources import bundled
 
 TOML = """\
 title = "A scene"

@@ -3,43 +3,35 @@
 A TOML file in, a frozen and validated value out, and the non-dimensional problem that it poses.
 """
 
-import copy
-import re
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property
-from importlib.resources import files
 from itertools import pairwise
 from math import isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Self, TypeVar, overload
+from typing import TYPE_CHECKING, Annotated, Self, overload
 
 import tomli_w
 from pydantic import AfterValidator, Field, ValidationError, model_validator
 
 from ...meshes.errors import SceneError
-from ..registry import METHODS
-from .explain import explain, keys_of, nearest, place_of, question, shown
-from .fields import Height, Section, TomlTable, refuse_device
-from .problem import Problem
-from .punch import PunchSection
-from .sections import (
+from ..problem.fields import Height, Section, TomlTable
+from ..problem.problem import Problem
+from ..problem.punch import PunchSection
+from ..problem.sections import (
     AccuracySection,
     HalfSpaceSection,
     LoadSection,
     OutputSection,
     WearSection,
 )
-from .unit_names import without_quantities
+from ..problem.unit_names import without_quantities
+from ..registry import METHODS
+from .explain import explain, keys_of, place_of, question, shown
+from .keys import dotted, listed, set_key, without_alternatives
+from .sources import line_of, text_of
 
-# keys of a section that say the same in several ways
-ALTERNATIVES = (
-    ("punch", ("wear_coefficients",), ("wear_coefficient", "wear_ratio")),
-    ("punch", ("rings", "width_ratio"), ("ring_edges",)),
-    ("half_space", ("plane_strain_modulus",), ("youngs_modulus",)),
-    ("load", ("normal_force",), ("mean_pressure",), ("indentation",)),
-)
 # what to write in place of calls that other packages have
 OTHER_CALLS = {
     **dict.fromkeys(("from_dict", "parse", "from_json"), "Scene.from_table({...})"),
@@ -59,7 +51,7 @@ def check_method(method: str) -> str:
     return method
 
 
-class Loading(classmethod):
+class LoadAttribute(classmethod):
     """The decorator of `Scene.load`: of a scene that is there, `scene.load` is its table."""
 
     # classmethod is generic in what it reads, and returns it of instances, too
@@ -163,7 +155,7 @@ class Scene(Section, metaclass=SceneType):
             )
         return self
 
-    @Loading  # type: ignore[arg-type]
+    @LoadAttribute  # type: ignore[arg-type]
     def load(cls, source: str | Path) -> "Scene":
         """Read a scene from a file, or a bundled one by its name."""
         if not isinstance(source, str | Path):
@@ -207,7 +199,7 @@ class Scene(Section, metaclass=SceneType):
         try:
             table = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
-            raise SceneError(f"{name} is not TOML: {error}{_line_of(error, text)}") from error
+            raise SceneError(f"{name} is not TOML: {error}{line_of(error, text)}") from error
         # without a folder or a file of a profile there is nothing to seek
         with suppress(KeyError, TypeError):
             profile = table["punch"]["profile"]
@@ -326,88 +318,4 @@ class Scene(Section, metaclass=SceneType):
         )
 
 
-Entry = TypeVar("Entry")
 Source = Scene | str | Path | Mapping[str, object]
-
-
-def listed(names: Sequence[Entry] | str) -> list[Entry | str]:
-    """Return names as a list; in a text they may be separated by commas."""
-    if not isinstance(names, Iterable):
-        raise SceneError(f"{names!r} is no list of names: write ['mdr', 'fem'], for example")
-    return [*(names.replace(",", " ").split() if isinstance(names, str) else names)]
-
-
-def text_of(source: str | Path) -> str:
-    """Return the TOML of a scene file, or of a bundled scene by its name."""
-    path = Path(source)
-    if not path.exists() and str(source) in bundled():
-        path = Path(str(files("ringwear.studies"))) / "scenes" / f"{source}.toml"
-    try:
-        refuse_device(path)
-        return path.read_text("utf-8-sig")
-    except UnicodeDecodeError:
-        raise SceneError(f"{source} is not a text file: a scene is TOML in UTF-8") from None
-    except ValueError as error:
-        raise SceneError(f"{error} that holds a scene") from None
-    except OSError as error:
-        near = "" if path.is_dir() else nearest(str(source), bundled())
-        meant = f"did you mean {near}? Else " if near else ""
-        raise SceneError(
-            f"{source or repr(source)}: {str(error.strerror).lower()}; {meant}give a scene file, "
-            f"or one of "
-            f"{', '.join(bundled())}"
-        ) from None
-
-
-def _line_of(error: tomllib.TOMLDecodeError, text: str) -> str:
-    """Return the line of a text that is not TOML, and how lines are written."""
-    place = re.search(r"at line (\d+)", str(error))
-    line = text.splitlines()[int(place[1]) - 1].strip() if place else ""
-    there = f" in {shown(line)}" if line else ""
-    return f"{there}; give lines such as radius = 1.0, each key once, texts in quotes"
-
-
-def dotted(name: object) -> str:
-    """Return the name of a scene key with dots, as files have it: ``punch.rings``."""
-    return str(name).replace("__", ".")
-
-
-def without_alternatives(base: TomlTable, keys: set[str]) -> TomlTable:
-    """Return the table of a scene without what some keys give in another way.
-
-    Two materials stay two, whichever way they are given.
-    """
-    table = copy.deepcopy(base)
-    punch = table.get("punch", {})
-    pair = punch.get("wear_coefficients", [])
-    if len(pair) == 2 and keys & {"punch.wear_ratio", "punch.wear_coefficient"}:
-        punch["wear_coefficient"], punch["wear_ratio"] = pair[0], pair[1] / pair[0]
-    for section, *ways in ALTERNATIVES:
-        varied = [way for way in ways if keys.intersection(f"{section}.{key}" for key in way)]
-        dropped = [key for way in ways if varied and way not in varied for key in way]
-        for key in dropped:
-            table.get(section, {}).pop(key, None)
-    return table
-
-
-def set_key(table: TomlTable, path: Sequence[str], value: object) -> None:
-    """Set a key of nested dictionaries by its path; tables on the way are made."""
-    *sections, key = path
-    for section in sections:
-        if isinstance(table, list):
-            # one of a list of tables, by its number
-            if not section.isdigit() or int(section) >= len(table):
-                raise SceneError(
-                    f"{'.'.join(path)}: the scene has no such table; there are {len(table)}, "
-                    "numbered from 0 on"
-                )
-            table = table[int(section)]
-        else:
-            table = table.setdefault(section, {})
-    table[key] = value
-
-
-def bundled() -> list[str]:
-    """Return the names of the scenes that come with ringwear."""
-    names = (entry.name for entry in (files("ringwear.studies") / "scenes").iterdir())
-    return sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))

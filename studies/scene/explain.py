@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from .fields import KINDS, ProfileSection, Section
+from ..problem.fields import KINDS, ProfileSection, Section
 
 # least likeness of an unknown word to the one that it is taken for, at its place and elsewhere
 ALIKE, ALIKE_ELSEWHERE = 0.6, 0.75

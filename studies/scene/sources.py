@@ -1,0 +1,46 @@
+"""Where scenes come from: files, and those that come with ringwear."""
+
+import re
+import tomllib
+from importlib.resources import files
+from pathlib import Path
+
+from ...meshes.errors import SceneError
+from ..problem.fields import refuse_device
+from .explain import nearest, shown
+
+
+def text_of(source: str | Path) -> str:
+    """Return the TOML of a scene file, or of a bundled scene by its name."""
+    path = Path(source)
+    if not path.exists() and str(source) in bundled():
+        path = Path(str(files("ringwear.studies"))) / "scenes" / f"{source}.toml"
+    try:
+        refuse_device(path)
+        return path.read_text("utf-8-sig")
+    except UnicodeDecodeError:
+        raise SceneError(f"{source} is not a text file: a scene is TOML in UTF-8") from None
+    except ValueError as error:
+        raise SceneError(f"{error} that holds a scene") from None
+    except OSError as error:
+        near = "" if path.is_dir() else nearest(str(source), bundled())
+        meant = f"did you mean {near}? Else " if near else ""
+        raise SceneError(
+            f"{source or repr(source)}: {str(error.strerror).lower()}; {meant}give a scene file, "
+            f"or one of "
+            f"{', '.join(bundled())}"
+        ) from None
+
+
+def line_of(error: tomllib.TOMLDecodeError, text: str) -> str:
+    """Return the line of a text that is not TOML, and how lines are written."""
+    place = re.search(r"at line (\d+)", str(error))
+    line = text.splitlines()[int(place[1]) - 1].strip() if place else ""
+    there = f" in {shown(line)}" if line else ""
+    return f"{there}; give lines such as radius = 1.0, each key once, texts in quotes"
+
+
+def bundled() -> list[str]:
+    """Return the names of the scenes that come with ringwear."""
+    names = (entry.name for entry in (files("ringwear.studies") / "scenes").iterdir())
+    return sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))
