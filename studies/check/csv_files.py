@@ -128,12 +128,12 @@ def read_numbers(path: Path, text: str) -> pd.DataFrame | None:
     # a row that is too short would be filled up
     if short and body.count(separator) != len(table) * (table.shape[1] - 1):
         return None
-    first = text.count("\n", 0, ends[2 - len(head)].end())
+    first = text.count("\n", 0, ends[2 - len(head)].end()) + 1
     if blank_or_remark:
         lines = enumerate(body.split("\n"), first)
         table.index = pd.Index([number for number, line in lines if LINE.match(line)])
     else:
-        table.index = pd.RangeIndex(first + 1, first + 1 + len(table))
+        table.index = pd.RangeIndex(first, first + len(table))
     table.columns = head.columns
     return table
 

@@ -31,6 +31,7 @@ CAUSES: tuple[Cause, ...] = (
     of_model.ForcePerLength(),
     of_model.Diameter(),
     of_model.Layer(),
+    of_model.NoLayers(),
     of_model.Load(),
     of_model.Stiffness(),
     of_model.PoissonsRatio(),

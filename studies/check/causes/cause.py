@@ -3,7 +3,8 @@
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-from .model import Model, Setting
+from .model import Model
+from .setting import Setting
 
 Sizes = tuple[float, ...]
 # factors from which a search for one begins

@@ -7,8 +7,8 @@ import numpy as np
 
 from ....meshes.radial import Array, Indices
 from ...problem.quantities import FIELDS
-from ...scene.scene import Scene
 from ...sampling.norms import Results
+from ...scene.scene import Scene
 
 # means over the radius that a field gives at a time, at least and at most
 FEWEST_PARTS, MOST_PARTS = 4, 8
@@ -111,6 +111,19 @@ class Comparison:
                 )
                 scale = np.clip(of_all / of_these, 0.5, 2.0)
             found.append(means * np.where(np.isfinite(scale), scale, 1.0))
+        return np.concatenate(found, axis=1)
+
+    @cached_property
+    def expected(self) -> Array:
+        """(S, K) ours: what would be observed without any error."""
+        found = []
+        for name in self.names:
+            ours = self.ours[name][self.rows]
+            if name in FIELDS:
+                given = np.isfinite(ours)
+                with np.errstate(invalid="ignore"):
+                    ours = (np.where(given, ours, 0.0) @ self.parts.T) / (given @ self.parts.T)
+            found.append(ours if ours.ndim == 2 else ours[:, None])
         return np.concatenate(found, axis=1)
 
     @cached_property

@@ -4,6 +4,9 @@ A layer on the half-space, and a half-space in plane strain: what another progra
 instead. Pressures are constant on some 40 elements, displacements are taken at their middles, and
 the history is exact in time. Non-dimensional: punch radius, plane strain modulus, force and ``a /
 (E* k_max v0)`` are 1.
+
+The layer is a closed form, which is quicker for one layer than the waves of `meshes/ground`; that
+checks it (tests/unit/studies/test_grounds.py).
 """
 
 from dataclasses import dataclass

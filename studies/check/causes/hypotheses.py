@@ -1,8 +1,9 @@
-"""Which mistakes, one or several together, explain the error of a program, and how likely each is.
+"""Which mistakes, one or several, explain the error of a program, and how likely each is.
 
-Every hypothesis is a set of mistakes of some sizes, which predicts what is printed. It is weighed by
-its odds beforehand, by how well it predicts, and by how many numbers were fitted for it, as in a
-Bayesian choice of models (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773).
+Every hypothesis is a set of mistakes of some sizes, which predicts what is printed. It is weighed
+by its odds beforehand, by how well it predicts, and by how many numbers were fitted for it, as in a
+Bayesian choice of models (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773). The odds are chosen
+by us, not measured: shares are no frequencies.
 """
 
 from collections.abc import Iterable, Sequence
@@ -14,21 +15,23 @@ from scipy.optimize import least_squares
 from ....meshes.radial import Array
 from .cause import Cause, Sizes
 from .comparison import Comparison
-from .model import Model, Setting
+from .model import Model
+from .setting import Setting
 
 # relative error of a program's discretisation, before anything is known of it: by chance, and
 # common to all values of a quantity
 NOISE, BIAS = 0.02, 0.02
 # errors by chance are not taken for less than this, nor is the common one for more than twice them
 LEAST_NOISE, MOST_BIAS = 0.002, 0.02
-# odds that there is no mistake, where values are too few to show the errors of the program: who asks
-# wants to know what a mistake would be
+# odds that there is no mistake, where values are too few to show the errors of the program: who
+# asks wants to know what a mistake would be
 NONE_OF_FEW, FEW = 0.03, 4
 # values of a program that count as independent of each other, all together, and times
 MOST_VALUES, MOST_TIMES = 24, 12
 # single mistakes that are combined with every other, and pairs
 MOST_SINGLE, MOST_PAIRS = 5, 2
-# candidates from which a search for one mistake begins, and weight by which it holds sizes that nothing depends on
+# candidates from which a search for one mistake begins, and weight by which it holds sizes that
+# nothing depends on
 MOST_STARTS, HELD = 2, 1e-3
 # error that a program has in any case, and no mistake has to explain
 USUAL = 0.03

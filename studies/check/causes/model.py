@@ -1,100 +1,41 @@
 """What another program would print if it had modelled something else."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....meshes.radial import Array
-from ...methods.base import method
+from ...methods.base import Solution, method
 from ...problem.problem import Problem
 from ...problem.quantities import QUANTITIES
 from ...progress import Stages
 from ...sampling.norms import Results
+from ...sampling.sampler import Sampler
 from . import grounds
 from .comparison import Comparison
+from .setting import Setting
+from .table import Table
 
 # of the tables that are interpolated: accuracy, times and radii
 ACCURACY, TIMES, OF_A_RING, RADII = 1e-3, 80, 6, 100
 # the tables reach from a part of the first time to times the last one; beyond it they are straight
 BEFORE_FIRST, AFTER_LAST = 1e-2, 4.0
-# steps in the longest time between results, by which errors of first order are measured
-STEPS = np.geomspace(64.0, 2.0, 6)
+# steps in the longest time between results, by which errors of first order are measured; whole
+# ones, so that none is shorter there than its length
+STEPS = np.array([64.0, 48, 40, 32, 25, 20, 16, 13, 10, 8, 6, 5, 4, 3, 2])
 # layers that are computed, by thickness over the punch radius and modulus over that below; others
 # lie between
 THICKNESSES = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
 STIFFNESSES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
 LENGTHS = ("displacement", "profile", "indentation")
+PRINTED = (*LENGTHS, "pressure", "normal_force")
+# by how much tables may differ from ours, relative, by their own accuracy
+TABLES_ERR = 0.02
 # of relative errors of the start of a clamped half-space over a/R, by Poisson's ratio (`study
 # truncation`)
 CLAMPED = ([0, 0.3, 0.45, 0.5], [0.94, 1.09, 1.51, 1.91])
-
-
-@dataclass(frozen=True)
-class Setting:
-    """What another program has modelled or printed otherwise.
-
-    Parameters
-    ----------
-    force, stiffness, wear, radius : factors on what is ours
-    box : punch radius over the radius of a clamped half-space
-    late : time after which its history begins
-    step : length of implicit steps in time; below 0 of explicit ones
-    ground : what is under the punch
-    layer : thickness of the layer over the punch radius, and its modulus over that below
-    depth : length by which displacements differ in plane strain, over F / (a E*)
-    swapped : whether the two materials of the rings are exchanged
-    time, radii : factors on times and radii of its table
-    pressure, lengths, normal_force : factors on what is printed
-    signs, units : whether quantities have the sign, or the power of a thousand, that suits theirs
-    """
-
-    force: float = 1.0
-    stiffness: float = 1.0
-    wear: float = 1.0
-    radius: float = 1.0
-    box: float = 0.0
-    late: float = 0.0
-    step: float = 0.0
-    ground: Literal["half-space", "layer", "plane strain"] = "half-space"
-    layer: tuple[float, float] = (1.0, 1.0)
-    depth: float = 0.0
-    swapped: bool = False
-    time: float = 1.0
-    radii: float = 1.0
-    pressure: float = 1.0
-    lengths: float = 1.0
-    normal_force: float = 1.0
-    signs: bool = False
-    units: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class Table:
-    """A history (T, K) over non-dimensional times, between which it is linear.
-
-    Parameters
-    ----------
-    times : (T,)
-    values : (T, K)
-    growing : (K,) whether a column goes on straight beyond the last time; else it stays
-    """
-
-    times: Array
-    values: Array
-    growing: NDArray[np.bool_]
-
-    def at(self, times: Array) -> Array:
-        """Return values (S, K) at times."""
-        place = np.clip(np.searchsorted(self.times, times) - 1, 0, len(self.times) - 2)
-        start = self.times[place]
-        share = (np.maximum(times, 0.0) - start) / (self.times[place + 1] - start)
-        part = np.where(self.growing, share[:, None], np.minimum(share, 1.0)[:, None])
-        before = self.values[place]
-        return np.asarray(before + part * (self.values[place + 1] - before))
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,29 +84,28 @@ class Model:
         first, last = BEFORE_FIRST * later.min(), AFTER_LAST * later.max()
         return np.unique(np.concatenate([[0.0], np.geomspace(first, last, TIMES), later]))
 
-    def solve(self, times: Array, *changes: Mapping[str, Any]) -> list[Results]:
-        """Return non-dimensional results of our own, on the radii of the tables, at times.
-
-        One for each set of changes of the problem.
-        """
-        problem = replace(
+    @cached_property
+    def _own_problem(self) -> Problem:
+        """The problem of the tables."""
+        return replace(
             self.problem,
             rtol=ACCURACY,
             steady=False,
-            quantities=None,
+            quantities=frozenset(PRINTED) - self.problem.quantities_missing,
             compared_on=None,
-            times=times,
+            times=self._grid,
             output_radii=self._radii,
         )
-        problems = [replace(problem, **change) for change in changes]
-        force = {"normal_force": problem.loading.at(times).force}
-        return [
-            {
-                name: np.asarray((force | solution.results)[name])
-                for name in (*LENGTHS, "pressure", "normal_force")
-            }
-            for solution in method("mdr").solve_alike(problems, Stages("mdr"))
-        ]
+
+    @cached_property
+    def _own(self) -> Solution:
+        """Ours, for the tables."""
+        return method("mdr").solve(self._own_problem, Stages("mdr"))
+
+    def _printed(self, results: Results) -> Results:
+        """Return what is compared of non-dimensional results at the times of the tables."""
+        given = {"normal_force": self.problem.loading.at(self._grid).force}
+        return {name: np.asarray((given | results)[name]) for name in PRINTED}
 
     def histories(self, setting: Setting) -> Results:
         """Return fields (T, R) and numbers (T,) of the tables, on the ground of a setting."""
@@ -175,13 +115,17 @@ class Model:
         return self._histories[key]
 
     def _history_on_ground(self, setting: Setting) -> Results:
-        rings = self.problem.graded or self.problem.rings
+        rings, problem = self.problem.graded or self.problem.rings, self._own_problem
         if setting.swapped:
             wear = rings.wear_coefficients
             rings = rings._replace(wear_coefficients=wear.min() + wear.max() - wear)
-        if setting.ground == "half-space":
-            (results,) = self.solve(self._grid, {"rings": rings} if setting.swapped else {})
-            return results
+            problem = replace(problem, rings=rings)
+        if setting.ground == "homogeneous":
+            problem = replace(problem, ground=None)
+        if setting.ground in ("ours", "homogeneous"):
+            ours = problem is self._own_problem
+            solved = self._own if ours else method("mdr").solve(problem, Stages("mdr"))
+            return self._printed(solved.results)
         ground = grounds.plane_strain(rings)
         if setting.ground == "layer":
             ground = grounds.layered(rings, *setting.layer, self.problem.poisson_ratio)
@@ -281,20 +225,45 @@ class Model:
 
     def predict(self, setting: Setting) -> Array:
         """Return the numbers (S, K) that are compared, in the units of the scene."""
-        values = self._table(setting).at(self.own_times(setting, self.times))
+        values = self._clamped(setting, self._table(setting)).at(
+            self.own_times(setting, self.times)
+        )
         scales = self.scales(setting)
         values, force = values[:, :-1] * np.array(scales)[self._kind], values[:, -1] * scales[2]
+        if setting.ground == "ours":
+            values = values * self._correction
         if setting.step:
             values = values + self.error_by_steps(setting.step)
         if setting.box or setting.depth:
-            low = setting.box * np.interp(self.problem.poisson_ratio, *CLAMPED)
-            lift = setting.depth * setting.force - low * force / (2 * setting.stiffness)
-            values = values + lift[:, None] * self._depths
+            values = values + self._lift(setting, force)[:, None] * self._depths
         factors = setting.lengths, setting.pressure, setting.normal_force
         values = values * (np.array(factors)[self._kind] * self._units)
         if setting.units or setting.signs:
             values = values * self.fitted_factors(setting, values)
         return np.asarray(values)
+
+    @cached_property
+    def _correction(self) -> Array:
+        """(S, K) ours over the tables, which are less accurate."""
+        tabled = self._table(Setting()).at(self.times)[:, :-1] * self._units
+        with np.errstate(all="ignore"):
+            ratio = self.comparison.expected / tabled
+        return np.where(np.abs(ratio - 1) < TABLES_ERR, ratio, 1.0)
+
+    def _lift(self, setting: Setting, force: Array) -> Array:
+        """Return by how much (T,) the surface lies deeper than in ours, by non-dimensional forces.
+
+        A half-space that is clamped at a distance is displaced less, by one length.
+        """
+        low = setting.box * np.interp(self.problem.poisson_ratio, *CLAMPED)
+        return np.asarray(setting.depth * setting.force - low * force / (2 * setting.stiffness))
+
+    def _clamped(self, setting: Setting, table: Table) -> Table:
+        """Return a history under our indentation, if the half-space is clamped."""
+        if not setting.box or self.pressed_by_force:
+            return table
+        low = -float(self._lift(setting, np.array(setting.stiffness * setting.radius)))
+        return table.lowered(low)
 
     def error_by_steps(self, step: float) -> Array:
         """Return the error (S, K) of implicit steps, or below 0 of explicit ones, of a length.
@@ -315,11 +284,21 @@ class Model:
 
         Steps end at each time that is given.
         """
-        lengths = float(np.diff(self.times, prepend=0.0).max()) / STEPS
-        steps = [{"march": "implicit", "step": length} for length in lengths.tolist()]
-        exact, *stepped = (self._reduced(of, 1.0) for of in self.solve(self.times, {}, *steps))
+        comparison, wear, unit = self.comparison, self._own.wear, self.problem.units.time
+        assert wear is not None  # a flat punch has one
+        times = comparison.times / unit
+        lengths = float(np.diff(times, prepend=0.0).max()) / STEPS
+        sampler = Sampler(self._own_problem, wear.compliance.space, wear.compliance)
+        force = {"normal_force": np.ones(len(comparison.rows))}
+        exact, *stepped = (
+            self._reduced(force | sampler.history(history[comparison.rows]), 1.0)
+            for history in (
+                wear.modal(times),
+                *(wear.history(times, "implicit", length) for length in lengths.tolist()),
+            )
+        )
         errors = [of - exact for of in stepped]
-        units = lengths * self.problem.units.time
+        units = lengths * unit
         return units, np.stack(errors) / units[:, None, None]
 
     def fitted_factors(self, setting: Setting, values: Array) -> Array:
@@ -359,14 +338,12 @@ class Model:
         columns = [of.mean(axis=1) if of.ndim == 2 else of for of in histories.values()]
         growing = np.isin(list(histories), LENGTHS)
         table = Table(self._grid, np.stack(columns, axis=1), growing)
-        rows = table.at(self.own_times(setting, times))
+        rows = self._clamped(setting, table).at(self.own_times(setting, times))
         lengths, pressure, force = self.scales(setting)
         scales = dict.fromkeys(LENGTHS, lengths) | {"pressure": pressure, "normal_force": force}
         found = {name: rows[:, column] * scales[name] for column, name in enumerate(histories)}
-        low = setting.box * np.interp(self.problem.poisson_ratio, *CLAMPED)
         for name in ("displacement", "indentation"):
-            lift = setting.depth * setting.force
-            found[name] += lift - low * found["normal_force"] / (2 * setting.stiffness)
+            found[name] += self._lift(setting, found["normal_force"])
         units = self.problem.units
         return {name: of * getattr(units, QUANTITIES[name].unit) for name, of in found.items()}
 

@@ -4,7 +4,8 @@ import math
 from dataclasses import replace
 
 from .cause import FACTORS, Cause, Sizes
-from .model import STIFFNESSES, THICKNESSES, Model, Setting
+from .model import STIFFNESSES, THICKNESSES, Model
+from .setting import Setting
 
 # logarithm of a factor on the load, below which it is none
 NEAR = 0.06
@@ -46,7 +47,7 @@ class WearCoefficient(Cause):
 
 
 class TruncatedHalfSpace(Cause):
-    """Displacements are too low by one length, and pressures and profiles are nearly right."""
+    """Displacements are too low by one length, or forces too high for a given indentation."""
 
     name = "truncated half-space"
     group, searched = "box", True
@@ -56,9 +57,11 @@ class TruncatedHalfSpace(Cause):
 
     def applies(self, model: Model) -> bool:
         """Return whether the results could show it."""
-        return model.pressed_by_force and bool(
-            {"displacement", "indentation"} & {*model.comparison.names}
-        )
+        if model.problem.ground is not None:
+            return False
+        if model.pressed_by_force:
+            return bool({"displacement", "indentation"} & {*model.comparison.names})
+        return model.flat
 
     def candidates(self, model: Model) -> list[Sizes]:
         """Return sizes to try, or to begin a search from."""
@@ -78,10 +81,12 @@ class TruncatedHalfSpace(Cause):
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the results look like, with the number."""
-        return (
-            "displacements are too low by one length: a half-space that is clamped at about "
-            f"{1 / sizes[0]:.4g} radii, which takes about 1.1 a/R of the indentation"
-        )
+        reach = f"a half-space that is clamped at about {1 / sizes[0]:.4g} radii"
+        if model.pressed_by_force:
+            low = "displacements are too low by one length"
+            return f"{low}: {reach}, which takes about 1.1 a/R of the indentation"
+        high = "forces are too high for the indentation"
+        return f"{high}: {reach}, which adds about 1.1 a/R to the first force"
 
 
 class Load(Cause):
@@ -193,7 +198,7 @@ class PoissonsRatio(Stiffness):
 
     def applies(self, model: Model) -> bool:
         """Return whether the results could show it."""
-        return abs(model.problem.poisson_ratio) > 0.1
+        return model.problem.ground is None and abs(model.problem.poisson_ratio) > 0.1
 
     def candidates(self, model: Model) -> list[Sizes]:
         """Return sizes to try, or to begin a search from."""
@@ -212,6 +217,11 @@ class Diameter(Cause):
     group, choices = "radius", 2
     prior = 0.06
     remedy = "the radius in the model where pressures end"
+
+    def applies(self, model: Model) -> bool:
+        """Return whether the results could show it."""
+        # layers would be thinner, over the radius
+        return model.problem.ground is None
 
     def candidates(self, model: Model) -> list[Sizes]:
         """Return sizes to try, or to begin a search from."""
@@ -266,7 +276,7 @@ class PlaneStrain(Cause):
 
     def applies(self, model: Model) -> bool:
         """Return whether the results could show it."""
-        return model.flat and model.pressed_by_force
+        return model.flat and model.pressed_by_force and model.problem.ground is None
 
     def candidates(self, model: Model) -> list[Sizes]:
         """Return sizes to try, or to begin a search from."""
@@ -288,8 +298,44 @@ class PlaneStrain(Cause):
         """Return what the results look like, with the number."""
         force = sizes[0] / (2 * model.problem.units.length)
         return (
-            "a strip in plane strain in place of an axisymmetric punch, under a force per length of "
-            f"{force:.3g} F (mean pressure: {sizes[0] * math.pi / 4:.3g} times ours)"
+            "a strip in plane strain in place of an axisymmetric punch, under a force per length "
+            f"of {force:.3g} F (mean pressure: {sizes[0] * math.pi / 4:.3g} times ours)"
+        )
+
+
+class NoLayers(Cause):
+    """The layers of the scene are left out."""
+
+    name = "layers left out"
+    group, choices = "ground", 2
+    prior = 0.06
+    remedy = "the materials by depth in the model"
+
+    def applies(self, model: Model) -> bool:
+        """Return whether the results could show it."""
+        return model.flat and model.problem.ground is not None
+
+    def candidates(self, model: Model) -> list[Sizes]:
+        """Return sizes to try, or to begin a search from."""
+        ground = model.problem.ground
+        assert ground is not None  # it applies
+        # plane strain moduli over that of the first layer
+        moduli = [
+            2 * shear / (1 - ratio)
+            for shear, ratio in zip(ground.shear_moduli, ground.poisson_ratios, strict=True)
+        ]
+        return [(of / moduli[0],) for of in moduli if math.isfinite(of)]
+
+    def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return a setting with this mistake in it, of a size."""
+        stiffness = setting.stiffness * sizes[0]
+        return replace(setting, ground="homogeneous", stiffness=stiffness)
+
+    def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the results look like, with the number."""
+        return (
+            f"a homogeneous half-space {sizes[0]:.4g} times as stiff as the first layer, without "
+            "the layers of the scene"
         )
 
 
@@ -304,7 +350,8 @@ class Layer(Cause):
 
     def applies(self, model: Model) -> bool:
         """Return whether the results could show it."""
-        return model.flat and model.pressed_by_force and model.problem.poisson_ratio < 0.5
+        homogeneous = model.problem.ground is None and model.problem.poisson_ratio < 0.5
+        return model.flat and model.pressed_by_force and homogeneous
 
     def candidates(self, model: Model) -> list[Sizes]:
         """Return sizes to try, or to begin a search from."""

@@ -7,7 +7,8 @@ from typing import ClassVar
 import numpy as np
 
 from .cause import FACTORS, Cause, Sizes
-from .model import LENGTHS, Model, Setting
+from .model import LENGTHS, Model
+from .setting import Setting
 
 # how near to a number that people know a fitted one has to be, to be called by it
 EQUAL = 0.01
