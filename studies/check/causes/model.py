@@ -260,10 +260,11 @@ class Model:
 
     def _clamped(self, setting: Setting, table: Table) -> Table:
         """Return a history under our indentation, if the half-space is clamped."""
-        if not setting.box or self.pressed_by_force:
+        given = self.problem.indentation
+        if not setting.box or given is None:
             return table
         low = -float(self._lift(setting, np.array(setting.stiffness * setting.radius)))
-        return table.lowered(low)
+        return table.lowered(low / given)
 
     def error_by_steps(self, step: float) -> Array:
         """Return the error (S, K) of implicit steps, or below 0 of explicit ones, of a length.
