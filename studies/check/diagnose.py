@@ -185,7 +185,7 @@ def telling(
                 best = (name, abs(pair[0] - pair[1]) / size, row)
     if best[1] < TELLING:
         return (
-            f"{part.cause.remedy}; results over time and radius do not tell it from "
+            f"{part.cause.remedy}; results at these times and radii do not tell it from "
             f"{rival_name}: compare the inputs"
         )
     name, _, row = best
