@@ -47,6 +47,9 @@ CAUSES: tuple[Cause, ...] = (
 """The mistakes that are looked for; of two that explain as much the likelier one is named first."""
 # confidence from which on a mistake is named, and from which on it is named alone
 NAMED, SURE = 0.15, 0.7
+# part of the confidence of two that are alike, from which on the one that fits fewer numbers names
+# both
+TELLS_WHY = 1 / 3
 # difference of two predictions, relative, from which on a result would tell them apart
 TELLING = 0.05
 MESH = {
@@ -135,8 +138,11 @@ def _of_causes(
         for other in named[named.index(cause) + 1 :]:
             # one mistake by two names, as a modulus and the one that Poisson's ratio is missing in
             if cause.group == other.group and alike(best[cause], best[other]):
-                confidence[cause] += confidence[other]
-                confidence[other] = 0.0
+                both = confidence[cause] + confidence[other]
+                # nearly as likely without a fitted number, it also tells why
+                tells = other.fitted < cause.fitted and confidence[other] > both * TELLS_WHY
+                kept, dropped = (other, cause) if tells else (cause, other)
+                confidence[kept], confidence[dropped] = both, 0.0
     named = [cause for cause in named if confidence[cause] >= NAMED]
     found = []
     for cause in named:

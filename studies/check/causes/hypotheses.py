@@ -164,7 +164,7 @@ class Weighing:
                 self.whitened(self.hypothesis(sized(logs)), noise, BIAS), HELD * (logs - begin)
             )
 
-        found = least_squares(gaps, begin, method="lm", diff_step=1e-6, xtol=1e-4, ftol=1e-6)
+        found = least_squares(gaps, begin, method="lm", diff_step=1e-6, xtol=1e-4, ftol=1e-3)
         parts = sized(found.x)
         if not all(part.cause.within(self.model, part.sizes) for part in parts):
             return None

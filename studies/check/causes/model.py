@@ -184,7 +184,7 @@ class Model:
         values = np.zeros(1)
         for thickness, first in _neighbours(setting.layer[0], THICKNESSES):
             for stiffness, second in _neighbours(setting.layer[1], STIFFNESSES):
-                corner = self._table(replace(setting, layer=(thickness, stiffness)))
+                corner = self._table(setting._replace(layer=(thickness, stiffness)))
                 values = values + first * second * corner.values
         return Table(corner.times, values, corner.growing)
 
@@ -326,7 +326,7 @@ class Model:
 
     def factors_by_name(self, setting: Setting) -> dict[str, float]:
         """Return the sign and power of a thousand by which each quantity of theirs differs."""
-        values = self.predict(replace(setting, signs=False, units=False))
+        values = self.predict(setting._replace(signs=False, units=False))
         factors = self.fitted_factors(setting, values)
         return dict(zip(self.comparison.fields, factors.tolist(), strict=True))
 

@@ -1,7 +1,6 @@
 """Mistakes in what another program models: material, load, geometry, ground."""
 
 import math
-from dataclasses import replace
 
 from .cause import FACTORS, Cause, Sizes
 from .model import STIFFNESSES, THICKNESSES, Model
@@ -32,7 +31,7 @@ class WearCoefficient(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
-        return replace(setting, wear=setting.wear * sizes[0])
+        return setting._replace(wear=setting.wear * sizes[0])
 
     def within(self, model: Model, sizes: Sizes) -> bool:
         """Return whether sizes are possible."""
@@ -69,7 +68,7 @@ class TruncatedHalfSpace(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
-        return replace(setting, box=sizes[0])
+        return setting._replace(box=sizes[0])
 
     def within(self, model: Model, sizes: Sizes) -> bool:
         """Return whether sizes are possible."""
@@ -108,7 +107,7 @@ class Load(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
-        return replace(setting, force=setting.force * sizes[0])
+        return setting._replace(force=setting.force * sizes[0])
 
     def within(self, model: Model, sizes: Sizes) -> bool:
         """Return whether sizes are possible."""
@@ -176,7 +175,7 @@ class Stiffness(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
-        return replace(setting, stiffness=setting.stiffness * sizes[0])
+        return setting._replace(stiffness=setting.stiffness * sizes[0])
 
     def within(self, model: Model, sizes: Sizes) -> bool:
         """Return whether sizes are possible."""
@@ -229,7 +228,7 @@ class Diameter(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
-        return replace(setting, radius=sizes[0])
+        return setting._replace(radius=sizes[0])
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the results look like, with the number."""
@@ -255,7 +254,7 @@ class SwappedMaterials(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
-        return replace(setting, swapped=True)
+        return setting._replace(swapped=True)
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the results look like, with the number."""
@@ -286,8 +285,8 @@ class PlaneStrain(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
-        return replace(
-            setting, ground="plane strain", force=setting.force * sizes[0], depth=sizes[1]
+        return setting._replace(
+            ground="plane strain", force=setting.force * sizes[0], depth=sizes[1]
         )
 
     def within(self, model: Model, sizes: Sizes) -> bool:
@@ -329,7 +328,7 @@ class NoLayers(Cause):
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
         stiffness = setting.stiffness * sizes[0]
-        return replace(setting, ground="homogeneous", stiffness=stiffness)
+        return setting._replace(ground="homogeneous", stiffness=stiffness)
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the results look like, with the number."""
@@ -364,7 +363,7 @@ class Layer(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
-        return replace(setting, ground="layer", layer=(sizes[0], sizes[1]))
+        return setting._replace(ground="layer", layer=(sizes[0], sizes[1]))
 
     def size(self, model: Model, sizes: Sizes) -> float:
         """Return the number that people know it by."""

@@ -1,7 +1,6 @@
 """Mistakes in what another program prints: signs, units, factors, and in its steps of time."""
 
 import math
-from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -28,7 +27,7 @@ class Sign(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
-        return replace(setting, signs=True)
+        return setting._replace(signs=True)
 
     def size(self, model: Model, sizes: Sizes) -> float:
         """Return the number that people know it by."""
@@ -64,11 +63,11 @@ class Units(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
-        return replace(setting, units=True)
+        return setting._replace(units=True)
 
     def factors(self, model: Model, setting: Setting) -> dict[str, float]:
         """Return the powers of a thousand, by quantity, that are not 1."""
-        found = model.factors_by_name(replace(setting, signs=False))
+        found = model.factors_by_name(setting._replace(signs=False))
         return {name: factor for name, factor in found.items() if factor != 1}
 
     def size_in(self, model: Model, setting: Setting) -> float:
@@ -103,7 +102,7 @@ class UnitOfTime(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
-        return replace(setting, time=sizes[0])
+        return setting._replace(time=sizes[0])
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the results look like, with the number."""
@@ -131,7 +130,7 @@ class UnitOfRadii(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
-        return replace(setting, radii=sizes[0])
+        return setting._replace(radii=sizes[0])
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the results look like, with the number."""
@@ -159,7 +158,7 @@ class ConstantFactor(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
-        return replace(setting, **{self.kind: getattr(setting, self.kind) * sizes[0]})
+        return setting._replace(**{self.kind: getattr(setting, self.kind) * sizes[0]})
 
     def within(self, model: Model, sizes: Sizes) -> bool:
         """Return whether sizes are possible."""
@@ -224,7 +223,7 @@ class LateStart(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
-        return replace(setting, late=sizes[0])
+        return setting._replace(late=sizes[0])
 
     def within(self, model: Model, sizes: Sizes) -> bool:
         """Return whether sizes are possible."""
@@ -255,7 +254,7 @@ class FirstOrderStep(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
-        return replace(setting, step=sizes[0])
+        return setting._replace(step=sizes[0])
 
     def within(self, model: Model, sizes: Sizes) -> bool:
         """Return whether sizes are possible."""

@@ -1,11 +1,9 @@
 """What another program may have modelled or printed otherwise."""
 
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 
-@dataclass(frozen=True)
-class Setting:
+class Setting(NamedTuple):
     """What another program has modelled or printed otherwise.
 
     Parameters
