@@ -69,6 +69,26 @@ SCENES = {
         load={"normal_force": 4000.0, "sliding_speed": 10.0},
         wear={"times": [0.0, 2.0, 10.0, 40.0, 120.0, 300.0]},
     ),
+    # for those that nobody has looked at before
+    "wide": Scene(
+        **MM,
+        punch={
+            "radius": 40.0,
+            "ring_edges": [10.0, 26.0, 40.0],
+            "wear_coefficients": [2e-6, 8e-6, 1e-6],
+        },
+        half_space={"youngs_modulus": 200.0, "poisson_ratio": 0.45},
+        load={"normal_force": 2e4, "sliding_speed": 5.0},
+        wear={"times": [0.0, 100.0, 500.0, 2000.0, 6000.0, 15000.0]},
+    ),
+    "small": Scene(
+        units="SI",
+        methods=["mdr"],
+        punch={"radius": 5e-4, "ring_edges": [2e-4, 5e-4], "wear_coefficients": [1e-14, 6e-14]},
+        half_space={"youngs_modulus": 7e10, "poisson_ratio": 0.33},
+        load={"normal_force": 10.0, "sliding_speed": 0.05},
+        wear={"times": [0.0, 0.05, 0.3, 1.0, 3.0, 8.0]},
+    ),
     "flat": Scene.load("flat_punch").changed(methods=["mdr"], wear__times=[0.0]),
 }
 LENGTHS = ["displacement", "profile", "indentation"]
@@ -243,8 +263,49 @@ FRESH = {
     ),
 }
 
+UNSEEN = {
+    "k 0.4, pressures and profiles": (
+        "wide",
+        lambda: only(typed(springs, "wide", wear=times(0.4)), "pressure", "profile"),
+        {K},
+    ),
+    "minutes": ("wide", lambda: scaled(typed(springs, "wide"), time=1 / 60), {"units of time"}),
+    "modulus 1.8": (
+        "small",
+        lambda: typed(finite_elements, "small", youngs=lambda given: 1.8 * given.youngs),
+        {"modulus"},
+    ),
+    "load 0.6, sign of displacements": (
+        "wide",
+        lambda: scaled(typed(springs, "wide", force=loaded(0.6)), displacement=-1),
+        {"normal force", "sign of the displacement"},
+    ),
+    "box 5": ("small", lambda: typed(finite_elements, "small", reach=5.0), {BOX}),
+    "late": (
+        "tamaas_three",
+        lambda: of_tamaas("tamaas_three").eval("time = time + 0.2"),
+        {"late start"},
+    ),
+    "swapped, megapascals": (
+        "small",
+        lambda: scaled(typed(springs, "small", wear=lambda given: given.wear[::-1]), pressure=1e-6),
+        {"swapped materials", UNITS},
+    ),
+    "soft layer, k 2": (
+        "small",
+        lambda: typed(finite_elements, "small", layer=(0.3, 0.3), wear=times(2)),
+        {LAYER, K},
+    ),
+    "half the punch": (
+        "tamaas_two",
+        lambda: scaled(of_tamaas("tamaas_two"), **linear(0.5)),
+        {FORCE},
+    ),
+    "no Poisson's ratio": ("wide", lambda: typed(springs, "wide", ratio=0.0), {"Poisson's ratio"}),
+}
 
-ALL = FILES | FRESH
+
+ALL = FILES | FRESH | UNSEEN
 QUICK = ("k 1.1, pressures", "per radian, sign", "start, sign, metres")
 
 
