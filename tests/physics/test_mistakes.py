@@ -330,7 +330,7 @@ def marked(name):
     return pytest.param(name, marks=marks)
 
 
-@pytest.mark.parametrize("name", map(marked, ALL))
+@pytest.mark.parametrize("name", [marked(name) for name in ALL])
 def test_the_right_cause_is_named_first_and_no_wrong_one_is_sure(name):
     scene, table, right = ALL[name]
     first, *others = looks(scene, table)

@@ -236,7 +236,7 @@ class Weighing:
 def _change(hypothesis: Hypothesis, other: Hypothesis) -> float:
     """Return by how much predictions differ, relative to them."""
     gap = np.linalg.norm(hypothesis.gaps - other.gaps)
-    return float(gap / np.sqrt(max(1, np.count_nonzero(hypothesis.gaps))))
+    return float(gap / np.sqrt(max(1, int(np.count_nonzero(hypothesis.gaps)))))
 
 
 def alike(hypothesis: Hypothesis, other: Hypothesis) -> bool:
