@@ -116,8 +116,8 @@ class CheckedOutcome(Outcome):
             for _, rows in groupby(judged, lambda row: row.quantity):
                 lines.append(f"{name}: {in_words(list(rows), names)}")
             lines += [
-                f"{name} looks like this: {fault.words} (it explains {fault.confidence:.0%} of the "
-                f"error; to be sure: {fault.confirm})"
+                f"{name} looks like this: {fault.words} (confidence {fault.confidence:.0%}; to be "
+                f"sure: {fault.confirm})"
                 for fault in self.diagnoses[name]
             ]
         return lines + [f"refinement: {row.in_words(names)}" for row in self.refinements]

@@ -1,7 +1,7 @@
 """CSV tables as other programs write them.
 
-Columns may be separated by commas, semicolons or tabs, with points for decimals, or commas where
-columns are not separated by them. Headings may be in any case, have symbols for names (``t``,
+Columns may be separated by commas, semicolons, tabs or spaces, with points for decimals, or commas
+where columns are not separated by them. Headings may be in any case, have symbols for names (``t``,
 ``r``, ``p``), and units (``time [s]``, ``p (MPa)``, ``r/mm``); units may also stand in a row of
 their own below the headings. Empty lines, and what follows a ``#``, are left out.
 """
@@ -34,6 +34,8 @@ SYMBOLS = {
     "load": "normal_force",
 }
 """Our names by those that other programs and papers use."""
+LINE = re.compile(r"^[ \t]*[^\s#][^\n]*(?:\n|$)", re.MULTILINE)
+"""A line that is not empty and no remark."""
 UNIT = re.compile(r"^(?P<name>[^\[(/]+?)\s*(?:\[(?P<a>.*)\]|\((?P<b>.*)\)|/\s*(?P<c>.+))$")
 """A heading with a unit in brackets, in parentheses or after a slash."""
 
@@ -92,32 +94,61 @@ def read_csv_text(path: Path, text: str) -> pd.DataFrame:
     return pd.DataFrame([rows[number] for number in others], others, headings)
 
 
-def read_numbers(text: str) -> pd.DataFrame | None:
+def read_numbers(path: Path, text: str) -> pd.DataFrame | None:
     """Return a table of numbers at once, which large files need; None if it is not so simple.
 
-    Lines are numbered as they are if nothing is left out between them.
+    Headings and units are read, and rows are numbered, as `read_csv_text` does it.
     """
-    head, _, _ = text.partition("\n")
-    separator = _separator(head)
-    if "#" in text or "\n\n" in text or all(_is_number(of) for of in head.split(separator)):
+    ends = [match for match, _ in zip(LINE.finditer(text), range(3), strict=False)]
+    if len(ends) < 3:
         return None
     try:
-        table = pd.read_csv(StringIO(text), sep=separator, dtype=float)
+        head = read_csv_text(path, "\n".join(match[0] for match in ends))
+    except SceneError:
+        return None
+    separator = _separator(ends[0][0])
+    body = text[ends[2 - len(head)].end() :]
+    comma = separator != "," and re.search(r"\d,\d", ends[2][0])
+    try:
+        table = pd.read_csv(
+            StringIO(body),
+            sep=separator or r"\s+",
+            decimal="," if comma else ".",
+            header=None,
+            comment="#",
+            dtype=float,
+            skipinitialspace=True,
+        )
     except ValueError:
         return None
-    table.index += 2
-    table.columns = [str(name).strip() for name in table.columns]
+    blank_or_remark = "#" in body or re.search(r"\n[ \t\r]*\n", body)
+    short = table.isna().to_numpy().any()
+    if table.shape[1] != head.shape[1] or (short and (blank_or_remark or not separator)):
+        return None
+    # a row that is too short would be filled up
+    if short and body.count(separator) != len(table) * (table.shape[1] - 1):
+        return None
+    first = text.count("\n", 0, ends[2 - len(head)].end()) + 1
+    if blank_or_remark:
+        lines = enumerate(body.split("\n"), first)
+        table.index = pd.Index([number for number, line in lines if LINE.match(line)])
+    else:
+        table.index = pd.RangeIndex(first, first + len(table))
+    table.columns = head.columns
     return table
 
 
 def _separator(headings: str) -> str:
-    """Return what separates the columns."""
-    return next((mark for mark in (";", "\t", ",") if mark in headings), ",")
+    """Return what separates the columns; empty if spaces do."""
+    marks = (mark for mark in (";", "\t", ",") if mark in headings)
+    return next(marks, "" if re.search(r"\S\s+[^\s\[(]", headings.strip()) else ",")
 
 
 def _cells(line: str, separator: str, commas: bool) -> list[str]:
     """Return the cells of a line, with points for decimals if commas may stand for them."""
-    cells = [cell.strip() for cell in line.split(separator)]
+    # a unit in brackets belongs to the name before it
+    parts = line.split(separator) if separator else re.split(r"\s+(?![\[(])", line.strip())
+    cells = [cell.strip() for cell in parts]
     if not commas:
         return cells
     return [re.sub(r"^([-+]?\d*),(\d+([eE][-+]?\d+)?)$", r"\1.\2", cell) for cell in cells]

@@ -1,22 +1,67 @@
 """What the error of another program's results looks like.
 
-Faults that people make are put into our own results. The part of their error that a fault explains
-is the confidence in it.
+Mistakes that people make (`causes/`) are put into our own results, one or several together. Those
+that explain the error share the confidence; if they cannot be told apart, both are named, with what
+would tell them apart.
 """
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
-from itertools import chain
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...meshes.radial import Array
-from ..methods.base import method
 from ..problem.quantities import QUANTITIES
-from ..progress import Stages
-from ..sampling.norms import Results
-from ..scene.scene import Scene
+from ..problem.unit_names import UnitNames
+from .causes import of_model, of_output
+from .causes.cause import Cause
+from .causes.comparison import Comparison
+from .causes.hypotheses import Hypothesis, Part, Weighing, alike, explained, setting_of
+from .causes.mesh import patterns
+from .causes.model import Model
+
+__all__ = ["Comparison", "Diagnosis", "diagnose"]
+
+CAUSES: tuple[Cause, ...] = (
+    of_model.WearCoefficient(),
+    of_model.TruncatedHalfSpace(),
+    of_output.Sign(),
+    of_output.Units(),
+    of_model.PlaneStrain(),
+    of_model.ForcePerLength(),
+    of_model.Diameter(),
+    of_model.Layer(),
+    of_model.NoLayers(),
+    of_model.Load(),
+    of_model.Stiffness(),
+    of_model.PoissonsRatio(),
+    of_model.SwappedMaterials(),
+    of_output.UnitOfTime(),
+    of_output.UnitOfRadii(),
+    of_output.PressureFactor(),
+    of_output.LengthFactor(),
+    of_output.ForceFactor(),
+    of_output.LateStart(),
+    of_output.FirstOrderStep(),
+)
+"""The mistakes that are looked for; of two that explain as much the likelier one is named first."""
+# confidence from which on a mistake is named, and from which on it is named alone
+NAMED, SURE = 0.15, 0.7
+# part of the confidence of two that are alike, from which on the one that fits fewer numbers names
+# both
+TELLS_WHY = 1 / 3
+# difference of two predictions, relative, from which on a result would tell them apart
+TELLING = 0.05
+MESH = {
+    "coarse rim": (
+        "errors of pressure, of {:.2g}, that are at the rim and fall as it wears",
+        "half the element size at the rim changes the first pressures most",
+    ),
+    "checkerboard": (
+        "errors of pressure, of {:.2g}, that change their sign from radius to radius",
+        "means of neighbours lose it: pressures are too rich for the displacements",
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -25,11 +70,12 @@ class Diagnosis:
 
     Parameters
     ----------
-    name : of the fault
+    name : of the mistake
     size : its number
-    confidence : up to 1: the part of the error that the fault explains
+    confidence : up to 1: how likely it is that this mistake was made, of all that explain the
+        error, times the part of the error that these explain
     words : what the results look like, with the number
-    confirm : what would confirm it
+    confirm : what would confirm it, or tell it from another that explains as much
     """
 
     name: str
@@ -37,180 +83,6 @@ class Diagnosis:
     confidence: float
     words: str
     confirm: str
-
-
-@dataclass(frozen=True, eq=False)
-class Comparison:
-    """Results of another program and ours, in the units of the scene: faults may explain the error.
-
-    Parameters
-    ----------
-    times : (T,) that it gives
-    radii : (R,) that it gives
-    theirs, ours : pressure, displacement, profile (T, R), indentation, normal_force (T,), NaN or
-        absent where they are not given
-    scene : what both are of
-    """
-
-    times: Array
-    radii: Array
-    theirs: Results
-    ours: Results
-    scene: Scene
-
-    def relative(self, results: Results, names: Iterable[str]) -> Array:
-        """Return relative differences of results to ours in one row, 0 where there is none.
-
-        The squares of each quantity sum to their mean.
-        """
-        with np.errstate(all="ignore"):
-            parts = [(results[name] / self.ours[name] - 1).ravel() for name in names]
-        row = np.hstack([[], *(part / np.sqrt(part.size) for part in parts)])
-        return np.where(np.isfinite(row), row, 0.0)
-
-    def fit(self, predicted: Results) -> tuple[float, float]:
-        """Return how large a fault is, over that predicted, and the part of the error it explains.
-
-        Only of the quantities that are predicted.
-        """
-        error = self.relative(self.theirs, predicted)
-        change = self.relative(predicted, predicted) * (error != 0)
-        size = change @ error / (change @ change or 1.0)
-        whole, left = np.linalg.norm(error), np.linalg.norm(error - size * change)
-        part = float((whole - left) / (whole or 1.0))
-        # one number is explained by anything that can be fitted
-        return size, part * (1 - 1 / (np.count_nonzero(error) or 1))
-
-    def solve(self, **changes: Any) -> Results:
-        """Return our results, to a hundredth, of a problem that is changed."""
-        problem = replace(self.scene.problem, rtol=1e-2, steady=False, **changes)
-        units = problem.units
-        radii = np.minimum(self.radii / units.length, 1) if len(self.radii) else None
-        problem = replace(problem, times=self.times / units.time, output_radii=radii)
-        results = method("mdr").solve(problem, Stages("mdr")).results
-        names = self.ours.keys() & results.keys()
-        return {name: results[name] * getattr(units, QUANTITIES[name].unit) for name in names}
-
-    def explain(self, predicted: Results) -> float:
-        """Return the part of the error that a fault explains, which is there wholly or not."""
-        size, part = self.fit(predicted)
-        return part * (abs(size - 1) < 0.1)
-
-    def of_model(self) -> Iterator[Diagnosis]:
-        """Return faults of what was modelled."""
-        rings, units = self.scene.problem.rings, self.scene.problem.units
-        wear, plane = rings.wear_coefficients, 1 - self.scene.problem.poisson_ratio**2
-        swapped = rings._replace(wear_coefficients=wear.min() + wear.max() - wear)
-        yield Diagnosis(
-            "swapped materials",
-            1.0,
-            self.explain(self.solve(rings=swapped)),
-            "the wear coefficients of two materials are swapped",
-            "late pressures are greatest where wear is least",
-        )
-        for size in (2.0, 0.5):
-            wide = replace(units, length=size * units.length, time=size * units.time)
-            yield Diagnosis(
-                "radius for diameter",
-                size,
-                self.explain(self.solve(units=wide)),
-                f"a punch of {size} times the radius: a diameter for a radius, or the reverse",
-                "the radius in the model where pressures end",
-            )
-        for size in (plane, 1 / plane):
-            stiff = replace(units, modulus=size * units.modulus, time=units.time / size)
-            yield Diagnosis(
-                "Poisson's ratio",
-                size,
-                self.explain(self.solve(units=stiff)),
-                f"a half-space {size:.4g} times as stiff: E for E/(1 - nu^2), or the reverse",
-                "with a Poisson's ratio of 0 the error is gone",
-            )
-        ratios = {name: 1 + self.fit({name: 2 * values})[0] for name, values in self.ours.items()}
-        size = max(ratios.values(), key=lambda ratio: abs(np.log(abs(ratio) or 1.0)))
-        labels = {1e3: "units", 1e6: "units", 2 * np.pi: "2 pi missing", plane: "Poisson's ratio"}
-        names = [labels[of] for of in labels if np.isclose(abs(size), (of, 1 / of), 0.01, 0).any()]
-        factors = ", ".join(f"{name} {ratio:.4g}" for name, ratio in ratios.items())
-        yield Diagnosis(
-            [*names, "constant factor"][0],
-            size,
-            self.explain({name: self.ours[name] * ratios[name] for name in ratios}),
-            f"over ours, at all times and radii: {factors}",
-            "units; the sum of 2 pi r p dr beside the load; results with a Poisson's ratio of 0",
-        )
-
-    def of_history(self) -> Iterator[Diagnosis]:
-        """Return faults that displacements show over time."""
-        names = self.ours.keys() & {"indentation", "displacement"}
-        depths = {name: self.ours[name] for name in names}
-        if len(self.times) < 2 or not depths:
-            return
-        from scipy.interpolate import interp1d  # runs without results of others load this file, too
-
-        problem, last = self.scene.problem, float(self.times[-1])
-        # relative error of d0 of a clamped half-space over a/R (`study truncation`)
-        clamped = np.interp(problem.poisson_ratio, [0, 0.3, 0.45, 0.5], [0.94, 1.09, 1.51, 1.91])
-        offset = clamped * problem.units.displacement / 2
-        size, part = self.fit({name: values - offset for name, values in depths.items()})
-        reach = 1 / (size or 1.0)
-        yield Diagnosis(
-            "truncated half-space",
-            reach,
-            part * (reach > 2),
-            f"displacements too low by one length: a half-space cut off at about {reach:.3g} a",
-            "a half-space twice as large has half the error",
-        )
-        # equal steps end at the times that are given
-        step, size, longest = last, 0.005, np.diff(self.times).max()
-        for _ in range(4):
-            step = longest / np.clip(np.round(longest / abs(step * size)), 1, 1000)
-            stepped = self.solve(march="implicit", step=step / problem.units.time)
-            size, part = self.fit({name: stepped[name] for name in depths})
-            if part < 0.1:
-                break
-        yield Diagnosis(
-            "first-order time step",
-            step * size,
-            part,
-            f"steps of first order, of about {step * size:.3g} (below 0: explicit ones)",
-            "half the time step has half the error",
-        )
-        histories = {name: interp1d(self.times, depths[name], axis=0) for name in depths}
-        parts = {}
-        for late in np.geomspace(last / 300, last, 150):
-            times = np.maximum(self.times - late, self.times[0])
-            parts[late] = self.explain({name: histories[name](times) for name in depths})
-        late = max(parts, key=lambda late: parts[late])
-        yield Diagnosis(
-            "late start",
-            late,
-            parts[late],
-            f"a history that starts about {late:.3g} too late",
-            "with this taken off the times the error is gone",
-        )
-
-    def of_pressure(self) -> Iterator[Diagnosis]:
-        """Return faults of the mesh, by the place and the sign of errors of pressure."""
-        if "pressure" not in self.ours:
-            return
-        error = self.relative(self.theirs, ["pressure"]).reshape(self.ours["pressure"].shape)
-        size = float(np.linalg.norm(error))
-        error /= size or 1.0
-        early = error[: (len(error) + 1) // 2, self.radii > 0.8 * self.scene.punch.radius]
-        yield Diagnosis(
-            "coarse rim",
-            size,
-            1 - np.sqrt(abs(1 - np.sum(early**2))),
-            f"errors of pressure, of {size:.2g}, that are at the rim and fall as it wears",
-            "half the element size at the rim changes the first pressures most",
-        )
-        yield Diagnosis(
-            "checkerboard",
-            size,
-            -np.sum(error[:, 1:] * error[:, :-1]),
-            f"errors of pressure, of {size:.2g}, that change their sign from radius to radius",
-            "means of neighbours lose it: pressures are too rich for the displacements",
-        )
 
 
 def diagnose(comparison: Comparison) -> list[Diagnosis]:
@@ -224,12 +96,136 @@ def diagnose(comparison: Comparison) -> list[Diagnosis]:
 
     Notes
     -----
-    Radius and modulus are changed by their units, which is exact of flat punches under one load;
-    of others these two faults may stay unnamed.
+    Radius, modulus and force are changed by their units, which is exact of flat punches under one
+    load; of others these mistakes may stay unnamed.
     """
-    error = comparison.relative(comparison.theirs, comparison.ours)
-    if np.linalg.norm(error) <= comparison.scene.accuracy.rtol:
+    model = Model(comparison)
+    weighing = Weighing(model, CAUSES)
+    if not comparison.names or _error(comparison) <= comparison.scene.accuracy.rtol:
         return []
-    faults = chain(comparison.of_model(), comparison.of_history(), comparison.of_pressure())
-    likely = [fault for fault in faults if fault.confidence > 0.7]
-    return sorted(likely, key=lambda fault: -fault.confidence)
+    none = weighing.hypothesis(())
+    shares = weighing.all()
+    likely = shares[0][0]
+    found = _of_causes(model, none, shares) + _of_mesh(model, likely)
+    return sorted(found, key=lambda fault: -fault.confidence)
+
+
+def _error(comparison: Comparison) -> float:
+    """Return the greatest relative error of a quantity, at all of its times and radii."""
+    errors = [0.0]
+    for name in comparison.names:
+        gap = comparison.theirs[name] - comparison.ours[name]
+        given = np.isfinite(gap)
+        if norm := np.linalg.norm(comparison.ours[name][given]):
+            errors.append(float(np.linalg.norm(gap[given]) / norm))
+        elif np.any(gap[given]):
+            errors.append(np.inf)
+    return max(errors)
+
+
+def _of_causes(
+    model: Model, none: Hypothesis, shares: Sequence[tuple[Hypothesis, float]]
+) -> list[Diagnosis]:
+    """Return the mistakes that are likely, with the share of all hypotheses that have them."""
+    confidence, best = dict[Cause, float](), dict[Cause, Hypothesis]()
+    for hypothesis, share in shares:
+        part_of_error = explained(hypothesis, none, model.comparison.members)
+        for part in hypothesis.parts:
+            confidence[part.cause] = confidence.get(part.cause, 0.0) + share * part_of_error
+            best.setdefault(part.cause, hypothesis)
+    named = sorted(confidence, key=lambda cause: -confidence[cause])
+    for cause in named:
+        for other in named[named.index(cause) + 1 :]:
+            # one mistake by two names, as a modulus and the one that Poisson's ratio is missing in
+            if cause.group == other.group and alike(best[cause], best[other]):
+                both = confidence[cause] + confidence[other]
+                # nearly as likely without a fitted number, it also tells why
+                tells = other.fitted < cause.fitted and confidence[other] > both * TELLS_WHY
+                kept, dropped = (other, cause) if tells else (cause, other)
+                confidence[kept], confidence[dropped] = both, 0.0
+    named = [cause for cause in named if confidence[cause] >= NAMED]
+    found = []
+    for cause in named:
+        hypothesis = best[cause]
+        (part,) = [part for part in hypothesis.parts if part.cause is cause]
+        rivals = [
+            other
+            for other in named
+            if other is not cause and cause not in {of.cause for of in best[other].parts}
+        ]
+        remedy = cause.remedy
+        if rivals and confidence[cause] < SURE:
+            remedy = telling(model, part, hypothesis, best[rivals[0]], rivals[0])
+        found.append(_told(model, part, hypothesis, min(1.0, confidence[cause]), remedy))
+    return found
+
+
+def _told(
+    model: Model, part: Part, hypothesis: Hypothesis, confidence: float, remedy: str
+) -> Diagnosis:
+    cause, setting = part.cause, hypothesis.setting
+    size = cause.size(model, part.sizes)
+    if isinstance(cause, of_output.Units):
+        size = cause.size_in(model, setting)
+    name = cause.named(model, setting, part.sizes)
+    words = cause.sentence(model, setting, part.sizes)
+    return Diagnosis(name, size, confidence, words, remedy)
+
+
+def telling(
+    model: Model, part: Part, hypothesis: Hypothesis, other: Hypothesis, rival: Cause
+) -> str:
+    """Return which result would tell a mistake from its rival."""
+    unit, names = model.problem.units, UnitNames.of(model.comparison.scene.units)
+    last = float(model.times.max())
+    later = np.array([0.0, last, 4 * last]) if last else np.zeros(1)
+    mine, theirs = (model.mean_history(setting_of(one.parts), later) for one in (hypothesis, other))
+    (rival_part,) = [of for of in other.parts if of.cause is rival]
+    rival_name = rival.named(model, other.setting, rival_part.sizes)
+    best = ("", 0.0, 0)
+    for name in mine:
+        for row, pair in enumerate(zip(mine[name], theirs[name], strict=True)):
+            size = max(abs(pair[0]), abs(pair[1]))
+            given = name in model.comparison.names and later[row] <= last
+            if size and not given and abs(pair[0] - pair[1]) / size > best[1]:
+                best = (name, abs(pair[0] - pair[1]) / size, row)
+    if best[1] < TELLING:
+        return (
+            f"{part.cause.remedy}; results at these times and radii do not tell it from "
+            f"{rival_name}: compare the inputs"
+        )
+    name, _, row = best
+    when = names.write(later[row] * unit.time, "time", 3)
+    kind = QUANTITIES[name].unit
+    values = [names.write(float(of[name][row]), kind, 3) for of in (mine, theirs)]
+    return (
+        f"the {name.replace('_', ' ')} at t = {when} tells it from {rival_name}: {values[0]} "
+        f"against {values[1]}"
+    )
+
+
+def _of_mesh(model: Model, hypothesis: Hypothesis) -> list[Diagnosis]:
+    """Return what the errors of pressure that are left look like."""
+    comparison = model.comparison
+    if "pressure" not in comparison.names:
+        return []
+    theirs = comparison.theirs["pressure"][comparison.rows]
+    right = comparison.ours["pressure"][comparison.rows]
+    whole = _relative(theirs, right)
+    left = _relative(theirs, right * model.pressure_ratio(hypothesis.setting))
+    # what mistakes have explained is no error of the mesh
+    share = min(1.0, float(np.linalg.norm(left) / (np.linalg.norm(whole) or 1.0)))
+    return [
+        Diagnosis(name, size, share * confidence, MESH[name][0].format(size), MESH[name][1])
+        for name, size, confidence in patterns(
+            left, comparison.radii, comparison.scene.punch.radius
+        )
+        if share * confidence > SURE and size > comparison.scene.accuracy.rtol
+    ]
+
+
+def _relative(theirs: Array, right: Array) -> Array:
+    """Return relative errors, 0 where there is none."""
+    with np.errstate(all="ignore"):
+        errors = theirs / right - 1
+    return np.where(np.isfinite(errors), errors, 0.0)

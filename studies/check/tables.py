@@ -157,7 +157,7 @@ def _open(path: Path) -> "pd.DataFrame | xarray.Dataset":
             f"{path} cannot be read: {getattr(error, 'strerror', None) or error}; give CSV in "
             "UTF-8, or netCDF in a file that ends in .nc"
         ) from None
-    table = read_numbers(text) if len(text) > LARGE else None
+    table = read_numbers(path, text) if len(text) > LARGE else None
     return read_csv_text(path, text) if table is None else table
 
 

@@ -102,13 +102,17 @@ def in_words(rows: Sequence[Verdict], names: UnitNames) -> str:
     quantity, when = worst.quantity, f"t = {names.write(worst.time, 'time', 3)}"
     said = f"{quantity.replace('_', ' ')}: "
     stated = f"(ours is known to {worst.stated:.0e})" if worst.stated else "(as the scene gives it)"
+    if np.isinf(worst.error):
+        return f"{said}not zero where nothing presses, at {when}"
     if abs(worst.error) <= worst.stated:
         return f"{said}no error to be seen {stated}"
     if quantity in FIELDS:
         local, size = f" r = {names.write(worst.radius, 'length', 3)}", _percent(worst.error)
         said += f"{_sign(worst.error)} by {size} of the indentation {stated}"
         if quantity == "pressure":
-            local += f": {_percent(worst.there)} {_sign(worst.there)}"
+            # where ours is 0 there is nothing to be relative to
+            if np.isfinite(worst.there):
+                local += f": {_percent(worst.there)} {_sign(worst.there)}"
             said = f"pressure: off by {size} in the root mean square {stated}"
         return f"{said}, worst at {when},{local}"
     said += f"{_percent(worst.error)} {_sign(worst.error)} {stated}"
@@ -119,8 +123,11 @@ def in_words(rows: Sequence[Verdict], names: UnitNames) -> str:
 
 
 def _percent(error: float) -> str:
-    """Return an error in per cent, or how many times the right value it is, if that is more."""
-    return f"{100 * abs(error):.2g} %" if abs(error) < MANY else f"{abs(error):.2g} times"
+    """Return an error in per cent, or as a multiple of the right value, if it is that large."""
+    if abs(error) >= MANY:
+        return f"{abs(error):.2g} times"
+    per_cent = 100 * abs(error)
+    return f"{per_cent:.0f} %" if per_cent >= 10 else f"{per_cent:.2g} %"
 
 
 def _sign(error: float) -> str:

@@ -86,6 +86,7 @@ class Outcome:
         missing = (
             name
             for method, solution in self.solutions.items()
+            if method not in self.of_others
             for name in expected_anchors(self.scene.problem, solution)
             if (name, method) not in checked
         )
@@ -302,6 +303,8 @@ class Outcome:
         return tuple(
             anchor
             for name, solution in self.solutions.items()
+            # of others, errors are told
+            if name not in self.of_others
             for anchor in anchors(self.scene, name, self.reported(name), solution)
         )
 

@@ -100,6 +100,16 @@ def test_what_presses_while_nothing_does_is_seen():
     assert checked.summary["verdicts"][0]["error"] is None
 
 
+def test_a_force_of_theirs_is_no_anchor_of_ours():
+    """It errs by less than is allowed, and by more than what is given as asked may."""
+    table = flat_start(Scene.load("five_rings"))
+    table["normal_force"] *= 1.002
+    checked = check(Scene.load("five_rings").changed(methods=["mdr"]), {"theirs": table})
+    assert "theirs" not in {anchor.method for anchor in checked.anchors}
+    assert all(anchor.holds for anchor in checked.anchors)
+    assert checked.passes
+
+
 def test_our_own_results_read_back_err_by_roundoff(tmp_path):
     result = run("five_rings", methods=["mdr"], rtol=1e-3)
     result.save(tmp_path / "out")

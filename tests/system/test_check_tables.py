@@ -47,6 +47,7 @@ def test_headings_are_known_in_any_case_by_symbols_and_with_units(heading, expec
 TABLES = {
     "semicolons and decimal commas": (";", ",", "t;r [mm];p [MPa]", None),
     "a row of units": (",", ".", "Time,Radius,Pressure", "s,mm,MPa"),
+    "spaces": (" ", ".", "time [s] r/mm P (MPa)", None),
     "tabs": ("\t", ".", "TIME (s)\tr/mm\tContact Pressure (MPa)", None),
 }
 
@@ -84,11 +85,21 @@ def test_large_files_are_read_at_once_and_as_small_ones_are(tmp_path):
     path = tmp_path / "theirs.csv"
     table = pd.DataFrame({"time": 0.0, "radius": np.linspace(0, 1, 500), "pressure": 2.0})
     table.to_csv(path, index=False)
-    text = path.read_text("utf-8")
-    at_once = read_numbers(text)
-    by_lines = read_csv_text(path, text).astype(float)
-    pd.testing.assert_frame_equal(at_once, by_lines)
-    assert read_numbers(text + "\n# a remark\n") is None
+    plain = path.read_text("utf-8")
+    head, _, rows = plain.partition("\n")
+    texts = [
+        plain,
+        "# a remark\n\n" + plain.replace("\n", "\n\n", 3) + "# another\n",
+        f"{head}\ns,m,Pa\n{rows}",
+        plain.replace(",", " "),
+        plain.replace(",", ";").replace(".", ","),
+    ]
+    for text in texts:
+        at_once = read_numbers(path, text)
+        by_lines = read_csv_text(path, text).astype(float)
+        pd.testing.assert_frame_equal(at_once, by_lines)
+    assert read_numbers(path, plain + "0,0.5\n") is None
+    assert read_numbers(path, plain + "0,0.5,much\n") is None
 
 
 def test_one_table_needs_no_name_and_errors_are_a_table():

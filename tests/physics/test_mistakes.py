@@ -1,0 +1,370 @@
+"""Mistakes typed into programs of others, or made with their tables, are named first.
+
+The programs have errors of their own of one to ten per cent (`tests/programs.py`). No mistake that
+was not made is named with a confidence above 0.7.
+
+The diagnosis was made with `FILES` at hand. `FRESH` was looked at later: at first the right cause
+was named first in 9 of 10, and in 2 a wrong one had a confidence above 0.7; then this was mended.
+`UNSEEN` was made and looked at once after that, and nothing was changed since: the right cause is
+named first in 9 of 10, and in 1 a wrong one has a confidence above 0.7 (`MISSED`).
+"""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from programs import Input, finite_elements, input_of, of_tamaas, springs
+
+from ringwear import Scene, check
+from ringwear.studies import challenge
+
+MM = {"units": "mm, N, MPa, s", "methods": ["mdr"]}
+SCENES = {
+    "five": Scene.load("five_rings").changed(
+        methods=["mdr"], wear__times=[0.0, 0.02, 0.1, 0.3, 0.6, 1.0, 2.0]
+    ),
+    "two": Scene(
+        units="SI",
+        methods=["mdr"],
+        punch={"radius": 0.01, "ring_edges": [0.004, 0.01], "wear_coefficients": [5e-15, 1e-15]},
+        half_space={"youngs_modulus": 2e9},
+        load={"normal_force": 100.0, "sliding_speed": 0.1},
+        wear={"times": [0.0, 1e3, 3e3, 1e4, 2e4, 3e4, 5e4]},
+    ),
+    "three": Scene(
+        **MM,
+        punch={"radius": 8.0, "ring_edges": [3.0, 5.0, 8.0], "wear_coefficients": [4e-7, 1e-7]},
+        half_space={"youngs_modulus": 500.0, "poisson_ratio": 0.4},
+        load={"normal_force": 300.0, "sliding_speed": 50.0},
+        wear={"times": [0.0, 40.0, 200.0, 600.0, 1500.0]},
+    ),
+    "tamaas_two": Scene(
+        **MM,
+        punch={"radius": 1.0, "ring_edges": [0.5, 1.0], "wear_coefficients": [1.0, 0.2]},
+        half_space={"plane_strain_modulus": 1.0},
+        load={"normal_force": 1.0, "sliding_speed": 1.0},
+        wear={"times": [0.0, 0.1, 0.3, 0.8, 1.6, 3.0]},
+    ),
+    "tamaas_three": Scene(
+        **MM,
+        punch={"radius": 1.0, "ring_edges": [0.3, 0.7, 1.0], "wear_coefficients": [1.0, 0.3, 1.0]},
+        half_space={"plane_strain_modulus": 1.0},
+        load={"normal_force": 1.0, "sliding_speed": 1.0},
+        wear={"times": [0.0, 0.05, 0.2, 0.5, 1.0, 2.0]},
+    ),
+    # for the fresh files
+    "four": Scene(
+        methods=["mdr"],
+        punch={
+            "radius": 3.0,
+            "ring_edges": [0.7, 1.6, 2.2, 3.0],
+            "wear_coefficients": [0.2, 1.0, 0.5, 2.0],
+        },
+        half_space={"youngs_modulus": 4.0, "poisson_ratio": 0.2},
+        load={"normal_force": 5.0, "sliding_speed": 1.0},
+        wear={"times": [0.0, 0.1, 0.4, 1.0, 3.0, 6.0]},
+    ),
+    "one": Scene(
+        **MM,
+        punch={"radius": 25.0, "wear_coefficient": 1e-5},
+        half_space={"youngs_modulus": 3000.0, "poisson_ratio": 0.35},
+        load={"normal_force": 4000.0, "sliding_speed": 10.0},
+        wear={"times": [0.0, 2.0, 10.0, 40.0, 120.0, 300.0]},
+    ),
+    # for those that nobody has looked at before
+    "wide": Scene(
+        **MM,
+        punch={
+            "radius": 40.0,
+            "ring_edges": [10.0, 26.0, 40.0],
+            "wear_coefficients": [2e-6, 8e-6, 1e-6],
+        },
+        half_space={"youngs_modulus": 200.0, "poisson_ratio": 0.45},
+        load={"normal_force": 2e4, "sliding_speed": 5.0},
+        wear={"times": [0.0, 100.0, 500.0, 2000.0, 6000.0, 15000.0]},
+    ),
+    "small": Scene(
+        units="SI",
+        methods=["mdr"],
+        punch={"radius": 5e-4, "ring_edges": [2e-4, 5e-4], "wear_coefficients": [1e-14, 6e-14]},
+        half_space={"youngs_modulus": 7e10, "poisson_ratio": 0.33},
+        load={"normal_force": 10.0, "sliding_speed": 0.05},
+        wear={"times": [0.0, 0.05, 0.3, 1.0, 3.0, 8.0]},
+    ),
+    "flat": Scene.load("flat_punch").changed(methods=["mdr"], wear__times=[0.0]),
+}
+LENGTHS = ["displacement", "profile", "indentation"]
+
+
+def scaled(table, **factors):
+    """Return a table with columns multiplied."""
+    return table.assign(**{name: table[name] * factor for name, factor in factors.items()})
+
+
+def lengths(factor):
+    """Return factors on all lengths but radii."""
+    return dict.fromkeys(LENGTHS, factor)
+
+
+def linear(factor):
+    """Return factors on all that a load causes."""
+    return lengths(factor) | {"pressure": factor}
+
+
+def typed(program, scene, **changes):
+    """Return a table of a program by a scene, typed in with changes."""
+    given = input_of(SCENES[scene])
+    changes = {key: of(given) if callable(of) else of for key, of in changes.items()}
+    return program(given.changed(**changes))
+
+
+def times(factor):
+    """Return what multiplies wear coefficients."""
+    return lambda given: tuple(factor * np.array(given.wear))
+
+
+def loaded(factor):
+    """Return what multiplies the force."""
+    return lambda given: given.force * factor
+
+
+def of_challenge(name):
+    """Return a table of a program in the challenge, away from the rim."""
+    table = pd.read_csv(Path(challenge.__file__).parent / "others" / f"{name}.csv", comment="#")
+    table = table[table["radius"] < 0.95]
+    return table.assign(profile=0.0)
+
+
+def twice(given: Input):
+    """Return edges that are diameters."""
+    return tuple(2 * np.array(given.edges))
+
+
+def first_time(table):
+    """Return what a table gives at its first time."""
+    return table[table["time"] == table["time"].min()]
+
+
+def only(table, *names):
+    """Return what a table gives of some quantities."""
+    return table[["time", "radius", *names]]
+
+
+K, BOX, SIGN, UNITS = "wear coefficient", "truncated half-space", "sign of the pressure", "units"
+PLANE, FORCE, LAYER, DIAMETER = "plane strain", "force per length", "layer", "radius for diameter"
+RADII = "units of radii"
+FILES = {
+    "k 2": ("five", lambda: typed(springs, "five", wear=times(2)), {K}),
+    "k 1.1, pressures": (
+        "five",
+        lambda: only(typed(springs, "five", wear=times(1.1)), "pressure"),
+        {K},
+    ),
+    "box 10": ("five", lambda: typed(finite_elements, "five", reach=10.0), {BOX}),
+    "box 8, once": (
+        "two",
+        lambda: first_time(typed(finite_elements, "two", reach=8.0)),
+        {BOX},
+    ),
+    "sign": ("five", lambda: scaled(typed(springs, "five"), pressure=-1), {SIGN}),
+    "sign, box 12": (
+        "three",
+        lambda: scaled(typed(finite_elements, "three", reach=12.0), pressure=-1),
+        {SIGN, BOX},
+    ),
+    "metres": ("tamaas_two", lambda: scaled(of_tamaas("tamaas_two"), **lengths(1e-3)), {UNITS}),
+    "metres, k 3": (
+        "three",
+        lambda: scaled(typed(springs, "three", wear=times(3)), **lengths(1e-3)),
+        {UNITS, K},
+    ),
+    "plane": (
+        "five",
+        lambda: typed(finite_elements, "five", plane=True, force=1.0),
+        {PLANE},
+    ),
+    "plane, per metre": ("two", lambda: typed(finite_elements, "two", plane=True), {PLANE}),
+    "per radian": ("five", lambda: typed(springs, "five", force=loaded(0.5 / math.pi)), {FORCE}),
+    "per radian, sign": (
+        "tamaas_three",
+        lambda: scaled(
+            of_tamaas("tamaas_three"), **linear(0.5 / math.pi) | {"pressure": -0.5 / math.pi}
+        ),
+        {FORCE, SIGN},
+    ),
+    "per rim": (
+        "two",
+        lambda: typed(springs, "two", force=loaded(0.5 / math.pi / 0.01)),
+        {FORCE},
+    ),
+    "soft layer": ("five", lambda: typed(finite_elements, "five", layer=(0.2, 0.1)), {LAYER}),
+    "stiff layer": ("three", lambda: typed(finite_elements, "three", layer=(0.5, 5.0)), {LAYER}),
+    "diameter": ("three", lambda: typed(springs, "three", radius=16.0, edges=twice), {DIAMETER}),
+    "diameters in the table": (
+        "tamaas_three",
+        lambda: scaled(of_tamaas("tamaas_three"), radius=2),
+        {RADII},
+    ),
+    "k 0.5, box 10": (
+        "five",
+        lambda: typed(finite_elements, "five", reach=10.0, wear=times(0.5)),
+        {K, BOX},
+    ),
+    "diameter, sign": (
+        "three",
+        lambda: scaled(typed(finite_elements, "three", radius=16.0, edges=twice), pressure=-1),
+        {DIAMETER, SIGN},
+    ),
+    "k 2, micrometres": (
+        "tamaas_two",
+        lambda: scaled(of_tamaas("tamaas_two"), time=0.5, **lengths(1e3)),
+        {K, UNITS},
+    ),
+}
+
+FRESH = {
+    "k 1.6": ("four", lambda: typed(finite_elements, "four", wear=times(1.6)), {K}),
+    "pascals": ("one", lambda: scaled(typed(springs, "one"), pressure=1e6), {UNITS}),
+    "k 0.7, sign": (
+        "tamaas_two",
+        lambda: scaled(of_tamaas("tamaas_two"), time=1 / 0.7, pressure=-1),
+        {K, SIGN},
+    ),
+    "box 6, displacements": (
+        "one",
+        lambda: only(typed(finite_elements, "one", reach=6.0), "displacement", "indentation"),
+        {BOX},
+    ),
+    "plane, sign": (
+        "four",
+        lambda: scaled(
+            typed(finite_elements, "four", plane=True, force=loaded(1 / 6)), pressure=-1
+        ),
+        {PLANE, SIGN},
+    ),
+    "per rim, metres": (
+        "four",
+        lambda: scaled(typed(springs, "four", force=loaded(0.5 / math.pi / 3)), **lengths(1e-3)),
+        {FORCE, UNITS},
+    ),
+    "softer layer": ("one", lambda: typed(finite_elements, "one", layer=(0.4, 0.05)), {LAYER}),
+    "half the radius": (
+        "one",
+        lambda: typed(springs, "one", radius=12.5, edges=(12.5,)),
+        {DIAMETER},
+    ),
+    "stiffer layer, sign": (
+        "four",
+        lambda: scaled(typed(finite_elements, "four", layer=(0.15, 8.0)), pressure=-1),
+        {LAYER, SIGN},
+    ),
+    "start, sign, metres": (
+        "flat",
+        lambda: scaled(of_challenge("01_contact_mechanics_128"), pressure=-1, **lengths(1e-3)),
+        {SIGN, UNITS},
+    ),
+}
+
+UNSEEN = {
+    "k 0.4, pressures and profiles": (
+        "wide",
+        lambda: only(typed(springs, "wide", wear=times(0.4)), "pressure", "profile"),
+        {K},
+    ),
+    "minutes": ("wide", lambda: scaled(typed(springs, "wide"), time=1 / 60), {"units of time"}),
+    "modulus 1.8": (
+        "small",
+        lambda: typed(finite_elements, "small", youngs=lambda given: 1.8 * given.youngs),
+        {"modulus"},
+    ),
+    "load 0.6, sign of displacements": (
+        "wide",
+        lambda: scaled(typed(springs, "wide", force=loaded(0.6)), displacement=-1),
+        {"normal force", "sign of the displacement"},
+    ),
+    "box 5": ("small", lambda: typed(finite_elements, "small", reach=5.0), {BOX}),
+    "late": (
+        "tamaas_three",
+        lambda: of_tamaas("tamaas_three").eval("time = time + 0.2"),
+        {"late start"},
+    ),
+    "swapped, megapascals": (
+        "small",
+        lambda: scaled(typed(springs, "small", wear=lambda given: given.wear[::-1]), pressure=1e-6),
+        {"swapped materials", UNITS},
+    ),
+    "soft layer, k 2": (
+        "small",
+        lambda: typed(finite_elements, "small", layer=(0.3, 0.3), wear=times(2)),
+        {LAYER, K},
+    ),
+    "half the punch": (
+        "tamaas_two",
+        lambda: scaled(of_tamaas("tamaas_two"), **linear(0.5)),
+        {FORCE},
+    ),
+    "no Poisson's ratio": ("wide", lambda: typed(springs, "wide", ratio=0.0), {"Poisson's ratio"}),
+}
+
+
+ALL = FILES | FRESH | UNSEEN
+# and why
+MISSED = {
+    "minutes": "all times are early, where springs err most: a wear coefficient 49 times as great"
+}
+QUICK = ("k 1.1, pressures", "per radian, sign", "start, sign, metres")
+
+
+def looks(scene, table):
+    """Return what a file looks like."""
+    return check(SCENES[scene], table()).diagnoses["theirs"]
+
+
+def marked(name):
+    """Return the marks of a file."""
+    marks = [] if name in QUICK else [pytest.mark.slow]
+    if name in MISSED:
+        marks.append(pytest.mark.xfail(reason=MISSED[name], strict=True))
+    return pytest.param(name, marks=marks)
+
+
+@pytest.mark.parametrize("name", [marked(name) for name in ALL])
+def test_the_right_cause_is_named_first_and_no_wrong_one_is_sure(name):
+    scene, table, right = ALL[name]
+    first, *others = looks(scene, table)
+    assert first.name in right
+    assert all(other.name in right or other.confidence <= 0.7 for other in others)
+
+
+def test_causes_that_pressures_cannot_tell_apart_share_the_confidence():
+    """k and E* both let time run faster; lengths, which are not given, tell them apart."""
+    first, second = looks(*FILES["k 1.1, pressures"][:2])
+    assert {first.name, second.name} == {K, "Poisson's ratio"}
+    assert first.confidence + second.confidence == pytest.approx(1, abs=0.1)
+    assert first.confidence < 0.7
+    assert "tells it from Poisson's ratio" in first.confirm
+    assert any(f"the {name} at t =" in first.confirm for name in LENGTHS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("program", ["springs", "finite elements", "tamaas"])
+def test_programs_without_a_mistake_have_none_that_is_sure(program):
+    """But for the boundary of the finite elements, which is there, far away."""
+    table, scene = {
+        "springs": (lambda: typed(springs, "five"), "five"),
+        "finite elements": (lambda: typed(finite_elements, "three"), "three"),
+        "tamaas": (lambda: of_tamaas("tamaas_three"), "tamaas_three"),
+    }[program]
+    mesh = {"coarse rim", "checkerboard"}
+    assert all(one.confidence <= 0.7 for one in looks(scene, table) if one.name not in mesh)
+
+
+def test_one_number_names_what_a_mistake_would_be():
+    """A clamped box first; what would tell it from the others is a pressure."""
+    first, *others = looks("five", lambda: pd.DataFrame({"time": [0.0], "indentation": [0.95]}))
+    assert (first.name, first.size) == (BOX, pytest.approx(1.09 / 0.05, rel=1e-2))
+    assert first.confidence < 0.5
+    assert "pressure" in first.confirm
+    assert others
