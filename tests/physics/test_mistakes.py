@@ -10,6 +10,7 @@ named first in 9 of 10, and in 1 a wrong one has a confidence above 0.7 (`MISSED
 """
 
 import math
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -317,6 +318,7 @@ MISSED = {
 QUICK = ("k 1.1, pressures", "per radian, sign", "start, sign, metres")
 
 
+@cache
 def looks(scene, table):
     """Return what a file looks like."""
     return check(SCENES[scene], table()).diagnoses["theirs"]

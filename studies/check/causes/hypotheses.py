@@ -10,7 +10,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from ....meshes.radial import Array
 from .cause import Cause, Sizes
@@ -141,6 +140,9 @@ class Weighing:
 
     def fit(self, parts: tuple[Part, ...]) -> Hypothesis | None:
         """Return mistakes with the sizes that suit best; None if there is no such mistake."""
+        # only a diagnosis needs it, not who reads results
+        from scipy.optimize import least_squares
+
         start = [np.array(part.sizes) for part in parts if part.cause.searched]
         if not start:
             return self.hypothesis(parts)
