@@ -4,6 +4,7 @@ The reference history of the five rings, and methods made ready once for many te
 """
 
 import json
+import os
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -19,6 +20,9 @@ from ringwear.studies.methods.base import method as find_method
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 from ringwear.studies.wear.full_contact import RunningIn
+
+# workers of the tests have it, and lines would be broken as on a terminal
+os.environ.pop("COLUMNS", None)
 
 
 def pytest_addoption(parser):
