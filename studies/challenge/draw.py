@@ -133,15 +133,17 @@ def draw() -> "Figure":
     """Draw the errors of `errors.csv` over seconds, a column for each problem."""
     from matplotlib.figure import Figure
 
-    from ..figures.style import LOOKS
+    from ..figures.style import LOOKS, looks_of
 
     table = pd.read_csv(ERRORS)
+    programs = [str(name) for name in table["program"].unique()]
+    looks_by_name = looks_of(programs, [name for name in programs if name not in LOOKS])
     figure = Figure((9, 6), layout="constrained")
     axes = figure.subplots(2, len(SOLVED), sharex=True, sharey="row")
     for column, (number, told) in zip(axes.T, table.groupby("problem"), strict=True):
         for program, rows in told.groupby("program", sort=False):
             bound = rows["bound"].notna().any()
-            looks = {"marker": "."} | LOOKS.get(str(program), {})
+            looks = {"marker": "."} | looks_by_name[str(program)]
             looks |= (
                 {"label": f"{program} (at most)", "marker": "v"} if bound else {"label": program}
             )
