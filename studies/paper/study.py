@@ -40,8 +40,7 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
         curves = {}
         for number in (6, 7):
             counts = (2, 4, 8) if options.quick else (2, 4, 8, 16, 32, 64)
-            every = 50 if options.quick else 25
-            curves[number] = compute_gradients(number, scene, counts, every)
+            curves[number] = compute_gradients(number, scene, counts)
             drawn[f"fig{number}"] = figures.draw_gradients(number, curves[number])
             tables[f"fig{number}"] = curves[number].to_dataframe().reset_index()
             difference = float(abs(curves[number].fem / curves[number].direct - 1).max())
@@ -54,21 +53,12 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
     )
 
 
-def compute_gradients(
-    figure: int, scene: Scene, counts: tuple[int, ...], every: int
-) -> xarray.Dataset:
+def compute_gradients(figure: int, scene: Scene, counts: tuple[int, ...]) -> xarray.Dataset:
     """Return the data of Fig. 6 or 7, by the bundled sweep of that name.
 
     `direct`, and `fem` at some points, NaN elsewhere, over (ratio, rings, gradient_average);
     `limit`, of many rings, over (gradient_average, ratio). Of the scene, Poisson's ratio and the
     accuracy are taken.
-
-    Parameters
-    ----------
-    figure : 6 or 7
-    scene : of the study
-    counts : numbers of rings
-    every : `fem` is computed at one of so many ratios
     """
     bundled = Sweep.load(f"fig{figure}")
     base, axes = bundled.table["base"], bundled.table["axes"] | {"punch.rings": list(counts)}
@@ -76,7 +66,7 @@ def compute_gradients(
     varied = ("punch.wear_ratio", "punch.width_ratio")[figure - 6]
     ratio = varied.removeprefix("punch.")
     some = {
-        varied: by_direct[ratio].values[::every].tolist(),
+        varied: by_direct[ratio].values[::25].tolist(),
         "punch.rings": [count for count in counts if count <= 16],
     }
     by_fem = sweep(
