@@ -1,9 +1,7 @@
 """What a script works with: runs of scenes, and results that show, save and load themselves."""
 
-from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -182,10 +180,9 @@ class Result(Outcome):
         told = f"<pre>{escape(repr(self))}</pre>"
         if not self._pictures:
             return told
-        image = BytesIO()
-        self.plot().savefig(image, dpi=100)
-        picture = b64encode(image.getvalue()).decode()
-        return f'{told}<img src="data:image/png;base64,{picture}">'
+        from .figures.style import html_of
+
+        return told + html_of(self.plot())
 
     @property
     def _pictures(self) -> "dict[str, Picture]":

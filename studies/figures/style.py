@@ -4,8 +4,10 @@ Drawn without a display, readable in grey and in print, 89 mm or 183 mm wide.
 """
 
 import textwrap
+from base64 import b64encode
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager
+from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
@@ -61,6 +63,14 @@ PAGE = 183 / 25.4
 def in_style() -> AbstractContextManager[None]:
     """Draw in this style, whatever the user's own."""
     return rc_context(fname=Path(__file__).with_name("ringwear.mplstyle"))
+
+
+def html_of(figure: Figure) -> str:
+    """Return a figure as an HTML image that holds its data, for notebooks."""
+    image = BytesIO()
+    with in_style():
+        figure.savefig(image, format="png", dpi=100)
+    return f'<img src="data:image/png;base64,{b64encode(image.getvalue()).decode()}">'
 
 
 def save(path: Path, draw: Callable[..., Figure], *arguments: Any) -> None:

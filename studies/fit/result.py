@@ -1,17 +1,15 @@
 """The value that a fit returns, which shows and saves itself."""
 
-from base64 import b64encode
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from html import escape
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pandas as pd
 
 from ...meshes.errors import RingwearError
-from ..figures.style import in_style
+from ..figures.style import html_of, in_style
 from ..output.folder import output_folder
 from ..output.one_file import make
 from ..report.study_page import write_study
@@ -56,12 +54,7 @@ class Fit(Outcome):
         """Return conclusions, estimates and figures as HTML, for notebooks."""
         parts = [f"<pre>{escape(repr(self))}</pre>"]
         parts.append(self.estimates.to_html(float_format="{:.4g}".format))
-        for figure in self.figures.values():
-            image = BytesIO()
-            with in_style():
-                figure.savefig(image, dpi=100)
-            picture = b64encode(image.getvalue()).decode()
-            parts.append(f'<img src="data:image/png;base64,{picture}">')
+        parts += map(html_of, self.figures.values())
         return "".join(parts)
 
     def save(self, folder: str | Path) -> list[str]:

@@ -1,18 +1,16 @@
 """The value that a study returns: a table, its orders, its figures and its conclusions."""
 
-from base64 import b64encode
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from html import escape
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pandas as pd
 
 from ...meshes.errors import RingwearError, SceneError
-from ..figures.style import in_style
+from ..figures.style import html_of, in_style
 from ..output.folder import output_folder
 from ..output.one_file import make
 from ..scene.scene import Scene
@@ -66,12 +64,7 @@ class Study:
         parts = [f"<pre>{escape(repr(self))}</pre>"]
         shown = self.orders if len(self.orders) else self.table
         parts.append(shown.to_html(index=False, max_rows=40, float_format="{:.4g}".format))
-        for figure in self.figures.values():
-            image = BytesIO()
-            with in_style():
-                figure.savefig(image, dpi=100)
-            picture = b64encode(image.getvalue()).decode()
-            parts.append(f'<img src="data:image/png;base64,{picture}">')
+        parts += map(html_of, self.figures.values())
         return "".join(parts)
 
     def to_markdown(self, table: str = "") -> str:

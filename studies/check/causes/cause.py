@@ -37,9 +37,9 @@ class Cause(ABC):
         """Return whether the results could show it."""
         return True
 
-    @abstractmethod
     def candidates(self, model: Model) -> list[Sizes]:
-        """Return sizes to try, or to begin a search from."""
+        """Return sizes to try, or to begin a search from; one without numbers if it has none."""
+        return [()]
 
     @abstractmethod
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
@@ -60,3 +60,24 @@ class Cause(ABC):
     def within(self, model: Model, sizes: Sizes) -> bool:
         """Return whether sizes are possible."""
         return True
+
+
+class Factor(Cause):
+    """A mistake that multiplies something by a number, which is searched for.
+
+    Attributes
+    ----------
+    greatest : factor that is possible, and the inverse of the least
+    """
+
+    searched = True
+    fitted = 1
+    greatest: ClassVar[float] = 1e9
+
+    def candidates(self, model: Model) -> list[Sizes]:
+        """Return the factors that a search begins from."""
+        return [(factor,) for factor in FACTORS]
+
+    def within(self, model: Model, sizes: Sizes) -> bool:
+        """Return whether a factor is possible."""
+        return 1 / self.greatest < sizes[0] < self.greatest

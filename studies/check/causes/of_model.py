@@ -2,7 +2,7 @@
 
 import math
 
-from .cause import FACTORS, Cause, Sizes
+from .cause import Cause, Factor, Sizes
 from .model import STIFFNESSES, THICKNESSES, Model
 from .setting import Setting
 
@@ -10,13 +10,13 @@ from .setting import Setting
 NEAR = 0.06
 
 
-class WearCoefficient(Cause):
+class WearCoefficient(Factor):
     """Time runs faster or slower, while pressures and displacements begin and end the same."""
 
     name = "wear coefficient"
-    group, searched = "time", True
+    group = "time"
     prior = 0.15
-    fitted = 1
+    greatest = 1e7
     remedy = (
         "k and v in the input, and their units; with all times multiplied by it the error is gone"
     )
@@ -25,17 +25,9 @@ class WearCoefficient(Cause):
         """Return whether the results could show it."""
         return bool((model.times > 0).any()) and not model.problem.loading.varies
 
-    def candidates(self, model: Model) -> list[Sizes]:
-        """Return sizes to try, or to begin a search from."""
-        return [(factor,) for factor in FACTORS]
-
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
         return setting._replace(wear=setting.wear * sizes[0])
-
-    def within(self, model: Model, sizes: Sizes) -> bool:
-        """Return whether sizes are possible."""
-        return 1e-7 < sizes[0] < 1e7
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the results look like, with the number."""
@@ -88,30 +80,21 @@ class TruncatedHalfSpace(Cause):
         return f"{high}: {reach}, which adds about 1.1 a/R to the first force"
 
 
-class Load(Cause):
+class Load(Factor):
     """All pressures, displacements and worn heights are the same multiple of ours."""
 
     name = "normal force"
-    group, searched = "load", True
+    group = "load"
     prior = 0.05
-    fitted = 1
     remedy = "the sum of 2 pi r p dr beside the load of the scene"
 
     def applies(self, model: Model) -> bool:
         """Return whether the results could show it."""
         return model.flat and model.pressed_by_force
 
-    def candidates(self, model: Model) -> list[Sizes]:
-        """Return sizes to try, or to begin a search from."""
-        return [(factor,) for factor in FACTORS]
-
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
         return setting._replace(force=setting.force * sizes[0])
-
-    def within(self, model: Model, sizes: Sizes) -> bool:
-        """Return whether sizes are possible."""
-        return 1e-9 < sizes[0] < 1e9
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the results look like, with the number."""
@@ -156,30 +139,21 @@ class ForcePerLength(Load):
         )
 
 
-class Stiffness(Cause):
+class Stiffness(Factor):
     """Displacements by pressures are a multiple of ours, and running-in is faster by it."""
 
     name = "modulus"
-    group, searched = "modulus", True
+    group = "modulus"
     prior = 0.04
-    fitted = 1
     remedy = "the modulus in the input; F / (2 a E*) beside the first indentation"
 
     def applies(self, model: Model) -> bool:
         """Return whether the results could show it."""
         return model.flat
 
-    def candidates(self, model: Model) -> list[Sizes]:
-        """Return sizes to try, or to begin a search from."""
-        return [(factor,) for factor in FACTORS]
-
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
         return setting._replace(stiffness=setting.stiffness * sizes[0])
-
-    def within(self, model: Model, sizes: Sizes) -> bool:
-        """Return whether sizes are possible."""
-        return 1e-9 < sizes[0] < 1e9
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the results look like, with the number."""
@@ -247,10 +221,6 @@ class SwappedMaterials(Cause):
         """Return whether the results could show it."""
         wear = (model.problem.graded or model.problem.rings).wear_coefficients
         return bool((model.times > 0).any()) and wear.min() < wear.max()
-
-    def candidates(self, model: Model) -> list[Sizes]:
-        """Return sizes to try, or to begin a search from."""
-        return [()]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .cause import FACTORS, Cause, Sizes
+from .cause import Cause, Factor, Sizes
 from .model import LENGTHS, Model
 from .setting import Setting
 
@@ -20,10 +20,6 @@ class Sign(Cause):
     group = "sign"
     prior = 0.1
     remedy = "p is positive in compression; u, d and f are positive into the half-space"
-
-    def candidates(self, model: Model) -> list[Sizes]:
-        """Return sizes to try, or to begin a search from."""
-        return [()]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
@@ -56,10 +52,6 @@ class Units(Cause):
     group = "units"
     prior = 0.06
     remedy = "--units, or the heading of the column, with the units of theirs"
-
-    def candidates(self, model: Model) -> list[Sizes]:
-        """Return sizes to try, or to begin a search from."""
-        return [()]
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
@@ -138,13 +130,11 @@ class UnitOfRadii(Cause):
         return f"radii are {what}: a radius of the table is {sizes[0]:.4g} times as large in ours"
 
 
-class ConstantFactor(Cause):
+class ConstantFactor(Factor):
     """One kind of quantity is a multiple of ours at all times, and the others are right."""
 
     name = "constant factor"
-    searched = True
     prior = 0.04
-    fitted = 1
     kind: ClassVar[str]
     quantities: ClassVar[tuple[str, ...]]
 
@@ -152,17 +142,9 @@ class ConstantFactor(Cause):
         """Return whether the results could show it."""
         return bool({*self.quantities} & {*model.comparison.names})
 
-    def candidates(self, model: Model) -> list[Sizes]:
-        """Return sizes to try, or to begin a search from."""
-        return [(factor,) for factor in FACTORS]
-
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return a setting with this mistake in it, of a size."""
         return setting._replace(**{self.kind: getattr(setting, self.kind) * sizes[0]})
-
-    def within(self, model: Model, sizes: Sizes) -> bool:
-        """Return whether sizes are possible."""
-        return 1e-9 < sizes[0] < 1e9
 
     def named(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return the name of the mistake of this size."""
