@@ -5,7 +5,7 @@ elements of one degree at once, before anything is assembled.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -20,6 +20,10 @@ from ..meshes.radial import Array, Indices
 from ..meshes.sizes import LOWEST
 from .elements import check_element
 from .weak_form import element_of_degree, moduli, stiffness
+
+# Poisson's ratio that stands for 1/2 in layers: between stiff neighbours the indentation errs by 6
+# to 210 times 1 - 2 nu (physics/test_layers.py)
+HIGHEST_RATIO_IN_LAYERS = 0.5 - 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +120,22 @@ class AxisymmetricElasticity:
         """
         if self.own_element is not None:
             check_element(self.own_element, self.mesh, self.degree)
+
+    @classmethod
+    def on_ground(
+        cls,
+        mesh: Mesh,
+        degree: int,
+        poisson_ratio: float,
+        ground: Ground | None,
+        lowered_degrees: int = 0,
+    ) -> "AxisymmetricElasticity":
+        """Return the solid of a homogeneous half-space, or of layers if there are any.
+
+        In layers, Poisson's ratios may come closer to 1/2.
+        """
+        solid = cls(mesh, degree, poisson_ratio, lowered_degrees=lowered_degrees, ground=ground)
+        return solid if ground is None else replace(solid, highest_ratio=HIGHEST_RATIO_IN_LAYERS)
 
     @property
     def poisson_ratio(self) -> float:

@@ -2,14 +2,18 @@
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from types import ModuleType
+from typing import NamedTuple
 
 import numpy as np
 
 from .errors import MeshError
 from .radial import Array, Indices
+
+# a radius beyond every mesh, in punch radii
+FAR_AWAY = 1e3
 
 
 def unavailable() -> str:
@@ -67,12 +71,38 @@ def _restore_signal_handlers() -> None:
             signal.signal(number, handler)
 
 
+class Band(NamedTuple):
+    """Limit the size of elements in a range of depth.
+
+    Parameters
+    ----------
+    top, bottom : the range
+    largest : greatest size of elements there
+    """
+
+    top: float
+    bottom: float
+    largest: float
+
+
 def set_sizes(
-    gmsh: ModuleType, points: Indices, sizes: Array, growth: float, largest: float
+    gmsh: ModuleType,
+    points: Indices,
+    sizes: Array,
+    growth: float,
+    largest: float,
+    bands: Sequence[Band] = (),
 ) -> None:
     """Set the element sizes of the model.
 
-    (N,) sizes at (N, ...) points of it, growing with the distance to the largest.
+    Parameters
+    ----------
+    gmsh : with the model
+    points : (N, ...) tags of points
+    sizes : (N,) size at these points
+    growth : growth of the size with the distance from them
+    largest : greatest size
+    bands : ranges of depth in which the greatest size is smaller
     """
     fields = gmsh.model.mesh.field
     ramps = []
@@ -90,6 +120,13 @@ def set_sizes(
         for name, value in ramp.items():
             fields.setNumber(threshold, name, value)
         ramps.append(threshold)
+    for band in bands:
+        box = fields.add("Box")
+        bounds = {"YMin": band.top, "YMax": band.bottom, "XMin": 0, "XMax": FAR_AWAY}
+        bounds |= {"VIn": band.largest, "VOut": largest}
+        for name, value in bounds.items():
+            fields.setNumber(box, name, value)
+        ramps.append(box)
     smallest = fields.add("Min")
     fields.setNumbers(smallest, "FieldsList", ramps)
     fields.setAsBackgroundMesh(smallest)

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
 from types import ModuleType
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +21,7 @@ from skfem import MeshQuad
 from .errors import MeshError
 from .gmsh_session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
 from .half_space import DEEP, LOWER, ExactQuads, as_half_space, quality
+from .outline import Outline, add_corners, add_surfaces
 from .radial import Array, Indices, exact_sum
 from .sizes import (
     LARGEST,
@@ -184,10 +184,9 @@ def graded(
     if np.diff(ring_edges).min() < 1e-10:
         raise MeshError("a ring is narrower than 1e-10 a: merge it with a neighbour")
     widths = patch_widths(ring_edges)
-    within = tuple(depth for depth in interfaces if depth < outer)
-    if within:
-        widths = np.minimum(widths, PATCH_OF_LAYER * within[0])
-    base = within[-1] if rigid and within == interfaces else np.inf
+    outline = Outline.of_layers(outer, interfaces, rigid)
+    if outline.interfaces:
+        widths = np.minimum(widths, PATCH_OF_LAYER * outline.interfaces[0])
     layers = patch_layers(
         widths, np.append(np.broadcast_to(sizes, len(ring_edges) - 2), rim_size), factor
     )
@@ -197,9 +196,16 @@ def graded(
     tried: list[tuple[float, GradedQuads]] = []
     for way in ways:
         try:
-            between = _between(ring_edges[1:], widths, growth, Outline(outer, within, base), way)
+            between = _between(ring_edges[1:], widths, growth, outline, way)
             graded = GradedQuads(
-                ring_edges, widths, layers, factor, between, edge_amplitude, lacking_degrees, base
+                ring_edges,
+                widths,
+                layers,
+                factor,
+                between,
+                edge_amplitude,
+                lacking_degrees,
+                outline.base,
             )
             tried.append((quality(graded.mesh).min(), graded))
         except MeshError as error:
@@ -210,21 +216,6 @@ def graded(
     if not tried:
         raise MeshError(f"no quadrilaterals between the rings: {reason}")
     return max(tried, key=itemgetter(0))[1]
-
-
-class Outline(NamedTuple):
-    """What the quarter disc is bounded by, and divided into.
-
-    Parameters
-    ----------
-    outer : radius of the arc
-    interfaces : depths of lines across it
-    base : depth at which it ends, if that is one of these
-    """
-
-    outer: float
-    interfaces: tuple[float, ...] = ()
-    base: float = np.inf
 
 
 def _between(
@@ -256,12 +247,9 @@ def _between(
 def _geometry(
     gmsh: ModuleType, centres: Array, widths: Array, growth: float, outline: Outline
 ) -> None:
-    geometry, outer = gmsh.model.geo, outline.outer
-    # the layers from the surface down, the last as far as the arc or a rigid base
-    bottoms = outline.interfaces if np.isfinite(outline.base) else (*outline.interfaces, outer)
-    origin, surface_end = (geometry.addPoint(r, 0, 0) for r in (0, outer))
-    axis_ends = [geometry.addPoint(0, depth, 0) for depth in bottoms]
-    curves, previous, at_patches, end = [], origin, [], 0.0
+    geometry = gmsh.model.geo
+    corners = add_corners(geometry, outline)
+    curves, previous, at_patches, end = [], corners.origin, [], 0.0
     for centre, (inside, outside) in zip(centres, widths, strict=True):
         start = previous
         if centre - inside - end > 1e-9 * inside:
@@ -274,17 +262,7 @@ def _geometry(
             curves.append(geometry.addLine(a, b))
             geometry.mesh.setTransfiniteCurve(curves[-1], 3)
         at_patches.append((start, below, previous))
-    curves.append(geometry.addLine(previous, surface_end))
-    # each layer is bounded by two lines, the axis and a part of the arc
-    on_axis, on_arc = origin, surface_end
-    for depth, below in zip(bottoms, axis_ends, strict=True):
-        across, bottom = below, []
-        if depth < outer:
-            across = geometry.addPoint(np.sqrt((outer - depth) * (outer + depth)), depth, 0)
-            bottom = [geometry.addLine(across, below)]
-        curves.append(geometry.addCircleArc(on_arc, origin, across))
-        sides = [*curves, *bottom, geometry.addLine(below, on_axis)]
-        geometry.addPlaneSurface([geometry.addCurveLoop(sides)])
-        curves, on_axis, on_arc = [-curve for curve in bottom], below, across
+    curves.append(geometry.addLine(previous, corners.surface_end))
+    add_surfaces(geometry, outline, corners, curves)
     geometry.synchronize()
-    set_sizes(gmsh, np.array(at_patches), adjacent_sizes(widths), growth, LARGEST * outer)
+    set_sizes(gmsh, np.array(at_patches), adjacent_sizes(widths), growth, LARGEST * outline.outer)

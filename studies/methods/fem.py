@@ -19,7 +19,7 @@ from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..problem.sections import DEGREES, LAYERED
 from ..progress import Stages
 from ..sizes import defaults
-from ..sizes.layers import HIGHEST_POISSON_RATIO, why_layers_are_not_meshed
+from ..sizes.layers import why_layers_are_not_meshed
 from ..sizes.low_degrees import LOW_DEGREE_HALVINGS, low_degree_quad_sizes
 from .base import Discretised, SystemSize
 from .error_factors import error_factor
@@ -144,15 +144,9 @@ def half_space_on(problem: Problem, chosen: ChosenMesh) -> "HalfSpace":
     quads = chosen.mesher == "quads"
     degree = (defaults.quad_degree if quads else defaults.triangle_degree)(problem)
     # the field below is smoother: a fifth of the degree less costs nothing on the contact
-    solid = AxisymmetricElasticity(
-        chosen.mesh,
-        degree,
-        problem.poisson_ratio,
-        lowered_degrees=degree // 5,
-        ground=problem.ground,
+    solid = AxisymmetricElasticity.on_ground(
+        chosen.mesh, degree, problem.poisson_ratio, problem.ground, lowered_degrees=degree // 5
     )
-    if problem.ground is not None:
-        solid = replace(solid, highest_ratio=HIGHEST_POISSON_RATIO)
     poles = defaults.pole_orders(problem, truncation(chosen.mesh))
     space = pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow)
     return HalfSpace(solid, space, poles).without_dependent_poles()
@@ -246,7 +240,8 @@ def _layered_half_space(problem: Problem) -> "HalfSpace":
 def _half_space_on_cells(problem: Problem) -> "HalfSpace":
     from ...fem.contact_meshes import even_half_space
 
-    return even_half_space(contact_cells(problem)[0], problem.poisson_ratio)
+    cells, _ = contact_cells(problem)
+    return even_half_space(cells, problem.poisson_ratio, ground=problem.ground)
 
 
 def _refused_degree(problem: Problem) -> str:
@@ -344,19 +339,29 @@ def _on_cells(problem: Problem, stages: Stages) -> Discretised:
 
     ratio, degree = problem.poisson_ratio, problem.fem.degree or DEGREE_ON_CELLS
     halvings = LINEAR_HALVINGS if degree == 1 else (0, 0)
-    cells, coarser = contact_cells(problem)
+    cells, coarser_cells = contact_cells(problem)
     with stages("condensing"):
-        half_space = even_half_space(cells, ratio, degree=degree, halvings=halvings[0])
+        half_space = even_half_space(
+            cells, ratio, degree=degree, halvings=halvings[0], ground=problem.ground
+        )
         compliance = half_space.compliance()
 
     def fitted(
-        edges: tuple[float, ...], infinite: tuple[bool, ...], _: "Ground | None", degree: int
+        edges: tuple[float, ...],
+        infinite: tuple[bool, ...],
+        scaled_ground: "Ground | None",
+        degree: int,
     ) -> "Compliance":
-        return fitted_half_space(edges, infinite, degree, ratio).compliance()
+        return fitted_half_space(edges, infinite, degree, ratio, scaled_ground).compliance()
+
+    def coarser() -> "Compliance":
+        return even_half_space(
+            coarser_cells, ratio, COARSER_GROWTH, degree, halvings[1], problem.ground
+        ).compliance()
 
     return Discretised(
         compliance,
-        lambda: even_half_space(coarser, ratio, COARSER_GROWTH, degree, halvings[1]).compliance(),
+        coarser,
         half_space.unknowns,
         half_space=half_space,
         # elements of a degree that is asked for have the start, too, not others of a high degree

@@ -13,13 +13,14 @@ from typing import Any, TypedDict
 import numpy as np
 
 from ...meshes.contact_cells import ContactCells
+from ...meshes.outline import truncation_beside
 from ...meshes.radial import Array
 from ...meshes.sizes import EdgeAmplitude, SizeField
 from ..problem.problem import Problem
 from ..problem.quantities import FINEST
 from ..problem.sections import DEGREES, LAYERED
 from .degrees import degree_of_modes, pressure_degree, with_affordable_field_tolerance
-from .layers import depths_of_interfaces, truncation_beside
+from .layers import depths_of_interfaces
 from .ring_edges import (
     FACTOR,
     RADIAL_ROUNDOFF,

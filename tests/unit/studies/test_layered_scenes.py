@@ -6,12 +6,12 @@ import pytest
 from ringwear import Scene
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.half_space import areas
+from ringwear.meshes.outline import truncation_beside
 from ringwear.studies.anchors.reading import Reading
 from ringwear.studies.check.template import write_template
 from ringwear.studies.methods.base import method
 from ringwear.studies.methods.fem import half_space_mesh
 from ringwear.studies.problem.unit_names import kind_of
-from ringwear.studies.sizes.layers import truncation_beside
 from ringwear.studies.sizes.shared import discretised_alike
 from ringwear.studies.study.conduct import refuse_what_does_not_fit
 from ringwear.studies.study.options import Options

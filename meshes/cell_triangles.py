@@ -1,0 +1,62 @@
+"""Graded triangles on given cells of the contact, above interfaces of layers, by gmsh.
+
+Bisection (`bisection.py`) makes triangles on cells without any library, but has no lines at
+interfaces of layers. Here each cell of the contact is one facet of the mesh, and triangles grow
+with the distance from it.
+"""
+
+import itertools
+
+import numpy as np
+from skfem import MeshTri
+
+from .contact_cells import ContactCells
+from .gmsh_session import TRIANGLE, Band, elements, session, set_sizes
+from .half_space import as_half_space
+from .outline import Outline, add_corners, add_surfaces
+
+# distinct sizes of cells in an octave: gmsh makes a size field of each
+SIZES_PER_OCTAVE = 4
+# greatest size of triangles over the truncation radius
+FAR_SIZE = 0.125
+# greatest size of triangles in a layer over its thickness: longer ones across a thin layer are flat
+SIZE_OF_LAYER = 3.0
+
+
+def mesh(cells: ContactCells, growth: float, outline: Outline) -> MeshTri:
+    """Mesh a quarter disc of layers whose facets on the contact are the given cells.
+
+    Parameters
+    ----------
+    cells : of the contact
+    growth : growth of the size of triangles with the distance from the contact
+    outline : of the quarter disc, with the interfaces of its layers
+
+    Raises
+    ------
+    MeshError
+        if gmsh cannot be loaded or fails
+    """
+    radii = cells.breakpoints()
+    widths = np.diff(radii)
+    narrower = np.minimum(np.append(widths, np.inf), np.append(np.inf, widths))
+    octaves = np.round(SIZES_PER_OCTAVE * np.log2(narrower)) / SIZES_PER_OCTAVE
+    largest = FAR_SIZE * outline.outer
+    bands = [
+        Band(top, bottom, min(largest, SIZE_OF_LAYER * (bottom - top)))
+        for top, bottom in itertools.pairwise((0.0, *outline.interfaces))
+    ]
+    with session() as gmsh:
+        geometry = gmsh.model.geo
+        corners = add_corners(geometry, outline)
+        points = [corners.origin, *(geometry.addPoint(radius, 0, 0) for radius in radii[1:])]
+        facets = [geometry.addLine(*ends) for ends in itertools.pairwise(points)]
+        for facet in facets:
+            geometry.mesh.setTransfiniteCurve(facet, 2)
+        beside = geometry.addLine(points[-1], corners.surface_end)
+        add_surfaces(geometry, outline, corners, [*facets, beside])
+        geometry.synchronize()
+        set_sizes(gmsh, np.array(points), 2.0**octaves, growth, largest, bands)
+        gmsh.model.mesh.generate(2)
+        triangles = MeshTri(*elements(gmsh, TRIANGLE))
+    return as_half_space(triangles, np.array(cells.ring_edges), outline.base)
