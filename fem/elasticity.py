@@ -15,9 +15,9 @@ from skfem import Element, ElementQuadP, Mesh
 from skfem.assembly import Dofs
 
 from ..meshes.ground.ground import Ground
-from ..meshes.half_space import DEEP, LOWER, facet_ends, radial_ranks, segments
+from ..meshes.half_space import DEEP_SUBDOMAIN, LOWER, facet_ends, radial_ranks, segments
 from ..meshes.radial import Array, Indices
-from ..meshes.sizes import LOWEST
+from ..meshes.sizes import LOWEST_DISPLACEMENT_DEGREE
 from .elements import check_element
 from .weak_form import element_of_degree, moduli, stiffness
 
@@ -95,7 +95,7 @@ class AxisymmetricElasticity:
         (`fem.elements`); default `element_of_degree`
     highest_ratio : Poisson's ratio that stands for any from there to 1/2
     ground : layers, whose interfaces are lines of the mesh; homogeneous if there are none
-    lowered_degrees : how much lower the degree is in the subdomain `meshes.half_space.DEEP`
+    lowered_degrees : by how much the degree is lower in `meshes.half_space.DEEP_SUBDOMAIN`
     """
 
     mesh: Mesh
@@ -166,9 +166,15 @@ class AxisymmetricElasticity:
         """(m,) degree in each element."""
         out = np.full(self.mesh.nelements, self.degree)
         for name, elements in (self.mesh.subdomains or {}).items():
-            if name == DEEP or name.startswith(LOWER):
-                lower = self.lowered_degrees if name == DEEP else int(name.removeprefix(LOWER))
-                out[elements] = max(min(self.degree, LOWEST), self.degree - lower)
+            if name == DEEP_SUBDOMAIN or name.startswith(LOWER):
+                lower = (
+                    self.lowered_degrees
+                    if name == DEEP_SUBDOMAIN
+                    else int(name.removeprefix(LOWER))
+                )
+                out[elements] = max(
+                    min(self.degree, LOWEST_DISPLACEMENT_DEGREE), self.degree - lower
+                )
         return out
 
     @cached_property

@@ -1,4 +1,4 @@
-"""gmsh, started and ended properly: one thread, the same mesh every time, one background field."""
+"""Start and end gmsh reliably: one thread, reproducible meshes, one background size field."""
 
 import signal
 import threading
@@ -58,7 +58,7 @@ def session() -> Iterator[ModuleType]:
 
 
 def _restore_signal_handlers() -> None:
-    """Install Python's signal handlers again: gmsh takes away those of SIGTERM and SIGPIPE."""
+    """Install Python's signal handlers again: gmsh removes those of SIGTERM and SIGPIPE."""
     if threading.current_thread() is not threading.main_thread():
         return
     for number in signal.valid_signals():
@@ -72,7 +72,13 @@ def set_sizes(
 ) -> None:
     """Set the element sizes of the model.
 
-    (N,) sizes at (N, ...) points of it, growing with the distance to the largest.
+    Parameters
+    ----------
+    gmsh : the module
+    points : (N, ...) numbers of points of the model
+    sizes : (N,) sizes at these points
+    growth : increase of the size per distance from the points
+    largest : largest size
     """
     fields = gmsh.model.mesh.field
     ramps = []
@@ -95,13 +101,15 @@ def set_sizes(
     fields.setAsBackgroundMesh(smallest)
 
 
-TRIANGLE, QUADRILATERAL = 2, 3  # gmsh's numbers of the kinds of element
+# gmsh's numbers of the element types
+TRIANGLE = 2
+QUADRILATERAL = 3
 
 
 def elements(gmsh: ModuleType, kind: int) -> tuple[Array, Indices]:
-    """Return the points of the model, and the vertices of its elements of one kind.
+    """Return the points (2, n) of the model, and the vertices (corners, m) of its elements.
 
-    The points are (2, n), the vertex numbers (corners, m).
+    `kind` is gmsh's number of the element type.
     """
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     _, cells = gmsh.model.mesh.getElementsByType(kind)

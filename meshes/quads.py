@@ -1,10 +1,11 @@
 """The quarter disc in quadrilaterals: geometric layers round every ring edge, gmsh between them.
 
-Round a singular point each layer is a copy of the one outside it, smaller by a factor: four
-quadrilaterals to a layer, and two kites in the middle. Polynomials whose degree rises from layer to
-layer converge exponentially there. Neighbouring patches touch in the middle of a ring where their
-sizes allow it; the outline of a patch is a diamond, of which gmsh meshes each side as two. Outside
-the patches everything is smooth, and a few large quadrilaterals of high degree are enough.
+Each layer round a singular point is a copy of the next outer layer, smaller by a constant factor.
+It consists of four quadrilaterals, and two kites fill the middle. Polynomials whose degree rises
+from layer to layer converge exponentially there. Neighbouring patches touch inside a ring if their
+sizes allow it. The outline of a patch is a diamond, and gmsh divides each of its sides into two.
+The solution is smooth outside the patches, so a few large quadrilaterals of high degree are enough
+there.
 """
 
 import itertools
@@ -21,10 +22,10 @@ from skfem import MeshQuad
 
 from .errors import MeshError
 from .gmsh_session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
-from .half_space import DEEP, LOWER, ExactQuads, as_half_space, quality
+from .half_space import DEEP_SUBDOMAIN, LOWER, ExactQuads, as_half_space, quality
 from .radial import Array, Indices, exact_sum
 from .sizes import (
-    LARGEST,
+    LARGEST_QUADRILATERAL,
     Amplitude,
     EdgeAmplitude,
     adjacent_sizes,
@@ -33,25 +34,28 @@ from .sizes import (
     patch_widths,
 )
 
-# half-width of a patch over the first layer, at the most: patches lie within it
-PATCH_OF_LAYER = 0.6
+# Largest half-width of a patch, relative to the thickness of the first elastic layer. The patches
+# then lie within that layer.
+PATCH_TO_LAYER_RATIO = 0.6
 
 
 @dataclass(frozen=True, eq=False)
 class GradedQuads:
-    """A quarter disc of quadrilaterals and how it was made.
+    """A quarter disc of quadrilaterals, with the parameters that define it.
 
     Parameters
     ----------
-    ring_edges : (N+1,) ring edges, 0 first and 1 (the rim) last
-    widths : (N, 2) half-width of the patch at each edge but the centre, towards the axis and away
-        from it
-    layers : (N,) layers of each patch outside its two kites
-    factor : size of a layer over that of the layer outside it
+    ring_edges : (N+1,) ring edges, from 0 to 1 (the rim)
+    widths : (N, 2) half-widths of the patch at each edge except the centre, towards the axis and
+        away from it
+    layers : (N,) number of layers of each patch outside its two kites
+    factor : ratio of the size of a layer to that of the next outer layer
     between : points (2, n) and quadrilaterals (4, m) outside the patches
-    edge_amplitude : of the highest degree near an edge, which says where a lower degree will do
-    lacking_degrees : by how many degrees the highest one falls short of what the amplitude asks for
-    base : depth of a rigid base, at which the mesh ends
+    edge_amplitude : estimate of the amplitude of the highest degree near an edge, which determines
+        where a lower degree is enough
+    lacking_degrees : difference between the highest degree that the amplitude requires and the
+        highest degree available
+    base : depth of a rigid base at which the mesh ends; infinite without one
     """
 
     ring_edges: Array
@@ -65,78 +69,88 @@ class GradedQuads:
 
     @cached_property
     def mesh(self) -> MeshQuad:
-        """The mesh.
+        """The scikit-fem mesh.
 
-        In its subdomains `degree -1`, `degree -2`, ... the degree of the displacement may be so
-        much lower; what is outside the patches and below the surface is its subdomain `DEEP`.
+        In its subdomains `degree -1`, `degree -2`, ... the degree of the displacement may be lower
+        by 1, 2, ... The subdomain `DEEP_SUBDOMAIN` contains the elements outside the patches that
+        do not touch the surface.
 
         Raises
         ------
         MeshError
-            if it is not what was asked for
+            if the mesh has a gap, a fold, a missing ring edge or a degenerate element
         """
-        points, low, quadrilaterals, lower = self._patches()
+        points, patch_low_parts, quadrilaterals, reductions = self._patches()
         outside, between = self.between
-        # what gmsh leaves of zero
+        # gmsh returns coordinates that should be zero with roundoff
         outside = np.where(np.abs(outside) < 1e-14, 0.0, outside)
-        # the corners of the outlines are there twice
+        # corners on the outlines belong to the patches and to gmsh's part: keep each only once
         distance, nearest = cKDTree(outside.T).query(points.T)
         scale = np.repeat(self.widths.min(axis=1), 5 * (self.layers + 1) + 1)
-        same = distance < 1e-6 * scale
-        number = np.where(same, nearest, outside.shape[1] + np.cumsum(~same) - 1)
-        cells = np.concatenate([number[quadrilaterals], between], axis=1)
-        parts = {f"{LOWER}{k}": np.flatnonzero(lower == k) for k in np.unique(lower[lower > 0])}
-        parts[DEEP] = len(lower) + np.flatnonzero(outside[1, between].min(axis=0) > 0)
-        vertices = np.concatenate([outside, points[:, ~same]], axis=1)
-        low_parts = np.append(np.zeros(outside.shape[1]), low[~same])
+        duplicate = distance < 1e-6 * scale
+        vertex_numbers = np.where(duplicate, nearest, outside.shape[1] + np.cumsum(~duplicate) - 1)
+        cells = np.concatenate([vertex_numbers[quadrilaterals], between], axis=1)
+        subdomains = {
+            f"{LOWER}{k}": np.flatnonzero(reductions == k)
+            for k in np.unique(reductions[reductions > 0])
+        }
+        subdomains[DEEP_SUBDOMAIN] = len(reductions) + np.flatnonzero(
+            outside[1, between].min(axis=0) > 0
+        )
+        vertices = np.concatenate([outside, points[:, ~duplicate]], axis=1)
+        low_parts = np.append(np.zeros(outside.shape[1]), patch_low_parts[~duplicate])
         mesh = ExactQuads(vertices, cells, low_parts=low_parts)
-        return as_half_space(mesh.with_subdomains(parts), self.ring_edges, self.base)
+        return as_half_space(mesh.with_subdomains(subdomains), self.ring_edges, self.base)
 
     def coarser(self) -> "GradedQuads":
-        """Return the same without the innermost layer of every patch that has more than one."""
+        """Return the same quarter disc without the innermost layer of each patch.
+
+        A patch that has only one layer keeps it.
+        """
         return replace(self, layers=np.maximum(self.layers - 1, 1))
 
     def _patches(self) -> tuple[Array, Array, Indices, Indices]:
-        """Return the points and quadrilaterals of the patches, and where degrees may be lower.
+        """Return the points and quadrilaterals of the patches, and the reductions of their degrees.
 
-        The four arrays are the points (2, n), what rounding has taken from their radii (n,), the
-        quadrilaterals (4, m), and by how much the degree of each may be lowered (m,).
+        The four arrays are the points (2, n), the low parts of their radii (n,), the quadrilaterals
+        (4, m), and by how much the degree of each may be lowered (m,).
         """
         outline = np.array([[-1.0, 0.0], [-0.5, 0.5], [0.0, 1.0], [0.5, 0.5], [1.0, 0.0]])
-        # corners of a layer of half-width 1, from the surface inside the singular point to that
-        # outside it; and of the outermost
+        # Corners of a layer of half-width 1, from the surface on the axis side of the singular
+        # point to the surface on its other side. `outline` holds those of the outermost layer,
+        # `layer` those of all others.
         layer = np.array([[-1.0, 0.0], [-0.75, 0.75], [0.0, 1.0], [0.75, 0.75], [1.0, 0.0]])
-        points, low_parts, quadrilaterals, lower, count = [], [], [], [], 0
-        lowered = degree_reductions(
+        points, low_parts, quadrilaterals, reductions, count = [], [], [], [], 0
+        reductions_of_patches = degree_reductions(
             self.widths, self.layers, self.factor, self.edge_amplitude, self.lacking_degrees
         )
-        for centre, (inner, outer), fall in zip(
-            self.ring_edges[1:], self.widths, lowered, strict=True
+        for centre, (inner, outer), patch_reductions in zip(
+            self.ring_edges[1:], self.widths, reductions_of_patches, strict=True
         ):
-            depth = len(fall) - 1
+            depth = len(patch_reductions) - 1
             shapes = np.stack([outline, *[layer] * depth])
             shapes = shapes * self.factor ** np.arange(depth + 1.0)[:, None, None]
-            away = np.where(shapes[..., 0] < 0, inner, outer) * shapes[..., 0]
-            x, low = exact_sum(centre, away)
+            offsets = np.where(shapes[..., 0] < 0, inner, outer) * shapes[..., 0]
+            x, low = exact_sum(centre, offsets)
             z = (inner + outer) / 2 * shapes[..., 1]
             points.append(np.stack([np.append(x, centre), np.append(z, 0.0)]))
             low_parts.append(np.append(low, 0.0))
             corners = count + np.arange(x.size).reshape(-1, 5)
             count += x.size + 1
-            around = np.stack(
+            layer_cells = np.stack(
                 [corners[:-1, :-1], corners[1:, :-1], corners[1:, 1:], corners[:-1, 1:]]
             )
             last, middle = corners[-1], count - 1
             kites = np.array(
                 [[last[0], middle, last[2], last[1]], [middle, last[4], last[3], last[2]]]
             ).T
-            quadrilaterals += [around.reshape(4, -1), kites]
-            lower += [np.repeat(fall[:-1], 4), np.repeat(fall[-1:], 2)]
+            quadrilaterals += [layer_cells.reshape(4, -1), kites]
+            reductions += [np.repeat(patch_reductions[:-1], 4), np.repeat(patch_reductions[-1:], 2)]
         return (
             np.concatenate(points, axis=1),
             np.concatenate(low_parts),
             np.concatenate(quadrilaterals, axis=1),
-            np.concatenate(lower),
+            np.concatenate(reductions),
         )
 
 
@@ -156,70 +170,82 @@ def graded(
 
     Parameters
     ----------
-    ring_edges : (N+1,) ring edges, 0 first and 1 (the rim) last
-    sizes : greatest size of the kites at each of the N-1 edges between: one for all of them, or one
-        for each
-    rim_size : the same at the rim
-    factor : size of a layer over that of the layer outside it
-    growth : growth of the elements with the distance from the patches
+    ring_edges : (N+1,) ring edges, from 0 to 1 (the rim)
+    sizes : largest size of the kites at each of the N-1 edges between centre and rim, either one
+        number or one for each
+    rim_size : largest size of the kites at the rim
+    factor : ratio of the size of a layer to that of the next outer layer
+    growth : increase of the element size per distance from the patches
     outer : truncation radius of the half-space, in punch radii
-    edge_amplitude : of the highest degree near an edge, which says where a lower degree will do; by
-        default as if nothing had worn
-    lacking_degrees : by how many degrees the highest one falls short of what the amplitude asks for
-    interfaces : depths of the interfaces of layers; those within the mesh are lines of it
-    rigid : whether the last of these is a rigid base, at which the mesh ends
+    edge_amplitude : estimate of the amplitude of the highest degree near an edge, which determines
+        where a lower degree is enough; the default is that of unworn rings
+    lacking_degrees : difference between the highest degree that the amplitude requires and the
+        highest degree available
+    interfaces : depths of the interfaces between elastic layers; those less deep than `outer` are
+        lines of the mesh
+    rigid : whether the last interface is a rigid base; the mesh ends there if it is less deep than
+        `outer`
 
     Raises
     ------
     MeshError
-        if a ring is too narrow, or gmsh cannot be loaded, or fails in every way
+        if a ring is narrower than 1e-10 a, or if gmsh cannot be loaded or fails with all its
+        algorithms
     """
-    # gmsh's numbers of algorithms, of meshing and of recombination. Of 200 punches of 8 to 70 rings
-    # the first leaves a triangle or folds the mesh in one of 30, the second in one. They forget to
-    # refine now and then, which shows in flat quadrilaterals: those of this least sine are good
-    # enough
-    ways, good = ((6, 3), (5, 3), (5, 2)), 0.1
+    # Pairs of gmsh's numbers for the meshing and the recombination algorithm, in the order in which
+    # they are tried. In a trial with 200 punches of 8 to 70 rings, the first pair left a triangle
+    # or a fold for one punch in 30, the second pair for a single punch. Now and then an algorithm
+    # does not refine where it should, which leads to flat quadrilaterals. A mesh is accepted at
+    # once if the least sine of its corners is at least `accepted_quality`.
+    algorithms, accepted_quality = ((6, 3), (5, 3), (5, 2)), 0.1
     ring_edges = np.asarray(ring_edges, dtype=float)
-    # it would be lost to roundoff, layers and all
+    # coordinates cannot resolve a narrower ring and its layers
     if np.diff(ring_edges).min() < 1e-10:
         raise MeshError("a ring is narrower than 1e-10 a: merge it with a neighbour")
     widths = patch_widths(ring_edges)
-    within = tuple(depth for depth in interfaces if depth < outer)
-    if within:
-        widths = np.minimum(widths, PATCH_OF_LAYER * within[0])
-    base = within[-1] if rigid and within == interfaces else np.inf
+    mesh_interfaces = tuple(depth for depth in interfaces if depth < outer)
+    if mesh_interfaces:
+        widths = np.minimum(widths, PATCH_TO_LAYER_RATIO * mesh_interfaces[0])
+    base = mesh_interfaces[-1] if rigid and mesh_interfaces == interfaces else np.inf
     layers = patch_layers(
         widths, np.append(np.broadcast_to(sizes, len(ring_edges) - 2), rim_size), factor
     )
     edge_amplitude = edge_amplitude or EdgeAmplitude(
         0.0, np.zeros(len(widths)), np.ones(len(widths))
     )
-    tried: list[tuple[float, GradedQuads]] = []
-    for way in ways:
+    candidates: list[tuple[float, GradedQuads]] = []
+    for algorithm_pair in algorithms:
         try:
-            between = _between(ring_edges[1:], widths, growth, Outline(outer, within, base), way)
+            between = _between(
+                ring_edges[1:],
+                widths,
+                growth,
+                Outline(outer, mesh_interfaces, base),
+                algorithm_pair,
+            )
             graded = GradedQuads(
                 ring_edges, widths, layers, factor, between, edge_amplitude, lacking_degrees, base
             )
-            tried.append((quality(graded.mesh).min(), graded))
+            candidates.append((quality(graded.mesh).min(), graded))
         except MeshError as error:
             reason = error
             continue
-        if tried[-1][0] >= good:
+        if candidates[-1][0] >= accepted_quality:
             break
-    if not tried:
+    if not candidates:
         raise MeshError(f"no quadrilaterals between the rings: {reason}")
-    return max(tried, key=itemgetter(0))[1]
+    return max(candidates, key=itemgetter(0))[1]
 
 
 class Outline(NamedTuple):
-    """What the quarter disc is bounded by, and divided into.
+    """The boundaries of the quarter disc and the lines that divide it.
 
     Parameters
     ----------
     outer : radius of the arc
-    interfaces : depths of lines across it
-    base : depth at which it ends, if that is one of these
+    interfaces : depths of the interfaces, which are lines across the quarter disc
+    base : depth of the rigid base at which the mesh ends, equal to the last interface; infinite
+        without one
     """
 
     outer: float
@@ -228,18 +254,24 @@ class Outline(NamedTuple):
 
 
 def _between(
-    centres: Array, widths: Array, growth: float, outline: Outline, way: tuple[int, int]
+    centres: Array, widths: Array, growth: float, outline: Outline, algorithm_pair: tuple[int, int]
 ) -> tuple[Array, Indices]:
     """Return the points and quadrilaterals between the patches and the arc.
 
-    MeshError if gmsh fails or leaves a triangle.
+    `algorithm_pair` holds gmsh's numbers for the meshing and the recombination algorithm.
+
+    Raises
+    ------
+    MeshError
+        if gmsh fails or leaves a triangle
     """
     with session() as gmsh:
         gmsh.option.setNumber("Mesh.RecombineAll", 1)
-        gmsh.option.setNumber("Mesh.Algorithm", way[0])
-        gmsh.option.setNumber("Mesh.RecombinationAlgorithm", way[1])
+        gmsh.option.setNumber("Mesh.Algorithm", algorithm_pair[0])
+        gmsh.option.setNumber("Mesh.RecombinationAlgorithm", algorithm_pair[1])
         _geometry(gmsh, centres, widths, growth, outline)
-        # gmsh makes the sides of a curve even in number, but for curves of one side
+        # gmsh divides every curve into an even number of sides, except curves that have only one
+        # side
         gmsh.model.mesh.generate(1)
         curves = [tag for _, tag in gmsh.model.getEntities(1)]
         single = [len(gmsh.model.mesh.getElements(1, tag)[1][0]) == 1 for tag in curves]
@@ -257,7 +289,8 @@ def _geometry(
     gmsh: ModuleType, centres: Array, widths: Array, growth: float, outline: Outline
 ) -> None:
     geometry, outer = gmsh.model.geo, outline.outer
-    # the layers from the surface down, the last as far as the arc or a rigid base
+    # depths at which the elastic layers end, from the surface down; the last layer ends at the arc
+    # unless there is a rigid base
     bottoms = outline.interfaces if np.isfinite(outline.base) else (*outline.interfaces, outer)
     origin, surface_end = (geometry.addPoint(r, 0, 0) for r in (0, outer))
     axis_ends = [geometry.addPoint(0, depth, 0) for depth in bottoms]
@@ -268,23 +301,25 @@ def _geometry(
             start = geometry.addPoint(centre - inside, 0, 0)
             curves.append(geometry.addLine(previous, start))
         end = centre + outside
-        below = geometry.addPoint(centre, (inside + outside) / 2, 0)
+        bottom_point = geometry.addPoint(centre, (inside + outside) / 2, 0)
         previous = geometry.addPoint(end, 0, 0)
-        for a, b in ((start, below), (below, previous)):
+        for a, b in ((start, bottom_point), (bottom_point, previous)):
             curves.append(geometry.addLine(a, b))
             geometry.mesh.setTransfiniteCurve(curves[-1], 3)
-        at_patches.append((start, below, previous))
+        at_patches.append((start, bottom_point, previous))
     curves.append(geometry.addLine(previous, surface_end))
-    # each layer is bounded by two lines, the axis and a part of the arc
+    # each layer is bounded by two lines, a part of the axis and a part of the arc
     on_axis, on_arc = origin, surface_end
-    for depth, below in zip(bottoms, axis_ends, strict=True):
-        across, bottom = below, []
+    for depth, bottom_point in zip(bottoms, axis_ends, strict=True):
+        across, bottom = bottom_point, []
         if depth < outer:
             across = geometry.addPoint(np.sqrt((outer - depth) * (outer + depth)), depth, 0)
-            bottom = [geometry.addLine(across, below)]
+            bottom = [geometry.addLine(across, bottom_point)]
         curves.append(geometry.addCircleArc(on_arc, origin, across))
-        sides = [*curves, *bottom, geometry.addLine(below, on_axis)]
+        sides = [*curves, *bottom, geometry.addLine(bottom_point, on_axis)]
         geometry.addPlaneSurface([geometry.addCurveLoop(sides)])
-        curves, on_axis, on_arc = [-curve for curve in bottom], below, across
+        curves, on_axis, on_arc = [-curve for curve in bottom], bottom_point, across
     geometry.synchronize()
-    set_sizes(gmsh, np.array(at_patches), adjacent_sizes(widths), growth, LARGEST * outer)
+    set_sizes(
+        gmsh, np.array(at_patches), adjacent_sizes(widths), growth, LARGEST_QUADRILATERAL * outer
+    )

@@ -112,7 +112,7 @@ def pull_out(content):
     ("change", "message"),
     [
         (tear, "hole or a gap, .* Coherence Mesh"),
-        (mix, "quad, triangle, and .* of one kind"),
+        (mix, "quad, triangle, but .* of one kind"),
         (move(lambda p: 1.5 * p), "ring edge at r = 0.5 a"),
         (move(lambda p: (p[0], 4 - p[1], p[2])), "ring edge at"),
         (
