@@ -1,4 +1,4 @@
-"""Finite-element half-spaces for contact on part of the face."""
+"""Finite-element half-spaces for contact on a part of the punch face."""
 
 from dataclasses import replace
 
@@ -15,39 +15,44 @@ from .elasticity import AxisymmetricElasticity
 from .far_field import enough_poles
 from .half_space import HalfSpace, contact_breakpoints, pressure_space
 
-# growth of triangles with the depth, and that of a coarser half-space, whose difference shows what
-# they err by
+# increase of the triangle size per depth
 TRIANGLE_GROWTH = 0.6
+# the same on the coarser half-space of the error estimate
 COARSER_GROWTH = 0.9
 
 
 def fitted_half_space(
     edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int, poisson_ratio: float
 ) -> HalfSpace:
-    """Return quadrilaterals of high degree in geometric layers round every edge of a contact.
+    """Return a half-space of quadrilaterals with geometric layers round every edge of a contact.
 
     Parameters
     ----------
-    edges : from 0 to 1; the pressure space is broken at each
-    infinite : at which of them the pressure is infinite
-    degree : of the displacement, two above that of the pressure
-    poisson_ratio : of the half-space
+    edges : edges of the contact, from 0 to 1; the pressure space is broken at each
+    infinite : whether the pressure is infinite at each edge
+    degree : degree of the displacement, two above that of the pressure
+    poisson_ratio : Poisson's ratio of the half-space
     """
     marks = np.array(edges)
 
-    def as_root(distance: Array, *_: Array | Indices) -> Array:
-        # what stands behind high degrees: pressures rise or fall at edges as a root
+    def root_amplitude(distance: Array, *_: Array | Indices) -> Array:
+        # amplitude of high degrees: near an edge the pressure varies as sqrt(distance) or its
+        # inverse
         return np.sqrt(distance)
 
-    # infinite as a root, or falling to zero as one: smaller still, stiffnesses would lose digits
+    # Size at an edge where the pressure is infinite, and at one where it falls to zero. On smaller
+    # elements the stiffness would lose digits.
     sizes = np.where(infinite, 1e-10, 2.5e-7)[1:]
-    # layers beside the axis, where a cone's pressure is infinite as a logarithm
-    beside_axis = 1e-2
-    if edges[1] > 4 * beside_axis:
-        marks, sizes = np.insert(marks, 1, beside_axis), np.insert(sizes, 0, beside_axis)
-    mesh = graded(marks, sizes[:-1], float(sizes[-1]), 0.25, 0.8, 2.5, as_root).mesh
+    # layers near the axis, where the pressure under a cone has a logarithmic singularity
+    axis_layer_radius = 1e-2
+    if edges[1] > 4 * axis_layer_radius:
+        marks, sizes = (
+            np.insert(marks, 1, axis_layer_radius),
+            np.insert(sizes, 0, axis_layer_radius),
+        )
+    mesh = graded(marks, sizes[:-1], float(sizes[-1]), 0.25, 0.8, 2.5, root_amplitude).mesh
     solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)
-    # moments of the face are taken between rounded radii: pressures have to be, too
+    # moments of the face are integrated between rounded radii, and so must the pressures be
     space = replace(pressure_space(solid, marks), low_parts=None)
     return HalfSpace(solid, space, enough_poles(2.5, 1e-10))
 
@@ -61,17 +66,19 @@ def even_half_space(
 ) -> HalfSpace:
     """Return a half-space of triangles of one degree with piecewise linear contact pressures.
 
-    The pressure is linear on each facet of a mesh whose facets are no larger than the cells, and
-    may break at ring edges. The displacement has that mesh, or one halved from it: beneath linear
-    displacements, pressures are stable if they have larger facets.
+    The contact facets are no larger than the cells. The pressure is linear on each facet and may
+    jump at ring edges. The displacement is defined on the same mesh, or on one obtained from it by
+    halving: with linear displacements, the pressures are stable only if their facets are larger
+    than those of the displacements.
 
     Parameters
     ----------
-    cells : of the contact
-    poisson_ratio : of the half-space
-    growth : of triangles with the depth
-    degree : of the displacement
-    halvings : times that every triangle is halved for the displacement, at least 1 for degree 1
+    cells : sizes of the contact facets
+    poisson_ratio : Poisson's ratio of the half-space
+    growth : increase of the triangle size per depth
+    degree : degree of the displacement
+    halvings : number of times that every triangle is halved for the displacement, at least 1 for
+        degree 1
     """
     edges, size = cells.ring_edges, cells.edge_size
     field = SizeField(edges, size, size, growth, 5.0, cells.largest, 0.125, cells)
