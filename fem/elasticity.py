@@ -15,7 +15,13 @@ from skfem import Element, ElementQuadP, Mesh
 from skfem.assembly import Dofs
 
 from ..meshes.ground.ground import Ground
-from ..meshes.half_space import DEEP_SUBDOMAIN, LOWER, facet_ends, radial_ranks, segments
+from ..meshes.half_space import (
+    DEEP_SUBDOMAIN,
+    LOWERED_DEGREE_PREFIX,
+    facet_ends,
+    radial_ranks,
+    segments,
+)
 from ..meshes.radial import Array, Indices
 from ..meshes.sizes import LOWEST_DISPLACEMENT_DEGREE
 from .elements import check_element
@@ -89,9 +95,9 @@ class AxisymmetricElasticity:
     The unknowns are all radial coefficients, then all axial coefficients, numbered by scikit-fem's
     `Dofs`.
 
-    In mesh subdomains whose name is `meshes.half_space.LOWER` followed by a number, the degree is
-    lower by that number. A side has the lower of the degrees of its two elements: functions of a
-    higher degree are fixed at zero.
+    In mesh subdomains whose name is `meshes.half_space.LOWERED_DEGREE_PREFIX` followed by a number,
+    the degree is lower by that number. A side has the lower of the degrees of its two elements:
+    functions of a higher degree are fixed at zero.
 
     Parameters
     ----------
@@ -173,11 +179,11 @@ class AxisymmetricElasticity:
         """(m,) degree in each element."""
         out = np.full(self.mesh.nelements, self.degree)
         for name, elements in (self.mesh.subdomains or {}).items():
-            if name == DEEP_SUBDOMAIN or name.startswith(LOWER):
+            if name == DEEP_SUBDOMAIN or name.startswith(LOWERED_DEGREE_PREFIX):
                 lower = (
                     self.lowered_degrees
                     if name == DEEP_SUBDOMAIN
-                    else int(name.removeprefix(LOWER))
+                    else int(name.removeprefix(LOWERED_DEGREE_PREFIX))
                 )
                 out[elements] = max(
                     min(self.degree, LOWEST_DISPLACEMENT_DEGREE), self.degree - lower

@@ -21,7 +21,7 @@ from .radial import Array, Indices
 
 # The subdomains `degree -1`, `degree -2`, ... of a mesh contain the elements on which the degree of
 # the displacement may be lower by 1, 2, ...
-LOWER = "degree -"
+LOWERED_DEGREE_PREFIX = "degree -"
 # subdomain in which fields are smoothest: away from every ring edge and below the surface
 DEEP_SUBDOMAIN = "deep"
 

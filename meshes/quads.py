@@ -22,7 +22,7 @@ from skfem import MeshQuad
 
 from .errors import MeshError
 from .gmsh_session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
-from .half_space import DEEP_SUBDOMAIN, LOWER, ExactQuads, as_half_space, quality
+from .half_space import DEEP_SUBDOMAIN, LOWERED_DEGREE_PREFIX, ExactQuads, as_half_space, quality
 from .radial import Array, Indices, exact_sum
 from .sizes import (
     LARGEST_QUADRILATERAL,
@@ -91,7 +91,7 @@ class GradedQuads:
         vertex_numbers = np.where(duplicate, nearest, outside.shape[1] + np.cumsum(~duplicate) - 1)
         cells = np.concatenate([vertex_numbers[quadrilaterals], between], axis=1)
         subdomains = {
-            f"{LOWER}{k}": np.flatnonzero(reductions == k)
+            f"{LOWERED_DEGREE_PREFIX}{k}": np.flatnonzero(reductions == k)
             for k in np.unique(reductions[reductions > 0])
         }
         subdomains[DEEP_SUBDOMAIN] = len(reductions) + np.flatnonzero(

@@ -22,7 +22,7 @@ from ringwear.fem.condensation import symmetric
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.far_field import poles
 from ringwear.fem.weak_form import element_of_degree, moduli, stiffness
-from ringwear.meshes.half_space import LOWER, turned
+from ringwear.meshes.half_space import LOWERED_DEGREE_PREFIX, turned
 
 # kind of mesh and degree of the displacement
 SOLIDS = [
@@ -48,7 +48,7 @@ def square(kind, r, z, count=4):
     skew = 0.5 * x * (1 - x) * y * (1 - y)
     mesh = replace(mesh.with_defaults(), doflocs=np.stack([r + x + skew, z + y - skew]))
     if kind == "layers":
-        layers = {f"{LOWER}{k}": np.arange(mesh.nelements)[k::4] for k in (1, 2)}
+        layers = {f"{LOWERED_DEGREE_PREFIX}{k}": np.arange(mesh.nelements)[k::4] for k in (1, 2)}
         mesh = mesh.with_subdomains(layers)
     return mesh
 

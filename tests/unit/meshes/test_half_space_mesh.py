@@ -13,7 +13,7 @@ from skfem import MeshQuad, MeshTri
 from ringwear.meshes import bisection, quads, triangles
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.half_space import (
-    LOWER,
+    LOWERED_DEGREE_PREFIX,
     as_half_space,
     contact_radii,
     quality,
@@ -152,9 +152,9 @@ def test_degrees_fall_inwards():
     whole = graded(LAYERS["five rings"])
     mesh = whole.mesh
     parts = {
-        int(name.removeprefix(LOWER)): elements
+        int(name.removeprefix(LOWERED_DEGREE_PREFIX)): elements
         for name, elements in mesh.subdomains.items()
-        if name.startswith(LOWER)
+        if name.startswith(LOWERED_DEGREE_PREFIX)
     }
     layers = np.arange(whole.layers[0] + 1)
     lowered_degrees = np.log(whole.factor**-0.5) / convergence(whole.factor) * layers
