@@ -25,7 +25,7 @@ Amplitude = Callable[[Array, Array, Indices], Array]
 # largest size of the quadrilaterals between the patches, relative to the truncation radius
 LARGEST_QUADRILATERAL = 0.4
 # narrowest ring, in punch radii, that every mesher can distinguish from a single edge
-NARROWEST = 1e-12
+NARROWEST_RING = 1e-12
 # Lowest polynomial degree of the displacement next to a ring edge or the rim. The linear pressure
 # that is combined with it is stable.
 LOWEST_DISPLACEMENT_DEGREE = 3

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...fem.condensation import solver
 from ...meshes.errors import MeshError, SceneError
-from ...meshes.sizes import NARROWEST
+from ...meshes.sizes import NARROWEST_RING
 from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES, IN_LAYERS
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
@@ -175,15 +175,15 @@ class Fem(ComplianceMethod):
     def refusal(self, problem: Problem) -> str:
         """Return why the problem cannot be solved at all, with the remedy; empty if it can.
 
-        Besides what every `ComplianceMethod` refuses, rings narrower than `NARROWEST` cannot be
-        meshed.
+        Besides what every `ComplianceMethod` refuses, rings narrower than `NARROWEST_RING` cannot
+        be meshed.
         """
         if refused := _refused_degree(problem) or why_layers_are_not_meshed(problem):
             return refused
         narrowest = float(problem.merged.widths.min())
-        if narrowest < NARROWEST:
+        if narrowest < NARROWEST_RING:
             return (
-                f"rings narrower than {NARROWEST:g} a cannot be meshed: the narrowest is "
+                f"rings narrower than {NARROWEST_RING:g} a cannot be meshed: the narrowest is "
                 f"{narrowest:.2g} a; merge it with a neighbour, or leave fem out of methods"
             )
         return super().refusal(problem)
