@@ -117,7 +117,7 @@ def as_half_space(mesh: Mesh, ring_edges: Array, base: float = np.inf) -> Mesh:
         points[points < 1e-14] = 0.0
     mesh = replace(mesh, **fields)
     if isinstance(mesh, MeshQuad):
-        mesh = turned(mesh)
+        mesh = oriented(mesh)
     if np.bincount(mesh.t2f.ravel()).max() > 2:
         raise MeshError("the mesh is not a surface: a facet belongs to more than two elements")
     outer = mesh.boundary_facets()
@@ -153,7 +153,7 @@ def halved(mesh: Mesh, ring_edges: Array, count: int) -> Mesh:
     return as_half_space(type(mesh)(points, mesh.t), ring_edges)
 
 
-def turned(mesh: MeshQuad) -> MeshQuad:
+def oriented(mesh: MeshQuad) -> MeshQuad:
     """Reorder the corners of quadrilaterals so that neighbours agree on the direction of sides.
 
     In `ElementQuadP` the functions of a side depend on its direction, which runs from its first
