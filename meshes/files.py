@@ -49,7 +49,7 @@ def read(path: str | Path, ring_edges: Array, radius: float = 1.0) -> Mesh:
 
 
 def _mesh(path: Path) -> Mesh:
-    content = content_of(path)
+    content = read_with_meshio(path)
     kinds = {block.type for block in content.cells if len(block.data)} - {"vertex", "line"}
     if kinds not in ({"triangle"}, {"quad"}):
         raise MeshError(
@@ -61,7 +61,7 @@ def _mesh(path: Path) -> Mesh:
     return from_meshio(content, ignore_orientation=True)
 
 
-def content_of(path: Path) -> "meshio.Mesh":
+def read_with_meshio(path: Path) -> "meshio.Mesh":
     """Read a file with meshio.
 
     Raises
