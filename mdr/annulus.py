@@ -112,7 +112,7 @@ def flat_annulus(inner_radius: float, points: int = POINTS) -> FlatAnnulus:
     return FlatAnnulus(inner_radius, 1 / stiffness, _cosines(angle, density / stiffness))
 
 
-def suited_series(inner_radius: float, count: int) -> Array:
+def flat_annulus_series(inner_radius: float, count: int) -> Array:
     """Return cosine coefficients of the flat annulus's pressure times Legendre polynomials.
 
     The polynomials are in ``r^2``; the coefficients (J, count) have one column for each polynomial.
