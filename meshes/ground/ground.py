@@ -40,7 +40,7 @@ class Ground:
     All layers are isotropic and bonded, and strains are small. Lengths are in punch radii, moduli
     in units of the plane strain modulus of the first layer.
 
-    >>> pad = Ground.of_moduli([0.5], youngs_moduli=[1.0, np.inf], poisson_ratios=[0.3, 0.0])
+    >>> pad = Ground.from_youngs_moduli([0.5], [1.0, np.inf], poisson_ratios=[0.3, 0.0])
     >>> pad.rigid, pad.shear_moduli[0]
     (True, 0.35)
 
@@ -57,7 +57,7 @@ class Ground:
     poisson_ratios: tuple[float, ...]
 
     @classmethod
-    def of_moduli(
+    def from_youngs_moduli(
         cls, thicknesses: list[float], youngs_moduli: list[float], poisson_ratios: list[float]
     ) -> "Ground":
         """Return the ground with given Young's moduli, which may be in any unit.
