@@ -32,11 +32,11 @@ def spectrum(ground: Ground) -> tuple[Array, Array]:
 def added_by_layers(space: PressureSpace, ground: Ground) -> Array:
     """Return the compliance (size, size) that layers add: ``4 pi int (Phi - 1) P P^T ds``."""
     s, weights = spectrum(ground)
-    transforms = transformed(space, s, WIDEST_PANEL * ground.first)
+    transforms = hankel_transforms(space, s, WIDEST_PANEL * ground.first)
     return np.asarray(4 * np.pi * (transforms * weights) @ transforms.T)
 
 
-def transformed(space: PressureSpace, s: Array, widest: float) -> Array:
+def hankel_transforms(space: PressureSpace, s: Array, widest: float) -> Array:
     """Return the Hankel transforms (size, k) of the pressures of a space at wave numbers s (k,).
 
     `widest` is the greatest width of the quadrature panels.
