@@ -85,7 +85,7 @@ def _strains(
     return np.moveaxis(point_displacement, 0, -1), np.stack([rr, zz, (rz + zr) / 2, hoop])
 
 
-def sampled(
+def sample_fields(
     half_space: HalfSpace, pressures: Array, refinements: int
 ) -> tuple[Array, Indices, Array, Array]:
     """Return the displacements and stresses of all elements under given contact pressures.
