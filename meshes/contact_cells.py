@@ -64,7 +64,8 @@ class ContactCells:
     edge_size : size at ring edges and rim
     growth : increase of the size per distance from ring edges and rim
     spread : increase of the size per distance from the intervals where contact begins
-    spots : intervals where contact begins, with the size there: (inner radius, outer radius, size)
+    refinements : intervals where contact begins, with the size there: (inner radius, outer radius,
+        size)
     free_edges : edges of the first contact that need smaller cells
     hollow : whether the first ring is a hole, where the pressure is zero
     """
@@ -74,7 +75,7 @@ class ContactCells:
     edge_size: float
     growth: float = 0.4
     spread: float = 0.2
-    spots: tuple[tuple[float, float, float], ...] = ()
+    refinements: tuple[tuple[float, float, float], ...] = ()
     free_edges: tuple[FreeEdge, ...] = ()
     hollow: bool = False
 
@@ -83,7 +84,7 @@ class ContactCells:
         size = np.full(np.shape(radii), self.largest)
         for ring_edge in self.ring_edges[1:]:
             size = np.minimum(size, self.edge_size + self.growth * np.abs(radii - ring_edge))
-        for inner, outer, smallest in self.spots:
+        for inner, outer, smallest in self.refinements:
             distance = np.maximum(np.maximum(inner - radii, radii - outer), 0.0)
             size = np.minimum(size, smallest + self.spread * distance)
         for edge in self.free_edges:
@@ -101,7 +102,7 @@ class ContactCells:
             # the grid is finer at both ends, where sizes are small, so that 1 / size is integrated
             # accurately
             depth = np.geomspace(1e-3 * min(self.edge_size, width), width / 2, GRID_POINTS)
-            extra_radii = [r for spot in self.spots for r in spot[:2]]
+            extra_radii = [r for spot in self.refinements for r in spot[:2]]
             for edge in self.free_edges:
                 near = np.geomspace(0.1 * edge.size, 1.0, GRID_POINTS)
                 extra_radii += [edge.radius, *(edge.radius - near), *(edge.radius + near)]
