@@ -60,7 +60,7 @@ def low_parts(mesh: Mesh) -> Array:
     return np.zeros(mesh.p.shape[1]) if exact is None else np.asarray(exact)
 
 
-def rounded(mesh: Mesh) -> Mesh:
+def without_low_parts(mesh: Mesh) -> Mesh:
     """Return a mesh in the form that scikit-fem writes to files, without low parts of radii."""
     if not isinstance(mesh, ExactQuads):
         return mesh
@@ -145,7 +145,7 @@ def halved(mesh: Mesh, ring_edges: Array, count: int) -> Mesh:
 
     New boundary points are moved onto the arc.
     """
-    mesh, outer = rounded(mesh).refined(count), truncation(mesh)
+    mesh, outer = without_low_parts(mesh).refined(count), truncation(mesh)
     points = np.where(np.abs(mesh.p) < 1e-14, 0.0, mesh.p)
     boundary = mesh.boundary_nodes()
     on_arc = boundary[(points[:, boundary] > 0).all(axis=0)]
