@@ -5,7 +5,7 @@ from numpy.polynomial.legendre import legvander2d
 from skfem import MeshQuad
 from skfem.quadrature import get_quadrature
 
-from ..meshes.half_space import derivatives
+from ..meshes.half_space import derivative_mapping
 from ..meshes.radial import Array, Indices
 from .elasticity import AxisymmetricElasticity
 from .half_space import HalfSpace
@@ -37,7 +37,7 @@ def stresses(
     degree = int(solid.degrees[elements[0]])
     rule, weights = get_quadrature(solid.element, 2 * degree + 1)
     mapping = solid.mesh.mapping()
-    areas = np.abs(derivatives(solid.mesh).detDF(rule, elements))
+    areas = np.abs(derivative_mapping(solid.mesh).detDF(rule, elements))
     volume = weights * areas * mapping.F(rule, elements)[0]
     _, (rr, zz, _, hoop) = _strains(solid, displacement, elements, rule)
     at_rule, at_points = _polynomials(degree - 1, rule), _polynomials(degree - 1, points)
@@ -74,7 +74,10 @@ def _strains(
     """
     value, gradient = tables(solid.element, points)
     mapping = solid.mesh.mapping()
-    r, inverse = mapping.F(points, elements)[0], derivatives(solid.mesh).invDF(points, elements)
+    r, inverse = (
+        mapping.F(points, elements)[0],
+        derivative_mapping(solid.mesh).invDF(points, elements),
+    )
     # order of the axes: field (radial, axial), states, m, functions
     coefficients = np.moveaxis(displacement[:, solid.dofs.element_dofs[:, elements].T], -1, 0)
     point_displacement = coefficients @ value

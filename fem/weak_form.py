@@ -16,7 +16,7 @@ from skfem import Element, ElementLinePp, ElementQuadP, Mesh, MeshQuad
 from skfem.quadrature import get_quadrature
 
 from ..meshes.errors import SceneError
-from ..meshes.half_space import derivatives
+from ..meshes.half_space import derivative_mapping
 from ..meshes.radial import Array, Indices
 
 HIGHEST_ON_TRIANGLES = 4
@@ -81,7 +81,7 @@ def stiffness(
     points, weights, *at_points = _at_rule(element, order)
     value, gradient = (table[functions] for table in at_points)
     mapping = mesh.mapping()
-    exact = derivatives(mesh)
+    exact = derivative_mapping(mesh)
     r, inverse = mapping.F(points, elements)[0], exact.invDF(points, elements)
     root = np.sqrt(2 * np.pi * r * np.abs(exact.detDF(points, elements)) * weights)
     m, n, q = len(elements), len(value), len(weights)

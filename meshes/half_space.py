@@ -68,7 +68,7 @@ def without_low_parts(mesh: Mesh) -> Mesh:
     return MeshQuad(mesh.p, mesh.t, **names)
 
 
-def derivatives(mesh: Mesh) -> Mapping:
+def derivative_mapping(mesh: Mesh) -> Mapping:
     """Return the scikit-fem mapping whose derivatives are accurate to all digits.
 
     Use it for derivatives only, because it may place elements elsewhere than the mesh does.
