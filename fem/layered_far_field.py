@@ -49,7 +49,7 @@ def loaded_fields(points: Array, count: int, ground: Ground, outer: float) -> tu
     )
     in_first = (layer == 0)[:, None, None]
     displacement, stress = (np.einsum("nxc,xk->knc", field * in_first, sources) for field in fields)
-    s, lengths = wave_numbers(ground, outer + 1, travelled=ground.first)
+    s, lengths = wave_numbers(ground, outer + 1, travelled=ground.first_thickness)
     spectrum = lengths[:, None] * (np.cos(np.outer(s, imaginary_depths)) @ sources)
     for number, amplitudes in enumerate(_added_waves(ground, s)):
         in_layer = np.flatnonzero(layer == number)

@@ -137,7 +137,7 @@ def _greatest_on_layers(ring_edges: Array, pressures: Array, ground: Ground) -> 
     Each step refines the radii around the greatest value. There the displacement is smooth or has
     its peak at a ring edge.
     """
-    cells = cut_evenly(ring_edges, ground.first)
+    cells = cut_evenly(ring_edges, ground.first_thickness)
     radii = np.unique(np.linspace(cells[:-1], cells[1:], 33))
     values = displacement(ring_edges, pressures, radii, ground)
     state_values = values.reshape(len(radii), -1).T
@@ -185,7 +185,7 @@ def slopes_everywhere(
         ring_edges, sizes[:-1], float(sizes[-1]), factor, axis_size=1.0
     )
     if ground is not None:
-        breakpoints = cut_evenly(breakpoints, 2 * ground.first)
+        breakpoints = cut_evenly(breakpoints, 2 * ground.first_thickness)
     left, right, width = breakpoints[:-1], breakpoints[1:], np.diff(breakpoints)[:, None]
     from_left, node, weight = np.isin(left, ring_edges), *unit_gauss(POINTS)
     at_edge = (from_left | np.isin(right, ring_edges))[:, None]

@@ -31,7 +31,7 @@ def compliance(space: PressureSpace, ground: Ground | None = None) -> Compliance
         positions, weights, low_parts = panel_quadrature(space)
         density = line_density(space, positions, low_parts)
         return Compliance(space, np.sqrt(2 * weights)[:, None] * density)
-    panels = space.no_wider(WIDEST_PANEL * ground.first)
+    panels = space.no_wider(WIDEST_PANEL * ground.first_thickness)
     positions, weights, low_parts = panel_quadrature(panels)
     factor = np.sqrt(2 * weights)[:, None] * line_density(space, positions, low_parts)
     factor = _on_layers(factor, positions, weights, ground)

@@ -80,7 +80,7 @@ class Ground:
         return bool(np.isinf(self.shear_moduli[-1]))
 
     @property
-    def first(self) -> float:
+    def first_thickness(self) -> float:
         """Thickness of the first layer."""
         return self.thicknesses[0]
 
@@ -219,7 +219,7 @@ def wave_numbers(
         the thickness of the first layer, because the waves that layers add to the surface
         compliance have travelled down to the first interface and back
     """
-    end = NEGLIGIBLE_EXPONENT / (2 * ground.first if travelled is None else travelled)
+    end = NEGLIGIBLE_EXPONENT / (2 * ground.first_thickness if travelled is None else travelled)
     widest = min(MAX_PHASE / reach, end)
     least = LEAST_WAVE_NUMBER / max(float(ground.depths[-1]), 1.0)
     doubling = np.geomspace(least, widest, int(np.log2(widest / least)) + 2)
