@@ -98,7 +98,7 @@ class Ground:
         """Return the number of the layer at each depth, counted from 0; the substrate is n."""
         return np.asarray(np.searchsorted(self.depths, depths, side="right"))
 
-    def on(self, radius: float) -> "Ground":
+    def in_units_of(self, radius: float) -> "Ground":
         """Return the same ground in units of another radius, given in units of the present one."""
         return replace(
             self, thicknesses=tuple(thickness / radius for thickness in self.thicknesses)

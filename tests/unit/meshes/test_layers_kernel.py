@@ -168,5 +168,5 @@ def test_layers_by_depth():
     ground = Ground((0.2, 0.3), (0.35, 1.0, np.inf), (0.3, 0.4, 0.0))
     assert ground.layer_at(np.array([0.1, 0.3, 0.7])).tolist() == [0, 1, 2]
     assert ground.greatest_poisson_ratio == 0.4
-    assert ground.on(0.5).thicknesses == (0.4, 0.6)
+    assert ground.in_units_of(0.5).thicknesses == (0.4, 0.6)
     assert ground.with_poisson_ratios_below(0.35).poisson_ratios == (0.3, 0.35, 0.0)
