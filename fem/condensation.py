@@ -62,17 +62,17 @@ def cholmod_matrix(lower: coo_matrix) -> "spmatrix":
     return kvxopt.spmatrix(kvxopt.matrix(lower.data), rows, columns, lower.shape)
 
 
-def trailing_factor(lower: coo_matrix, inside: int) -> Array:
+def trailing_factor(lower: coo_matrix, eliminated: int) -> Array:
     """Return the Cholesky factor of the Schur complement that remains after an elimination.
 
     The factor is lower triangular (k, k), where k is the number of unknowns that remain when the
-    first `inside` unknowns are eliminated.
+    first `eliminated` unknowns are eliminated.
 
     Parameters
     ----------
     lower : lower triangle of a symmetric positive definite matrix, whose duplicate entries are
         summed; the unknowns to eliminate come first, in the order of elimination
-    inside : number of unknowns to eliminate
+    eliminated : number of unknowns to eliminate
 
     Raises
     ------
@@ -80,14 +80,14 @@ def trailing_factor(lower: coo_matrix, inside: int) -> Array:
         if the matrix is not positive definite
     """
     try:
-        return (_cholmod if solver() == "cholmod" else _superlu)(lower, inside)
+        return (_cholmod if solver() == "cholmod" else _superlu)(lower, eliminated)
     except (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
         raise SolverError(
             f"the stiffness of the half-space could not be factorised: {error}"
         ) from error
 
 
-def _cholmod(lower: coo_matrix, inside: int) -> Array:
+def _cholmod(lower: coo_matrix, eliminated: int) -> Array:
     import kvxopt
     from kvxopt import cholmod
 
@@ -104,14 +104,14 @@ def _cholmod(lower: coo_matrix, inside: int) -> Array:
         # the factor is many times larger than its trailing block: free the matrix to make room for
         # one copy
         del matrix
-        trailing = cholmod.getfactor(factor)[inside:, inside:]
+        trailing = cholmod.getfactor(factor)[eliminated:, eliminated:]
     finally:
         cholmod.options.clear()
         cholmod.options.update(saved_options)
     return np.array(kvxopt.matrix(trailing))
 
 
-def _superlu(lower: coo_matrix, inside: int) -> Array:
+def _superlu(lower: coo_matrix, eliminated: int) -> Array:
     factor = splu(symmetric(lower), permc_spec="NATURAL", **SYMMETRIC)
     pivoted = np.any(np.array([factor.perm_r, factor.perm_c]) != np.arange(lower.shape[0]))
     pivots = factor.U.diagonal()
@@ -119,4 +119,4 @@ def _superlu(lower: coo_matrix, inside: int) -> Array:
         raise ArithmeticError("it is not positive definite")
     # For a symmetric matrix U = D L^T, so that the Cholesky factor is L with its columns scaled by
     # sqrt(D). No matrix product is needed.
-    return factor.L[inside:, inside:].toarray() * np.sqrt(pivots[inside:])
+    return factor.L[eliminated:, eliminated:].toarray() * np.sqrt(pivots[eliminated:])

@@ -83,9 +83,9 @@ def even_half_space(
     edges, size = cells.ring_edges, cells.edge_size
     field = SizeField(edges, size, size, growth, 5.0, cells.largest, 0.125, cells)
     mesh = bisection.mesh(field)
-    breakpoints, below = contact_breakpoints(mesh, np.array(edges))
+    breakpoints, low_parts = contact_breakpoints(mesh, np.array(edges))
     linear = np.where((breakpoints[1:] <= edges[1]) & cells.hollow, 0, 1)
-    space = PressureSpace(breakpoints, linear, np.array(edges), below)
+    space = PressureSpace(breakpoints, linear, np.array(edges), low_parts)
     if halvings:
         mesh = halved(mesh, np.array(edges), halvings)
     solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)

@@ -77,10 +77,10 @@ class Batch:
             coupling = element_stiffness[:, :, in_interior, :, on_boundary].reshape(
                 len(elements), i, b
             )
-            inside = element_stiffness[:, :, in_interior, :, in_interior].reshape(
+            inner_stiffness = element_stiffness[:, :, in_interior, :, in_interior].reshape(
                 len(elements), i, i
             )
-            from_boundary.append(-np.linalg.solve(inside, coupling))
+            from_boundary.append(-np.linalg.solve(inner_stiffness, coupling))
             boundary.append(
                 element_stiffness[:, :, on_boundary, :, on_boundary].reshape(len(elements), b, b)
                 + coupling.transpose(0, 2, 1) @ from_boundary[-1]
@@ -274,9 +274,9 @@ class AxisymmetricElasticity:
         out[:, : self.nodes] = displacement.reshape(2, -1, states).T
         for batch in self.batches:
             _, from_boundary = batch.condensed
-            inside = from_boundary @ values[batch.unknowns]
-            shape = len(inside), 2, -1, states
-            out[:, batch.inside] = inside.reshape(shape).transpose(3, 0, 2, 1)
+            inner_coefficients = from_boundary @ values[batch.unknowns]
+            shape = len(inner_coefficients), 2, -1, states
+            out[:, batch.inside] = inner_coefficients.reshape(shape).transpose(3, 0, 2, 1)
         return out
 
     def lower_triangle(self, position: Indices) -> coo_matrix:
@@ -299,7 +299,7 @@ class AxisymmetricElasticity:
             free = column >= 0
             values = local.reshape(-1, width**2).take(lower, axis=1)[free]
             entries.append((values, np.maximum(first, second)[free], column[free]))
-        values, *places = (np.concatenate(parts) for parts in zip(*entries, strict=True))
+        values, *places = (np.concatenate(arrays) for arrays in zip(*entries, strict=True))
         return coo_matrix((values, places), shape=(position.max() + 1,) * 2)
 
     def forces(self, displacement: Array) -> Array:
@@ -313,11 +313,11 @@ class AxisymmetricElasticity:
 
     def boundary(self, name: str) -> Indices:
         """Return the functions on a named boundary that are not fixed, ordered by radius."""
-        mesh, (_, part) = self.mesh, self.parts
+        mesh, (_, vertex_or_facet) = self.mesh, self.parts
         numbers = self.dofs.get_facet_dofs(mesh.boundaries[name]).flatten()
         numbers = numbers[~self.fixed[numbers]]
         ranks = radial_ranks(mesh)
-        order = np.append(ranks, ranks[mesh.facets].mean(axis=0))[part[numbers]]
+        order = np.append(ranks, ranks[mesh.facets].mean(axis=0))[vertex_or_facet[numbers]]
         return np.asarray(numbers[np.argsort(order, kind="stable")], dtype=np.int64)
 
     def interpolate(self, name: str, fields: Callable[[Array], Array]) -> Array:

@@ -91,11 +91,11 @@ def _complete_on_side(element: Element, side: int) -> bool:
         [element.lbasis(start + (end - start) * local, i)[0] for i in range(len(element.doflocs))]
     )
     first = reference.nnodes + side * element.facet_dofs
-    of_side = [*ends, *range(first, first + element.facet_dofs)]
+    side_functions = [*ends, *range(first, first + element.facet_dofs)]
     powers = np.vander(local, degree + 1)
     return bool(
-        np.abs(np.delete(values, of_side, axis=0)).max(initial=0.0) < 1e-9
-        and _spans(values[of_side], powers.T)
+        np.abs(np.delete(values, side_functions, axis=0)).max(initial=0.0) < 1e-9
+        and _spans(values[side_functions], powers.T)
     )
 
 

@@ -68,10 +68,12 @@ def squared_indicators(
     ends = mesh.p[:, mesh.facets]
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0)
     longest = lengths[mesh.t2f].max(axis=0)
-    inside = longest**2 / (twice_shear * degree**2) * _squared_residuals(solid, displacements)
-    on_facets = _squared_mismatches(solid, displacements, space, pressures)
-    on_facets *= lengths / (twice_shear * degree)
-    return np.asarray(inside + on_facets[:, mesh.t2f].sum(axis=1))
+    residual_terms = (
+        longest**2 / (twice_shear * degree**2) * _squared_residuals(solid, displacements)
+    )
+    facet_terms = _squared_mismatches(solid, displacements, space, pressures)
+    facet_terms *= lengths / (twice_shear * degree)
+    return np.asarray(residual_terms + facet_terms[:, mesh.t2f].sum(axis=1))
 
 
 def fewest_with_share(indicators: Array, share: float) -> Indices:
@@ -219,8 +221,8 @@ def _given_pressures(on_contact: FacetBasis, space: PressureSpace, pressures: Ar
     mesh, facets = on_contact.mesh, on_contact.find
     local = 2 * on_contact.X[0] - 1
     from_axis, towards_axis = (
-        (space.on_elements(along) @ pressures.T).T.reshape(len(pressures), len(facets), -1)
-        for along in (local, -local)
+        (space.on_elements(coordinates) @ pressures.T).T.reshape(len(pressures), len(facets), -1)
+        for coordinates in (local, -local)
     )
     # the local coordinate of a facet starts at its first vertex, which may be the one farther from
     # the axis

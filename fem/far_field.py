@@ -142,10 +142,10 @@ def exterior_stiffness(segments: Array, fields: Fields) -> Array:
     fields : function that returns displacements and stresses at points
     """
     node, weight = unit_gauss(12)
-    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
-    points = (start[:, None] + node[:, None] * along[:, None]).reshape(-1, 2)
+    start, side_vectors = segments[:, 0], segments[:, 1] - segments[:, 0]
+    points = (start[:, None] + node[:, None] * side_vectors[:, None]).reshape(-1, 2)
     # normal times length; it points out of the meshed polygon, away from the origin
-    normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    normal = np.stack([side_vectors[:, 1], -side_vectors[:, 0]], axis=1)
     normal *= np.sign(np.sum(normal * start, axis=1))[:, None]
     n_r, n_z = np.repeat(normal, len(node), axis=0).T
     weights = 2 * np.pi * points[:, 0] * np.tile(weight, len(segments))

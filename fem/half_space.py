@@ -148,8 +148,8 @@ class HalfSpace:
     @property
     def _energies_beyond(self) -> Array:
         """(k, k) energies of the poles in the region beyond the outer boundary."""
-        far = segments(self.solid.mesh, self.solid.mesh.boundaries["far"])
-        return exterior_stiffness(far, self.far_fields_at)
+        far_sides = segments(self.solid.mesh, self.solid.mesh.boundaries["far"])
+        return exterior_stiffness(far_sides, self.far_fields_at)
 
     @cached_property
     def _order(self) -> Indices:
@@ -160,24 +160,24 @@ class HalfSpace:
         """
         solid, n = self.solid, self.solid.nodes
         free = np.tile(~solid.fixed, (2, 1))
-        far, contact = solid.boundary("far"), solid.boundary("contact")
+        far_functions, contact = solid.boundary("far"), solid.boundary("contact")
         free[0, solid.boundary("axis")] = False
-        free[:, far] = False
+        free[:, far_functions] = False
         free[1, contact] = False
         if "base" in solid.mesh.boundaries:
             free[:, solid.boundary("base")] = False
         # nodes of one corner or side have the same neighbours, so the graph of corners and sides
         # suffices; it is far smaller than the graph of unknowns
-        neighbours, part = solid.parts
+        neighbours, vertex_or_facet = solid.parts
         rank = np.argsort(fill_reducing_order(neighbours))
-        order = np.argsort(rank[part], kind="stable")
+        order = np.argsort(rank[vertex_or_facet], kind="stable")
         unknowns = np.stack([order, order + n], axis=1)
         return np.concatenate([unknowns[free.T[order]], contact + n])
 
     @cached_property
     def _far_fields(self) -> Array:
         """(2 nodes, k) coefficients of the poles on the outer boundary, zero elsewhere."""
-        solid, far = self.solid, self.solid.boundary("far")
+        solid, far_functions = self.solid, self.solid.boundary("far")
         if not self.poles:
             return np.zeros((2 * solid.nodes, 0))
         nodal = solid.interpolate(
@@ -185,7 +185,7 @@ class HalfSpace:
             lambda points: np.moveaxis(self.far_fields_at(points)[0], 0, -1),
         )
         out = np.zeros((2 * solid.nodes, len(self.poles)))
-        out[far], out[far + solid.nodes] = nodal.swapaxes(0, 1)
+        out[far_functions], out[far_functions + solid.nodes] = nodal.swapaxes(0, 1)
         return out
 
     @cached_property
@@ -253,8 +253,8 @@ class HalfSpace:
         SolverError
             if the stiffness of the half-space is singular
         """
-        loads, inside = self.coupling @ pressures.T, self.system.shape[0] - len(self.coupling)
-        right = np.pad(loads, ((inside, 0), (0, 0)))
+        loads, inside_count = self.coupling @ pressures.T, self.system.shape[0] - len(self.coupling)
+        right = np.pad(loads, ((inside_count, 0), (0, 0)))
         solution = splu(self.system, permc_spec="MMD_AT_PLUS_A", **SYMMETRIC).solve(right)
         if not np.isfinite(solution).all():
             raise SolverError(

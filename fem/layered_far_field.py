@@ -124,12 +124,12 @@ def _waves_at(
     from_bottom = np.full_like(from_top, ZERO_EXPONENT)
     if number < len(ground.thicknesses):
         from_bottom = s * np.maximum(tops[number + 1] - z, 0.0)[:, None]
-    near, far = np.exp(-from_top), np.exp(-from_bottom)
+    downward_decay, upward_decay = np.exp(-from_top), np.exp(-from_bottom)
     wave_values = (
-        near * (down[:, 0] + from_top * down[:, 1]),
-        near * down[:, 1],
-        far * (up[:, 0] + from_bottom * up[:, 1]),
-        far * up[:, 1],
+        downward_decay * (down[:, 0] + from_top * down[:, 1]),
+        downward_decay * down[:, 1],
+        upward_decay * (up[:, 0] + from_bottom * up[:, 1]),
+        upward_decay * up[:, 1],
     )
     nu, shear = ground.poisson_ratios[number], ground.shear_moduli[number]
     states = np.hstack(waves(nu, shear))

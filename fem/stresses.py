@@ -59,9 +59,9 @@ def stresses(
 
 def _polynomials(degree: int, points: Array) -> Array:
     """Return the values (k, q) of all polynomials up to a total degree, at reference points."""
-    total = np.add.outer(np.arange(degree + 1), np.arange(degree + 1)).ravel()
+    total_degrees = np.add.outer(np.arange(degree + 1), np.arange(degree + 1)).ravel()
     first, second = 2 * points - 1
-    return legvander2d(first, second, [degree, degree]).T[total <= degree]
+    return legvander2d(first, second, [degree, degree]).T[total_degrees <= degree]
 
 
 def _strains(

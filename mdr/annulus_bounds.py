@@ -110,11 +110,13 @@ def _odd_legendre_q(arguments: Array, distances: Array, count: int) -> Array:
     values[beyond_limit] = (
         (weight / (arguments[beyond_limit, None] - node)) @ legvander(node, highest) / 2
     )
-    near = arguments[~beyond_limit]
-    order_zero = 0.5 * np.log((1 + near) / distances[~beyond_limit])
-    recurrence = [order_zero, near * order_zero - 1]
+    small_arguments = arguments[~beyond_limit]
+    order_zero = 0.5 * np.log((1 + small_arguments) / distances[~beyond_limit])
+    recurrence = [order_zero, small_arguments * order_zero - 1]
     for order in range(1, highest):
         last, previous = recurrence[order], recurrence[order - 1]
-        recurrence.append(((2 * order + 1) * near * last - order * previous) / (order + 1))
+        recurrence.append(
+            ((2 * order + 1) * small_arguments * last - order * previous) / (order + 1)
+        )
     values[~beyond_limit] = np.stack(recurrence, axis=1)
     return values[:, 1::2]

@@ -47,11 +47,13 @@ def steady_pressures(ring_edges: Array, wear_coefficients: Array) -> Array:
 def disc_displacement(disc: Array, radius: Array) -> Array:
     """Return the displacement at `radius` under unit pressure on a disc; arguments broadcast."""
     ratio = np.minimum(radius, disc) / np.maximum(radius, disc)
-    e = ellipe(ratio**2)
+    elliptic_e = ellipe(ratio**2)
     # (1 - m) K(m) tends to zero at the edge, where K itself is infinite
     complement = (1 - ratio) * (1 + ratio)
-    outside = e - complement * ellipkm1(np.maximum(complement, np.finfo(float).tiny))
-    return 4 / np.pi * np.where(radius <= disc, disc * e, radius * outside)
+    outside_factor = elliptic_e - complement * ellipkm1(
+        np.maximum(complement, np.finfo(float).tiny)
+    )
+    return 4 / np.pi * np.where(radius <= disc, disc * elliptic_e, radius * outside_factor)
 
 
 def disc_slope(disc: Array, radius: Array, gap: Array | None = None) -> Array:

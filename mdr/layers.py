@@ -41,12 +41,12 @@ def hankel_transforms(space: PressureSpace, s: Array, widest: float) -> Array:
 
     `widest` is the greatest width of the quadrature panels.
     """
-    fine = space.no_wider(widest)
+    panels = space.no_wider(widest)
     node, weight = unit_gauss(space.top + EXTRA_POINTS)
-    radii = (fine.breakpoints[:-1, None] + fine.widths[:, None] * node).ravel()
-    lengths = (fine.widths[:, None] * weight).ravel()
-    on_fine = fine.on_elements(2 * node - 1)
-    values = on_fine if fine is space else on_fine @ fine.embedding(space)
+    radii = (panels.breakpoints[:-1, None] + panels.widths[:, None] * node).ravel()
+    lengths = (panels.widths[:, None] * weight).ravel()
+    panel_values = panels.on_elements(2 * node - 1)
+    values = panel_values if panels is space else panel_values @ panels.embedding(space)
     out = np.empty((space.size, len(s)))
     for block in np.array_split(np.arange(len(s)), 1 + len(s) * len(radii) // VALUES_PER_BLOCK):
         bessel = j0(np.outer(radii, s[block])) * (radii * lengths)[:, None]

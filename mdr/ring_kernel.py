@@ -99,8 +99,8 @@ def _touching(space: PressureSpace) -> _Blocks:
     depth, cut, weight = _product(_flattened(space.top), _flattened(space.top))
     element, weight = np.arange(len(space.degrees)), depth * weight
     # the vertex is the left end, because at the axis its depth cancels the pole of 1/(r + s)
-    same = _Rule(depth, depth * (1 - cut), (depth * cut, np.zeros_like(cut)), weight)
-    yield from _integrate(space, element, element, same)
+    same_element = _Rule(depth, depth * (1 - cut), (depth * cut, np.zeros_like(cut)), weight)
+    yield from _integrate(space, element, element, same_element)
     for inward, outward in ((depth, depth * cut), (depth * cut, depth)):
         yield from _integrate(space, element[:-1], element[1:], _facing(inward, outward, weight))
 
@@ -191,5 +191,5 @@ def _weighted_kernel(radius: Array, ring: Array, distance: Array) -> Array:
 
     The radii r (`radius`) and s (`ring`) are `distance` apart.
     """
-    total = radius + ring
-    return 8 * radius * ring / total * ellipkm1((distance / total) ** 2)
+    radius_sum = radius + ring
+    return 8 * radius * ring / radius_sum * ellipkm1((distance / radius_sum) ** 2)

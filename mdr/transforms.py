@@ -65,8 +65,8 @@ def _from_afar(space: PressureSpace, x: Array, to_left: Array, element: Indices)
     roundoff.
     """
     left, half = space.breakpoints[element], space.widths[element] / 2
-    outside = 1 + to_left / half
-    count = (space.degrees[element] + 1 - np.log(1e-17) / np.arccosh(outside)) / 2
+    distance_ratio = 1 + to_left / half
+    count = (space.degrees[element] + 1 - np.log(1e-17) / np.arccosh(distance_ratio)) / 2
     point_counts = np.ceil(count).astype(np.int64)
     values = np.empty((len(x), space.top + 1))
     for points in np.unique(point_counts):

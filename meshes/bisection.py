@@ -101,9 +101,9 @@ def _dyadic_image(ring_edges: Array) -> tuple[Array, float]:
 def _with_moved_edges(points: Array, dyadic: Array, ring_edges: Array) -> Array:
     """Return points moved radially, so that the dyadic radii become the ring edges."""
     radius = np.hypot(*points)
-    inside = (radius > 0) & (radius < 1)
+    in_punch = (radius > 0) & (radius < 1)
     scale = np.ones_like(radius)
-    scale[inside] = np.interp(radius[inside], dyadic, ring_edges) / radius[inside]
+    scale[in_punch] = np.interp(radius[in_punch], dyadic, ring_edges) / radius[in_punch]
     return points * scale
 
 

@@ -69,9 +69,9 @@ class Compliance:
         # zero on one side of the diagonal. Using only the nonzero columns of each block of rows
         # takes a third of the work.
         for rows in np.split(self.factor, range(512, len(self.factor), 512)):
-            used = np.flatnonzero(rows.any(axis=0))
-            if len(used):
-                span = slice(used[0], used[-1] + 1)
+            nonzero = np.flatnonzero(rows.any(axis=0))
+            if len(nonzero):
+                span = slice(nonzero[0], nonzero[-1] + 1)
                 out[span, span] += rows[:, span].T @ rows[:, span]
         return out
 

@@ -72,8 +72,8 @@ def read_with_meshio(path: Path) -> "meshio.Mesh":
     import meshio
 
     if not path.is_file():
-        reason = "this is a directory" if path.is_dir() else "no such file"
-        raise MeshError(f"{reason}: give a mesh file")
+        fault = "this is a directory" if path.is_dir() else "no such file"
+        raise MeshError(f"{fault}: give a mesh file")
     printed = io.StringIO()
     try:
         # meshio prints error messages, and raises SystemExit if none of its readers accepts the
@@ -99,9 +99,9 @@ def _snapped(mesh: Mesh, ring_edges: Array, radius: float) -> Mesh:
     """
     points, used = mesh.p / radius, np.unique(mesh.t)
     outer = points[0, used].max()
-    outside = used[points[:, used].min(axis=0) < -COORDINATE_TOLERANCE * outer]
-    if len(outside):
-        r, z = mesh.p[:, outside[0]]
+    outside_vertices = used[points[:, used].min(axis=0) < -COORDINATE_TOLERANCE * outer]
+    if len(outside_vertices):
+        r, z = mesh.p[:, outside_vertices[0]]
         raise MeshError(
             f"the vertex at ({r:.6g}, {z:.6g}) lies outside the half-space: radii and depths "
             "must be positive; multiply a coordinate by -1, or mesh one side only"

@@ -126,10 +126,10 @@ def as_half_space(mesh: Mesh, ring_edges: Array, base: float = np.inf) -> Mesh:
     # A facet belongs to the contact if one of its ends is inside the rim. Next to the rim only the
     # low parts show this, because both ends may be rounded to r = 1.
     low = low_parts(mesh)[mesh.facets[:, outer]]
-    inside = ((r < 1) | ((r == 1) & (low < 0))).any(axis=0)
+    inside_rim = ((r < 1) | ((r == 1) & (low < 0))).any(axis=0)
     names = {
-        "contact": surface & inside,
-        "free": surface & ~inside,
+        "contact": surface & inside_rim,
+        "free": surface & ~inside_rim,
         "axis": axis,
         "far": ~surface & ~axis & ~(z == base).all(axis=0),
     }
@@ -163,13 +163,13 @@ def oriented(mesh: MeshQuad) -> MeshQuad:
     Opposite sides are linked into strips, and one of the two possible directions is chosen for each
     strip.
     """
-    # `along` states whether a side, in the direction of the reference element (0-1, 1-2, 3-2, 0-3),
-    # starts at the vertex of lower number
-    along = np.stack(
+    # `runs_as_reference` states whether a side, in the direction of the reference element (0-1,
+    # 1-2, 3-2, 0-3), starts at the vertex of lower number
+    runs_as_reference = np.stack(
         [mesh.facets[0, mesh.t2f[i]] == mesh.t[start] for i, start in enumerate((0, 1, 3, 0))]
     )
     first, opposite = mesh.t2f[:2].ravel(), mesh.t2f[2:].ravel()
-    swapped = (along[:2] != along[2:]).ravel()
+    swapped = (runs_as_reference[:2] != runs_as_reference[2:]).ravel()
     count = mesh.nfacets
     # Node f of the graph is side f from its lower to its higher vertex; node f + count is the same
     # side in the other direction.
@@ -180,7 +180,7 @@ def oriented(mesh: MeshQuad) -> MeshQuad:
     upwards = strip[:count] < strip[count:]
     # `forward` and `upward` state whether the first and the second pair of opposite sides keep
     # their direction. The corner at which both pairs start becomes the first corner.
-    forward, upward = (along[i] == upwards[mesh.t2f[i]] for i in (0, 1))
+    forward, upward = (runs_as_reference[i] == upwards[mesh.t2f[i]] for i in (0, 1))
     shift = np.where(upward, np.where(forward, 0, 1), np.where(forward, 3, 2))
     corners = (np.arange(4)[:, None] + shift) % 4
     return replace(mesh, t=np.take_along_axis(mesh.t, corners, axis=0))

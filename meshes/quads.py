@@ -81,24 +81,26 @@ class GradedQuads:
             if the mesh has a gap, a fold, a missing ring edge or a degenerate element
         """
         points, patch_low_parts, quadrilaterals, reductions = self._patches()
-        outside, between = self.between
+        outside_points, between = self.between
         # gmsh returns coordinates that should be zero with roundoff
-        outside = np.where(np.abs(outside) < 1e-14, 0.0, outside)
+        outside_points = np.where(np.abs(outside_points) < 1e-14, 0.0, outside_points)
         # corners on the outlines belong to the patches and to gmsh's part: keep each only once
-        distance, nearest = cKDTree(outside.T).query(points.T)
+        distance, nearest = cKDTree(outside_points.T).query(points.T)
         scale = np.repeat(self.widths.min(axis=1), 5 * (self.layers + 1) + 1)
         duplicate = distance < 1e-6 * scale
-        vertex_numbers = np.where(duplicate, nearest, outside.shape[1] + np.cumsum(~duplicate) - 1)
+        vertex_numbers = np.where(
+            duplicate, nearest, outside_points.shape[1] + np.cumsum(~duplicate) - 1
+        )
         cells = np.concatenate([vertex_numbers[quadrilaterals], between], axis=1)
         subdomains = {
             f"{LOWERED_DEGREE_PREFIX}{k}": np.flatnonzero(reductions == k)
             for k in np.unique(reductions[reductions > 0])
         }
         subdomains[DEEP_SUBDOMAIN] = len(reductions) + np.flatnonzero(
-            outside[1, between].min(axis=0) > 0
+            outside_points[1, between].min(axis=0) > 0
         )
-        vertices = np.concatenate([outside, points[:, ~duplicate]], axis=1)
-        low_parts = np.append(np.zeros(outside.shape[1]), patch_low_parts[~duplicate])
+        vertices = np.concatenate([outside_points, points[:, ~duplicate]], axis=1)
+        low_parts = np.append(np.zeros(outside_points.shape[1]), patch_low_parts[~duplicate])
         mesh = ExactQuads(vertices, cells, low_parts=low_parts)
         return as_half_space(mesh.with_subdomains(subdomains), self.ring_edges, self.base)
 

@@ -154,8 +154,8 @@ def layer_degrees(
     marks = np.append(
         -len(index), np.searchsorted(breakpoints, np.asarray(ring_edges, dtype=float)[1:])
     )
-    after = np.searchsorted(marks, index, side="right")
-    layer = np.minimum(marks[after] - 1 - index, index - marks[after - 1])
+    next_mark = np.searchsorted(marks, index, side="right")
+    layer = np.minimum(marks[next_mark] - 1 - index, index - marks[next_mark - 1])
     return np.minimum(degree, lowest + np.floor(rise * layer).astype(np.int64))
 
 

@@ -90,8 +90,10 @@ class SizeField:
         for edge, smallest in zip(self.ring_edges, self.sizes, strict=True):
             size = np.minimum(size, smallest + self.growth * np.hypot(radius - edge, depth))
         if self.cells:
-            away = np.hypot(depth, np.maximum(radius - 1, 0))
-            size = np.minimum(size, self.cells(np.minimum(radius, 1)) + self.growth * away)
+            contact_distance = np.hypot(depth, np.maximum(radius - 1, 0))
+            size = np.minimum(
+                size, self.cells(np.minimum(radius, 1)) + self.growth * contact_distance
+            )
         return size
 
     def coarser(self) -> "SizeField":

@@ -155,7 +155,7 @@ def interfaces(ground: Ground, s: Array) -> tuple[list[Interface], Array]:
     out: list[Interface] = []
     # reflection matrix of everything below, at the top of the layer below; a substrate reflects
     # nothing
-    below = np.zeros((len(s), 2, 2))
+    reflection_below = np.zeros((len(s), 2, 2))
     for number in reversed(range(len(ground.thicknesses))):
         down, up = waves(ground.poisson_ratios[number], ground.shear_moduli[number])
         if np.isinf(ground.shear_moduli[number + 1]):
@@ -168,13 +168,14 @@ def interfaces(ground: Ground, s: Array) -> tuple[list[Interface], Array]:
             )
             # displacements and tractions are continuous
             unknown_states = np.concatenate(
-                [np.broadcast_to(up, (len(s), 4, 2)), -(down_below + up_below @ below)], axis=2
+                [np.broadcast_to(up, (len(s), 4, 2)), -(down_below + up_below @ reflection_below)],
+                axis=2,
             )
-            solved = np.linalg.solve(unknown_states, np.broadcast_to(-down, (len(s), 4, 2)))
-            out.append(Interface(solved[:, :2], solved[:, 2:]))
+            outgoing = np.linalg.solve(unknown_states, np.broadcast_to(-down, (len(s), 4, 2)))
+            out.append(Interface(outgoing[:, :2], outgoing[:, 2:]))
         propagation = travel(s * ground.thicknesses[number])
-        below = propagation @ out[-1].reflected @ propagation
-    return out[::-1], below
+        reflection_below = propagation @ out[-1].reflected @ propagation
+    return out[::-1], reflection_below
 
 
 def loaded_waves(ground: Ground, s: Array, reflection: Array) -> tuple[Array, Array]:
@@ -221,8 +222,8 @@ def wave_numbers(
     """
     end = NEGLIGIBLE_EXPONENT / (2 * ground.first_thickness if travelled is None else travelled)
     widest = min(MAX_PHASE / reach, end)
-    least = LEAST_WAVE_NUMBER / max(float(ground.depths[-1]), 1.0)
-    doubling = np.geomspace(least, widest, int(np.log2(widest / least)) + 2)
+    first_panel = LEAST_WAVE_NUMBER / max(float(ground.depths[-1]), 1.0)
+    doubling = np.geomspace(first_panel, widest, int(np.log2(widest / first_panel)) + 2)
     even = np.linspace(widest, end, int(np.ceil((end - widest) / widest)) + 1)[1:]
     panels = np.concatenate([[0.0], doubling, even])
     node, weight = _gauss(POINTS)
