@@ -59,7 +59,7 @@ def least_ratio(displacements: csr_matrix, pressures: csr_matrix, areas: Array) 
     blocks = [[displacement_basis.T @ displacement_basis, coupling], [coupling.T, None]]
     try:
         saddle_point = splu(bmat(blocks, format="csc"))
-    except RuntimeError:  # SuperLU says that it is exactly singular
+    except RuntimeError:  # SuperLU reports an exactly singular matrix
         return 0.0
     pressure, ratio = np.random.default_rng(0).normal(size=size), 0.0
     for _ in range(ITERATIONS):
